@@ -1,0 +1,250 @@
+//! The trained model by reference: parameters as fixed arrays, the domain and
+//! the thresholds that travel with them.
+//!
+//! What belongs to a word, a concept, an attribute type or an action stands in
+//! one struct with its parameters, so that the number of rows of a matrix can't
+//! disagree with the number of words. The hidden sizes below are those of the
+//! architecture; everything that depends on the domain is a slice.
+//!
+//! Matrices are column-major here (`[[f32; ROWS]; COLUMNS]`), so that
+//! `W·x = Σ_j x[j]·W[j]` runs over contiguous memory; the model file's are
+//! row-major, and the code generator transposes them.
+
+use crate::nn::{Conv, Gru, Linear};
+
+/// Length of a word's embedding at the sentence encoder's input (section IV-B).
+pub const WORD: usize = 32;
+/// Hidden units of the sentence encoder in each direction.
+pub const ENCODER_HIDDEN: usize = 48;
+/// Length of the instruction embedding: both directions, forward first.
+pub const INSTRUCTION: usize = 2 * ENCODER_HIDDEN;
+/// Length of a word's embedding at the splitter's input.
+pub const SPLITTER_WORD: usize = 24;
+/// Hidden units of the splitter's GRU, and of its hazard's hidden layer.
+pub const SPLITTER_HIDDEN: usize = 32;
+/// Side of the square crop that the encoder sees, in pixels (section IV-C).
+pub const CROP: usize = 32;
+/// Channels after the first convolution, 4×4 with stride 4.
+pub const PATCH_CHANNELS: usize = 24;
+/// Channels after the second convolution, 2×2 with stride 2.
+pub const MERGE_CHANNELS: usize = 32;
+/// Values after the second convolution: `MERGE_CHANNELS` maps of 4×4.
+pub const MERGED: usize = MERGE_CHANNELS * 16;
+/// Length of what one view of a crop (colour, brightness) is encoded to.
+pub const VIEW_EMBEDDING: usize = 32;
+/// Length of an object's embedding: the colour view, then the brightness view.
+pub const OBJECT_EMBEDDING: usize = 2 * VIEW_EMBEDDING;
+/// Hidden units of an attribute operator.
+pub const OPERATOR_HIDDEN: usize = 32;
+/// Dimension of the concept space in which the cosine is taken (Table II).
+pub const CONCEPT: usize = 16;
+/// Hidden units of each of the action simulator's two hidden layers (section IV-D).
+pub const SIMULATOR_HIDDEN: usize = 64;
+/// Numbers in a location: box corners x1, y1, x2, y2 and mean depth.
+pub const LOCATION: usize = 5;
+/// Version of the model file and of these structs; others are refused.
+pub const SCHEMA: u32 = 1;
+
+/// A trained model: what [`crate::Planner`] reads and never writes.
+#[derive(Debug, Clone, Copy)]
+pub struct Model<'a> {
+    /// What the model file says of itself.
+    pub header: Header<'a>,
+    /// Words outside the lexicon, with their folded parameters; sorted by text.
+    pub words: &'a [Word<'a>],
+    /// What stands in for a group of concept words, `[[X]]` in the paper.
+    pub group: &'a WordParameters,
+    /// Words that name a concept (the paper's only lexicon); sorted by text.
+    pub lexicon: &'a [LexiconEntry<'a>],
+    /// Attribute types with their operators, in the domain's order (Table I).
+    pub attributes: &'a [Attribute<'a>],
+    /// Attribute values, in the domain's order.
+    pub concepts: &'a [Concept<'a>],
+    /// Actions, in the domain's order.
+    pub actions: &'a [Action<'a>],
+    /// Sentence encoder, decoders and splitter (section IV-B).
+    pub language: Language<'a>,
+    /// Crop encoder (section IV-C).
+    pub vision: Vision<'a>,
+    /// Action simulator (section IV-D).
+    pub simulator: &'a Simulator,
+    /// From a location to the object's centre in the camera's frame.
+    pub camera: &'a PixelToCamera,
+}
+
+/// What the model file says of itself.
+#[derive(Debug, Clone, Copy)]
+pub struct Header<'a> {
+    /// Name of the domain file that it was trained on.
+    pub domain: &'a str,
+    /// SHA-256 of the tensors: names, shapes and values.
+    pub hash: [u8; 32],
+    /// When to refuse; calibrated on validation data.
+    pub thresholds: Thresholds,
+    /// Where sub-goals may lie.
+    pub work_space: WorkSpace,
+    /// Orientation in which the demonstrator sets objects down: x, y, z, w.
+    pub placed_orientation: [f32; 4],
+}
+
+/// When to refuse rather than guess; probabilities and cosines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Thresholds {
+    /// An object matches a description when its filtered score, a cosine, is at
+    /// least this.
+    pub match_score: f32,
+    /// Least probability of a split, an action or an argument that is acted on.
+    pub decision: f32,
+}
+
+/// The box in which sub-goals may lie: world frame, metres, bounds included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorkSpace {
+    /// Least x, y, z of an object's centre.
+    pub min: [f32; 3],
+    /// Greatest x, y, z of an object's centre.
+    pub max: [f32; 3],
+}
+
+/// A word outside the lexicon.
+#[derive(Debug, Clone, Copy)]
+pub struct Word<'a> {
+    /// In lower case; `","` is the comma.
+    pub text: &'a str,
+    /// Its parameters.
+    pub parameters: WordParameters,
+}
+
+/// A word's embeddings with the products that depend on nothing else folded in.
+#[derive(Debug, Clone, Copy)]
+pub struct WordParameters {
+    /// `W_ih·e + b` of the encoder's forward cell: reset, update, new.
+    pub forward_gates: [[f32; ENCODER_HIDDEN]; 3],
+    /// The same of the encoder's backward cell.
+    pub backward_gates: [[f32; ENCODER_HIDDEN]; 3],
+    /// The same of the splitter's cell.
+    pub splitter_gates: [[f32; SPLITTER_HIDDEN]; 3],
+    /// Share in the hazard's hidden layer when this is the next token.
+    pub hazard_next: [f32; SPLITTER_HIDDEN],
+    /// Share in the hazard's hidden layer when this is the token after the next.
+    pub hazard_after_next: [f32; SPLITTER_HIDDEN],
+}
+
+/// A word that names a concept.
+#[derive(Debug, Clone, Copy)]
+pub struct LexiconEntry<'a> {
+    /// In lower case.
+    pub text: &'a str,
+    /// Index into [`Model::concepts`].
+    pub concept: u8,
+}
+
+/// What of a crop an attribute operator sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum View {
+    /// Red, green and blue.
+    Color,
+    /// Brightness alone, standardised over the crop.
+    Brightness,
+}
+
+/// An attribute type with its operator: `Linear → ReLU → Linear` into concept space.
+#[derive(Debug, Clone, Copy)]
+pub struct Attribute<'a> {
+    /// Name in the domain file.
+    pub name: &'a str,
+    /// The part of the object's embedding that it reads.
+    pub view: View,
+    /// First layer.
+    pub hidden: Linear<VIEW_EMBEDDING, OPERATOR_HIDDEN>,
+    /// Second layer.
+    pub output: Linear<OPERATOR_HIDDEN, CONCEPT>,
+}
+
+/// An attribute value.
+#[derive(Debug, Clone, Copy)]
+pub struct Concept<'a> {
+    /// Name in the domain file.
+    pub name: &'a str,
+    /// Index of its type in [`Model::attributes`].
+    pub attribute: u8,
+    /// Its embedding, of length 1.
+    pub embedding: [f32; CONCEPT],
+}
+
+/// An action.
+#[derive(Debug, Clone, Copy)]
+pub struct Action<'a> {
+    /// Name in the domain file: `MoveOn`.
+    pub name: &'a str,
+    /// How a person says it, the first phrase of the domain file: `on`.
+    pub phrase: &'a str,
+    /// Its row of the action decoder.
+    pub decoder: [f32; INSTRUCTION],
+    /// Its logit's bias.
+    pub decoder_bias: f32,
+    /// Its one-hot column of the simulator's first layer, with that layer's bias
+    /// and the standardisation of locations folded in.
+    pub simulator_bias: [f32; SIMULATOR_HIDDEN],
+}
+
+/// Parameters of the language module that belong to no single word.
+#[derive(Debug, Clone, Copy)]
+pub struct Language<'a> {
+    /// Recurrent part of the encoder's forward cell.
+    pub forward: &'a Gru<ENCODER_HIDDEN>,
+    /// Recurrent part of the encoder's backward cell.
+    pub backward: &'a Gru<ENCODER_HIDDEN>,
+    /// From the instruction embedding to `c_1`, compared with each group's state.
+    pub object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
+    /// From the instruction embedding to `c_2`.
+    pub reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
+    /// Recurrent part of the splitter's cell.
+    pub splitter: &'a Gru<SPLITTER_HIDDEN>,
+    /// From the splitter's state to the hazard's hidden layer (tanh).
+    pub hazard_hidden: &'a Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN>,
+    /// From the hazard's hidden layer to its logit.
+    pub hazard: &'a Linear<SPLITTER_HIDDEN, 1>,
+}
+
+/// The crop encoder: one small convolutional network a view.
+#[derive(Debug, Clone, Copy)]
+pub struct Vision<'a> {
+    /// On red, green and blue.
+    pub color: &'a ViewEncoder<3>,
+    /// On brightness.
+    pub brightness: &'a ViewEncoder<1>,
+}
+
+/// `Conv 4×4/4 → ReLU → Conv 2×2/2 → ReLU → Linear → ReLU`.
+#[derive(Debug, Clone, Copy)]
+pub struct ViewEncoder<const CHANNELS: usize> {
+    /// 32×32 to 8×8.
+    pub patch: Conv<CHANNELS, PATCH_CHANNELS, 4>,
+    /// 8×8 to 4×4.
+    pub merge: Conv<PATCH_CHANNELS, MERGE_CHANNELS, 2>,
+    /// Flattened by channel, row, column.
+    pub dense: Linear<MERGED, VIEW_EMBEDDING>,
+}
+
+/// `loc' = base + MLP(action, loc_1, loc_2)`, where base has the moved object's
+/// width and height at the reference's centre and depth; tanh between layers.
+#[derive(Debug, Clone, Copy)]
+pub struct Simulator {
+    /// Columns of the first layer for the moved object's and the reference's
+    /// centre x, centre y, width, height and depth, standardisation folded in.
+    pub input: [[f32; SIMULATOR_HIDDEN]; 2 * LOCATION],
+    /// Second layer.
+    pub hidden: Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN>,
+    /// Change of centre x, centre y, width, height and depth, the output's scale
+    /// folded in.
+    pub output: Linear<SIMULATOR_HIDDEN, LOCATION>,
+}
+
+/// Linear map from `(X, Y, D, W, H, 1)` to the object's centre in the camera's
+/// frame, all in metres: the box's centre and size deprojected at mean depth D.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelToCamera {
+    /// A row for each of x, y, z.
+    pub weight: [[f32; 6]; 3],
+}
