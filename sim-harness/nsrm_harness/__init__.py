@@ -1,0 +1,1 @@
+"""World, camera, episodes, learning and evaluation around the NSRM library."""

@@ -1,0 +1,1 @@
+"""Episodes: demonstrated in simulation, kept in files, read by the trainer."""
