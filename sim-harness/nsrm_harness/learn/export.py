@@ -1,0 +1,182 @@
+"""The model file: safetensors with everything that inference needs in its metadata.
+
+The file is written here rather than by the safetensors package, which orders metadata at random:
+the same model must give the same bytes. It is read back through that package.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+from safetensors import SafetensorError, safe_open
+
+from nsrm_harness import domain as domains
+from nsrm_harness.domain import Domain
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.learn import model as network
+from nsrm_harness.learn.model import Dimensions, Model
+
+SCHEMA = 1
+"""Version of the model file, `nsrm_core::model::SCHEMA`."""
+
+
+class ModelFileError(HarnessError):
+    """A model file that can't be read."""
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """When to refuse rather than guess."""
+
+    match_score: float
+    """Least filtered cosine of an object that matches a description."""
+    decision: float
+    """Least probability of a split, an action or an argument that is acted on."""
+
+
+@dataclass(frozen=True)
+class WorkSpace:
+    """Where sub-goals may lie: world frame, metres, bounds included."""
+
+    min: tuple[float, float, float]
+    max: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A model with what its file says of it."""
+
+    model: Model
+    domain: Domain
+    thresholds: Thresholds
+    work_space: WorkSpace
+    placed_orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    """In which the demonstrator sets objects down: x, y, z, w."""
+    training: Mapping[str, Any] = field(default_factory=dict)
+    """Seed, number of episodes, hash of the data, stages."""
+    metrics: Mapping[str, Any] = field(default_factory=dict)
+    """On test, by `evaluate.py`; empty until evaluated."""
+
+
+def tensor_hash(tensors: Mapping[str, np.ndarray]) -> str:
+    """SHA-256 over the tensors by name: name, each dimension as u64, values as f32 (little-endian)."""
+    digest = hashlib.sha256()
+    for name in sorted(tensors):
+        array = tensors[name]
+        digest.update(name.encode())
+        digest.update(np.asarray(array.shape, "<u8").tobytes())
+        digest.update(np.ascontiguousarray(array, "<f4").tobytes())
+    return digest.hexdigest()
+
+
+def arrays_of(model: Model) -> dict[str, np.ndarray]:
+    """Every tensor of the model as float32; raises where one is not finite."""
+    arrays = {name: np.asarray(a, np.float32) for name, a in network.tensors(model).items()}
+    for name, array in arrays.items():
+        if not np.isfinite(array).all():
+            raise ValueError(f"{name} has values that are not finite: the training diverged")
+    return arrays
+
+
+def model_bytes(file: ModelFile) -> bytes:
+    """The file's content; the same model gives the same bytes."""
+    arrays = arrays_of(file.model)
+    sizes = {
+        "word": network.WORD,
+        "encoder_hidden": network.ENCODER_HIDDEN,
+        "splitter_word": network.SPLITTER_WORD,
+        "splitter_hidden": network.SPLITTER_HIDDEN,
+        "crop": network.CROP,
+        "patch_channels": network.PATCH_CHANNELS,
+        "merge_channels": network.MERGE_CHANNELS,
+        "view_embedding": network.VIEW_EMBEDDING,
+        "operator_hidden": network.OPERATOR_HIDDEN,
+        "concept": network.CONCEPT,
+        "simulator_hidden": network.SIMULATOR_HIDDEN,
+    }
+    metadata = {
+        "schema": str(SCHEMA),
+        "hash": tensor_hash(arrays),
+        "domain": file.domain.as_json(),
+        "vocabulary": json.dumps(file.domain.vocabulary(), ensure_ascii=False),
+        "dimensions": json.dumps(sizes),
+        "thresholds": json.dumps(asdict(file.thresholds)),
+        "work_space": json.dumps(asdict(file.work_space)),
+        "placed_orientation": json.dumps(file.placed_orientation),
+        "training": json.dumps(file.training),
+        "metrics": json.dumps(file.metrics),
+    }
+    return safetensors_bytes(arrays, metadata)
+
+
+def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
+    """Tensors sorted by name and metadata in the given order as a safetensors file."""
+    header: dict[str, Any] = {"__metadata__": dict(metadata)}
+    dtypes = {"float32": "F32", "uint8": "U8", "int32": "I32"}
+    content = bytearray()
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        start = len(content)
+        content += array.astype(array.dtype.newbyteorder("<")).tobytes()
+        header[name] = {
+            "dtype": dtypes[array.dtype.name],
+            "shape": list(arrays[name].shape),
+            "data_offsets": [start, len(content)],
+        }
+    text = json.dumps(header, ensure_ascii=False).encode()
+    text += b" " * (-len(text) % 8)
+    return len(text).to_bytes(8, "little") + text + bytes(content)
+
+
+def write_model(path: Path, file: ModelFile) -> None:
+    """Write the model file, all of it or nothing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".part")
+    partial.write_bytes(model_bytes(file))
+    os.replace(partial, path)
+
+
+def read_model(path: Path) -> ModelFile:
+    """Read a model file back; `ModelFileError` says what does not fit."""
+    try:
+        with safe_open(path, framework="numpy") as reader:
+            metadata = dict(reader.metadata() or {})
+            arrays = {name: reader.get_tensor(name) for name in reader.keys()}
+    except (OSError, SafetensorError) as error:
+        raise ModelFileError(f"{path}: can't read the model file: {error}") from error
+    if metadata.get("schema") != str(SCHEMA):
+        found = metadata.get("schema")
+        raise ModelFileError(f"{path}: expected a model file of schema {SCHEMA}, got {found}")
+    if metadata.get("hash") != tensor_hash(arrays):
+        raise ModelFileError(f"{path}: the tensors don't have the hash that the file names")
+    domain = domains.from_json(metadata["domain"], str(path))
+    empty = Model(Dimensions.of(domain), jax.random.key(0))
+    try:
+        model = network.with_tensors(
+            empty, {name: jax.numpy.asarray(a) for name, a in arrays.items()}
+        )
+    except ValueError as error:
+        raise ModelFileError(f"{path}: {error}") from error
+    space = json.loads(metadata["work_space"])
+    return ModelFile(
+        model=model,
+        domain=domain,
+        thresholds=Thresholds(**json.loads(metadata["thresholds"])),
+        work_space=WorkSpace(tuple(space["min"]), tuple(space["max"])),
+        placed_orientation=tuple(json.loads(metadata["placed_orientation"])),
+        training=json.loads(metadata["training"]),
+        metrics=json.loads(metadata["metrics"]),
+    )
+
+
+def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:
+    """Put the metrics on test into a model file; tensors and hash stay as they are."""
+    write_model(path, replace(read_model(path), metrics=metrics))

@@ -1,0 +1,389 @@
+"""The network in Equinox: the parts of the paper, each under the name that it has in the model file.
+
+Every module works on one example; `jax.vmap` makes batches. Row-major matrices `[out, in]`.
+The order of gates in recurrent cells is reset, update, new, as in `equinox.nn.GRUCell`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+if TYPE_CHECKING:
+    from nsrm_harness.domain import Domain
+
+WORD = 32
+ENCODER_HIDDEN = 48
+INSTRUCTION = 2 * ENCODER_HIDDEN
+SPLITTER_WORD = 24
+SPLITTER_HIDDEN = 32
+CROP = 32
+PATCH_CHANNELS = 24
+MERGE_CHANNELS = 32
+VIEW_EMBEDDING = 32
+OBJECT_EMBEDDING = 2 * VIEW_EMBEDDING
+OPERATOR_HIDDEN = 32
+CONCEPT = 16
+SIMULATOR_HIDDEN = 64
+LOCATION = 5
+CAMERA_TERMS = 6
+
+GROUP_TOKEN = 0
+"""Row of the embeddings that stands for a group of concept words, `[[X]]`."""
+UNIQUE_SCALE = 10.0
+"""Factor from cosine to logit in `Unique` (section IV-C)."""
+SIMULATOR_SCALE = 0.1
+"""Factor on the simulator's output; keeps the first predictions near the reference."""
+NORM_EPSILON = 1e-6
+"""Least norm in a cosine."""
+MISSING = -1e9
+"""Logit of what is not there: padding, a missing object."""
+
+
+@dataclass(frozen=True)
+class AttributeShape:
+    """An attribute type: its name, the view that its operator sees, its number of values."""
+
+    name: str
+    view: str
+    values: int
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """What of the network's size depends on the domain."""
+
+    words: int
+    attributes: tuple[AttributeShape, ...]
+    actions: int
+
+    @property
+    def concepts(self) -> int:
+        """Number of attribute values."""
+        return sum(attribute.values for attribute in self.attributes)
+
+    @classmethod
+    def of(cls, domain: Domain) -> Dimensions:
+        """The dimensions of a domain; the group token counts as a word."""
+        attributes = tuple(AttributeShape(a.name, a.view, len(a.values)) for a in domain.attributes)
+        return cls(len(domain.vocabulary()), attributes, len(domain.actions))
+
+
+def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array, reverse: bool = False) -> Array:
+    """States of a GRU from a zero state: inputs `[T, I]`, valid `[T]` -> `[T, H]`.
+
+    Where `valid` is false the state passes unchanged, so that padding has no influence.
+    `n = tanh(i_n + r * (W_hn h + b_n))`, `h' = n + z * (h - n)`.
+    """
+    gates = inputs @ cell.weight_ih.T + cell.bias
+
+    def step(hidden: Array, at: tuple[Array, Array]) -> tuple[Array, Array]:
+        gate, is_valid = at
+        in_reset, in_update, in_new = jnp.split(gate, 3)
+        hid_reset, hid_update, hid_new = jnp.split(cell.weight_hh @ hidden, 3)
+        reset = jax.nn.sigmoid(in_reset + hid_reset)
+        update = jax.nn.sigmoid(in_update + hid_update)
+        new = jnp.tanh(in_new + reset * (hid_new + cell.bias_n))
+        hidden = jnp.where(is_valid, new + update * (hidden - new), hidden)
+        return hidden, hidden
+
+    _, states = jax.lax.scan(step, jnp.zeros(cell.hidden_size), (gates, valid), reverse=reverse)
+    return states
+
+
+class Encoder(eqx.Module):
+    """Sentence encoder: one GRU in each direction (section IV-B)."""
+
+    forward: eqx.nn.GRUCell
+    backward: eqx.nn.GRUCell
+
+    def __init__(self, key: Array):
+        first, second = jax.random.split(key)
+        self.forward = eqx.nn.GRUCell(WORD, ENCODER_HIDDEN, key=first)
+        self.backward = eqx.nn.GRUCell(WORD, ENCODER_HIDDEN, key=second)
+
+    def __call__(self, words: Array, valid: Array) -> tuple[Array, Array]:
+        """Embeddings `[T, 32]`, right-padded -> states `[T, 96]`, instruction `[96]`."""
+        ahead = run_gru(self.forward, words, valid)
+        back = run_gru(self.backward, words, valid, reverse=True)
+        return jnp.concatenate([ahead, back], axis=1), jnp.concatenate([ahead[-1], back[0]])
+
+
+class Splitter(eqx.Module):
+    """Where the first step of a command ends: a hazard at each token (section IV-B)."""
+
+    embedding: eqx.nn.Embedding
+    gru: eqx.nn.GRUCell
+    hidden: eqx.nn.Linear
+    hazard: eqx.nn.Linear
+
+    def __init__(self, words: int, key: Array):
+        keys = jax.random.split(key, 4)
+        self.embedding = eqx.nn.Embedding(words, SPLITTER_WORD, key=keys[0])
+        self.gru = eqx.nn.GRUCell(SPLITTER_WORD, SPLITTER_HIDDEN, key=keys[1])
+        inputs = SPLITTER_HIDDEN + 2 * SPLITTER_WORD
+        self.hidden = eqx.nn.Linear(inputs, SPLITTER_HIDDEN, key=keys[2])
+        self.hazard = eqx.nn.Linear(SPLITTER_HIDDEN, 1, key=keys[3])
+
+    def __call__(self, tokens: Array, valid: Array) -> Array:
+        """Tokens `[T]`, right-padded -> logit of the hazard after each token `[T]`."""
+        words = jnp.where(valid[:, None], self.embedding.weight[tokens], 0.0)
+        states = run_gru(self.gru, words, valid)
+        ahead = jnp.concatenate([words, jnp.zeros((2, SPLITTER_WORD))])
+        seen = jnp.concatenate([states, ahead[1:-1], ahead[2:]], axis=1)
+        hidden = jnp.tanh(seen @ self.hidden.weight.T + self.hidden.bias)
+        return (hidden @ self.hazard.weight.T + self.hazard.bias)[:, 0]
+
+
+class Parse(NamedTuple):
+    """One step as the parser sees it: logits `[A]` of actions, `[T]` of each argument."""
+
+    action: Array
+    object: Array
+    reference: Array
+
+
+class Language(eqx.Module):
+    """Language reasoning: splitter, encoder and decoders (section IV-B)."""
+
+    embedding: eqx.nn.Embedding
+    encoder: Encoder
+    action_decoder: eqx.nn.Linear
+    object_decoder: eqx.nn.Linear
+    reference_decoder: eqx.nn.Linear
+    splitter: Splitter
+
+    def __init__(self, dimensions: Dimensions, key: Array):
+        keys = jax.random.split(key, 6)
+        self.embedding = eqx.nn.Embedding(dimensions.words, WORD, key=keys[0])
+        self.encoder = Encoder(keys[1])
+        self.action_decoder = eqx.nn.Linear(INSTRUCTION, dimensions.actions, key=keys[2])
+        self.object_decoder = eqx.nn.Linear(INSTRUCTION, INSTRUCTION, key=keys[3])
+        self.reference_decoder = eqx.nn.Linear(INSTRUCTION, INSTRUCTION, key=keys[4])
+        self.splitter = Splitter(dimensions.words, keys[5])
+
+    def parse(self, tokens: Array, valid: Array) -> Parse:
+        """Tokens of one step `[T]`, right-padded -> logits; only group tokens are arguments."""
+        states, instruction = self.encoder(self.embedding.weight[tokens], valid)
+        is_group = valid & (tokens == GROUP_TOKEN)
+        arguments = [
+            jnp.where(is_group, states @ decoder(instruction), MISSING)
+            for decoder in (self.object_decoder, self.reference_decoder)
+        ]
+        return Parse(self.action_decoder(instruction), *arguments)
+
+
+class Conv(eqx.Module):
+    """Cross-correlation without padding whose stride is its kernel."""
+
+    weight: Array
+    bias: Array
+
+    def __init__(self, inputs: int, outputs: int, kernel: int, key: Array):
+        limit = (inputs * kernel * kernel) ** -0.5
+        shape = (outputs, inputs, kernel, kernel)
+        self.weight = jax.random.uniform(key, shape, minval=-limit, maxval=limit)
+        self.bias = jnp.zeros(outputs)
+
+    def __call__(self, image: Array) -> Array:
+        """`[I, S, S]` -> `[O, S/K, S/K]`."""
+        outputs, inputs, kernel, _ = self.weight.shape
+        side = image.shape[-1] // kernel
+        cells = image.reshape(inputs, side, kernel, side, kernel)
+        cells = cells.transpose(1, 3, 0, 2, 4).reshape(side * side, -1)
+        result = cells @ self.weight.reshape(outputs, -1).T + self.bias
+        return result.T.reshape(outputs, side, side)
+
+
+class ViewEncoder(eqx.Module):
+    """`Conv 4x4/4 -> ReLU -> Conv 2x2/2 -> ReLU -> Linear -> ReLU` on one view of a crop."""
+
+    patch: Conv
+    merge: Conv
+    dense: eqx.nn.Linear
+
+    def __init__(self, channels: int, key: Array):
+        keys = jax.random.split(key, 3)
+        self.patch = Conv(channels, PATCH_CHANNELS, 4, keys[0])
+        self.merge = Conv(PATCH_CHANNELS, MERGE_CHANNELS, 2, keys[1])
+        merged = MERGE_CHANNELS * (CROP // 8) ** 2
+        self.dense = eqx.nn.Linear(merged, VIEW_EMBEDDING, key=keys[2])
+
+    def __call__(self, view: Array) -> Array:
+        """`[channels, 32, 32]` -> `[32]`."""
+        hidden = jax.nn.relu(self.merge(jax.nn.relu(self.patch(view))))
+        return jax.nn.relu(self.dense(hidden.reshape(-1)))
+
+
+class Operator(eqx.Module):
+    """From a view's embedding into the concept space of one attribute type."""
+
+    hidden: eqx.nn.Linear
+    output: eqx.nn.Linear
+
+    def __init__(self, key: Array):
+        first, second = jax.random.split(key)
+        self.hidden = eqx.nn.Linear(VIEW_EMBEDDING, OPERATOR_HIDDEN, key=first)
+        self.output = eqx.nn.Linear(OPERATOR_HIDDEN, CONCEPT, key=second)
+
+    def __call__(self, embedding: Array) -> Array:
+        """`[32]` -> `[16]`."""
+        return self.output(jax.nn.relu(self.hidden(embedding)))
+
+
+def brightness(crop: Array) -> Array:
+    """RGB in 0..1 `[3, 32, 32]` -> `[1, 32, 32]`, standardised over the crop."""
+    gray = jnp.tensordot(jnp.array([0.299, 0.587, 0.114]), crop, axes=1)
+    return ((gray - gray.mean()) / (gray.std() + 0.02))[None]
+
+
+def cosine(left: Array, right: Array) -> Array:
+    """Cosine of two vectors; 0 where one has no length."""
+    norms = [jnp.sqrt(jnp.maximum(v @ v, NORM_EPSILON**2)) for v in (left, right)]
+    return (left @ right) / (norms[0] * norms[1])
+
+
+class Vision(eqx.Module):
+    """Visual reasoning: crop encoder, attribute operators, concepts (section IV-C)."""
+
+    color: ViewEncoder
+    brightness: ViewEncoder
+    operator: dict[str, Operator]
+    concept: eqx.nn.Embedding
+    attributes: tuple[AttributeShape, ...] = eqx.field(static=True)
+
+    def __init__(self, dimensions: Dimensions, key: Array):
+        keys = jax.random.split(key, 3 + len(dimensions.attributes))
+        self.attributes = dimensions.attributes
+        self.color = ViewEncoder(3, keys[0])
+        self.brightness = ViewEncoder(1, keys[1])
+        self.concept = eqx.nn.Embedding(dimensions.concepts, CONCEPT, key=keys[2])
+        self.operator = {
+            attribute.name: Operator(at)
+            for attribute, at in zip(dimensions.attributes, keys[3:], strict=True)
+        }
+
+    def encode(self, crop: Array) -> Array:
+        """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`: colour, then brightness."""
+        return jnp.concatenate([self.color(crop - 0.5), self.brightness(brightness(crop))])
+
+    def similarities(self, embedding: Array) -> Array:
+        """Embedding `[64]` -> cosine with every concept `[C]`."""
+        views = {"color": embedding[:VIEW_EMBEDDING], "brightness": embedding[VIEW_EMBEDDING:]}
+        result, first = [], 0
+        for attribute in self.attributes:
+            feature = self.operator[attribute.name](views[attribute.view])
+            concepts = self.concept.weight[first : first + attribute.values]
+            result.append(jax.vmap(cosine, (None, 0))(feature, concepts))
+            first += attribute.values
+        return jnp.concatenate(result)
+
+
+def filter_scene(similarities: Array, concepts: Array) -> Array:
+    """Nested `Filter` from `Scene()`: cosines `[M, C]`, concepts `[K]` (-1: none) -> `[M]`."""
+    chosen = jnp.where(concepts >= 0, similarities[:, concepts], 1.0)
+    return jnp.minimum(chosen.min(axis=1), 1.0)
+
+
+def unique(scores: Array, present: Array) -> Array:
+    """Log probability of being the object that is meant: scores `[M]` -> `[M]`."""
+    return jax.nn.log_softmax(jnp.where(present, UNIQUE_SCALE * scores, MISSING))
+
+
+def center_size(location: Array) -> Array:
+    """Corners and depth `[..., 5]` -> centre x, y, width, height, depth `[..., 5]`."""
+    left, top, right, bottom, depth = jnp.moveaxis(location, -1, 0)
+    center = ((left + right) / 2, (top + bottom) / 2)
+    return jnp.stack([*center, right - left, bottom - top, depth], axis=-1)
+
+
+def corners(location: Array) -> Array:
+    """Centre, size and depth `[..., 5]` -> corners and depth `[..., 5]`."""
+    x, y, width, height, depth = jnp.moveaxis(location, -1, 0)
+    low, high = (x - width / 2, y - height / 2), (x + width / 2, y + height / 2)
+    return jnp.stack([*low, *high, depth], axis=-1)
+
+
+class Simulator(eqx.Module):
+    """Action simulator: where the moved object will be (section IV-D)."""
+
+    input: eqx.nn.Linear
+    hidden: eqx.nn.Linear
+    output: eqx.nn.Linear
+    location_mean: Array
+    location_scale: Array
+
+    def __init__(self, actions: int, key: Array):
+        keys = jax.random.split(key, 3)
+        self.input = eqx.nn.Linear(actions + 2 * LOCATION, SIMULATOR_HIDDEN, key=keys[0])
+        self.hidden = eqx.nn.Linear(SIMULATOR_HIDDEN, SIMULATOR_HIDDEN, key=keys[1])
+        self.output = eqx.nn.Linear(SIMULATOR_HIDDEN, LOCATION, key=keys[2])
+        self.location_mean = jnp.zeros(LOCATION)
+        self.location_scale = jnp.ones(LOCATION)
+
+    def __call__(self, action: Array, moved: Array, reference: Array) -> Array:
+        """One-hot action `[A]`, two locations `[5]` (corners, depth) -> location `[5]`."""
+        mean, scale = jax.lax.stop_gradient((self.location_mean, self.location_scale))
+        moved, reference = center_size(moved), center_size(reference)
+        seen = [action, (moved - mean) / scale, (reference - mean) / scale]
+        hidden = jnp.tanh(self.input(jnp.concatenate(seen)))
+        change = SIMULATOR_SCALE * self.output(jnp.tanh(self.hidden(hidden)))
+        base = jnp.concatenate([reference[:2], moved[2:4], reference[4:]])
+        return corners(base + change)
+
+
+class Action(eqx.Module):
+    """Holds the simulator under the name that it has in the model file."""
+
+    simulator: Simulator
+
+
+class PixelToCamera(eqx.Module):
+    """Linear map from a location to the object's centre in the camera's frame; fitted, not trained."""
+
+    weight: Array
+
+
+class Model(eqx.Module):
+    """The whole model; the path of each array is its tensor's name in the model file."""
+
+    language: Language
+    vision: Vision
+    action: Action
+    camera: PixelToCamera
+
+    def __init__(self, dimensions: Dimensions, key: Array):
+        language, vision, action = jax.random.split(key, 3)
+        self.language = Language(dimensions, language)
+        self.vision = Vision(dimensions, vision)
+        self.action = Action(Simulator(dimensions.actions, action))
+        # The centre of the visible surface, until it is fitted (calibrate.py).
+        self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
+
+
+def tensors(model: Model) -> dict[str, Array]:
+    """Every array of the model by its name, sorted."""
+    leaves = jax.tree_util.tree_flatten_with_path(eqx.filter(model, eqx.is_array))[0]
+    named = {jax.tree_util.keystr(path, simple=True, separator="."): leaf for path, leaf in leaves}
+    return dict(sorted(named.items()))
+
+
+def with_tensors(model: Model, values: dict[str, Array]) -> Model:
+    """The model with its arrays replaced; names and shapes must be the model's own."""
+    expected = tensors(model)
+    if expected.keys() != values.keys():
+        odd = sorted(expected.keys() ^ values.keys())
+        raise ValueError(f"tensors missing or not known: {', '.join(odd)}")
+    for name, array in expected.items():
+        if array.shape != values[name].shape:
+            raise ValueError(f"{name}: expected {array.shape}, got {values[name].shape}")
+    arrays, rest = eqx.partition(model, eqx.is_array)
+    paths, tree = jax.tree_util.tree_flatten_with_path(arrays)
+    names = [jax.tree_util.keystr(path, simple=True, separator=".") for path, _ in paths]
+    filled = jax.tree_util.tree_unflatten(tree, [jnp.asarray(values[name]) for name in names])
+    return eqx.combine(filled, rest)
