@@ -1,0 +1,99 @@
+"""Sentences from programs, in the words of the domain file's ``[grammar]``.
+
+A sentence is one command a step, joined by connectives. Both orders of the
+arguments occur ("on the blue block put the red block"), so that which of the two
+is moved can't be read off their order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.language.program import Program, Step
+
+
+@dataclass(frozen=True)
+class Style:
+    """How sentences are spelt; probabilities in 0..1. What remains is lower case."""
+
+    #: First letter in upper case.
+    capital: float = 0.4
+    #: All letters in upper case.
+    shouted: float = 0.04
+    #: Each letter in either case.
+    mixed: float = 0.02
+    #: A full stop at the end.
+    full_stop: float = 0.4
+
+
+class Grammar:
+    """Makes sentences about one domain."""
+
+    def __init__(self, domain: Domain, style: Style | None = None) -> None:
+        self._domain = domain
+        self._words = domain.grammar
+        self._style = style or Style()
+
+    def sentence(self, rng: np.random.Generator, program: Program) -> str:
+        """One way to say `program`, drawn from `rng`."""
+        words: list[str] = []
+        for index, step in enumerate(program):
+            if index > 0:
+                words += _choose(rng, self._words.connectives).split()
+            words += self._command(rng, step, first=index == 0)
+        return self._spell(rng, words)
+
+    def _command(self, rng: np.random.Generator, step: Step, first: bool) -> list[str]:
+        return _fill(
+            _choose(rng, self._words.commands),
+            {
+                "opening": _choose(rng, self._words.openings) if first else "",
+                "verb": _choose(rng, self._words.verbs),
+                "moved": self._description(rng, step.object),
+                "relation": _choose(rng, self._domain.action(step.action).phrases),
+                "reference": self._description(rng, step.reference),
+            },
+        )
+
+    def _description(self, rng: np.random.Generator, concepts: Sequence[str]) -> str:
+        values = [_choose(rng, self._domain.concept(name).words) for name in concepts]
+        filled = _fill(
+            _choose(rng, self._words.descriptions),
+            {
+                "values": " ".join(values[index] for index in rng.permutation(len(values))),
+                "noun": _choose(rng, self._words.nouns),
+            },
+        )
+        return " ".join(filled)
+
+    def _spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
+        text = " ".join(words).replace(" ,", ",")
+        draw = rng.random()
+        style = self._style
+        if draw < style.capital:
+            text = text[0].upper() + text[1:]
+        elif draw < style.capital + style.shouted:
+            text = text.upper()
+        elif draw < style.capital + style.shouted + style.mixed:
+            upper = rng.random(len(text)) < 0.5
+            text = "".join(
+                letter.upper() if up else letter for letter, up in zip(text, upper, strict=True)
+            )
+        return text + "." if rng.random() < style.full_stop else text
+
+
+def _fill(template: str, fields: dict[str, str]) -> list[str]:
+    """The template's words, a field replaced by its words."""
+    words: list[str] = []
+    for word in template.split():
+        is_field = word.startswith("{") and word.endswith("}")
+        words += fields[word[1:-1]].split() if is_field else [word]
+    return words
+
+
+def _choose(rng: np.random.Generator, texts: Sequence[str]) -> str:
+    return texts[int(rng.integers(len(texts)))]
