@@ -1,2 +1,69 @@
-//! xtask
-fn main() {}
+//! The project's commands, as aliases of cargo (`.cargo/config.toml`):
+//!
+//! * `cargo demo [ARGUMENTS]`: a sentence and a scene in; program, sub-goals and
+//!   pictures out.
+//! * `cargo harness COMMAND [ARGUMENTS]`: any command of the Python package in
+//!   `sim-harness`, in the project's own environment.
+//! * `cargo verify [--only NAME]… [--list] [--install]`: every check.
+//!
+//! What they need of Python is installed into `.venv` in the checkout when it is
+//! needed first, and again when its requirements or sources have changed.
+
+mod environment;
+mod project;
+mod stamp;
+mod verify;
+
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt;
+use std::process::{Command, ExitCode};
+
+use anyhow::Result;
+use environment::{Environment, Requirements};
+use project::Project;
+
+const USAGE: &str = "\
+usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--json]   (cargo demo --help for all)
+       cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
+       cargo verify [--only NAME]... [--list] [--install]";
+
+/// What exits with 2 in all our commands: input that can't be used.
+const BAD_INPUT: u8 = 2;
+
+fn main() -> ExitCode {
+    let mut arguments = std::env::args_os().skip(1);
+    let command = arguments.next().unwrap_or_default();
+    let arguments: Vec<OsString> = arguments.collect();
+    let outcome = match command.to_str() {
+        Some("demo") => harness(
+            std::iter::once(OsString::from("demo"))
+                .chain(arguments)
+                .collect(),
+        ),
+        Some("harness") => harness(arguments),
+        Some("verify") => verify::run(&arguments),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(BAD_INPUT);
+        }
+    };
+    outcome.unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+/// Becomes `python -m nsrm_harness.cli ARGUMENTS`, so that signals and the exit
+/// code are the harness's own. Returns only when it can't be started.
+fn harness(arguments: Vec<OsString>) -> Result<ExitCode> {
+    let environment = Environment::open(Project::find()?)?;
+    environment.ensure(Requirements::of_command(&arguments))?;
+    environment.ensure_module()?;
+    let mut python = Command::new(environment.python());
+    python.args(["-m", "nsrm_harness.cli"]).args(arguments);
+    let error = python.exec();
+    Err(anyhow::Error::new(error).context(format!(
+        "{} could not be started; remove the folder .venv and try again",
+        environment.python().display()
+    )))
+}

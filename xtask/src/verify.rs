@@ -1,0 +1,202 @@
+//! `cargo verify`: every check, one after the other, and a table at the end.
+//!
+//! A check that fails prints all of its output and the others still run, so that
+//! one run shows everything that is wrong. What a check printed is kept in
+//! `target/verify/NAME.log`.
+
+mod checks;
+mod count;
+mod packages;
+mod report;
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, ExitCode, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, bail};
+
+use crate::project::{Project, without_cargo_variables};
+use crate::{BAD_INPUT, USAGE};
+use checks::{CHECKS, Check, Context, Step};
+use count::Counts;
+use report::{Outcome, Report};
+
+/// What the user asked for.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Arguments {
+    only: Vec<String>,
+    list: bool,
+    install: bool,
+}
+
+impl Arguments {
+    fn parse(words: &[OsString]) -> Result<Self> {
+        let mut arguments = Self::default();
+        let mut words = words.iter();
+        while let Some(word) = words.next() {
+            match word.to_str() {
+                Some("--list") => arguments.list = true,
+                Some("--install") => arguments.install = true,
+                Some("--only") => {
+                    let Some(name) = words.next() else {
+                        bail!("--only needs the name of a check (cargo verify --list)");
+                    };
+                    let name = name.to_string_lossy().into_owned();
+                    if !CHECKS.iter().any(|check| check.name == name) {
+                        bail!("there is no check {name:?} (cargo verify --list)");
+                    }
+                    arguments.only.push(name);
+                }
+                _ => bail!("{word:?} is not understood\n{USAGE}"),
+            }
+        }
+        Ok(arguments)
+    }
+
+    fn wants(&self, check: &Check) -> bool {
+        self.only.is_empty() || self.only.iter().any(|name| name == check.name)
+    }
+}
+
+/// Runs the checks that were asked for; fails if any of them does.
+pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
+    let arguments = match Arguments::parse(words) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return Ok(ExitCode::from(BAD_INPUT));
+        }
+    };
+    if arguments.list {
+        for check in CHECKS {
+            println!("{:<14} {}", check.name, check.title);
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let project = Project::find()?;
+    packages::prepare(arguments.install)?;
+    let logs = project.target().join("verify");
+    fs::create_dir_all(&logs).with_context(|| format!("making {}", logs.display()))?;
+    let context = Context::new(project, logs);
+    let mut report = Report::default();
+    for check in CHECKS.iter().filter(|check| arguments.wants(check)) {
+        println!(
+            "\n== {}: {} (about {})",
+            check.name, check.title, check.about
+        );
+        let outcome = run_check(&context, check)?;
+        println!("   {}", outcome.line());
+        report.add(outcome);
+    }
+    println!("\n{}", report.table());
+    Ok(if report.passed() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+/// Runs one check. An error here is one of ours (a log that can't be written);
+/// whatever goes wrong in the check is in the outcome.
+fn run_check(context: &Context, check: &Check) -> Result<Outcome> {
+    let start = Instant::now();
+    let log = context.logs().join(format!("{}.log", check.name));
+    fs::write(&log, "").with_context(|| format!("writing {}", log.display()))?;
+    let mut counts = Counts::default();
+    let mut problem = None;
+    match (check.steps)(context) {
+        Ok(steps) => {
+            for step in steps {
+                match run_step(context, &step, &log) {
+                    Ok(of_step) => counts.add(of_step),
+                    Err(error) => {
+                        problem.get_or_insert(error);
+                    }
+                }
+            }
+        }
+        Err(error) => problem = Some(error),
+    }
+    if let Some(error) = &problem {
+        writeln!(append_to(&log)?, "error: {error:#}")?;
+    }
+    let failed = problem.is_some() || counts.failed > 0;
+    if failed {
+        print!("{}", fs::read_to_string(&log).unwrap_or_default());
+        println!("   (kept in {})", log.display());
+    }
+    if counts == Counts::default() || (failed && counts.failed == 0) {
+        // A check without tests of its own counts as one.
+        counts.add(Counts::one(!failed));
+    }
+    Ok(Outcome {
+        name: check.name,
+        failed,
+        counts,
+        seconds: start.elapsed().as_secs_f32(),
+    })
+}
+
+/// Runs one command with its output going into the log, and counts its tests.
+fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
+    let shown = step.shown();
+    let mut file = append_to(log)?;
+    writeln!(file, "$ {shown}")?;
+    let before = usize::try_from(file.metadata()?.len())?;
+    let mut command = Command::new(&step.program);
+    command
+        .args(&step.arguments)
+        .envs(step.variables.iter().copied())
+        .current_dir(context.project().root())
+        .stdin(Stdio::null())
+        .stdout(file.try_clone()?)
+        .stderr(file);
+    let status = without_cargo_variables(&mut command)
+        .status()
+        .with_context(|| format!("{shown}: could not be started"))?;
+    let written = fs::read(log).with_context(|| format!("reading {}", log.display()))?;
+    let printed = String::from_utf8_lossy(&written[before..]);
+    let counts = step.tests.map_or(Ok(Counts::default()), |kind| {
+        count::in_output(kind, &printed)
+    });
+    // A failed test makes the status bad as well; its count says so already.
+    match counts {
+        Ok(counts) if status.success() || counts.failed > 0 => Ok(counts),
+        Err(error) if status.success() => Err(error.context(shown)),
+        _ => bail!("{shown}: failed ({status})"),
+    }
+}
+
+fn append_to(log: &Path) -> Result<File> {
+    File::options()
+        .append(true)
+        .open(log)
+        .with_context(|| format!("writing {}", log.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arguments, CHECKS};
+
+    fn parse(words: &[&str]) -> anyhow::Result<Arguments> {
+        Arguments::parse(&words.iter().map(Into::into).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn what_is_not_a_check_is_refused() {
+        assert!(parse(&["--only", "no-such-check"]).is_err());
+        assert!(parse(&["--only"]).is_err());
+        assert!(parse(&["format"]).is_err());
+    }
+
+    #[test]
+    fn only_what_is_named_runs_and_without_names_everything() {
+        let one = parse(&["--only", CHECKS[0].name, "--install"]).unwrap();
+        assert!(one.install && one.wants(&CHECKS[0]) && !one.wants(&CHECKS[1]));
+        let all = parse(&[]).unwrap();
+        assert!(CHECKS.iter().all(|check| all.wants(check)));
+    }
+}

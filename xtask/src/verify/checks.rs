@@ -1,0 +1,312 @@
+//! The checks, in the order in which they run: quick ones first.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+
+use super::count::Runner;
+use crate::environment::{Environment, Requirements};
+use crate::project::Project;
+
+/// The programs outside the workspace, which have profiles of their own.
+const APART: [&str; 1] = ["tests/no-std-plan/Cargo.toml"];
+
+/// What the Python linters and type checker read.
+const PYTHON: [&str; 3] = ["sim-harness", "std-shim/python", "tests"];
+
+/// Where the tests of the Python parts are, but for those of the demo.
+const PYTHON_TESTS: [&str; 2] = ["sim-harness/tests", "std-shim/python/tests"];
+
+/// One check.
+pub(super) struct Check {
+    pub(super) name: &'static str,
+    pub(super) title: &'static str,
+    /// Time on two cores from a clean clone, for people.
+    pub(super) about: &'static str,
+    /// The commands to run, after whatever must be made before them.
+    pub(super) steps: fn(&Context) -> Result<Vec<Step>>,
+}
+
+/// All checks.
+pub(super) const CHECKS: &[Check] = &[
+    Check {
+        name: "format",
+        title: "Rust is formatted by rustfmt",
+        about: "1 s",
+        steps: format,
+    },
+    Check {
+        name: "lints",
+        title: "clippy has no warning, on all targets",
+        about: "2 min",
+        steps: lints,
+    },
+    Check {
+        name: "rust-tests",
+        title: "tests and doc tests of the crates",
+        about: "4 min",
+        steps: rust_tests,
+    },
+    Check {
+        name: "generated",
+        title: "core/src/pretrained.rs is what the generator writes from the model file",
+        about: "10 s",
+        steps: generated,
+    },
+    Check {
+        name: "golden",
+        title: "golden vectors of the trainer: Rust statics, loaded model",
+        about: "1 min",
+        steps: golden,
+    },
+    Check {
+        name: "proofs",
+        title: "no allocation, no panic, every refusal, any input",
+        about: "3 min",
+        steps: proofs,
+    },
+    Check {
+        name: "docs",
+        title: "rustdoc has no warning",
+        about: "1 min",
+        steps: docs,
+    },
+    Check {
+        name: "environment",
+        title: "the Python environment from hashed requirements, with the module",
+        about: "4 min",
+        steps: environment,
+    },
+    Check {
+        name: "python-lints",
+        title: "ruff and pyright have no complaint",
+        about: "20 s",
+        steps: python_lints,
+    },
+    Check {
+        name: "python-tests",
+        title: "tests of harness and Python module, golden vectors among them",
+        about: "5 min",
+        steps: python_tests,
+    },
+    Check {
+        name: "training",
+        title: "a miniature training run from nothing",
+        about: "4 min",
+        steps: training,
+    },
+    Check {
+        name: "demo",
+        title: "cargo demo plans, refuses and draws",
+        about: "20 s",
+        steps: demo,
+    },
+];
+
+/// A command that a check runs in the root of the checkout.
+pub(super) struct Step {
+    pub(super) program: PathBuf,
+    pub(super) arguments: Vec<OsString>,
+    pub(super) variables: Vec<(&'static str, &'static str)>,
+    /// Whose tests it runs, if any.
+    pub(super) tests: Option<Runner>,
+}
+
+impl Step {
+    fn new(program: impl Into<PathBuf>, arguments: &[&str]) -> Self {
+        Self {
+            program: program.into(),
+            arguments: arguments.iter().map(Into::into).collect(),
+            variables: Vec::new(),
+            tests: None,
+        }
+    }
+
+    fn cargo(arguments: &[&str]) -> Self {
+        Self::new("cargo", arguments)
+    }
+
+    fn counting(mut self, runner: Runner) -> Self {
+        self.tests = Some(runner);
+        self
+    }
+
+    /// For packages outside the workspace: their own target folder, so that
+    /// nothing is built into the sources.
+    fn building_in(mut self, folder: PathBuf) -> Self {
+        self.arguments.splice(
+            1..1,
+            [OsString::from("--target-dir"), folder.into_os_string()],
+        );
+        self
+    }
+
+    fn with(mut self, name: &'static str, value: &'static str) -> Self {
+        self.variables.push((name, value));
+        self
+    }
+
+    /// The command as a person would type it.
+    pub(super) fn shown(&self) -> String {
+        let mut text = String::new();
+        for (name, value) in &self.variables {
+            text += &format!("{name}={value:?} ");
+        }
+        text += &self.program.to_string_lossy();
+        for argument in &self.arguments {
+            text += " ";
+            text += &argument.to_string_lossy();
+        }
+        text
+    }
+}
+
+/// What the checks work on.
+pub(super) struct Context {
+    project: Project,
+    logs: PathBuf,
+}
+
+impl Context {
+    pub(super) fn new(project: Project, logs: PathBuf) -> Self {
+        Self { project, logs }
+    }
+
+    pub(super) fn project(&self) -> &Project {
+        &self.project
+    }
+
+    /// The interpreter of the project's environment, with all that the checks need.
+    fn python(&self) -> Result<PathBuf> {
+        let environment = Environment::open(self.project.clone())?;
+        environment.ensure(Requirements::Dev)?;
+        environment.ensure_module()?;
+        Ok(environment.python())
+    }
+
+    /// The folder of the logs, where checks may leave results too.
+    pub(super) fn logs(&self) -> &Path {
+        &self.logs
+    }
+}
+
+fn format(_: &Context) -> Result<Vec<Step>> {
+    let mut steps = vec![Step::cargo(&["fmt", "--all", "--check"])];
+    for manifest in APART {
+        steps.push(Step::cargo(&[
+            "fmt",
+            "--manifest-path",
+            manifest,
+            "--check",
+        ]));
+    }
+    Ok(steps)
+}
+
+fn lints(context: &Context) -> Result<Vec<Step>> {
+    let strict = ["--", "--deny", "warnings"];
+    let mut workspace = vec!["clippy", "--workspace", "--all-targets", "--locked"];
+    workspace.extend(strict);
+    let mut steps = vec![Step::cargo(&workspace)];
+    for manifest in APART {
+        let mut step = vec!["clippy", "--locked", "--manifest-path", manifest];
+        step.extend(strict);
+        steps.push(Step::cargo(&step).building_in(context.project().target().join("apart")));
+    }
+    Ok(steps)
+}
+
+fn rust_tests(_: &Context) -> Result<Vec<Step>> {
+    let arguments = [
+        "test",
+        "--locked",
+        "--workspace",
+        "--exclude=nsrm-tests",
+        "--no-fail-fast",
+    ];
+    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+}
+
+fn generated(_: &Context) -> Result<Vec<Step>> {
+    let mut step = Step::cargo(&["run", "--locked", "--package", "nsrm-codegen", "--"]);
+    step.arguments.extend(
+        [
+            "core/pretrained/tabletop.safetensors",
+            "--out",
+            "core/src/pretrained.rs",
+            "--check",
+        ]
+        .map(Into::into),
+    );
+    Ok(vec![step])
+}
+
+fn golden(_: &Context) -> Result<Vec<Step>> {
+    let arguments = ["test", "--locked", "--package=nsrm-tests", "--test=golden"];
+    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+}
+
+fn proofs(_: &Context) -> Result<Vec<Step>> {
+    // Golden vectors have a check of their own; those that build programs are
+    // ignored in a plain `cargo test`.
+    let arguments = [
+        "test",
+        "--locked",
+        "--package=nsrm-tests",
+        "--no-fail-fast",
+        "--",
+        "--include-ignored",
+        "--skip=golden_",
+    ];
+    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+}
+
+fn docs(_: &Context) -> Result<Vec<Step>> {
+    let step = Step::cargo(&["doc", "--locked", "--workspace", "--no-deps"]);
+    Ok(vec![step.with("RUSTDOCFLAGS", "--deny warnings")])
+}
+
+fn environment(context: &Context) -> Result<Vec<Step>> {
+    context.python()?;
+    Ok(Vec::new())
+}
+
+fn python_lints(context: &Context) -> Result<Vec<Step>> {
+    let python = context.python()?;
+    let run = |arguments: &[&str]| {
+        let mut step = Step::new(&python, &["-m"]);
+        step.arguments.extend(arguments.iter().map(Into::into));
+        step
+    };
+    let mut ruff = vec!["ruff", "check"];
+    ruff.extend(PYTHON);
+    let mut format = vec!["ruff", "format", "--check"];
+    format.extend(PYTHON);
+    Ok(vec![
+        run(&ruff),
+        run(&format),
+        run(&["pyright", "--warnings", "--project", "sim-harness"]),
+    ])
+}
+
+fn python_tests(context: &Context) -> Result<Vec<Step>> {
+    let python = context.python()?;
+    let mut arguments = vec!["-m", "pytest", "--quiet", "--color=no", "-rs"];
+    arguments.extend(["--config-file=sim-harness/pyproject.toml", "--rootdir=."]);
+    arguments.extend(PYTHON_TESTS);
+    Ok(vec![Step::new(python, &arguments).counting(Runner::Pytest)])
+}
+
+fn training(context: &Context) -> Result<Vec<Step>> {
+    let folder = context.logs().join("training");
+    let mut step = Step::cargo(&["harness", "train", "--quick", "--out"]);
+    step.arguments.push(folder.into());
+    Ok(vec![step])
+}
+
+fn demo(context: &Context) -> Result<Vec<Step>> {
+    let python = context.python()?;
+    let arguments = ["-m", "pytest", "--quiet", "--color=no", "tests/demo"];
+    Ok(vec![Step::new(python, &arguments).counting(Runner::Pytest)])
+}
