@@ -1,0 +1,113 @@
+"""Where blocks stand at the start: in reach, apart, seen by the camera."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.world.blocks import Block
+from nsrm_harness.world.pose import Pose, Vector3
+
+
+@dataclass(frozen=True)
+class Space:
+    """An upright box in the world, in metres."""
+
+    min: Vector3
+    max: Vector3
+
+    def contains(self, position: Vector3) -> bool:
+        """Whether the point lies inside or on the border."""
+        return all(
+            low <= value <= high
+            for low, value, high in zip(self.min, position, self.max, strict=True)
+        )
+
+    def shrunk(self, margin_m: float) -> Space:
+        """The same box, smaller by `margin_m` on each side in x and y."""
+        (x0, y0, z0), (x1, y1, z1) = self.min, self.max
+        return Space((x0 + margin_m, y0 + margin_m, z0), (x1 - margin_m, y1 - margin_m, z1))
+
+
+WORK_SPACE = Space((0.35, -0.25, 0.0), (0.65, 0.25, 0.18))
+"""Where block centres may be: the arm reaches every point of it from above at any
+yaw, and the default camera sees every block in it whole."""
+
+PLACEMENT_SPACE = WORK_SPACE.shrunk(0.01)
+"""Where blocks are put on purpose: an estimate that is off by a few millimetres
+still lies inside the work space."""
+
+MAX_YAW_RAD = math.radians(10.0)
+CLEARANCE_M = 0.012
+"""Least gap between two blocks at the start."""
+
+MAX_TRIES = 2000
+
+
+class LayoutError(HarnessError):
+    """No place was found for a block in a bounded number of tries."""
+
+
+def footprint(block: Block, pose: Pose) -> np.ndarray:
+    """Corners `[4, 2]` of the block's base as seen from above, counter-clockwise."""
+    hx, hy = block.edges_m[0] / 2, block.edges_m[1] / 2
+    yaw = pose.yaw_rad()
+    turn = np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
+    corners = np.array([(-hx, -hy), (hx, -hy), (hx, hy), (-hx, hy)])
+    return corners @ turn + np.array(pose.position[:2])
+
+
+def apart(a: np.ndarray, b: np.ndarray, gap_m: float) -> bool:
+    """Whether a straight strip at least `gap_m` wide separates two convex footprints.
+
+    Separating axes of the edges only: two corners that face each other count as
+    closer than they are, never as farther.
+    """
+    for corners in (a, b):
+        edges = np.roll(corners, -1, axis=0) - corners
+        for edge in edges:
+            normal = np.array([edge[1], -edge[0]]) / math.hypot(edge[0], edge[1])
+            along_a, along_b = a @ normal, b @ normal
+            if along_b.min() - along_a.max() >= gap_m or along_a.min() - along_b.max() >= gap_m:
+                return True
+    return False
+
+
+def sample_layout(
+    rng: np.random.Generator,
+    blocks: Sequence[Block],
+    *,
+    space: Space = PLACEMENT_SPACE,
+    clearance_m: float = CLEARANCE_M,
+) -> list[Pose]:
+    """A place on the table for each block, in order: uniform in `space`, yaw within
+    `MAX_YAW_RAD`, at least `clearance_m` between any two.
+
+    Raises `LayoutError` after `MAX_TRIES` draws.
+    """
+    poses: list[Pose] = []
+    taken: list[np.ndarray] = []
+    tries = 0
+    while len(poses) < len(blocks):
+        if tries == MAX_TRIES:
+            raise LayoutError(
+                f"no place for block {len(poses) + 1} of {len(blocks)} after {MAX_TRIES} tries: "
+                f"fewer blocks, or a work space larger than {space.min} to {space.max} m"
+            )
+        tries += 1
+        block = blocks[len(poses)]
+        pose = Pose.upright(
+            float(rng.uniform(space.min[0], space.max[0])),
+            float(rng.uniform(space.min[1], space.max[1])),
+            block.edges_m[2] / 2,
+            float(rng.uniform(-MAX_YAW_RAD, MAX_YAW_RAD)),
+        )
+        corners = footprint(block, pose)
+        if all(apart(corners, other, clearance_m) for other in taken):
+            poses.append(pose)
+            taken.append(corners)
+    return poses

@@ -1,0 +1,65 @@
+"""Where a body stands: position and orientation in the world frame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A frame in the world: `world_from_body`.
+
+    * `position`: metres, x forward, y left, z up, robot base at the origin
+    * `orientation`: unit quaternion, x, y, z, w
+    """
+
+    position: Vector3
+    orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+    @staticmethod
+    def upright(x: float, y: float, z: float, yaw_rad: float = 0.0) -> Pose:
+        """A body that stands on its base, turned by `yaw_rad` about the vertical."""
+        return Pose((x, y, z), (0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2)))
+
+    def rotation(self) -> NDArray[np.float64]:
+        """The rotation matrix `[3, 3]`: its columns are the body's axes in the world."""
+        x, y, z, w = self.orientation
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+    def matrix(self) -> NDArray[np.float64]:
+        """The homogeneous transform `[4, 4]` from body to world."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.rotation()
+        matrix[:3, 3] = self.position
+        return matrix
+
+    def yaw_rad(self) -> float:
+        """The turn about the vertical, in (-pi, pi]."""
+        x, y, z, w = self.orientation
+        return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+    def distance_m(self, other: Pose) -> float:
+        """How far the two origins are apart."""
+        return math.dist(self.position, other.position)
+
+    def angle_rad(self, other: Pose) -> float:
+        """The least angle that turns one orientation into the other, in [0, pi]."""
+        a, b = np.array(self.orientation), np.array(other.orientation)
+        # atan2 stays exact for small angles, where acos of the dot product does not.
+        return float(
+            2 * math.atan2(min(np.linalg.norm(a - b), np.linalg.norm(a + b)),
+                           max(np.linalg.norm(a - b), np.linalg.norm(a + b)))
+        )

@@ -1,0 +1,22 @@
+"""What a renderer gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One picture, three ways; row 0 is the top.
+
+    * `rgb`: `uint8 [H, W, 3]`, anti-aliased
+    * `depth`: `float32 [H, W]`, metres along the optical axis, at the pixels' centres
+    * `mask`: `int32 [H, W]`, id of the block at the pixel's centre, 0 for none
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    mask: NDArray[np.int32]
