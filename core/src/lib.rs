@@ -1,7 +1,59 @@
 //! Neuro-symbolic robot manipulation: a sentence and a scene in, the program
 //! understood and the sub-goals out. `no_std`, no allocation, bounded time.
+//!
+//! The modules follow the paper (*Learning Robot Manipulation Programs: A
+//! Neuro-symbolic Approach*):
+//!
+//! 1. [`dsl`]: programs over actions and concepts (section IV-A, Table I)
+//! 2. [`language`]: a sentence to a program (section IV-B)
+//! 3. [`vision`]: crops to embeddings, embeddings to concepts (section IV-C)
+//! 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
+//! 5. [`action`]: the action simulator (section IV-D)
+//! 6. [`camera`]: from the image to the world (section III)
+//! 7. [`planner`]: all of it, at once or in bounded pieces; [`refusal`] and
+//!    [`explain`] say why not and what
+//!
+//! Below them [`model`], the trained parameters by reference, and [`nn`], the layers.
+//!
+//! Nothing here panics, allocates or contains unsafe code; every capacity that can
+//! be exceeded is a typed refusal. All numbers are `f32`; lengths are in metres.
 #![no_std]
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used
+    )
+)]
 
+#[cfg(test)]
+extern crate std;
+
+pub mod action;
+pub mod camera;
+mod capacity;
+pub mod dsl;
+pub mod explain;
+pub mod grounding;
+pub mod language;
 pub mod model;
 pub mod nn;
+pub mod planner;
+mod progress;
+pub mod refusal;
+pub mod scene;
+pub mod vision;
+
+pub use camera::Camera;
+pub use capacity::{
+    MAX_CANDIDATES, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS,
+};
+pub use dsl::Program;
+pub use model::Model;
+pub use planner::{Plan, Planner, PlanningTask};
+pub use progress::Progress;
+pub use refusal::Refusal;
+pub use scene::{RawScene, Scene, SceneError};

@@ -10,6 +10,10 @@
 //! `W·x = Σ_j x[j]·W[j]` runs over contiguous memory; the model file's are
 //! row-major, and the code generator transposes them.
 
+mod check;
+
+pub use check::ModelFault;
+
 use crate::nn::{Conv, Gru, Linear};
 
 /// Length of a word's embedding at the sentence encoder's input (section IV-B).

@@ -1,3 +1,5 @@
+use super::accumulate;
+
 /// A dense layer: `y = W·x + b`.
 #[derive(Debug, Clone, Copy)]
 pub struct Linear<const INPUT: usize, const OUTPUT: usize> {
@@ -5,4 +7,22 @@ pub struct Linear<const INPUT: usize, const OUTPUT: usize> {
     pub weight: [[f32; OUTPUT]; INPUT],
     /// Added to the product.
     pub bias: [f32; OUTPUT],
+}
+
+impl<const INPUT: usize, const OUTPUT: usize> Linear<INPUT, OUTPUT> {
+    /// `W·input + b`. Cost: `INPUT·OUTPUT` multiply-adds.
+    ///
+    /// ```
+    /// use nsrm_core::nn::Linear;
+    /// let layer = Linear { weight: [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], bias: [0.5, 0.0] };
+    /// assert_eq!(layer.apply(&[1.0, 10.0, 100.0]), [531.5, 642.0]);
+    /// ```
+    pub fn apply(&self, input: &[f32; INPUT]) -> [f32; OUTPUT] {
+        const { assert!(INPUT > 0 && OUTPUT > 0) };
+        let mut output = self.bias;
+        for (&value, column) in input.iter().zip(&self.weight) {
+            accumulate(&mut output, value, column);
+        }
+        output
+    }
 }

@@ -1,0 +1,201 @@
+//! From the image to the world (section III): a location, in fractions of the
+//! image and metres along the optical axis, to a point in the world's frame.
+//!
+//! The camera is a pinhole without distortion. Its optical frame: x right, y
+//! down, z forward; pixel (i, j) is sampled at (i + ½, j + ½). The world's frame:
+//! robot base at the origin, x forward, y left, z up, metres.
+
+use core::fmt;
+
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+
+use crate::model::{LOCATION, PixelToCamera};
+use crate::nn::{dot, is_unit};
+
+/// Intrinsics and pose of the camera. Plain data: the same bytes serve in shared
+/// memory; [`Camera::check`] says whether they make sense.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Camera {
+    /// Width of the image in pixels.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// Focal length along x in pixels.
+    pub fx: f32,
+    /// Focal length along y in pixels.
+    pub fy: f32,
+    /// Principal point's x in pixels, from the image's left edge.
+    pub cx: f32,
+    /// Principal point's y in pixels, from the image's upper edge.
+    pub cy: f32,
+    /// Origin of the optical frame in the world's frame, metres.
+    pub position: [f32; 3],
+    /// Orientation of the optical frame in the world's frame: x, y, z, w.
+    pub orientation: [f32; 4],
+}
+
+/// Why a camera is not one; the first fault found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraError {
+    /// A number is infinite or not a number; the field's name.
+    NotFinite(&'static str),
+    /// A size or focal length is zero or negative; the field's name.
+    NotPositive(&'static str),
+    /// The orientation's length is not 1 within [`crate::nn::LENGTH_TOLERANCE`].
+    NotNormalised,
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite(field) => write!(f, "camera: {field} is not a finite number"),
+            Self::NotPositive(field) => write!(f, "camera: {field} must be greater than 0"),
+            Self::NotNormalised => {
+                f.write_str("camera: orientation (x, y, z, w) must be a quaternion of length 1")
+            }
+        }
+    }
+}
+
+impl core::error::Error for CameraError {}
+
+impl Camera {
+    /// Finite, positive where it must be, the orientation of length 1.
+    pub fn check(&self) -> Result<(), CameraError> {
+        let numbers = [
+            ("fx", self.fx),
+            ("fy", self.fy),
+            ("cx", self.cx),
+            ("cy", self.cy),
+        ];
+        for (field, number) in numbers {
+            if !number.is_finite() {
+                return Err(CameraError::NotFinite(field));
+            }
+        }
+        if !self.position.iter().all(|number| number.is_finite()) {
+            return Err(CameraError::NotFinite("position"));
+        }
+        if !self.orientation.iter().all(|number| number.is_finite()) {
+            return Err(CameraError::NotFinite("orientation"));
+        }
+        let positive = [
+            ("width", self.width > 0),
+            ("height", self.height > 0),
+            ("fx", self.fx > 0.0),
+            ("fy", self.fy > 0.0),
+        ];
+        for (field, is_positive) in positive {
+            if !is_positive {
+                return Err(CameraError::NotPositive(field));
+            }
+        }
+        if !is_unit(&self.orientation) {
+            return Err(CameraError::NotNormalised);
+        }
+        Ok(())
+    }
+
+    /// Takes a point of the optical frame to the world's frame.
+    pub fn world_from_camera(&self) -> Isometry3<f32> {
+        let [x, y, z] = self.position;
+        Isometry3::from_parts(Translation3::new(x, y, z), rotation(&self.orientation))
+    }
+
+    /// The centre of the object seen at `location`, in the world's frame, metres.
+    ///
+    /// The box's centre and size are deprojected at the mean depth; the learned
+    /// linear map goes from there to the object's centre, which lies behind the
+    /// surface that the camera sees.
+    ///
+    /// * `location`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
+    ///
+    /// Cost: 18 multiply-adds, four divisions and one rotation.
+    pub fn locate(&self, map: &PixelToCamera, location: &[f32; LOCATION]) -> Point3<f32> {
+        let [x1, y1, x2, y2, depth] = *location;
+        let (width, height) = (self.width as f32, self.height as f32);
+        let features = [
+            ((x1 + x2) * 0.5 * width - self.cx) / self.fx * depth,
+            ((y1 + y2) * 0.5 * height - self.cy) / self.fy * depth,
+            depth,
+            (x2 - x1) * width / self.fx * depth,
+            (y2 - y1) * height / self.fy * depth,
+            1.0,
+        ];
+        let [x, y, z] = map.weight.map(|row| dot(&row, &features));
+        self.world_from_camera() * Point3::new(x, y, z)
+    }
+}
+
+/// The rotation of a quaternion (x, y, z, w) of length about 1, made exact.
+pub(crate) fn rotation(quaternion: &[f32; 4]) -> UnitQuaternion<f32> {
+    let [x, y, z, w] = *quaternion;
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Looks straight down from 1 m: image right = world −y, image down = world −x.
+    fn downward() -> Camera {
+        let half = core::f32::consts::FRAC_1_SQRT_2;
+        Camera {
+            width: 640,
+            height: 480,
+            fx: 500.0,
+            fy: 400.0,
+            cx: 320.0,
+            cy: 240.0,
+            position: [0.5, 0.1, 1.0],
+            orientation: [half, -half, 0.0, 0.0],
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_deprojected_and_taken_to_the_world() {
+        // x = X + 0.5·W, y = Y, z = D + 0.25.
+        let map = PixelToCamera {
+            weight: [
+                [1.0, 0.0, 0.0, 0.5, 0.0, 0.0],
+                [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0, 0.0, 0.0, 0.25],
+            ],
+        };
+        let point = downward().locate(&map, &[0.5, 0.625, 0.75, 0.875, 0.5]);
+        // Centre (400, 360) px, box 160 × 120 px: X = 0.08, Y = 0.15, W = 0.16;
+        // in the camera (0.16, 0.15, 0.75); the camera's x is −y, y is −x, z is −z.
+        let expected = Point3::new(0.5 - 0.15, 0.1 - 0.16, 1.0 - 0.75);
+        assert!((point - expected).norm() < 1e-6, "{point}");
+    }
+
+    #[test]
+    fn each_fault_is_named() {
+        assert_eq!(downward().check(), Ok(()));
+        let broken = |change: fn(&mut Camera)| {
+            let mut camera = downward();
+            change(&mut camera);
+            camera.check()
+        };
+        let not_finite = |field| Err(CameraError::NotFinite(field));
+        let not_positive = |field| Err(CameraError::NotPositive(field));
+        assert_eq!(broken(|c| c.fx = f32::NAN), not_finite("fx"));
+        assert_eq!(broken(|c| c.cy = f32::INFINITY), not_finite("cy"));
+        assert_eq!(broken(|c| c.position[2] = f32::NAN), not_finite("position"));
+        assert_eq!(
+            broken(|c| c.orientation[0] = f32::NAN),
+            not_finite("orientation")
+        );
+        assert_eq!(broken(|c| c.fy = -1.0), not_positive("fy"));
+        assert_eq!(broken(|c| c.height = 0), not_positive("height"));
+        assert_eq!(
+            broken(|c| c.orientation = [0.0; 4]),
+            Err(CameraError::NotNormalised)
+        );
+        assert_eq!(
+            broken(|c| c.orientation[3] = 0.1),
+            Err(CameraError::NotNormalised)
+        );
+    }
+}

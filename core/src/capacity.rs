@@ -1,0 +1,21 @@
+//! The capacities, each in one place. Full is a typed refusal, never a panic.
+
+/// Objects in a scene.
+pub const MAX_OBJECTS: usize = 16;
+/// Steps in a program.
+pub const MAX_STEPS: usize = 8;
+/// Tokens in a sentence, a group of concept words counted as one.
+pub const MAX_TOKENS: usize = 128;
+/// Bytes in a sentence, so that reading one word is bounded work.
+pub const MAX_SENTENCE_BYTES: usize = 4096;
+/// Concepts that describe one object: `Filter`s in front of one `Unique`.
+pub const MAX_FILTERS: usize = 4;
+/// Groups of concept words in one step; a program needs two of them.
+pub const MAX_GROUPS: usize = 16;
+/// Candidates that an ambiguous description lists, the best first.
+pub const MAX_CANDIDATES: usize = 8;
+
+// Counters of these sizes are kept in a byte, positions in a sentence in two.
+const _: () = assert!(MAX_OBJECTS <= 255 && MAX_STEPS <= 255 && MAX_TOKENS <= 255);
+const _: () = assert!(MAX_FILTERS <= 255 && MAX_GROUPS <= 255 && MAX_CANDIDATES <= MAX_OBJECTS);
+const _: () = assert!(MAX_SENTENCE_BYTES <= u16::MAX as usize);

@@ -1,0 +1,5 @@
+//! Plans and refusals for a person: sentences written through `core::fmt`, without
+//! allocation, off the bounded path.
+
+mod plan;
+mod refusal;

@@ -1,0 +1,79 @@
+use core::fmt;
+
+use crate::dsl::Description;
+use crate::model::Model;
+use crate::planner::{Grounding, Plan};
+
+impl Plan {
+    /// A sentence that says what one step does and why: `Step 1: move the small
+    /// green object (id 3, score 0.98) to the right of the lego green object
+    /// (id 1, score 0.99); confidence 0.97.` Nothing for a step that isn't there.
+    ///
+    /// * `model`: the one that the plan was made with
+    /// * `step`: counted from 0
+    pub fn explain_step<'a>(&'a self, model: &'a Model<'a>, step: usize) -> impl fmt::Display + 'a {
+        StepExplanation {
+            plan: self,
+            model,
+            step,
+        }
+    }
+
+    /// [`Plan::explain_step`] of every step, a line each.
+    pub fn explain<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
+        PlanExplanation { plan: self, model }
+    }
+}
+
+struct StepExplanation<'a> {
+    plan: &'a Plan,
+    model: &'a Model<'a>,
+    step: usize,
+}
+
+impl StepExplanation<'_> {
+    fn object(
+        &self,
+        description: &Description,
+        grounding: &Grounding,
+        f: &mut fmt::Formatter<'_>,
+    ) -> fmt::Result {
+        let words = description.words(self.model);
+        let Grounding { object, score, .. } = grounding;
+        write!(f, "the {words} object (id {object}, score {score:.2})")
+    }
+}
+
+impl fmt::Display for StepExplanation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let symbols = self.plan.program().steps().get(self.step);
+        let planned = self.plan.steps().get(self.step);
+        let Some((symbols, planned)) = symbols.zip(planned) else {
+            return Ok(());
+        };
+        let action = self.model.actions.get(usize::from(symbols.action));
+        let phrase = action.map_or("?", |action| action.phrase);
+        write!(f, "Step {}: move ", self.step.saturating_add(1))?;
+        self.object(&symbols.object, &planned.object, f)?;
+        write!(f, " {phrase} ")?;
+        self.object(&symbols.reference, &planned.reference, f)?;
+        write!(f, "; confidence {:.2}.", planned.confidence.product())
+    }
+}
+
+struct PlanExplanation<'a> {
+    plan: &'a Plan,
+    model: &'a Model<'a>,
+}
+
+impl fmt::Display for PlanExplanation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for step in 0..self.plan.steps().len() {
+            if step > 0 {
+                f.write_str("\n")?;
+            }
+            self.plan.explain_step(self.model, step).fmt(f)?;
+        }
+        Ok(())
+    }
+}

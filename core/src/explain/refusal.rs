@@ -1,0 +1,246 @@
+use core::fmt;
+
+use crate::dsl::{Argument, Description};
+use crate::language::Span;
+use crate::model::Model;
+use crate::refusal::{Candidate, Decision, LengthUnit, Quantity, Refusal};
+
+impl Refusal {
+    /// The refusal in full sentences: the words of the sentence and the names of
+    /// the domain in place of spans and indices, and what may be done about it.
+    ///
+    /// * `model`, `sentence`: those that were refused
+    pub fn in_context<'a>(
+        &'a self,
+        model: &'a Model<'a>,
+        sentence: &'a str,
+    ) -> impl fmt::Display + 'a {
+        Message {
+            refusal: self,
+            context: Some((model, sentence)),
+        }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Message {
+            refusal: self,
+            context: None,
+        }
+        .fmt(f)
+    }
+}
+
+impl fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Bytes => "bytes",
+            Self::Tokens => "words",
+        })
+    }
+}
+
+impl fmt::Display for Decision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Split => f.write_str("where the step ends"),
+            Self::Action => f.write_str("what is to be done"),
+            Self::Argument(argument) => write!(f, "which words name the {argument}"),
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Split => f.write_str("the splitter's hazard"),
+            Self::Action => f.write_str("the action decoder's result"),
+            Self::Argument(argument) => write!(f, "the {argument} decoder's result"),
+            Self::Score(argument) => write!(f, "a score for the {argument}"),
+            Self::Location => f.write_str("the predicted location"),
+            Self::Pose => f.write_str("the sub-goal's pose"),
+        }
+    }
+}
+
+/// A refusal, with the model and the sentence where they are known.
+struct Message<'a> {
+    refusal: &'a Refusal,
+    context: Option<(&'a Model<'a>, &'a str)>,
+}
+
+impl fmt::Display for Message<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.refusal {
+            Refusal::NoWords => {
+                f.write_str("the sentence has no words; say what to move, and where to")
+            }
+            Refusal::UnknownWord { span } => write!(
+                f,
+                "{} is not a word that the model knows; use another one",
+                self.quoted(*span)
+            ),
+            Refusal::SentenceTooLong { limit, unit } => write!(
+                f,
+                "the sentence is too long: at most {limit} {unit} are read; give it in parts"
+            ),
+            Refusal::TooManyConcepts { span, limit } => write!(
+                f,
+                "{} are too many words for one object: at most {limit} are read",
+                self.quoted(*span)
+            ),
+            Refusal::TooManySteps { limit } => write!(
+                f,
+                "the sentence has more than {limit} steps; give it in parts"
+            ),
+            Refusal::TooManyReferences { step, span, limit } => write!(
+                f,
+                "step {}, {}, describes more than {limit} objects; give it in parts",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::IncompleteStep {
+                step,
+                references,
+                span,
+            } => write!(
+                f,
+                "step {}, {}, describes {references} of the two objects that it needs; \
+                 say what to move, and on or beside what",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::SameReference { step, span } => write!(
+                f,
+                "step {}: {} was understood as both what to move and where to; \
+                 say it in other words",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::Unsure {
+                step,
+                decision,
+                probability,
+                threshold,
+            } => write!(
+                f,
+                "step {}: not sure {decision}: probability {probability:.2}, \
+                 needed {threshold:.2}; say it in other words",
+                number(*step)
+            ),
+            Refusal::NoSuchObject {
+                step,
+                argument,
+                description,
+                best,
+                threshold,
+            } => {
+                self.description(*step, *argument, description, f)?;
+                f.write_str(" fits no object in the scene")?;
+                match best {
+                    Some(Candidate { object, score }) => write!(
+                        f,
+                        ": the best is object {object} with a score of {score:.2}, \
+                         needed {threshold:.2}"
+                    ),
+                    None => f.write_str(": it is empty"),
+                }
+            }
+            Refusal::Ambiguous {
+                step,
+                argument,
+                description,
+                candidates,
+            } => {
+                self.description(*step, *argument, description, f)?;
+                write!(f, " fits {} objects: ", candidates.count())?;
+                for (index, Candidate { object, score }) in candidates.listed().iter().enumerate() {
+                    let separator = if index > 0 { ", " } else { "" };
+                    write!(f, "{separator}{object} (score {score:.2})")?;
+                }
+                if candidates.count() > candidates.listed().len() {
+                    f.write_str(" and others")?;
+                }
+                f.write_str("; describe it more closely")
+            }
+            Refusal::SameObject { step, object } => write!(
+                f,
+                "step {}: both descriptions fit object {object}, which can't be moved \
+                 in relation to itself",
+                number(*step)
+            ),
+            Refusal::NotFinite { step, quantity } => write!(
+                f,
+                "step {}: {quantity} is not a finite number; the model does not fit this input",
+                number(*step)
+            ),
+            Refusal::OutsideWorkSpace {
+                step,
+                object,
+                position: [x, y, z],
+                bounds,
+            } => {
+                let ([x1, y1, z1], [x2, y2, z2]) = (bounds.min, bounds.max);
+                write!(
+                    f,
+                    "step {}: object {object} would be moved to ({x:.3}, {y:.3}, {z:.3}) m, \
+                     outside the work space: x {x1} to {x2}, y {y1} to {y2}, z {z1} to {z2} m",
+                    number(*step)
+                )
+            }
+            Refusal::OtherModel { expected, got } => write!(
+                f,
+                "the scene was made with model {got:016x}, but the planner's is \
+                 {expected:016x}; observe it again with this model"
+            ),
+            Refusal::InvalidModel => {
+                f.write_str("the model is damaged; check it and load it again")
+            }
+        }
+    }
+}
+
+impl Message<'_> {
+    fn quoted(&self, span: Span) -> Quoted<'_> {
+        Quoted {
+            span,
+            sentence: self.context.map(|(_, sentence)| sentence),
+        }
+    }
+
+    /// Which description of which step; its words where the model is known.
+    fn description(
+        &self,
+        step: u8,
+        argument: Argument,
+        description: &Description,
+        f: &mut fmt::Formatter<'_>,
+    ) -> fmt::Result {
+        write!(f, "step {}: ", number(step))?;
+        match self.context {
+            Some((model, _)) => write!(f, "the {argument} \"{}\"", description.words(model)),
+            None => write!(f, "the {argument}'s description"),
+        }
+    }
+}
+
+/// Steps are counted from 1 for a person.
+const fn number(step: u8) -> usize {
+    step as usize + 1
+}
+
+/// A part of the sentence in quotation marks, or where it stands.
+struct Quoted<'a> {
+    span: Span,
+    sentence: Option<&'a str>,
+}
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.sentence.and_then(|sentence| self.span.of(sentence)) {
+            Some(words) => write!(f, "\"{words}\""),
+            None => write!(f, "bytes {} to {}", self.span.start, self.span.end),
+        }
+    }
+}

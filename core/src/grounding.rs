@@ -1,0 +1,138 @@
+//! From descriptions to objects (section IV-C, Table II): `Scene`, `Filter` and
+//! `Unique`.
+//!
+//! * `Scene()` → a score of 1 for each object;
+//! * `Filter(scores, val)` → `min(scores[i], cos(f_u(emb(o_i)), emb(val)))`, where
+//!   `u` is the attribute type of `val`;
+//! * `Unique(scores)` → the object with the greatest score; the trainer samples it
+//!   from `softmax(10·scores)`, whose probability is kept as a confidence.
+
+use crate::capacity::MAX_OBJECTS;
+use crate::dsl::Description;
+use crate::model::{Model, OBJECT_EMBEDDING};
+use crate::nn::Choice;
+use crate::vision;
+
+/// What scores are multiplied with before `Unique`'s softmax, as in training.
+pub const UNIQUE_SHARPNESS: f32 = 10.0;
+
+/// Why a description has no score on an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScoreError {
+    /// The description names a concept or the concept an attribute type that the
+    /// model doesn't have; can't be where [`Model::check`] passed.
+    UnknownConcept,
+    /// A cosine is not a number.
+    NotFinite,
+}
+
+/// How well an object fits a description: all its filters over `Scene()`.
+/// 1 when nothing is said, else the least cosine.
+///
+/// Cost: one [`vision::similarity`] for each concept, at most `MAX_FILTERS`.
+pub fn score(
+    model: &Model<'_>,
+    embedding: &[f32; OBJECT_EMBEDDING],
+    description: &Description,
+) -> Result<f32, ScoreError> {
+    let mut score = 1.0_f32;
+    for &concept in description.concepts() {
+        let cosine =
+            vision::similarity(model, embedding, concept).ok_or(ScoreError::UnknownConcept)?;
+        if !cosine.is_finite() {
+            return Err(ScoreError::NotFinite);
+        }
+        score = score.min(cosine);
+    }
+    Ok(score)
+}
+
+/// The scores of a scene's objects, in the scene's order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scores {
+    values: [f32; MAX_OBJECTS],
+    count: usize,
+}
+
+/// An object chosen by `Unique`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chosen {
+    /// Its place in the scene.
+    pub index: usize,
+    /// Its score, a cosine.
+    pub score: f32,
+    /// Its share in `softmax(10·scores)`.
+    pub probability: f32,
+}
+
+impl Scores {
+    /// No scores yet.
+    pub const fn new() -> Self {
+        Self {
+            values: [0.0; MAX_OBJECTS],
+            count: 0,
+        }
+    }
+
+    /// Adds the score of the next object; gives it back when all places are taken.
+    pub fn push(&mut self, score: f32) -> Result<(), f32> {
+        let place = self.values.get_mut(self.count).ok_or(score)?;
+        *place = score;
+        self.count += 1;
+        Ok(())
+    }
+
+    /// The scores, in the scene's order.
+    pub fn values(&self) -> &[f32] {
+        self.values.get(..self.count).unwrap_or_default()
+    }
+
+    /// The object with the greatest score, of equal ones the first; `None` without
+    /// objects or when a score is not finite.
+    pub fn unique(&self) -> Option<Chosen> {
+        let mut choice = Choice::new();
+        for score in self.values() {
+            choice.offer(UNIQUE_SHARPNESS * score);
+        }
+        let index = choice.index()?;
+        Some(Chosen {
+            index,
+            score: *self.values().get(index)?,
+            probability: choice.probability(),
+        })
+    }
+}
+
+impl Default for Scores {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unique_is_the_softmax_of_ten_times_the_score() {
+        let mut scores = Scores::new();
+        assert_eq!(scores.unique(), None);
+        for score in [0.1, 0.9, 0.8] {
+            scores.push(score).unwrap();
+        }
+        let chosen = scores.unique().unwrap();
+        assert_eq!((chosen.index, chosen.score), (1, 0.9));
+        // 1 / (1 + e^-1 + e^-8)
+        assert!((chosen.probability - 0.730_879).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_full_set_of_scores_gives_the_next_back() {
+        let mut scores = Scores::new();
+        for _ in 0..MAX_OBJECTS {
+            scores.push(-1.0).unwrap();
+        }
+        assert_eq!(scores.push(0.5), Err(0.5));
+        assert_eq!(scores.values().len(), MAX_OBJECTS);
+    }
+}

@@ -1,0 +1,399 @@
+use heapless::Vec;
+
+use super::{Encoder, Reader, Span, Splitter, Token, choose_action, choose_group};
+use crate::capacity::{MAX_GROUPS, MAX_STEPS};
+use crate::dsl::{Argument, Description, Program, Step};
+use crate::model::{INSTRUCTION, Model, WordParameters};
+use crate::nn::{Choice, Linear};
+use crate::progress::Progress;
+use crate::refusal::{Decision, Quantity, Refusal};
+
+/// How sure the parser was of a step; probabilities.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepDecisions {
+    /// Where in the sentence the step stands.
+    pub span: Span,
+    /// That the step ends where it was ended.
+    pub split: f32,
+    /// Of its action.
+    pub action: f32,
+    /// That the words chosen describe the object to be moved.
+    pub object: f32,
+    /// That the words chosen describe the reference.
+    pub reference: f32,
+}
+
+/// A program as understood, and how sure the parser was of each step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Parsed {
+    /// What is to be done.
+    pub program: Program,
+    /// For each of its steps.
+    pub decisions: Vec<StepDecisions, MAX_STEPS, u8>,
+}
+
+/// A sentence being parsed, a bounded piece of work a [`ParsingTask::poll`]: one
+/// word read, one token through the splitter or through one direction of the
+/// encoder, or one decoder. All scratch memory is in here.
+#[derive(Debug, Clone)]
+pub struct ParsingTask<'a> {
+    model: &'a Model<'a>,
+    reader: Reader<'a>,
+    splitter: Splitter,
+    segments: Vec<Segment, MAX_STEPS, u8>,
+    encoder: Encoder,
+    parsed: Parsed,
+    stage: Stage,
+}
+
+/// The tokens of one step: from the end of the one before it to `end`.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    end: usize,
+    probability: f32,
+}
+
+/// Where a parsing task stands. Tokens are counted over the whole sentence, steps
+/// from 0.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    Read,
+    Split {
+        token: usize,
+    },
+    /// A step is about to be encoded.
+    Step {
+        step: usize,
+    },
+    Forward {
+        step: usize,
+        token: usize,
+    },
+    /// Tokens from the step's first up to `before` are still to come.
+    Backward {
+        step: usize,
+        before: usize,
+    },
+    Action {
+        step: usize,
+    },
+    Object {
+        step: usize,
+        action: Decided,
+    },
+    Reference {
+        step: usize,
+        action: Decided,
+        object: Decided,
+    },
+    Done(Option<Refusal>),
+}
+
+/// What a decoder chose, and its probability.
+#[derive(Debug, Clone, Copy)]
+struct Decided {
+    index: usize,
+    probability: f32,
+}
+
+impl<'a> ParsingTask<'a> {
+    /// Nothing done yet.
+    pub fn new(model: &'a Model<'a>, sentence: &'a str) -> Self {
+        let (reader, stage) = match Reader::new(sentence) {
+            Ok(reader) => (reader, Stage::Read),
+            Err(refusal) => (Reader::empty(), Stage::Done(Some(refusal))),
+        };
+        Self {
+            model,
+            reader,
+            splitter: Splitter::new(),
+            segments: Vec::new(),
+            encoder: Encoder::new(),
+            parsed: Parsed::default(),
+            stage,
+        }
+    }
+
+    /// Does one piece of work. Once it is done, every further call gives the same
+    /// result again.
+    pub fn poll(&mut self) -> Progress<Result<&Parsed, Refusal>> {
+        self.stage = match self.advance(self.stage) {
+            Ok(stage) => stage,
+            Err(refusal) => Stage::Done(Some(refusal)),
+        };
+        match self.stage {
+            Stage::Done(None) => Progress::Done(Ok(&self.parsed)),
+            Stage::Done(Some(refusal)) => Progress::Done(Err(refusal)),
+            _ => Progress::Pending,
+        }
+    }
+
+    /// What was understood so far: all of it once the task is done.
+    pub const fn parsed(&self) -> &Parsed {
+        &self.parsed
+    }
+
+    fn advance(&mut self, stage: Stage) -> Result<Stage, Refusal> {
+        match stage {
+            Stage::Read => self.read(),
+            Stage::Split { token } => self.split(token),
+            Stage::Step { step } => self.begin_step(step),
+            Stage::Forward { step, token } => self.forward(step, token),
+            Stage::Backward { step, before } => self.backward(step, before),
+            Stage::Action { step } => self.action(step),
+            Stage::Object { step, action } => {
+                let decoder = self.model.language.object_decoder;
+                let object = self.argument(step, Argument::Object, decoder)?;
+                Ok(Stage::Reference {
+                    step,
+                    action,
+                    object,
+                })
+            }
+            Stage::Reference {
+                step,
+                action,
+                object,
+            } => {
+                let decoder = self.model.language.reference_decoder;
+                let reference = self.argument(step, Argument::Reference, decoder)?;
+                self.end_step(step, action, object, reference)
+            }
+            Stage::Done(refusal) => Ok(Stage::Done(refusal)),
+        }
+    }
+
+    fn read(&mut self) -> Result<Stage, Refusal> {
+        if self.reader.advance(self.model)? {
+            Ok(Stage::Read)
+        } else if self.reader.tokens().is_empty() {
+            Err(Refusal::NoWords)
+        } else {
+            Ok(Stage::Split { token: 0 })
+        }
+    }
+
+    fn split(&mut self, token: usize) -> Result<Stage, Refusal> {
+        let behind = token.saturating_add(1);
+        let Some(next) = self.parameters(behind) else {
+            // Nothing follows: what remains is the last step.
+            self.end_segment(behind, self.splitter.survival())?;
+            return Ok(Stage::Step { step: 0 });
+        };
+        let this = self.parameters(token).ok_or(Refusal::InvalidModel)?;
+        let after_next = self.parameters(behind.saturating_add(1));
+        let hazard = self
+            .splitter
+            .hazard(&self.model.language, this, next, after_next);
+        if !hazard.is_finite() {
+            return Err(not_finite(self.segments.len(), Quantity::Split));
+        }
+        if let Some(probability) = self.splitter.decide(hazard) {
+            self.end_segment(behind, probability)?;
+            self.splitter = Splitter::new();
+        }
+        Ok(Stage::Split { token: behind })
+    }
+
+    fn end_segment(&mut self, end: usize, probability: f32) -> Result<(), Refusal> {
+        let segment = Segment { end, probability };
+        self.segments
+            .push(segment)
+            .map_err(|_| Refusal::TooManySteps {
+                limit: MAX_STEPS as u8,
+            })
+    }
+
+    fn begin_step(&mut self, step: usize) -> Result<Stage, Refusal> {
+        let Some(&Segment { probability, .. }) = self.segments.get(step) else {
+            return Ok(Stage::Done(None));
+        };
+        let groups = self.groups(step).count();
+        if groups < 2 {
+            return Err(Refusal::IncompleteStep {
+                step: step as u8,
+                references: groups as u8,
+                span: self.span(step),
+            });
+        }
+        if groups > MAX_GROUPS {
+            return Err(Refusal::TooManyReferences {
+                step: step as u8,
+                span: self.span(step),
+                limit: MAX_GROUPS as u8,
+            });
+        }
+        self.sure(step, Decision::Split, probability)?;
+        self.encoder.clear();
+        Ok(Stage::Forward {
+            step,
+            token: self.first_token(step),
+        })
+    }
+
+    fn forward(&mut self, step: usize, token: usize) -> Result<Stage, Refusal> {
+        let end = self.end_token(step);
+        let (parameters, group) = self.token(token)?;
+        // Their number was checked when the step began.
+        let _ = self
+            .encoder
+            .forward(&self.model.language, parameters, group);
+        let token = token.saturating_add(1);
+        Ok(if token < end {
+            Stage::Forward { step, token }
+        } else {
+            Stage::Backward { step, before: end }
+        })
+    }
+
+    fn backward(&mut self, step: usize, before: usize) -> Result<Stage, Refusal> {
+        let token = before.saturating_sub(1);
+        let (parameters, group) = self.token(token)?;
+        self.encoder
+            .backward(&self.model.language, parameters, group);
+        Ok(if token > self.first_token(step) {
+            Stage::Backward {
+                step,
+                before: token,
+            }
+        } else {
+            Stage::Action { step }
+        })
+    }
+
+    fn action(&mut self, step: usize) -> Result<Stage, Refusal> {
+        let choice = choose_action(self.model.actions, &self.encoder.instruction());
+        let action = self.decide(step, Decision::Action, choice)?;
+        Ok(Stage::Object { step, action })
+    }
+
+    fn argument(
+        &self,
+        step: usize,
+        argument: Argument,
+        decoder: &Linear<INSTRUCTION, INSTRUCTION>,
+    ) -> Result<Decided, Refusal> {
+        let instruction = self.encoder.instruction();
+        let choice = choose_group(decoder, &instruction, self.encoder.groups());
+        self.decide(step, Decision::Argument(argument), choice)
+    }
+
+    fn end_step(
+        &mut self,
+        step: usize,
+        action: Decided,
+        object: Decided,
+        reference: Decided,
+    ) -> Result<Stage, Refusal> {
+        let (description, span) = self.group(step, object.index)?;
+        if object.index == reference.index {
+            return Err(Refusal::SameReference {
+                step: step as u8,
+                span,
+            });
+        }
+        let split = self.segments.get(step).ok_or(Refusal::InvalidModel)?;
+        let decisions = StepDecisions {
+            span: self.span(step),
+            split: split.probability,
+            action: action.probability,
+            object: object.probability,
+            reference: reference.probability,
+        };
+        let symbols = Step {
+            action: u8::try_from(action.index).map_err(|_| Refusal::InvalidModel)?,
+            object: description,
+            reference: self.group(step, reference.index)?.0,
+        };
+        // As many places as segments.
+        let _ = self.parsed.program.push(symbols);
+        let _ = self.parsed.decisions.push(decisions);
+        Ok(Stage::Step {
+            step: step.saturating_add(1),
+        })
+    }
+
+    /// A decoder's choice, refused when it is not finite or below the threshold.
+    fn decide(&self, step: usize, decision: Decision, choice: Choice) -> Result<Decided, Refusal> {
+        let quantity = match decision {
+            Decision::Split => Quantity::Split,
+            Decision::Action => Quantity::Action,
+            Decision::Argument(argument) => Quantity::Argument(argument),
+        };
+        let index = choice.index().ok_or(not_finite(step, quantity))?;
+        let probability = choice.probability();
+        self.sure(step, decision, probability)?;
+        Ok(Decided { index, probability })
+    }
+
+    fn sure(&self, step: usize, decision: Decision, probability: f32) -> Result<(), Refusal> {
+        let threshold = self.model.header.thresholds.decision;
+        if probability >= threshold {
+            return Ok(());
+        }
+        Err(Refusal::Unsure {
+            step: step as u8,
+            decision,
+            probability,
+            threshold,
+        })
+    }
+
+    fn parameters(&self, token: usize) -> Option<&'a WordParameters> {
+        self.reader.tokens().get(token)?.parameters(self.model)
+    }
+
+    fn token(&self, token: usize) -> Result<(&'a WordParameters, bool), Refusal> {
+        let token = self
+            .reader
+            .tokens()
+            .get(token)
+            .ok_or(Refusal::InvalidModel)?;
+        let parameters = token.parameters(self.model).ok_or(Refusal::InvalidModel)?;
+        Ok((parameters, token.description().is_some()))
+    }
+
+    fn first_token(&self, step: usize) -> usize {
+        step.checked_sub(1)
+            .and_then(|before| self.segments.get(before))
+            .map_or(0, |segment| segment.end)
+    }
+
+    fn end_token(&self, step: usize) -> usize {
+        self.segments.get(step).map_or(0, |segment| segment.end)
+    }
+
+    fn tokens(&self, step: usize) -> &[Token] {
+        self.reader
+            .tokens()
+            .get(self.first_token(step)..self.end_token(step))
+            .unwrap_or_default()
+    }
+
+    fn span(&self, step: usize) -> Span {
+        let tokens = self.tokens(step);
+        Span {
+            start: tokens.first().map_or(0, |token| token.span.start),
+            end: tokens.last().map_or(0, |token| token.span.end),
+        }
+    }
+
+    fn groups(&self, step: usize) -> impl Iterator<Item = (&Description, Span)> {
+        let tokens = self.tokens(step).iter();
+        tokens.filter_map(|token| Some((token.description()?, token.span)))
+    }
+
+    fn group(&self, step: usize, index: usize) -> Result<(Description, Span), Refusal> {
+        self.groups(step)
+            .nth(index)
+            .map(|(description, span)| (*description, span))
+            .ok_or(Refusal::InvalidModel)
+    }
+}
+
+const fn not_finite(step: usize, quantity: Quantity) -> Refusal {
+    Refusal::NotFinite {
+        step: step as u8,
+        quantity,
+    }
+}

@@ -1,0 +1,232 @@
+use heapless::Vec;
+
+use crate::capacity::{MAX_FILTERS, MAX_SENTENCE_BYTES, MAX_TOKENS};
+use crate::dsl::Description;
+use crate::model::{Model, WordParameters};
+use crate::refusal::Refusal;
+
+/// Where in a sentence: bytes `start..end`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Span {
+    /// First byte.
+    pub start: u16,
+    /// Behind the last byte.
+    pub end: u16,
+}
+
+impl Span {
+    /// The part of `sentence`; `None` when the span was made for another one and
+    /// does not fit.
+    pub fn of<'a>(&self, sentence: &'a str) -> Option<&'a str> {
+        sentence.get(usize::from(self.start)..usize::from(self.end))
+    }
+}
+
+/// What stands in a place of a sentence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TokenKind {
+    /// A word outside the lexicon: index into [`Model::words`].
+    Word(u16),
+    /// Concept words next to each other, `[[X]]` in the paper.
+    Group(Description),
+}
+
+/// A token with its place in the sentence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Token {
+    /// What it is.
+    pub kind: TokenKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+impl Token {
+    /// Its embeddings; `None` only for a token of another model.
+    pub fn parameters<'a>(&self, model: &Model<'a>) -> Option<&'a WordParameters> {
+        match self.kind {
+            TokenKind::Word(index) => model
+                .words
+                .get(usize::from(index))
+                .map(|word| &word.parameters),
+            TokenKind::Group(_) => Some(model.group),
+        }
+    }
+
+    /// The concepts, if it is a group.
+    pub const fn description(&self) -> Option<&Description> {
+        match &self.kind {
+            TokenKind::Word(_) => None,
+            TokenKind::Group(description) => Some(description),
+        }
+    }
+}
+
+/// The tokens of a sentence.
+pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
+
+/// Reads a sentence word by word.
+///
+/// Words are parted by white space and compared in lower case. `,` is a word of
+/// its own and `;` is read as one; the marks `. ! ? : " '` are cut off at both
+/// ends of a word and, being no words of the model, refused, except that `. ! ?`
+/// at the very end of the sentence are dropped.
+#[derive(Debug, Clone)]
+pub struct Reader<'a> {
+    rest_from: usize,
+    sentence: &'a str,
+    tokens: Tokens,
+}
+
+impl<'a> Reader<'a> {
+    /// At the beginning of `sentence`; refuses one that is too long to be read
+    /// with bounded work.
+    pub fn new(sentence: &'a str) -> Result<Self, Refusal> {
+        if sentence.len() > MAX_SENTENCE_BYTES {
+            return Err(Refusal::SentenceTooLong {
+                limit: MAX_SENTENCE_BYTES as u16,
+                unit: crate::refusal::LengthUnit::Bytes,
+            });
+        }
+        Ok(Self {
+            rest_from: 0,
+            sentence: sentence.trim_end_matches(|c: char| c.is_whitespace() || is_full_stop(c)),
+            tokens: Tokens::new(),
+        })
+    }
+
+    /// On a sentence without words.
+    pub(super) const fn empty() -> Self {
+        Self {
+            rest_from: 0,
+            sentence: "",
+            tokens: Tokens::new(),
+        }
+    }
+
+    /// Reads the next word; false when there is none left.
+    ///
+    /// Cost: one pass over the word and the blanks before it, and one binary
+    /// search in the lexicon and the words.
+    pub fn advance(&mut self, model: &Model<'_>) -> Result<bool, Refusal> {
+        let Some((text, span)) = next_word(self.sentence, self.rest_from) else {
+            return Ok(false);
+        };
+        self.rest_from = usize::from(span.end);
+        let text = if text == ";" { "," } else { text };
+        if let Some(entry) = find(model.lexicon, text, |entry| entry.text) {
+            self.add_concept(entry.1.concept, span)?;
+        } else if let Some((index, _)) = find(model.words, text, |word| word.text) {
+            let index = u16::try_from(index).map_err(|_| Refusal::InvalidModel)?;
+            self.add(TokenKind::Word(index), span)?;
+        } else {
+            return Err(Refusal::UnknownWord { span });
+        }
+        Ok(true)
+    }
+
+    /// The tokens read so far.
+    pub fn tokens(&self) -> &[Token] {
+        &self.tokens
+    }
+
+    /// A concept word joins the group before it or begins one.
+    fn add_concept(&mut self, concept: u8, span: Span) -> Result<(), Refusal> {
+        if let Some(Token {
+            kind: TokenKind::Group(description),
+            span: group,
+        }) = self.tokens.last_mut()
+        {
+            group.end = span.end;
+            return description
+                .push(concept)
+                .map_err(|_| Refusal::TooManyConcepts {
+                    span: *group,
+                    limit: MAX_FILTERS as u8,
+                });
+        }
+        let mut description = Description::new();
+        // An empty description has room.
+        let _ = description.push(concept);
+        self.add(TokenKind::Group(description), span)
+    }
+
+    fn add(&mut self, kind: TokenKind, span: Span) -> Result<(), Refusal> {
+        self.tokens
+            .push(Token { kind, span })
+            .map_err(|_| Refusal::SentenceTooLong {
+                limit: MAX_TOKENS as u16,
+                unit: crate::refusal::LengthUnit::Tokens,
+            })
+    }
+}
+
+const fn is_full_stop(c: char) -> bool {
+    matches!(c, '.' | '!' | '?')
+}
+
+const fn is_mark(c: char) -> bool {
+    is_full_stop(c) || matches!(c, ':' | '"' | '\'')
+}
+
+const fn is_comma(c: char) -> bool {
+    matches!(c, ',' | ';')
+}
+
+/// The first word at or behind byte `from`, not empty, and where it stands.
+fn next_word(sentence: &str, from: usize) -> Option<(&str, Span)> {
+    let rest = sentence.get(from..)?;
+    let word = rest.trim_start();
+    let start = from + (rest.len() - word.len());
+    let first = word.chars().next()?;
+    let length = if is_comma(first) || is_mark(first) {
+        first.len_utf8()
+    } else {
+        let length = word
+            .find(|c: char| c.is_whitespace() || is_comma(c))
+            .unwrap_or(word.len());
+        word.get(..length)?.trim_end_matches(is_mark).len()
+    };
+    let span = Span {
+        start: u16::try_from(start).ok()?,
+        end: u16::try_from(start + length).ok()?,
+    };
+    Some((word.get(..length)?, span))
+}
+
+/// The entry whose text is `word` in lower case, and its index.
+fn find<'a, T>(entries: &'a [T], word: &str, text: fn(&T) -> &str) -> Option<(usize, &'a T)> {
+    let index = entries
+        .binary_search_by(|entry| {
+            text(entry)
+                .chars()
+                .cmp(word.chars().flat_map(char::to_lowercase))
+        })
+        .ok()?;
+    entries.get(index).map(|entry| (index, entry))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(sentence: &str) -> std::vec::Vec<&str> {
+        let mut words = std::vec::Vec::new();
+        let mut from = 0;
+        while let Some((word, span)) = next_word(sentence, from) {
+            assert_eq!(span.of(sentence), Some(word));
+            assert!(usize::from(span.end) > from || from == 0);
+            from = usize::from(span.end);
+            words.push(word);
+        }
+        words
+    }
+
+    #[test]
+    fn words_are_parted_at_white_space_commas_and_marks_at_their_ends() {
+        assert_eq!(words("  put\tthe\u{a0}red "), ["put", "the", "red"]);
+        assert_eq!(words("red,blue;then"), ["red", ",", "blue", ";", "then"]);
+        assert_eq!(words("\"red\" don't."), ["\"", "red", "\"", "don't", "."]);
+        assert_eq!(words("größe 1.5!?"), ["größe", "1.5", "!", "?"]);
+        assert_eq!(words(" \n"), [""; 0]);
+    }
+}

@@ -1,0 +1,173 @@
+use core::fmt;
+
+use super::{Model, WorkSpace};
+use crate::nn::is_unit;
+
+/// Concepts, attribute types and actions that an index of one byte reaches.
+const MAX_INDEXED: usize = 256;
+/// Words that an index of two bytes reaches.
+const MAX_WORDS: usize = 65_536;
+
+/// Why a model can't be used; the first fault found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModelFault<'a> {
+    /// A list is empty; its name.
+    Empty(&'static str),
+    /// A list is longer than its indices reach; its name.
+    TooLong(&'static str),
+    /// Words must be sorted and all different; the one out of order.
+    WordOrder(&'a str),
+    /// Lexicon words must be sorted and all different; the one out of order.
+    LexiconOrder(&'a str),
+    /// A word stands both among the words and in the lexicon.
+    WordInLexicon(&'a str),
+    /// A lexicon word names a concept that isn't there.
+    LexiconConcept(&'a str),
+    /// A concept is of an attribute type that isn't there; its name.
+    ConceptAttribute(&'a str),
+    /// A concept's embedding has not length 1; its name.
+    ConceptLength(&'a str),
+    /// A threshold is not from 0 to 1.
+    Threshold,
+    /// The work space is not finite or has its bounds in the wrong order.
+    WorkSpace,
+    /// The orientation of placed objects is not a quaternion of length 1.
+    PlacedOrientation,
+}
+
+impl fmt::Display for ModelFault<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty(list) => write!(f, "the model has no {list}"),
+            Self::TooLong(list) => write!(f, "the model has too many {list}"),
+            Self::WordOrder(word) => write!(f, "word \"{word}\" is out of order or repeated"),
+            Self::LexiconOrder(word) => {
+                write!(f, "lexicon word \"{word}\" is out of order or repeated")
+            }
+            Self::WordInLexicon(word) => write!(f, "word \"{word}\" stands in the lexicon too"),
+            Self::LexiconConcept(word) => {
+                write!(
+                    f,
+                    "lexicon word \"{word}\" names a concept that isn't there"
+                )
+            }
+            Self::ConceptAttribute(name) => {
+                write!(f, "concept {name} has an attribute type that isn't there")
+            }
+            Self::ConceptLength(name) => {
+                write!(f, "the embedding of concept {name} has not length 1")
+            }
+            Self::Threshold => f.write_str("a threshold is not from 0 to 1"),
+            Self::WorkSpace => f.write_str("the work space's bounds are not ordered and finite"),
+            Self::PlacedOrientation => {
+                f.write_str("placed_orientation is not a quaternion of length 1")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ModelFault<'_> {}
+
+impl<'a> Model<'a> {
+    /// The first eight bytes of the hash: what ties a scene's embeddings to the
+    /// model that made them.
+    pub const fn tag(&self) -> u64 {
+        let [a, b, c, d, e, f, g, h, ..] = self.header.hash;
+        u64::from_le_bytes([a, b, c, d, e, f, g, h])
+    }
+
+    /// Whether every index points at something, every list is in its order and the
+    /// header makes sense. What passes never gives [`crate::Refusal::InvalidModel`].
+    ///
+    /// Parameters are not looked at: the code generator and the loader check the
+    /// tensors, and what is not finite is refused where it shows.
+    pub fn check(&self) -> Result<(), ModelFault<'a>> {
+        self.check_lengths()?;
+        self.check_words()?;
+        for concept in self.concepts {
+            if usize::from(concept.attribute) >= self.attributes.len() {
+                return Err(ModelFault::ConceptAttribute(concept.name));
+            }
+            if !is_unit(&concept.embedding) {
+                return Err(ModelFault::ConceptLength(concept.name));
+            }
+        }
+        self.check_header()
+    }
+
+    fn check_lengths(&self) -> Result<(), ModelFault<'a>> {
+        let lists = [
+            ("words", self.words.len(), MAX_WORDS),
+            ("lexicon words", self.lexicon.len(), usize::MAX),
+            ("attributes", self.attributes.len(), MAX_INDEXED),
+            ("concepts", self.concepts.len(), MAX_INDEXED),
+            ("actions", self.actions.len(), MAX_INDEXED),
+        ];
+        for (name, length, limit) in lists {
+            if length == 0 {
+                return Err(ModelFault::Empty(name));
+            }
+            if length > limit {
+                return Err(ModelFault::TooLong(name));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_words(&self) -> Result<(), ModelFault<'a>> {
+        let mut before = "";
+        for word in self.words {
+            if word.text <= before {
+                return Err(ModelFault::WordOrder(word.text));
+            }
+            before = word.text;
+        }
+        let mut before = "";
+        for entry in self.lexicon {
+            if entry.text <= before {
+                return Err(ModelFault::LexiconOrder(entry.text));
+            }
+            before = entry.text;
+            if usize::from(entry.concept) >= self.concepts.len() {
+                return Err(ModelFault::LexiconConcept(entry.text));
+            }
+            if self.words.iter().any(|word| word.text == entry.text) {
+                return Err(ModelFault::WordInLexicon(entry.text));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_header(&self) -> Result<(), ModelFault<'a>> {
+        let thresholds = self.header.thresholds;
+        let fractions = [thresholds.match_score, thresholds.decision];
+        if !fractions.iter().all(|value| (0.0..=1.0).contains(value)) {
+            return Err(ModelFault::Threshold);
+        }
+        let WorkSpace { min, max } = self.header.work_space;
+        let ordered = min
+            .iter()
+            .zip(&max)
+            .all(|(min, max)| min.is_finite() && max.is_finite() && min <= max);
+        if !ordered {
+            return Err(ModelFault::WorkSpace);
+        }
+        if !is_unit(&self.header.placed_orientation) {
+            return Err(ModelFault::PlacedOrientation);
+        }
+        Ok(())
+    }
+}
+
+impl WorkSpace {
+    /// Whether a point lies inside; the bounds do.
+    ///
+    /// * `position`: world frame, metres
+    pub fn contains(&self, position: &[f32; 3]) -> bool {
+        let bounds = self.min.iter().zip(&self.max);
+        position
+            .iter()
+            .zip(bounds)
+            .all(|(value, (min, max))| min <= value && value <= max)
+    }
+}

@@ -1,0 +1,110 @@
+use heapless::Vec;
+use nalgebra::Isometry3;
+
+use crate::capacity::MAX_STEPS;
+use crate::dsl::Program;
+use crate::model::LOCATION;
+
+/// Where an object is to be moved: the paper's `(o_t, p_t)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SubGoal {
+    /// Id of the object.
+    pub object: u32,
+    /// Pose of its centre: world frame, metres.
+    pub pose: Isometry3<f32>,
+}
+
+/// The object that a description was found to mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grounding {
+    /// Id of the object.
+    pub object: u32,
+    /// Its place in the scene.
+    pub index: u8,
+    /// How well it fits: the least cosine of the description's concepts.
+    pub score: f32,
+    /// Its share in the softmax of `Unique`.
+    pub probability: f32,
+}
+
+/// How sure a step is, part by part; probabilities.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Confidence {
+    /// That the step ends where the sentence was split.
+    pub split: f32,
+    /// Of the action.
+    pub action: f32,
+    /// That these words describe the object to be moved.
+    pub object: f32,
+    /// That these words describe the reference.
+    pub reference: f32,
+    /// That this object is meant by its words.
+    pub object_unique: f32,
+    /// That this reference is meant by its words.
+    pub reference_unique: f32,
+}
+
+impl Confidence {
+    /// All parts multiplied.
+    pub fn product(&self) -> f32 {
+        self.split
+            * self.action
+            * self.object
+            * self.reference
+            * self.object_unique
+            * self.reference_unique
+    }
+}
+
+/// A step of a plan: its objects, where the moved one will be, and how sure this is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlannedStep {
+    /// Index into [`crate::Model::actions`].
+    pub action: u8,
+    /// The object that is moved.
+    pub object: Grounding,
+    /// The object in relation to which it is moved.
+    pub reference: Grounding,
+    /// Where the moved object will be seen: box corners x1, y1, x2, y2 as
+    /// fractions of the image, mean depth in metres. May lie outside the image.
+    pub location: [f32; LOCATION],
+    /// Where it will stand in the world.
+    pub sub_goal: SubGoal,
+    /// How sure the step is.
+    pub confidence: Confidence,
+}
+
+/// What is to be done in a scene; at most [`MAX_STEPS`] steps.
+// Invariant: a planned step for each step of the program, in the same order.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Plan {
+    program: Program,
+    steps: Vec<PlannedStep, MAX_STEPS, u8>,
+}
+
+impl Plan {
+    /// The program as understood.
+    pub const fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// The steps, in the order in which they are carried out; as many as the
+    /// program has.
+    pub fn steps(&self) -> &[PlannedStep] {
+        &self.steps
+    }
+
+    /// What a motion planner is to carry out, in order.
+    pub fn sub_goals(&self) -> impl ExactSizeIterator<Item = &SubGoal> {
+        self.steps.iter().map(|step| &step.sub_goal)
+    }
+
+    pub(super) fn set_program(&mut self, program: Program) {
+        self.program = program;
+    }
+
+    pub(super) fn push(&mut self, step: PlannedStep) {
+        // As many places as the program has steps.
+        let _ = self.steps.push(step);
+    }
+}

@@ -1,0 +1,260 @@
+//! Why a sentence is not obeyed: refuse, don't guess. Each variant carries what
+//! the caller needs to say so, to ask back or to choose; [`Refusal::in_context`]
+//! writes it for a person.
+
+use crate::capacity::MAX_CANDIDATES;
+use crate::dsl::{Argument, Description};
+use crate::language::Span;
+use crate::model::WorkSpace;
+
+/// Why there is no program or no plan; the first reason found. Steps count from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refusal {
+    /// The sentence has no words.
+    NoWords,
+    /// A word that the model was not trained on.
+    UnknownWord {
+        /// Where it stands.
+        span: Span,
+    },
+    /// More of a sentence than is read.
+    SentenceTooLong {
+        /// The most that is read.
+        limit: u16,
+        /// Of what.
+        unit: LengthUnit,
+    },
+    /// More concept words next to each other than one description holds.
+    TooManyConcepts {
+        /// Where they stand.
+        span: Span,
+        /// The most that one description holds.
+        limit: u8,
+    },
+    /// More steps than a program holds.
+    TooManySteps {
+        /// The most that a program holds.
+        limit: u8,
+    },
+    /// More groups of concept words than one step holds.
+    TooManyReferences {
+        /// Which step.
+        step: u8,
+        /// Where it stands.
+        span: Span,
+        /// The most that one step holds.
+        limit: u8,
+    },
+    /// A step that doesn't name both what to move and where to.
+    IncompleteStep {
+        /// Which step.
+        step: u8,
+        /// How many objects it describes; two are needed.
+        references: u8,
+        /// Where it stands.
+        span: Span,
+    },
+    /// The same words were taken for both arguments.
+    SameReference {
+        /// Which step.
+        step: u8,
+        /// Where these words stand.
+        span: Span,
+    },
+    /// The parser is not sure enough.
+    Unsure {
+        /// Which step.
+        step: u8,
+        /// Of what it is not sure.
+        decision: Decision,
+        /// How sure it is.
+        probability: f32,
+        /// How sure it must be.
+        threshold: f32,
+    },
+    /// No object fits a description.
+    NoSuchObject {
+        /// Which step.
+        step: u8,
+        /// Which of its arguments.
+        argument: Argument,
+        /// What was said.
+        description: Description,
+        /// The object that fits best, if there is any.
+        best: Option<Candidate>,
+        /// The least score that will do.
+        threshold: f32,
+    },
+    /// Several objects fit a description.
+    Ambiguous {
+        /// Which step.
+        step: u8,
+        /// Which of its arguments.
+        argument: Argument,
+        /// What was said.
+        description: Description,
+        /// The objects that fit.
+        candidates: Candidates,
+    },
+    /// Both descriptions fit the same object, and no other.
+    SameObject {
+        /// Which step.
+        step: u8,
+        /// Id of the object.
+        object: u32,
+    },
+    /// A network's result is infinite or not a number.
+    NotFinite {
+        /// Which step.
+        step: u8,
+        /// Which result.
+        quantity: Quantity,
+    },
+    /// A sub-goal lies where it may not.
+    OutsideWorkSpace {
+        /// Which step.
+        step: u8,
+        /// Id of the object that is to be moved there.
+        object: u32,
+        /// Where its centre would be: world frame, metres.
+        position: [f32; 3],
+        /// Where it may be.
+        bounds: WorkSpace,
+    },
+    /// The scene's embeddings were made by another model than the planner's.
+    OtherModel {
+        /// Tag of the planner's model.
+        expected: u64,
+        /// Tag in the scene.
+        got: u64,
+    },
+    /// An index in the model points at nothing; can't be where
+    /// [`crate::Model::check`] passed.
+    InvalidModel,
+}
+
+/// What a sentence's length is counted in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Bytes of UTF-8.
+    Bytes,
+    /// Words and commas, a group of concept words counted as one.
+    Tokens,
+}
+
+/// What the parser decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Decision {
+    /// Where the step ends.
+    Split,
+    /// What is to be done.
+    Action,
+    /// Which words describe this argument.
+    Argument(Argument),
+}
+
+/// A result that is checked to be finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// The splitter's hazard.
+    Split,
+    /// The action decoder's logits.
+    Action,
+    /// An argument decoder's logits.
+    Argument(Argument),
+    /// The scores of the objects for this argument.
+    Score(Argument),
+    /// The location that the action simulator predicts.
+    Location,
+    /// The sub-goal's pose.
+    Pose,
+}
+
+/// An object that fits a description, and how well.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Candidate {
+    /// Id of the object.
+    pub object: u32,
+    /// Its score, a cosine.
+    pub score: f32,
+}
+
+/// Objects that fit a description: the best [`MAX_CANDIDATES`], best first.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Candidates {
+    listed: [Candidate; MAX_CANDIDATES],
+    count: u8,
+}
+
+impl Candidates {
+    /// Takes an object into account; of equal scores the first stays in front.
+    pub(crate) fn add(&mut self, candidate: Candidate) {
+        let listed = usize::from(self.count).min(MAX_CANDIDATES);
+        let mut carried = candidate;
+        let mut found = false;
+        // Each place behind the candidate's takes what stood in front of it.
+        for place in self.listed.iter_mut().take(listed) {
+            found |= candidate.score > place.score;
+            if found {
+                core::mem::swap(place, &mut carried);
+            }
+        }
+        if let Some(place) = self.listed.get_mut(listed) {
+            *place = carried;
+        }
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// The best of them, best first.
+    pub fn listed(&self) -> &[Candidate] {
+        let listed = usize::from(self.count).min(MAX_CANDIDATES);
+        self.listed.get(..listed).unwrap_or_default()
+    }
+
+    /// How many objects fit, listed or not.
+    pub const fn count(&self) -> usize {
+        self.count as usize
+    }
+}
+
+impl Refusal {
+    /// The variant's name in snake case, as it stands in JSON.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::NoWords => "no_words",
+            Self::UnknownWord { .. } => "unknown_word",
+            Self::SentenceTooLong { .. } => "sentence_too_long",
+            Self::TooManyConcepts { .. } => "too_many_concepts",
+            Self::TooManySteps { .. } => "too_many_steps",
+            Self::TooManyReferences { .. } => "too_many_references",
+            Self::IncompleteStep { .. } => "incomplete_step",
+            Self::SameReference { .. } => "same_reference",
+            Self::Unsure { .. } => "unsure",
+            Self::NoSuchObject { .. } => "no_such_object",
+            Self::Ambiguous { .. } => "ambiguous",
+            Self::SameObject { .. } => "same_object",
+            Self::NotFinite { .. } => "not_finite",
+            Self::OutsideWorkSpace { .. } => "outside_work_space",
+            Self::OtherModel { .. } => "other_model",
+            Self::InvalidModel => "invalid_model",
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn candidates_are_listed_best_first_and_all_counted() {
+        let mut candidates = Candidates::default();
+        for (object, score) in (1..).zip([0.5, 0.9, 0.7, 0.9, 0.6, 0.8, 0.4, 0.3, 0.95, 0.2]) {
+            candidates.add(Candidate { object, score });
+        }
+        let ids: std::vec::Vec<u32> = candidates.listed().iter().map(|c| c.object).collect();
+        assert_eq!(ids, [9, 2, 4, 6, 3, 5, 1, 7]);
+        assert_eq!(candidates.count(), 10);
+    }
+}

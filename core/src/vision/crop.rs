@@ -1,0 +1,227 @@
+use core::fmt;
+
+use crate::model::CROP;
+use crate::scene::{ObjectFault, location_fault};
+
+/// Samples along a side of the crop: two for each pixel.
+const SAMPLES: usize = 2 * CROP;
+
+/// An image of bytes, red, green and blue for each pixel, row by row from the top.
+#[derive(Debug, Clone, Copy)]
+pub struct RgbImage<'a> {
+    pixels: &'a [u8],
+    width: u32,
+    height: u32,
+    stride: usize,
+}
+
+/// Why bytes are not an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImageError {
+    /// Width or height is zero or more than 65,535 pixels.
+    Size {
+        /// In pixels.
+        width: u32,
+        /// In pixels.
+        height: u32,
+    },
+    /// Rows overlap: the stride is less than three bytes a pixel.
+    Stride {
+        /// The least that will do, in bytes.
+        expected: usize,
+        /// Bytes from one row to the next.
+        got: usize,
+    },
+    /// Fewer bytes than the size says.
+    Length {
+        /// The least that will do.
+        expected: usize,
+        /// Bytes given.
+        got: usize,
+    },
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Size { width, height } => write!(
+                f,
+                "image: {width}×{height} pixels; each side must be from 1 to 65535"
+            ),
+            Self::Stride { expected, got } => write!(
+                f,
+                "image: a stride of {got} bytes, but a row takes {expected}"
+            ),
+            Self::Length { expected, got } => {
+                write!(f, "image: {got} bytes, but its size takes {expected}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ImageError {}
+
+impl<'a> RgbImage<'a> {
+    /// Looks at `pixels` as an image.
+    ///
+    /// * `stride`: bytes from the beginning of one row to the next, `3·width` or more
+    pub fn new(
+        pixels: &'a [u8],
+        width: u32,
+        height: u32,
+        stride: usize,
+    ) -> Result<Self, ImageError> {
+        let size = ImageError::Size { width, height };
+        let side = |pixels: u32| match u16::try_from(pixels) {
+            Ok(side) if side > 0 => Ok(usize::from(side)),
+            _ => Err(size),
+        };
+        let row = 3 * side(width)?;
+        let rows_before_last = side(height)?.saturating_sub(1);
+        if stride < row {
+            return Err(ImageError::Stride {
+                expected: row,
+                got: stride,
+            });
+        }
+        let length = stride
+            .checked_mul(rows_before_last)
+            .and_then(|bytes| bytes.checked_add(row))
+            .ok_or(size)?;
+        if pixels.len() < length {
+            return Err(ImageError::Length {
+                expected: length,
+                got: pixels.len(),
+            });
+        }
+        Ok(Self {
+            pixels,
+            width,
+            height,
+            stride,
+        })
+    }
+
+    /// Width in pixels.
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub const fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green and blue, 0 to 255; black outside.
+    #[inline]
+    fn pixel(&self, column: usize, row: usize) -> [f32; 3] {
+        let begin = row
+            .wrapping_mul(self.stride)
+            .wrapping_add(column.wrapping_mul(3));
+        match self.pixels.get(begin..).and_then(|rest| rest.first_chunk()) {
+            Some(&[red, green, blue]) => [f32::from(red), f32::from(green), f32::from(blue)],
+            None => [0.0; 3],
+        }
+    }
+}
+
+/// What the encoder sees of an object: its box resampled to 32×32 pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crop {
+    /// Red, green and blue from 0 to 1, by channel, row, column.
+    pub channels: [[[f32; CROP]; CROP]; 3],
+}
+
+impl Crop {
+    /// All black.
+    pub const BLACK: Self = Self {
+        channels: [[[0.0; CROP]; CROP]; 3],
+    };
+
+    /// Cuts a box out of an image.
+    ///
+    /// Each pixel is the mean of 2×2 samples at ¼ and ¾ of its width and height;
+    /// each sample is bilinear between the image's pixel centres (at + ½) and held
+    /// at the image's edge.
+    ///
+    /// * `bounds`: corners x1, y1, x2, y2 as fractions of the image's width and height
+    ///
+    /// Cost: `64²` samples of four pixels, for any size of box and image.
+    pub fn from_rgb(image: &RgbImage<'_>, bounds: &[f32; 4]) -> Result<Self, ObjectFault> {
+        let mut crop = Self::BLACK;
+        crop.fill(image, bounds)?;
+        Ok(crop)
+    }
+
+    /// [`Crop::from_rgb`] into memory that is there already.
+    pub fn fill(&mut self, image: &RgbImage<'_>, bounds: &[f32; 4]) -> Result<(), ObjectFault> {
+        let [x1, y1, x2, y2] = *bounds;
+        if let Some(fault) = location_fault(&[x1, y1, x2, y2, 1.0]) {
+            return Err(fault);
+        }
+        let columns = samples(x1, x2, image.width);
+        let rows = samples(y1, y2, image.height);
+        let [red, green, blue] = &mut self.channels;
+        let maps = red.iter_mut().zip(green).zip(blue);
+        for (((red, green), blue), row_pair) in maps.zip(rows.as_chunks::<2>().0) {
+            let pixels = red.iter_mut().zip(green).zip(blue);
+            for (((red, green), blue), column_pair) in pixels.zip(columns.as_chunks::<2>().0) {
+                let mut sum = [0.0; 3];
+                for row in row_pair {
+                    for column in column_pair {
+                        crate::nn::accumulate(&mut sum, 1.0, &sample(image, column, row));
+                    }
+                }
+                [*red, *green, *blue] = sum.map(|sum| sum / (4.0 * 255.0));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A place between two neighbouring pixels along one axis.
+#[derive(Clone, Copy)]
+struct Place {
+    before: usize,
+    after: usize,
+    /// From 0 at the centre of `before` to 1 at the centre of `after`.
+    share: f32,
+}
+
+/// The places of all samples along one axis.
+///
+/// * `from`, `to`: the box's edges as fractions of `pixels`
+fn samples(from: f32, to: f32, pixels: u32) -> [Place; SAMPLES] {
+    let last = pixels.saturating_sub(1);
+    core::array::from_fn(|index| {
+        let fraction = (index as f32 + 0.5) / SAMPLES as f32;
+        // Behind the box's edges come fractions of 0..=1 only, so that the floor
+        // is at least −1.
+        let position = (from + fraction * (to - from)) * pixels as f32 - 0.5;
+        let before = libm::floorf(position);
+        Place {
+            before: (before.max(0.0) as u32).min(last) as usize,
+            after: ((before + 1.0) as u32).min(last) as usize,
+            share: position - before,
+        }
+    })
+}
+
+/// Bilinear between four pixels, 0 to 255.
+fn sample(image: &RgbImage<'_>, column: &Place, row: &Place) -> [f32; 3] {
+    let weights = [
+        (
+            column.before,
+            row.before,
+            (1.0 - column.share) * (1.0 - row.share),
+        ),
+        (column.after, row.before, column.share * (1.0 - row.share)),
+        (column.before, row.after, (1.0 - column.share) * row.share),
+        (column.after, row.after, column.share * row.share),
+    ];
+    let mut sum = [0.0; 3];
+    for (x, y, weight) in weights {
+        crate::nn::accumulate(&mut sum, weight, &image.pixel(x, y));
+    }
+    sum
+}

@@ -1,0 +1,13 @@
+//! From an image to concepts (section IV-C): a crop for each object, its
+//! embedding by a small convolutional network, an operator for each attribute
+//! type into the concept space, and the cosine with a concept there.
+
+mod concepts;
+mod crop;
+mod encoder;
+mod observer;
+
+pub use concepts::{operate, similarity};
+pub use crop::{Crop, ImageError, RgbImage};
+pub use encoder::encode;
+pub use observer::{Detection, ObservationTask, Stamp};

@@ -1,0 +1,126 @@
+use super::{Crop, RgbImage, encode};
+use crate::camera::Camera;
+use crate::capacity::MAX_OBJECTS;
+use crate::model::{LOCATION, Model};
+use crate::progress::Progress;
+use crate::scene::{ObservedObject, RawScene, Scene, SceneError};
+
+/// What a detector says of an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Detection {
+    /// Who it is across scenes; not zero.
+    pub id: u32,
+    /// Box corners x1, y1, x2, y2 as fractions of the image, then the mean depth
+    /// of its visible pixels in metres.
+    pub location: [f32; LOCATION],
+}
+
+/// Which image of its publisher a scene is made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stamp {
+    /// Counts up with each scene.
+    pub sequence: u64,
+    /// When the image was taken, nanoseconds on the publisher's clock.
+    pub timestamp_ns: u64,
+}
+
+/// A scene being made from an image, one crop encoded a [`ObservationTask::poll`].
+/// All that outlives a call is in here; one call needs about 14 KiB of stack.
+///
+/// ```
+/// # fn observe(model: &nsrm_core::Model<'_>, camera: nsrm_core::Camera, pixels: &[u8])
+/// #     -> Result<nsrm_core::Scene, Box<dyn std::error::Error>> {
+/// use nsrm_core::Progress;
+/// use nsrm_core::vision::{Detection, ObservationTask, RgbImage, Stamp};
+///
+/// let image = RgbImage::new(pixels, camera.width, camera.height, 3 * camera.width as usize)?;
+/// let detections = [Detection { id: 1, location: [0.25, 0.5, 0.3, 0.6, 0.9] }];
+/// let mut task = ObservationTask::new(model, image, camera, &detections, Stamp::default())?;
+/// let scene = loop {
+///     if let Progress::Done(scene) = task.poll() {
+///         break scene?;
+///     }
+/// };
+/// # Ok(scene)
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct ObservationTask<'a> {
+    model: &'a Model<'a>,
+    image: RgbImage<'a>,
+    detections: &'a [Detection],
+    crop: Crop,
+    scene: RawScene,
+}
+
+impl<'a> ObservationTask<'a> {
+    /// Nothing encoded yet; refuses an image of another size than the camera's and
+    /// more than [`MAX_OBJECTS`] detections.
+    pub fn new(
+        model: &'a Model<'a>,
+        image: RgbImage<'a>,
+        camera: Camera,
+        detections: &'a [Detection],
+        stamp: Stamp,
+    ) -> Result<Self, SceneError> {
+        let (expected, got) = (
+            [camera.width, camera.height],
+            [image.width(), image.height()],
+        );
+        if expected != got {
+            return Err(SceneError::ImageSize { expected, got });
+        }
+        if detections.len() > MAX_OBJECTS {
+            return Err(SceneError::TooManyObjects {
+                count: u32::try_from(detections.len()).unwrap_or(u32::MAX),
+            });
+        }
+        let mut scene = RawScene::empty(model, camera);
+        scene.header.sequence = stamp.sequence;
+        scene.header.timestamp_ns = stamp.timestamp_ns;
+        Ok(Self {
+            model,
+            image,
+            detections,
+            crop: Crop::BLACK,
+            scene,
+        })
+    }
+
+    /// Encodes the next object's crop, or checks the whole scene when none is left.
+    /// Once it is done, every further call gives the same result again.
+    ///
+    /// Cost: one crop and 229,376 multiply-adds, or one [`RawScene::check`].
+    pub fn poll(&mut self) -> Progress<Result<Scene, SceneError>> {
+        let index = self.scene.count as usize;
+        let Some(&Detection { id, location }) = self.detections.get(index) else {
+            return Progress::Done(Scene::new(self.scene, self.model));
+        };
+        let [x1, y1, x2, y2, _] = location;
+        if let Err(fault) = self.crop.fill(&self.image, &[x1, y1, x2, y2]) {
+            return Progress::Done(Err(SceneError::Object {
+                // Below MAX_OBJECTS.
+                index: index as u8,
+                id,
+                fault,
+            }));
+        }
+        let object = ObservedObject {
+            id,
+            location,
+            embedding: encode(self.model, &self.crop),
+        };
+        // Never full: the number of detections was checked.
+        let _ = self.scene.push(object);
+        Progress::Pending
+    }
+
+    /// [`ObservationTask::poll`] to its end.
+    pub fn finish(mut self) -> Result<Scene, SceneError> {
+        loop {
+            if let Progress::Done(scene) = self.poll() {
+                return scene;
+            }
+        }
+    }
+}
