@@ -1,0 +1,59 @@
+"""The command ``harness``.
+
+Subcommands are imported when called, so that each needs only what it uses:
+``harness look`` works without the training environment.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+from nsrm_harness.errors import HarnessError
+
+#: Name of each subcommand, its module under `commands`, and its line of help. The
+#: module holds a `click.Command` named `command`.
+COMMANDS = {
+    "episodes": "Make a file of demonstrations.",
+    "calibration": "Make the file from which the camera model is fitted.",
+}
+
+
+class LazyCommands(click.Group):
+    """A group that imports a subcommand when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names, as listed above."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The subcommand, imported now; None for an unknown name."""
+        if cmd_name not in COMMANDS:
+            return None
+        return import_module(f"nsrm_harness.commands.{cmd_name}").command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Lists the subcommands without importing any."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.command(cls=LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})
+def commands() -> None:
+    """World, data, learning and evaluation around the NSRM library."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Runs the command line; ends the process: 0 done, 2 bad input or refused."""
+    try:
+        commands.main(arguments, prog_name="harness")
+    except HarnessError as error:
+        click.echo(f"harness: {error}", err=True)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The subcommands of ``harness``, a module each, imported when called."""

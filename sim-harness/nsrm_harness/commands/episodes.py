@@ -1,0 +1,110 @@
+"""``harness episodes``: makes an episode file, in several processes, resumable."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import click
+from tqdm import tqdm
+
+from nsrm_harness import domain as domains
+from nsrm_harness.commands.options import Span, Values, domain_option, seed_option
+from nsrm_harness.episodes.demonstrator import describe
+from nsrm_harness.episodes.generate import SPLITS, Progress, Settings, generate
+from nsrm_harness.world.render import KINDS
+
+
+@click.command("episodes")
+@click.option("--split", type=click.Choice(list(SPLITS)), required=True)
+@click.option("--count", type=click.IntRange(1), help="Number of episodes.")
+@domain_option
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    show_default="data/DOMAIN/SPLIT.h5",
+    help="The file to make.",
+)
+@seed_option
+@click.option(
+    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
+)
+@click.option("--steps", type=Span(), help="Number of steps; each occurs equally often.")
+@click.option("--objects", type=Span(), help="Number of blocks.")
+@click.option("--attributes", type=Span(), help="Number of attribute values in a description.")
+@click.option(
+    "--exclude",
+    type=Values(),
+    multiple=True,
+    help="No block has all of these attribute values; may be given several times.",
+)
+@click.option("--renderer", type=click.Choice(KINDS), default="auto", show_default=True)
+@click.option("--fixed-light", is_flag=True, help="The same light in all episodes.")
+def command(
+    split: str,
+    count: int | None,
+    domain_path: Path,
+    out: Path | None,
+    seed: int,
+    jobs: int,
+    steps: tuple[int, int] | None,
+    objects: tuple[int, int] | None,
+    attributes: tuple[int, int] | None,
+    exclude: tuple[tuple[str, ...], ...],
+    renderer: str,
+    fixed_light: bool,
+) -> None:
+    """Make a file of demonstrations: initial scene, sentence, final scene.
+
+    Ctrl-C keeps what is finished; the same command goes on with it and gives the
+    same file, byte for byte.
+    """
+    domain = domains.load(domain_path)
+    default = SPLITS[split]
+    settings = replace(
+        default,
+        count=count or default.count,
+        steps=steps or default.steps,
+        objects=objects or default.objects,
+        attributes=attributes or default.attributes,
+        exclude=exclude,
+        vary_light=not fixed_light,
+        renderer=renderer,
+        seed=seed,
+    )
+    path = out or Path("data") / domain.name / f"{split}.h5"
+    _generate(settings, domain, path, jobs)
+
+
+def _generate(settings: Settings, domain: domains.Domain, path: Path, jobs: int) -> None:
+    begun = time.monotonic()
+    last = Progress(0, Counter())
+    with tqdm(total=settings.count, unit="episode", disable=None) as bar:
+
+        def report(progress: Progress) -> None:
+            nonlocal last
+            last = progress
+            bar.set_postfix_str(f"left out: {describe(progress.rejected)}")
+            bar.update(progress.done - bar.n)
+
+        try:
+            made = generate(settings, domain, path, jobs, report)
+        except KeyboardInterrupt:
+            click.echo(
+                f"{path}: interrupted with {last.done} of {settings.count} episodes finished; "
+                f"the same command goes on with them",
+                err=True,
+            )
+            sys.exit(130)
+    if not made:
+        click.echo(f"{path}: is there already, made with these settings")
+        return
+    seconds = time.monotonic() - begun
+    click.echo(
+        f"{path}: {settings.count} episodes in {seconds:.0f} s, "
+        f"{path.stat().st_size / 1e6:.1f} MB; attempts left out: {describe(last.rejected)}"
+    )

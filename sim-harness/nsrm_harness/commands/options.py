@@ -1,0 +1,48 @@
+"""Types of options that several subcommands share."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from nsrm_harness import domain as domains
+
+
+class Span(click.ParamType):
+    """``4-6`` or ``5``: least and most of a number."""
+
+    name = "LEAST-MOST"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
+        """The two numbers."""
+        match = re.fullmatch(r"(\d+)(?:-(\d+))?", str(value))
+        if match is None:
+            self.fail(f"expected a number or two with a hyphen between, got {value!r}", param, ctx)
+        return int(match[1]), int(match[2] or match[1])
+
+
+class Values(click.ParamType):
+    """``small,green``: names of attribute values."""
+
+    name = "VALUE,VALUE"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        """The names."""
+        return tuple(part.strip() for part in str(value).split(","))
+
+
+domain_option = click.option(
+    "--domain",
+    "domain_path",
+    type=click.Path(path_type=Path),
+    default=domains.DEFAULT,
+    show_default="the paper's",
+    help="Domain file.",
+)
+seed_option = click.option("--seed", type=click.IntRange(0), default=0, show_default=True)

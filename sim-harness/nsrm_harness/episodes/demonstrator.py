@@ -1,0 +1,206 @@
+"""The demonstrator: draws a scene and a program, carries it out in the physics, and
+keeps what the camera saw before and after.
+
+An attempt is rejected, counted by reason and drawn anew when
+
+* the scene allows no program of the wanted kind, or the blocks find no room;
+* the blocks do not come to rest within the world's bound on steps;
+* a block other than the moved one shifts by more than `MAX_SHIFT_M` or `MAX_TURN_RAD`;
+* the moved block ends farther than `MAX_MISS_M` or `MAX_TURN_RAD` from its target;
+* a block is hidden from the camera before or after, or the moved one after its step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.episodes.moves import Arrangement, Move, target
+from nsrm_harness.episodes.programs import Descriptions, Task, sample_blocks, sample_task
+from nsrm_harness.errors import EpisodeSettingsError
+from nsrm_harness.language.grammar import Grammar
+from nsrm_harness.language.program import Program
+from nsrm_harness.world.blocks import Block
+from nsrm_harness.world.camera import Camera, Observation, default_camera, observe
+from nsrm_harness.world.layout import LayoutError, sample_layout
+from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.render import Light, Renderer
+from nsrm_harness.world.world import World
+
+MAX_SHIFT_M = 0.002
+MAX_MISS_M = 0.005
+MAX_TURN_RAD = math.radians(2.0)
+#: Attempts at one episode before the settings are held to be impossible.
+MAX_ATTEMPTS = 400
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is wanted of an episode."""
+
+    steps: int
+    #: Least and most number of blocks.
+    objects: tuple[int, int]
+    descriptions: Descriptions
+    #: No block has all values of one of these.
+    exclude: tuple[frozenset[str], ...] = ()
+    #: Shares of the 1-step programs that may be drawn.
+    shares: tuple[int, ...] | None = None
+    #: Whether the light differs between episodes.
+    vary_light: bool = True
+
+
+@dataclass(frozen=True)
+class SubGoal:
+    """Where a step left the block that it moved."""
+
+    #: Index of the moved block, counting from 0.
+    moved: int
+    reference: int
+    #: At rest, in the world.
+    pose: Pose
+    #: Box corners and mean depth as the camera saw it, float32 `[5]`.
+    location: np.ndarray
+
+
+@dataclass(frozen=True)
+class Episode:
+    """A demonstration. The first four are what can be learned from; the rest is truth."""
+
+    initial: Observation
+    final: Observation
+    sentence: str
+    camera: Camera
+    program: Program
+    blocks: tuple[Block, ...]
+    initial_poses: tuple[Pose, ...]
+    final_poses: tuple[Pose, ...]
+    sub_goals: tuple[SubGoal, ...]
+    #: Attempts left out before this one, by reason.
+    rejected: Counter[str]
+
+
+class RejectedError(Exception):
+    """An attempt that is left out; the message is the reason."""
+
+
+class Demonstrator:
+    """Makes episodes of one domain in one world with one renderer."""
+
+    def __init__(self, domain: Domain, world: World, renderer: Renderer) -> None:
+        self._domain = domain
+        self._world = world
+        self._renderer = renderer
+        self._grammar = Grammar(domain)
+
+    def episode(self, rng: np.random.Generator, wanted: Wanted) -> Episode:
+        """The next episode that `rng` gives and the rules accept.
+
+        Raises `EpisodeSettingsError` after `MAX_ATTEMPTS` attempts.
+        """
+        rejected: Counter[str] = Counter()
+        for _ in range(MAX_ATTEMPTS):
+            try:
+                return self._attempt(rng, wanted, rejected)
+            except RejectedError as error:
+                rejected[str(error)] += 1
+        raise EpisodeSettingsError(
+            f"no episode with {wanted.steps} steps after {MAX_ATTEMPTS} attempts "
+            f"({describe(rejected)}): ask for fewer steps or other numbers of objects"
+        )
+
+    def _attempt(self, rng: np.random.Generator, wanted: Wanted, rejected: Counter[str]) -> Episode:
+        arrangement, task = self._draw(rng, wanted)
+        sentence = self._grammar.sentence(rng, task.program)
+        light = Light.sample(rng) if wanted.vary_light else Light()
+        camera = default_camera()
+
+        self._world.reset()
+        self._world.spawn(arrangement.blocks, arrangement.poses)
+        self._settle()
+        initial_poses = self._poses()
+        initial = self._observe(camera, light, range(len(arrangement.blocks)))
+        sub_goals: list[SubGoal] = []
+        final = initial
+        for number, move in enumerate(task.moves, start=1):
+            pose = self._carry_out(arrangement.blocks, move)
+            last = number == len(task.moves)
+            needed = range(len(arrangement.blocks)) if last else [move.moved]
+            final = self._observe(camera, light, needed)
+            sub_goals.append(
+                SubGoal(move.moved, move.reference, pose, _location(final, move.moved))
+            )
+        return Episode(
+            initial,
+            final,
+            sentence,
+            camera,
+            task.program,
+            arrangement.blocks,
+            initial_poses,
+            self._poses(),
+            tuple(sub_goals),
+            rejected,
+        )
+
+    def _draw(self, rng: np.random.Generator, wanted: Wanted) -> tuple[Arrangement, Task]:
+        least, most = wanted.objects
+        count = int(rng.integers(least, most + 1))
+        blocks = sample_blocks(rng, self._domain, count, wanted.exclude)
+        try:
+            poses = sample_layout(rng, blocks)
+        except LayoutError as error:
+            raise RejectedError("no room") from error
+        arrangement = Arrangement.on_table(blocks, poses)
+        task = sample_task(
+            rng, self._domain, arrangement, wanted.steps, wanted.descriptions, wanted.shares
+        )
+        if task is None:
+            raise RejectedError("no program")
+        return arrangement, task
+
+    def _carry_out(self, blocks: Sequence[Block], move: Move) -> Pose:
+        """Puts the block where the reference now is, lets go, and checks the outcome."""
+        before = self._poses()
+        goal = target(move, blocks, before)
+        self._world.place(move.moved + 1, goal)
+        self._settle()
+        after = self._poses()
+        for index, (old, new) in enumerate(zip(before, after, strict=True)):
+            if index == move.moved:
+                continue
+            if new.distance_m(old) > MAX_SHIFT_M or new.angle_rad(old) > MAX_TURN_RAD:
+                raise RejectedError("shifted another")
+        reached = after[move.moved]
+        if reached.distance_m(goal) > MAX_MISS_M or reached.angle_rad(goal) > MAX_TURN_RAD:
+            raise RejectedError("missed the target")
+        return reached
+
+    def _settle(self) -> None:
+        if not self._world.settle().at_rest:
+            raise RejectedError("not at rest")
+
+    def _poses(self) -> tuple[Pose, ...]:
+        return tuple(pose for _, pose in sorted(self._world.poses().items()))
+
+    def _observe(self, camera: Camera, light: Light, needed: Sequence[int]) -> Observation:
+        seen = observe(self._renderer, self._world, camera, light)
+        if not {index + 1 for index in needed} <= set(seen.ids):
+            raise RejectedError("hidden")
+        return seen
+
+
+def describe(rejected: Counter[str]) -> str:
+    """The counts in words: ``missed the target 3, no program 1``."""
+    counts = [f"{reason} {count}" for reason, count in sorted(rejected.items())]
+    return ", ".join(counts) if counts else "none"
+
+
+def _location(observation: Observation, index: int) -> np.ndarray:
+    row = observation.ids.index(index + 1)
+    return np.append(observation.boxes[row], observation.depths[row]).astype(np.float32)

@@ -1,0 +1,290 @@
+"""Making episode files: splits, worker processes, going on after an interruption.
+
+Each episode has its own generator, so that a file's bytes depend on its settings
+alone, not on the number of processes or on interruptions. Finished shards of a few
+episodes wait in ``FILE.part/`` until all are there and are joined.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import platform
+import shutil
+import signal
+from collections import Counter
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+import h5py
+
+from nsrm_harness import domain as domains
+from nsrm_harness.episodes.demonstrator import Demonstrator, Wanted
+from nsrm_harness.episodes.file import KIND, SCHEMA, open_checked
+from nsrm_harness.episodes.programs import SHARES_OF, Descriptions
+from nsrm_harness.episodes.seeds import STREAMS, generator
+from nsrm_harness.episodes.writer import MAX_STEPS, EpisodeWriter
+from nsrm_harness.errors import EpisodeFileError, EpisodeSettingsError
+from nsrm_harness.world.camera import default_camera
+from nsrm_harness.world.render import KINDS, open_renderer
+from nsrm_harness.world.world import World
+
+#: Episodes a shard: what a worker finishes before it looks up.
+SHARD = 10
+#: Blocks for which the core has room.
+MAX_OBJECTS = 16
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What an episode file is made from, with its domain."""
+
+    split: str
+    count: int
+    #: Least and most number of steps; each number occurs equally often.
+    steps: tuple[int, int] = (1, 2)
+    #: Least and most number of blocks.
+    objects: tuple[int, int] = (4, 6)
+    #: Least and most number of attribute values in a description.
+    attributes: tuple[int, int] = (1, 2)
+    #: Whose 1-step programs are used; none are shared between these.
+    programs: str = "test"
+    #: No block has all values of one of these sets.
+    exclude: tuple[tuple[str, ...], ...] = ()
+    vary_light: bool = True
+    renderer: str = "auto"
+    seed: int = 0
+
+    def as_json(self) -> str:
+        """Equal text for equal settings."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    def checked(self, domain: domains.Domain) -> Settings:
+        """The same settings, descriptions bound to the domain's attribute types;
+        ``EpisodeSettingsError`` says what can't be."""
+        least, most = self.attributes
+        bound = (least, min(most, len(domain.attributes)))
+        for name, (low, high), limit in (
+            ("steps", self.steps, MAX_STEPS),
+            ("objects", self.objects, MAX_OBJECTS),
+            ("attributes", bound, len(domain.attributes)),
+        ):
+            floor = 2 if name == "objects" else 1
+            if not floor <= low <= high <= limit:
+                raise EpisodeSettingsError(
+                    f"{name}: expected least <= most within {floor}..{limit}, got {low}-{high}"
+                )
+        if self.count < 1 or self.seed < 0:
+            raise EpisodeSettingsError("count must be at least 1 and seed at least 0")
+        if self.split not in SPLITS:
+            raise EpisodeSettingsError(f"no split {self.split!r}; there are {', '.join(SPLITS)}")
+        if self.renderer not in KINDS:
+            raise EpisodeSettingsError(f"renderer: expected one of {', '.join(KINDS)}")
+        names = {value.name for value in domain.concepts}
+        for values in self.exclude:
+            if unknown := set(values) - names:
+                raise EpisodeSettingsError(f"exclude: no attribute value {min(unknown)!r}")
+        return replace(self, attributes=bound)
+
+
+#: The splits by name, each with its own random stream.
+SPLITS = {
+    "train": Settings("train", 2500, programs="train"),
+    "validation": Settings("validation", 500, programs="validation"),
+    "test": Settings("test", 2000),
+    "sample": Settings("sample", 300, programs="train"),
+    "single_attribute": Settings("single_attribute", 500, attributes=(1, 1)),
+    "multi_attribute": Settings("multi_attribute", 500, attributes=(2, 2)),
+    "steps_3": Settings("steps_3", 500, steps=(3, 3)),
+    "steps_4": Settings("steps_4", 500, steps=(4, 4)),
+    "steps_5": Settings("steps_5", 500, steps=(5, 5)),
+}
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the making is: episodes done, attempts rejected so far, by reason."""
+
+    done: int
+    rejected: Counter[str]
+
+
+def generate(
+    settings: Settings,
+    domain: domains.Domain,
+    path: Path,
+    jobs: int = 1,
+    report: Callable[[Progress], None] = lambda progress: None,
+) -> bool:
+    """Makes the file, or goes on with it; returns whether there was anything to do.
+
+    Raises `EpisodeFileError` where a file or a folder with other settings is in the
+    way. On ``KeyboardInterrupt`` the shards under way are finished and kept.
+    """
+    settings = settings.checked(domain)
+    if path.exists():
+        _check_same(path, settings, domain)
+        return False
+    work = path.with_name(path.name + ".part")
+    _prepare(work, settings, domain)
+    starts = range(0, settings.count, SHARD)
+    ready = [start for start in starts if _shard(work, start).exists()]
+    rejected: Counter[str] = Counter()
+    done = 0
+    for start in ready:
+        rejected += _rejected(_shard(work, start))
+        done += min(SHARD, settings.count - start)
+    report(Progress(done, rejected))
+    for start in _run(settings, domain, work, [s for s in starts if s not in ready], jobs):
+        rejected += _rejected(_shard(work, start))
+        done += min(SHARD, settings.count - start)
+        report(Progress(done, rejected))
+    _join(settings, domain, work, path)
+    shutil.rmtree(work)
+    return True
+
+
+def _run(
+    settings: Settings, domain: domains.Domain, work: Path, starts: list[int], jobs: int
+) -> Iterator[int]:
+    """Makes the shards in worker processes; yields each one's start when it is there."""
+    waiting = iter(starts)
+    running: dict[Future[None], int] = {}
+    # "spawn": a forked child would share the parent's OpenGL and PyBullet state.
+    with ProcessPoolExecutor(
+        min(jobs, max(1, len(starts))),
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    ) as pool:
+        while True:
+            # No more are handed out than can run, so that an interruption waits for
+            # at most one shard of each process.
+            while len(running) < jobs and (start := next(waiting, None)) is not None:
+                task = pool.submit(make_shard, settings, domain.as_json(), work, start)
+                running[task] = start
+            if not running:
+                return
+            finished, _ = wait(running, return_when=FIRST_COMPLETED)
+            for task in finished:
+                task.result()
+                yield running.pop(task)
+
+
+def make_shard(settings: Settings, domain_json: str, work: Path, start: int) -> None:
+    """Makes the episodes from `start` on, up to `SHARD`, as a file of their own."""
+    demonstrator, renderer = _demonstrator(domain_json, settings.renderer)
+    camera = default_camera()
+    count = min(SHARD, settings.count - start)
+    shard = _shard(work, start)
+    unfinished = shard.with_suffix(f".{os.getpid()}.unfinished")
+    with EpisodeWriter(
+        unfinished, count, settings.objects[1], (camera.height, camera.width)
+    ) as writer:
+        rejected: Counter[str] = Counter()
+        for row in range(count):
+            rng = generator(settings.seed, settings.split, start + row)
+            episode = demonstrator.episode(rng, _wanted(settings, start + row))
+            writer.write(row, episode)
+            rejected += episode.rejected
+        writer.attributes({"renderer": renderer, "rejected": json.dumps(rejected)})
+    unfinished.replace(shard)
+
+
+@lru_cache(maxsize=1)
+def _demonstrator(domain_json: str, kind: str) -> tuple[Demonstrator, str]:
+    """One world and one renderer for the life of a worker process."""
+    renderer = open_renderer(kind)
+    domain = domains.from_json(domain_json, "the domain")
+    return Demonstrator(domain, World(), renderer), f"{renderer.name}: {renderer.description}"
+
+
+def _wanted(settings: Settings, index: int) -> Wanted:
+    least, most = settings.steps
+    return Wanted(
+        steps=least + index % (most - least + 1),
+        objects=settings.objects,
+        descriptions=Descriptions(*settings.attributes),
+        exclude=tuple(frozenset(values) for values in settings.exclude),
+        shares=SHARES_OF[settings.programs],
+        vary_light=settings.vary_light,
+    )
+
+
+def _prepare(work: Path, settings: Settings, domain: domains.Domain) -> None:
+    note = work / "settings.json"
+    content = json.dumps([settings.as_json(), domain.as_json()])
+    if note.exists():
+        if note.read_text(encoding="utf-8") != content:
+            raise EpisodeFileError(
+                f"{work}: begun with other settings: give those again to go on with it, "
+                f"remove the folder, or choose another --out"
+            )
+        return
+    work.mkdir(parents=True, exist_ok=True)
+    unfinished = note.with_suffix(".unfinished")
+    unfinished.write_text(content, encoding="utf-8")
+    unfinished.replace(note)
+
+
+def _check_same(path: Path, settings: Settings, domain: domains.Domain) -> None:
+    with open_checked(path) as file:
+        same = file.attrs["settings"] == settings.as_json()
+        same = same and file.attrs["domain"] == domain.as_json()
+    if not same:
+        raise EpisodeFileError(
+            f"{path}: made with other settings: remove it, or choose another --out"
+        )
+
+
+def _join(settings: Settings, domain: domains.Domain, work: Path, path: Path) -> None:
+    camera = default_camera()
+    joined = work / "joined.unfinished"
+    renderers: set[str] = set()
+    with EpisodeWriter(
+        joined, settings.count, settings.objects[1], (camera.height, camera.width)
+    ) as writer:
+        row = 0
+        for start in range(0, settings.count, SHARD):
+            with h5py.File(_shard(work, start), "r") as shard:
+                renderers.add(str(shard.attrs["renderer"]))
+                row = writer.copy(row, shard)
+        if len(renderers) > 1:
+            raise EpisodeFileError(
+                f"{work}: its parts were drawn by different renderers "
+                f"({'; '.join(sorted(renderers))}): remove the folder and begin anew"
+            )
+        writer.attributes(
+            {
+                "kind": KIND,
+                "schema": SCHEMA,
+                "domain": domain.as_json(),
+                "split": settings.split,
+                "seed": settings.seed,
+                "stream": STREAMS[settings.split],
+                "count": settings.count,
+                "settings": settings.as_json(),
+                "renderer": renderers.pop(),
+                "versions": json.dumps(_versions()),
+            }
+        )
+    joined.replace(path)
+
+
+def _versions() -> dict[str, str]:
+    packages = ("numpy", "pybullet", "h5py", "moderngl")
+    return {"python": platform.python_version()} | {name: version(name) for name in packages}
+
+
+def _shard(work: Path, start: int) -> Path:
+    return work / f"{start:07d}.h5"
+
+
+def _rejected(shard: Path) -> Counter[str]:
+    with h5py.File(shard, "r") as file:
+        return Counter(json.loads(str(file.attrs["rejected"])))

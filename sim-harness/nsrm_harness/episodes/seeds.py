@@ -1,0 +1,28 @@
+"""Random numbers: each kind of data has its own stream, each item its own generator.
+
+Streams with different numbers never share a draw, whatever the seed and the index.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Number of each stream, part of what seeds its generators. Never reuse a number.
+STREAMS = {
+    "train": 1,
+    "validation": 2,
+    "test": 3,
+    "calibration": 4,
+    "demo": 5,
+    "sample": 6,
+    "single_attribute": 7,
+    "multi_attribute": 8,
+    "steps_3": 13,
+    "steps_4": 14,
+    "steps_5": 15,
+}
+
+
+def generator(seed: int, stream: str, index: int) -> np.random.Generator:
+    """The generator of item `index` of a stream; `seed` and `index` are not negative."""
+    return np.random.default_rng(np.random.SeedSequence([seed, STREAMS[stream], index]))

@@ -1,0 +1,154 @@
+"""Writing of episode files: what can be learned from (see `file`), and beside it
+the truth for the judge under ``/evaluation``:
+
+* ``program [N]`` JSON: steps with action, object, reference, object_id, reference_id
+* ``attributes [N]`` JSON: for each block its value of each attribute type
+* ``initial_poses``, ``final_poses [N, M, 7]`` float64: x, y, z, quaternion x, y, z, w
+* ``edges_m [N, M, 3]`` float64
+* ``sub_goals [N, 8, 8]`` float64: index of the moved block (-1: no such step), then
+  its pose at rest after the step
+* ``sub_goal_boxes [N, 8, 5]`` float32: box and mean depth of that block as seen then
+* ``rejected [N]`` JSON: attempts left out before the episode, by reason
+
+Nothing in a file depends on when or in how many parts it was written.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+
+from nsrm_harness.episodes.demonstrator import Episode
+from nsrm_harness.episodes.file import camera_row
+from nsrm_harness.world.camera import Observation
+from nsrm_harness.world.pose import Pose
+
+#: Steps for which there is room: the core's capacity.
+MAX_STEPS = 8
+#: zlib's level for images: 12 KB for one at 640×480, 5 ms; level 1 gives 18 KB in 2 ms.
+COMPRESSION = 4
+#: Datasets stored as one compressed chunk an episode.
+_IMAGES = ("initial/rgb", "final/rgb")
+_TEXTS = ("sentence", "evaluation/program", "evaluation/attributes", "evaluation/rejected")
+
+
+class EpisodeWriter:
+    """Writes an episode file of a known number of episodes. A context manager."""
+
+    def __init__(self, path: Path, count: int, objects: int, image: tuple[int, int]) -> None:
+        """`objects`: the most blocks of an episode; `image`: height and width, pixels."""
+        self._file = h5py.File(path, "w", libver=("v110", "v110"))
+        self._sets: dict[str, Any] = {}
+        height, width = image
+        for name in _IMAGES:
+            self._sets[name] = self._file.create_dataset(
+                name,
+                (count, height, width, 3),
+                np.uint8,
+                chunks=(1, height, width, 3),
+                compression="gzip",
+                compression_opts=COMPRESSION,
+            )
+        for name in _TEXTS:
+            self._sets[name] = self._file.create_dataset(name, (count,), h5py.string_dtype("utf-8"))
+        for name, shape, kind in (
+            ("initial/boxes", (objects, 4), np.float32),
+            ("initial/depths", (objects,), np.float32),
+            ("final/boxes", (objects, 4), np.float32),
+            ("final/depths", (objects,), np.float32),
+            ("count", (), np.uint8),
+            ("camera", (11,), np.float32),
+            ("evaluation/initial_poses", (objects, 7), np.float64),
+            ("evaluation/final_poses", (objects, 7), np.float64),
+            ("evaluation/edges_m", (objects, 3), np.float64),
+            ("evaluation/sub_goals", (MAX_STEPS, 8), np.float64),
+            ("evaluation/sub_goal_boxes", (MAX_STEPS, 5), np.float32),
+        ):
+            self._sets[name] = self._file.create_dataset(name, (count, *shape), kind)
+
+    def __enter__(self) -> EpisodeWriter:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+    def attributes(self, values: Mapping[str, Any]) -> None:
+        """What the file says of itself."""
+        for name, value in values.items():
+            self._file.attrs[name] = value
+
+    def write(self, row: int, episode: Episode) -> None:
+        """Puts an episode into a row."""
+        self._observed(row, episode)
+        self._truth(row, episode)
+
+    def copy(self, row: int, source: Mapping[str, Any]) -> int:
+        """Puts all episodes of another file of the same shape into the rows from `row`
+        on, images as they are compressed; returns the row after them."""
+        end = row + len(source["count"])
+        for name, dataset in self._sets.items():
+            if name in _IMAGES:
+                for offset in range(end - row):
+                    _, chunk = source[name].id.read_direct_chunk((offset, 0, 0, 0))
+                    dataset.id.write_direct_chunk((row + offset, 0, 0, 0), chunk)
+            else:
+                dataset[row:end] = source[name][:]
+        return end
+
+    def _observed(self, row: int, episode: Episode) -> None:
+        self._scene(row, "initial", episode.initial)
+        self._scene(row, "final", episode.final)
+        self._sets["count"][row] = len(episode.blocks)
+        self._sets["sentence"][row] = episode.sentence
+        self._sets["camera"][row] = camera_row(episode.camera)
+
+    def _scene(self, row: int, when: str, seen: Observation) -> None:
+        chunk = zlib.compress(seen.rgb.tobytes(), COMPRESSION)
+        self._sets[f"{when}/rgb"].id.write_direct_chunk((row, 0, 0, 0), chunk)
+        for index, block_id in enumerate(seen.ids):
+            self._sets[f"{when}/boxes"][row, block_id - 1] = seen.boxes[index]
+            self._sets[f"{when}/depths"][row, block_id - 1] = seen.depths[index]
+
+    def _truth(self, row: int, episode: Episode) -> None:
+        self._sets["evaluation/program"][row] = json.dumps(
+            {"steps": _steps(episode)}, ensure_ascii=False
+        )
+        self._sets["evaluation/attributes"][row] = json.dumps(
+            [block.values for block in episode.blocks], ensure_ascii=False
+        )
+        self._sets["evaluation/rejected"][row] = json.dumps(dict(sorted(episode.rejected.items())))
+        count = len(episode.blocks)
+        self._sets["evaluation/initial_poses"][row, :count] = _pose_rows(episode.initial_poses)
+        self._sets["evaluation/final_poses"][row, :count] = _pose_rows(episode.final_poses)
+        self._sets["evaluation/edges_m"][row, :count] = [block.edges_m for block in episode.blocks]
+        self._sets["evaluation/sub_goals"][row, :, 0] = -1.0
+        for step, goal in enumerate(episode.sub_goals):
+            self._sets["evaluation/sub_goals"][row, step] = [
+                goal.moved,
+                *goal.pose.position,
+                *goal.pose.orientation,
+            ]
+            self._sets["evaluation/sub_goal_boxes"][row, step] = goal.location
+
+
+def _steps(episode: Episode) -> list[dict[str, Any]]:
+    return [
+        {**step.as_json(), "object_id": goal.moved + 1, "reference_id": goal.reference + 1}
+        for step, goal in zip(episode.program, episode.sub_goals, strict=True)
+    ]
+
+
+def _pose_rows(poses: Sequence[Pose]) -> list[list[float]]:
+    return [[*pose.position, *pose.orientation] for pose in poses]
