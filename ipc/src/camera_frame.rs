@@ -1,0 +1,191 @@
+//! What a camera publishes: an RGB-D image with a detector's boxes.
+
+use core::fmt;
+
+use iceoryx2::prelude::ZeroCopySend;
+use nsrm_core::MAX_OBJECTS;
+use nsrm_core::camera::{Camera, CameraError};
+
+use crate::layout::message;
+use crate::scene::CameraMessage;
+
+message! {
+    /// An object that a detector has found in the image.
+    #[derive(Default)]
+    "nsrm.v1.DetectedBox.2dea6018fe92363c"
+    pub struct DetectedBox {
+        /// Who it is across frames; not zero.
+        pub id: u32,
+        /// Corners x1, y1, x2, y2 as fractions of the image's width and height.
+        pub corners: [f32; 4],
+        /// Mean depth of its visible pixels along the optical axis, metres.
+        pub depth_m: f32,
+    }
+}
+
+message! {
+    /// Header of a frame (service `camera`); the bytes of the image follow as a
+    /// slice: RGB rows first, depth rows behind them, both without gaps.
+    ///
+    /// RGB: three bytes a pixel. Depth: one little-endian `f32` a pixel, metres
+    /// along the optical axis, 0 where nothing was measured.
+    #[derive(Default)]
+    "nsrm.v1.CameraFrame.2783e9d9133185fc"
+    pub struct CameraFrame {
+        /// Counts up with each frame of one publisher.
+        pub sequence: u64,
+        /// When the image was taken, nanoseconds on the publisher's clock.
+        pub timestamp_ns: u64,
+        /// The camera.
+        pub camera: CameraMessage,
+        /// How many of `boxes` are there.
+        pub count: u32,
+        /// What the detector found.
+        pub boxes: [DetectedBox; MAX_OBJECTS],
+    }
+}
+
+/// A frame that was checked, its image still in place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame<'a> {
+    /// The camera.
+    pub camera: Camera,
+    /// `[height][width][3]`, red, green, blue.
+    pub rgb: &'a [u8],
+    /// `[height][width]` little-endian `f32`, metres.
+    pub depth: &'a [u8],
+    /// What the detector found; its numbers are checked with the scene.
+    pub boxes: &'a [DetectedBox],
+}
+
+/// Why a camera frame is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraFrameError {
+    /// The camera is not one.
+    Camera(CameraError),
+    /// More boxes than a scene holds.
+    TooManyBoxes {
+        /// How many the frame says it has.
+        count: u32,
+    },
+    /// The slice has not the length that width and height ask for.
+    ImageLength {
+        /// Bytes of RGB and depth for the camera's image size.
+        expected: u64,
+        /// Bytes that came.
+        got: u64,
+    },
+}
+
+impl fmt::Display for CameraFrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Camera(error) => write!(f, "camera frame: {error}"),
+            Self::TooManyBoxes { count } => {
+                write!(f, "camera frame: {count} boxes, at most {MAX_OBJECTS}")
+            }
+            Self::ImageLength { expected, got } => write!(
+                f,
+                "camera frame: {got} bytes of image, {expected} for its width and height"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for CameraFrameError {}
+
+impl From<CameraError> for CameraFrameError {
+    fn from(error: CameraError) -> Self {
+        Self::Camera(error)
+    }
+}
+
+impl CameraFrame {
+    /// The parts of the frame, `image` being the slice that came with it.
+    pub fn read<'a>(&'a self, image: &'a [u8]) -> Result<Frame<'a>, CameraFrameError> {
+        let camera = Camera::from(self.camera);
+        camera.check()?;
+        let boxes = usize::try_from(self.count)
+            .ok()
+            .and_then(|count| self.boxes.get(..count))
+            .ok_or(CameraFrameError::TooManyBoxes { count: self.count })?;
+        // At most 2^64: saturates, and then no slice has that length.
+        let pixels = u64::from(camera.width) * u64::from(camera.height);
+        let (of_rgb, expected) = (pixels.saturating_mul(3), pixels.saturating_mul(7));
+        let wrong_length = CameraFrameError::ImageLength {
+            expected,
+            got: image.len() as u64,
+        };
+        if expected != image.len() as u64 {
+            return Err(wrong_length);
+        }
+        let (rgb, depth) = usize::try_from(of_rgb)
+            .ok()
+            .and_then(|length| image.split_at_checked(length))
+            .ok_or(wrong_length)?;
+        Ok(Frame {
+            camera,
+            rgb,
+            depth,
+            boxes,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CameraFrame, CameraFrameError, DetectedBox};
+    use crate::scene::CameraMessage;
+    use nsrm_core::MAX_OBJECTS;
+
+    fn frame(width: u32, height: u32) -> CameraFrame {
+        CameraFrame {
+            sequence: 1,
+            timestamp_ns: 2,
+            camera: CameraMessage {
+                width,
+                height,
+                fx: 500.0,
+                fy: 500.0,
+                cx: 1.0,
+                cy: 1.5,
+                position: [0.0; 3],
+                orientation: [0.0, 0.0, 0.0, 1.0],
+            },
+            count: 1,
+            boxes: [DetectedBox {
+                id: 1,
+                corners: [0.1, 0.2, 0.3, 0.4],
+                depth_m: 1.0,
+            }; MAX_OBJECTS],
+        }
+    }
+
+    #[test]
+    fn colour_and_depth_lie_one_behind_the_other() {
+        let image: Vec<u8> = (0..2 * 3 * 7).collect();
+        let frame = frame(2, 3);
+        let parts = frame.read(&image).unwrap();
+        assert_eq!(parts.rgb, &image[..18]);
+        assert_eq!(parts.depth, &image[18..]);
+        assert_eq!(parts.boxes.len(), 1);
+    }
+
+    #[test]
+    fn lengths_that_lie_are_refused() {
+        let error = frame(2, 3).read(&[0; 41]).unwrap_err();
+        let (expected, got) = (42, 41);
+        assert_eq!(error, CameraFrameError::ImageLength { expected, got });
+        assert!(frame(u32::MAX, u32::MAX).read(&[0; 42]).is_err());
+        let mut many = frame(2, 3);
+        many.count = u32::MAX;
+        let error = many.read(&[0; 42]).unwrap_err();
+        assert_eq!(error, CameraFrameError::TooManyBoxes { count: u32::MAX });
+        let mut broken = frame(2, 3);
+        broken.camera.fx = f32::NAN;
+        assert!(matches!(
+            broken.read(&[0; 42]),
+            Err(CameraFrameError::Camera(_))
+        ));
+    }
+}

@@ -1,0 +1,129 @@
+//! What every node publishes a few times a second, so that a hung peer is found.
+
+use core::fmt;
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::layout::message;
+
+message! {
+    /// A sign of life.
+    "nsrm.v1.Heartbeat.22b078cf99e0ea83"
+    pub struct Heartbeat {
+        /// Counts up with each heartbeat of one node.
+        pub sequence: u64,
+        /// When it was sent, nanoseconds on the sender's clock.
+        pub timestamp_ns: u64,
+        /// Who sends: the number of a [`Role`].
+        pub role: u32,
+        /// What it does: the number of a [`State`].
+        pub state: u32,
+    }
+}
+
+/// Which node it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Role {
+    /// Publishes camera frames.
+    Camera = 1,
+    /// Makes scenes of them.
+    Perception = 2,
+    /// Answers sentences with plans.
+    Planner = 3,
+    /// Carries sub-goals out.
+    Controller = 4,
+}
+
+/// What a node does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum State {
+    /// Not yet ready.
+    Starting = 1,
+    /// Ready, with nothing to do.
+    Idle = 2,
+    /// At work.
+    Busy = 3,
+    /// Alive, but unable to work; a person must look.
+    Failed = 4,
+}
+
+/// Why a heartbeat is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeartbeatError {
+    /// No role has this number.
+    Role(u32),
+    /// No state has this number.
+    State(u32),
+}
+
+impl fmt::Display for HeartbeatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Role(number) => write!(f, "heartbeat: {number} is no role"),
+            Self::State(number) => write!(f, "heartbeat: {number} is no state"),
+        }
+    }
+}
+
+impl core::error::Error for HeartbeatError {}
+
+impl Heartbeat {
+    /// The sender's role and state.
+    pub fn read(&self) -> Result<(Role, State), HeartbeatError> {
+        let role = match self.role {
+            1 => Role::Camera,
+            2 => Role::Perception,
+            3 => Role::Planner,
+            4 => Role::Controller,
+            other => return Err(HeartbeatError::Role(other)),
+        };
+        let state = match self.state {
+            1 => State::Starting,
+            2 => State::Idle,
+            3 => State::Busy,
+            4 => State::Failed,
+            other => return Err(HeartbeatError::State(other)),
+        };
+        Ok((role, state))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Heartbeat, HeartbeatError, Role, State};
+
+    fn heartbeat(role: u32, state: u32) -> Heartbeat {
+        Heartbeat {
+            sequence: 0,
+            timestamp_ns: 0,
+            role,
+            state,
+        }
+    }
+
+    #[test]
+    fn numbers_come_back_as_what_they_were_and_others_are_refused() {
+        for role in [
+            Role::Camera,
+            Role::Perception,
+            Role::Planner,
+            Role::Controller,
+        ] {
+            for state in [State::Starting, State::Idle, State::Busy, State::Failed] {
+                assert_eq!(
+                    heartbeat(role as u32, state as u32).read(),
+                    Ok((role, state))
+                );
+            }
+        }
+        assert_eq!(heartbeat(0, 1).read(), Err(HeartbeatError::Role(0)));
+        assert_eq!(heartbeat(5, 1).read(), Err(HeartbeatError::Role(5)));
+        assert_eq!(heartbeat(1, 0).read(), Err(HeartbeatError::State(0)));
+        assert_eq!(
+            heartbeat(1, u32::MAX).read(),
+            Err(HeartbeatError::State(u32::MAX))
+        );
+    }
+}
