@@ -1,0 +1,142 @@
+"""Sentences and tokens: every sentence reads back as what it was made from."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.domain import GROUP_TOKEN, Domain
+from nsrm_harness.language.grammar import Grammar, Style
+from nsrm_harness.language.program import Program, Step, canonical
+from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
+
+WORKSHOP = Path(__file__).parent / "domains" / "workshop.toml"
+
+
+@pytest.fixture(params=[domains.DEFAULT, WORKSHOP], ids=["tabletop", "workshop"])
+def domain(request: pytest.FixtureRequest) -> Domain:
+    return domains.load(request.param)
+
+
+def random_program(rng: np.random.Generator, domain: Domain) -> Program:
+    def description() -> tuple[str, ...]:
+        count = int(rng.integers(1, len(domain.attributes) + 1))
+        chosen = rng.permutation(len(domain.attributes))[:count]
+        return tuple(str(rng.choice([v.name for v in domain.attributes[i].values])) for i in chosen)
+
+    return tuple(
+        Step(str(rng.choice([a.name for a in domain.actions])), description(), description())
+        for _ in range(int(rng.integers(1, 4)))
+    )
+
+
+def test_every_sentence_reads_back(domain: Domain) -> None:
+    grammar, tokenizer = Grammar(domain), Tokenizer(domain)
+    rng = np.random.default_rng(11)
+    both_orders = set()
+    for _ in range(1500):
+        program = random_program(rng, domain)
+        sentence = grammar.sentence(rng, program)
+        tokens = tokenizer(sentence)
+        named = [{domain.concepts[index].name for index in group} for group in tokens.groups]
+        expected = [[set(step.object), set(step.reference)] for step in program]
+        assert len(named) == 2 * len(program), sentence
+        for step, pair in enumerate(expected):
+            found = named[2 * step : 2 * step + 2]
+            assert found in (pair, pair[::-1]), sentence
+            both_orders.add(found == pair)
+        assert tokens.words.count(GROUP_TOKEN) == len(tokens.groups)
+        assert all(word in tokenizer.row for word in tokens.words), sentence
+    assert both_orders == {True, False}
+
+
+def test_every_word_of_the_vocabulary_is_said(domain: Domain) -> None:
+    grammar, tokenizer = Grammar(domain), Tokenizer(domain)
+    rng = np.random.default_rng(12)
+    said = set()
+    for _ in range(1500):
+        said |= set(tokenizer(grammar.sentence(rng, random_program(rng, domain))).words)
+    assert said == set(domain.vocabulary())
+
+
+def test_sentences_are_natural_text(domain: Domain) -> None:
+    grammar = Grammar(domain)
+    rng = np.random.default_rng(13)
+    sentences = [grammar.sentence(rng, random_program(rng, domain)) for _ in range(1500)]
+    for sentence in sentences:
+        assert not re.search(r"  | ,|,\S|^\W|\s$|\.\.", sentence), sentence
+    text = " ".join(sentences)
+    # "a red" is no description without its noun.
+    values = "|".join(domain.lexicon())
+    nouns = "|".join(domain.grammar.nouns)
+    for found in re.findall(rf"\ba (?:(?:{values}) )+(\w+)", text.lower()):
+        assert re.fullmatch(nouns, found), found
+    assert any(sentence.endswith(".") for sentence in sentences)
+    assert any(sentence[0].isupper() and not sentence.isupper() for sentence in sentences)
+    assert any(sentence.isupper() for sentence in sentences)
+
+
+def test_openings_stand_at_the_beginning_only() -> None:
+    domain = domains.load()
+    grammar = Grammar(domain, Style(capital=0, shouted=0, mixed=0))
+    rng = np.random.default_rng(14)
+    for _ in range(300):
+        words = grammar.sentence(rng, random_program(rng, domain)).split()
+        assert not {"please", "now", "first"} & set(words[1:])
+
+
+def test_the_same_draws_give_the_same_sentence(domain: Domain) -> None:
+    program = random_program(np.random.default_rng(3), domain)
+    first, again = (Grammar(domain).sentence(np.random.default_rng(5), program) for _ in range(2))
+    assert first == again
+
+
+@pytest.mark.parametrize(
+    ("sentence", "pieces"),
+    [
+        ("Put RED on\tblue .\n", ["put", "red", "on", "blue"]),
+        ("put red;on blue,then", ["put", "red", ",", "on", "blue", ",", "then"]),
+        ("put red on blue!?.", ["put", "red", "on", "blue"]),
+        ("put red. on blue.", ["put", "red", ".", "on", "blue"]),
+        ("put 'red' on blue", ["put", "'", "red", "'", "on", "blue"]),
+        ("it's a.b", ["it's", "a.b"]),
+        ("red, , blue", ["red", ",", ",", "blue"]),
+        (" . ", []),
+    ],
+)
+def test_splitting(sentence: str, pieces: list[str]) -> None:
+    assert split(sentence) == pieces
+
+
+def test_groups_hold_neighbours_only() -> None:
+    tokens = Tokenizer(domains.load())("put the small green block on lego red, then red")
+    assert tokens.words == (
+        "put", "the", GROUP_TOKEN, "block", "on", GROUP_TOKEN, ",", "then", GROUP_TOKEN,
+    )  # fmt: skip
+    assert tokens.groups == ((8, 1), (7, 0), (0,))
+
+
+@pytest.mark.parametrize("word", ["sofa", GROUP_TOKEN, '"', "rot"])
+def test_unknown_words_are_named(word: str) -> None:
+    with pytest.raises(UnknownWordError) as caught:
+        Tokenizer(domains.load())(f"put {word} on blue")
+    assert caught.value.word == word.lower()
+
+
+def test_canonical_text_ignores_the_order_of_filters_only() -> None:
+    step = Step("MoveOn", ("small", "red"), ("blue",))
+    same = Step("MoveOn", ("red", "small"), ("blue",))
+    others = [
+        Step("MoveLeft", ("small", "red"), ("blue",)),
+        Step("MoveOn", ("blue",), ("small", "red")),
+        Step("MoveOn", ("small",), ("red", "blue")),
+    ]
+    assert canonical([step]) == canonical([same])
+    texts = [canonical([each]) for each in (step, *others)]
+    assert all(a != b for a, b in itertools.combinations(texts, 2))
+    assert Step.from_json(step.as_json()) == step
