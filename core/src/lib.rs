@@ -31,6 +31,9 @@
 
 #[cfg(test)]
 extern crate std;
+// What nsrm-codegen writes refers to this crate by its name, here as elsewhere.
+#[cfg(feature = "pretrained")]
+extern crate self as nsrm_core;
 
 pub mod action;
 pub mod camera;
@@ -42,6 +45,9 @@ pub mod language;
 pub mod model;
 pub mod nn;
 pub mod planner;
+/// Trained models as statics; written by nsrm-codegen from `core/pretrained`.
+#[cfg(feature = "pretrained")]
+pub mod pretrained;
 mod progress;
 pub mod refusal;
 pub mod scene;

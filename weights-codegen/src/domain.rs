@@ -1,0 +1,221 @@
+//! The domain as it travels in the model file, and what must hold of it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+
+use crate::error::ModelError;
+
+/// Greatest number of attribute types, of concepts and of actions: their
+/// indices are `u8` in `nsrm_core`.
+pub const MAX_NAMES: usize = 256;
+
+/// Greatest number of words outside the lexicon: their index is a `u16`.
+pub const MAX_WORDS: usize = 65_536;
+
+/// What stands in for a group of concept words, row 0 of the vocabulary.
+pub const GROUP_TOKEN: &str = "[[X]]";
+
+/// The domain file, as far as the language and the names go; what the
+/// simulation alone reads (sizes, colours, placements) is left out.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Domain {
+    /// Its name.
+    pub name: String,
+    /// Attribute types (Table I).
+    pub attribute: Vec<Attribute>,
+    /// Actions (Table I).
+    pub action: Vec<Action>,
+    /// How a command is said: lists of phrases and of patterns with
+    /// `{placeholders}`, an empty string where a phrase may be left out.
+    pub grammar: BTreeMap<String, Vec<String>>,
+}
+
+/// An attribute type.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Attribute {
+    /// Its name.
+    pub name: String,
+    /// What of a crop its operator sees.
+    pub view: View,
+    /// Its values: the concepts.
+    pub values: Vec<Value>,
+}
+
+/// What of a crop an attribute operator sees.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum View {
+    /// Red, green and blue.
+    Color,
+    /// Brightness alone.
+    Brightness,
+}
+
+/// An attribute value.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Value {
+    /// Its name.
+    pub name: String,
+    /// The words that name it: the lexicon.
+    pub words: Vec<String>,
+}
+
+/// An action.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Action {
+    /// Its name.
+    pub name: String,
+    /// How it is said; the first is used in explanations.
+    pub phrases: Vec<String>,
+}
+
+impl Domain {
+    /// Every word a sentence of the grammar can have apart from the lexicon,
+    /// sorted: the vocabulary without the group token.
+    pub fn words(&self) -> BTreeSet<String> {
+        let phrases = self.action.iter().map(|action| &action.phrases);
+        self.grammar
+            .values()
+            .chain(phrases)
+            .flatten()
+            .flat_map(|text| words_of(text))
+            .collect()
+    }
+
+    /// Each word of the lexicon with the index of its concept, in the order of
+    /// the domain.
+    pub fn lexicon(&self) -> impl Iterator<Item = (&str, usize)> + Clone {
+        self.concepts().enumerate().flat_map(|(index, (_, value))| {
+            value.words.iter().map(move |word| (word.as_str(), index))
+        })
+    }
+
+    /// Each concept with the index of its attribute type, in the order of the
+    /// domain.
+    pub fn concepts(&self) -> impl Iterator<Item = (usize, &Value)> + Clone {
+        self.attribute
+            .iter()
+            .enumerate()
+            .flat_map(|(index, attribute)| attribute.values.iter().map(move |value| (index, value)))
+    }
+
+    /// Checks what core relies on: nothing empty, nothing twice, indices that
+    /// fit, words that a sentence can contain.
+    pub(crate) fn check(&self) -> Result<(), ModelError> {
+        not_empty("the list of attribute types", self.attribute.len())?;
+        not_empty("the list of actions", self.action.len())?;
+        for attribute in &self.attribute {
+            let what = format!("the list of values of {:?}", attribute.name);
+            not_empty(&what, attribute.values.len())?;
+            for value in &attribute.values {
+                let what = format!("the list of words of {:?}", value.name);
+                not_empty(&what, value.words.len())?;
+            }
+        }
+        for action in &self.action {
+            let what = format!("the list of phrases of {:?}", action.name);
+            not_empty(&what, action.phrases.len())?;
+        }
+        at_most("attribute types", MAX_NAMES, self.attribute.len())?;
+        at_most("concepts", MAX_NAMES, self.concepts().count())?;
+        at_most("actions", MAX_NAMES, self.action.len())?;
+        unique("attribute type", self.attribute.iter().map(|a| &*a.name))?;
+        unique("concept", self.concepts().map(|(_, value)| &*value.name))?;
+        unique("action", self.action.iter().map(|a| &*a.name))?;
+        let words = self.words();
+        not_empty("the list of words", words.len())?;
+        at_most("words", MAX_WORDS, words.len())?;
+        let lexicon = self.lexicon().map(|(word, _)| word);
+        unique(
+            "word",
+            words.iter().map(String::as_str).chain(lexicon.clone()),
+        )?;
+        match words
+            .iter()
+            .map(String::as_str)
+            .chain(lexicon)
+            .find(|word| !readable(word))
+        {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that a model file's vocabulary is the group token, then
+    /// [`Self::words`] in their order.
+    pub(crate) fn check_vocabulary(&self, vocabulary: &[String]) -> Result<(), ModelError> {
+        let Some((group, words)) = vocabulary.split_first() else {
+            return Err(ModelError::GroupToken { got: String::new() });
+        };
+        if group != GROUP_TOKEN {
+            return Err(ModelError::GroupToken { got: group.clone() });
+        }
+        unique("word of the vocabulary", words.iter().map(String::as_str))?;
+        let expected = self.words();
+        let got: BTreeSet<String> = words.iter().cloned().collect();
+        if expected != got {
+            return Err(ModelError::Vocabulary {
+                missing: expected.difference(&got).cloned().collect(),
+                extra: got.difference(&expected).cloned().collect(),
+            });
+        }
+        match words.windows(2).find(|pair| pair[0] > pair[1]) {
+            Some(pair) => Err(ModelError::VocabularyOrder {
+                first: pair[0].clone(),
+                second: pair[1].clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The tokens of a phrase or of a command's pattern; `{placeholders}` are none,
+/// a comma is a token of its own.
+fn words_of(text: &str) -> Vec<String> {
+    text.replace(',', " , ")
+        .split_whitespace()
+        .filter(|token| !token.starts_with('{'))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Whether the tokeniser of core can produce this word: see
+/// `nsrm_core::language`.
+fn readable(word: &str) -> bool {
+    const AT_WORD_ENDS: &[char] = &['.', '!', '?', ';', ':', '"', '\'', ','];
+    word == ","
+        || (!word.is_empty()
+            && word.to_lowercase() == word
+            && !word.chars().any(char::is_whitespace)
+            && !word.contains(',')
+            && !word.starts_with(AT_WORD_ENDS)
+            && !word.ends_with(AT_WORD_ENDS))
+}
+
+fn not_empty(what: &str, length: usize) -> Result<(), ModelError> {
+    if length == 0 {
+        return Err(ModelError::Empty { what: what.into() });
+    }
+    Ok(())
+}
+
+fn at_most(what: &'static str, limit: usize, got: usize) -> Result<(), ModelError> {
+    if got > limit {
+        return Err(ModelError::TooMany { what, limit, got });
+    }
+    Ok(())
+}
+
+fn unique<'a>(what: &'static str, names: impl Iterator<Item = &'a str>) -> Result<(), ModelError> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if !seen.insert(name) {
+            return Err(ModelError::Duplicate {
+                what,
+                name: name.into(),
+            });
+        }
+    }
+    Ok(())
+}

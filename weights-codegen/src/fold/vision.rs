@@ -1,0 +1,104 @@
+//! Crop encoder, attribute operators and concepts (section IV-C).
+
+use nsrm_core::model::{CONCEPT, OPERATOR_HIDDEN, VIEW_EMBEDDING, ViewEncoder};
+use nsrm_core::nn::Linear;
+
+use crate::domain::Domain;
+use crate::error::ModelError;
+use crate::nn::{conv, linear};
+use crate::tensors::Tensors;
+use crate::tree::{Describe, Node};
+
+/// The vision module's parameters.
+#[derive(Debug)]
+pub(crate) struct FoldedVision {
+    pub(crate) color: Box<ViewEncoder<3>>,
+    pub(crate) brightness: Box<ViewEncoder<1>>,
+    /// In the domain's order.
+    pub(crate) operators: Vec<Operator>,
+    /// Of length 1, in the domain's order.
+    pub(crate) concepts: Vec<[f32; CONCEPT]>,
+}
+
+/// An attribute type's operator.
+#[derive(Debug)]
+pub(crate) struct Operator {
+    pub(crate) hidden: Linear<VIEW_EMBEDDING, OPERATOR_HIDDEN>,
+    pub(crate) output: Linear<OPERATOR_HIDDEN, CONCEPT>,
+}
+
+impl FoldedVision {
+    pub(crate) fn read(tensors: &mut Tensors, domain: &Domain) -> Result<Self, ModelError> {
+        let color = Box::new(view(tensors, "vision.color")?);
+        let brightness = Box::new(view(tensors, "vision.brightness")?);
+        let operators = domain
+            .attribute
+            .iter()
+            .map(|attribute| operator(tensors, &attribute.name))
+            .collect::<Result<Vec<Operator>, ModelError>>()?;
+        let names = domain.concepts().map(|(_, value)| value.name.as_str());
+        let concepts = tensors
+            .rows::<CONCEPT>("vision.concept.weight", domain.concepts().count())?
+            .iter()
+            .zip(names)
+            .map(|(embedding, name)| unit(embedding, name))
+            .collect::<Result<Vec<[f32; CONCEPT]>, ModelError>>()?;
+        Ok(Self {
+            color,
+            brightness,
+            operators,
+            concepts,
+        })
+    }
+}
+
+fn view<const CHANNELS: usize>(
+    tensors: &mut Tensors,
+    name: &str,
+) -> Result<ViewEncoder<CHANNELS>, ModelError> {
+    Ok(ViewEncoder {
+        patch: conv(tensors, &format!("{name}.patch"))?,
+        merge: conv(tensors, &format!("{name}.merge"))?,
+        dense: linear(tensors, &format!("{name}.dense"))?,
+    })
+}
+
+fn operator(tensors: &mut Tensors, attribute: &str) -> Result<Operator, ModelError> {
+    Ok(Operator {
+        hidden: linear(tensors, &format!("vision.operator.{attribute}.hidden"))?,
+        output: linear(tensors, &format!("vision.operator.{attribute}.output"))?,
+    })
+}
+
+/// The embedding divided by its length.
+fn unit(embedding: &[f32; CONCEPT], concept: &str) -> Result<[f32; CONCEPT], ModelError> {
+    /// The cosine's guard against division by zero, in the trainer and in core.
+    const LEAST_LENGTH: f64 = 1e-6;
+    let square: f64 = embedding.iter().map(|&x| f64::from(x).powi(2)).sum();
+    let length = square.sqrt();
+    if length < LEAST_LENGTH {
+        return Err(ModelError::ConceptLength {
+            concept: concept.into(),
+            length,
+        });
+    }
+    Ok(embedding.map(|x| (f64::from(x) / length) as f32))
+}
+
+impl<const CHANNELS: usize> Describe for ViewEncoder<CHANNELS> {
+    fn describe(&self) -> Node {
+        let Self {
+            patch,
+            merge,
+            dense,
+        } = self;
+        Node::record(
+            "ViewEncoder",
+            [
+                ("patch", patch.describe()),
+                ("merge", merge.describe()),
+                ("dense", dense.describe()),
+            ],
+        )
+    }
+}

@@ -1,0 +1,66 @@
+//! `nsrm-codegen MODEL --out FILE`: static Rust arrays from a trained model.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use nsrm_codegen::{Options, OwnedModel, memory_report, rust_source};
+
+/// Write a trained model as static Rust arrays for nsrm-core.
+#[derive(Parser)]
+#[command(name = "nsrm-codegen", version)]
+struct Arguments {
+    /// The model file (safetensors).
+    model: PathBuf,
+    /// Where the Rust source goes.
+    #[arg(long, value_name = "FILE", required_unless_present = "report")]
+    out: Option<PathBuf>,
+    /// Name of the public static.
+    #[arg(long, default_value = "TABLETOP")]
+    name: String,
+    /// Print the read-only memory that each array takes.
+    #[arg(long)]
+    report: bool,
+    /// Write nothing; exit with 2 if FILE is not what would be written.
+    #[arg(long, requires = "out")]
+    check: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("nsrm-codegen: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), String> {
+    let options = Options::new(&arguments.name).map_err(|error| error.to_string())?;
+    let bytes = std::fs::read(&arguments.model).map_err(at(&arguments.model))?;
+    let model = OwnedModel::from_bytes(&bytes).map_err(at(&arguments.model))?;
+    if let Some(out) = &arguments.out {
+        let source = rust_source(&model, &options);
+        if arguments.check {
+            let written = std::fs::read(out).map_err(at(out))?;
+            if written != source.as_bytes() {
+                return Err(format!(
+                    "{}: not what {} gives; write it again without --check",
+                    out.display(),
+                    arguments.model.display()
+                ));
+            }
+        } else {
+            std::fs::write(out, source).map_err(at(out))?;
+        }
+    }
+    if arguments.report {
+        println!("{}", memory_report(&model));
+    }
+    Ok(())
+}
+
+fn at<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> String {
+    move |error| format!("{}: {error}", path.display())
+}

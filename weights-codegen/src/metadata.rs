@@ -1,0 +1,165 @@
+//! The model file's `__metadata__`: strings, most of them JSON.
+
+use std::collections::{BTreeMap, HashMap};
+
+use nsrm_core::model::{self, Thresholds, WorkSpace};
+use nsrm_core::nn::LENGTH_TOLERANCE;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::domain::Domain;
+use crate::error::ModelError;
+
+/// The metadata, checked.
+#[derive(Debug)]
+pub(crate) struct Metadata {
+    pub(crate) domain: Domain,
+    /// The group token, then the domain's words, sorted.
+    pub(crate) vocabulary: Vec<String>,
+    pub(crate) thresholds: Thresholds,
+    pub(crate) work_space: WorkSpace,
+    pub(crate) placed_orientation: [f32; 4],
+    /// What the exporter says the tensors' SHA-256 is.
+    pub(crate) hash: [u8; 32],
+    pub(crate) training: serde_json::Value,
+    pub(crate) metrics: serde_json::Value,
+}
+
+#[derive(Deserialize)]
+struct ThresholdsText {
+    match_score: f32,
+    decision: f32,
+}
+
+#[derive(Deserialize)]
+struct WorkSpaceText {
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+/// The architecture's dimensions under the names that the exporter gives them.
+const DIMENSIONS: [(&str, usize); 11] = [
+    ("word", model::WORD),
+    ("encoder_hidden", model::ENCODER_HIDDEN),
+    ("splitter_word", model::SPLITTER_WORD),
+    ("splitter_hidden", model::SPLITTER_HIDDEN),
+    ("crop", model::CROP),
+    ("patch_channels", model::PATCH_CHANNELS),
+    ("merge_channels", model::MERGE_CHANNELS),
+    ("view_embedding", model::VIEW_EMBEDDING),
+    ("operator_hidden", model::OPERATOR_HIDDEN),
+    ("concept", model::CONCEPT),
+    ("simulator_hidden", model::SIMULATOR_HIDDEN),
+];
+
+impl Metadata {
+    pub(crate) fn read(map: &HashMap<String, String>) -> Result<Self, ModelError> {
+        let schema = text(map, "schema")?;
+        if schema != model::SCHEMA.to_string() {
+            return Err(ModelError::Schema {
+                expected: model::SCHEMA,
+                got: schema.to_owned(),
+            });
+        }
+        let dimensions: BTreeMap<String, u64> = json(map, "dimensions")?;
+        for (name, expected) in DIMENSIONS {
+            let expected = expected as u64;
+            match dimensions.get(name) {
+                Some(&got) if got != expected => {
+                    return Err(ModelError::Dimension {
+                        name: name.into(),
+                        expected,
+                        got,
+                    });
+                }
+                _ => {}
+            }
+        }
+        let domain: Domain = json(map, "domain")?;
+        domain.check()?;
+        let vocabulary: Vec<String> = json(map, "vocabulary")?;
+        domain.check_vocabulary(&vocabulary)?;
+        Ok(Self {
+            domain,
+            vocabulary,
+            thresholds: thresholds(json(map, "thresholds")?)?,
+            work_space: work_space(json(map, "work_space")?)?,
+            placed_orientation: orientation(json(map, "placed_orientation")?)?,
+            hash: hash(text(map, "hash")?)?,
+            training: json(map, "training")?,
+            metrics: json(map, "metrics")?,
+        })
+    }
+}
+
+fn text<'a>(map: &'a HashMap<String, String>, key: &'static str) -> Result<&'a str, ModelError> {
+    map.get(key)
+        .map(String::as_str)
+        .ok_or(ModelError::MissingMetadata { key })
+}
+
+fn json<T: DeserializeOwned>(
+    map: &HashMap<String, String>,
+    key: &'static str,
+) -> Result<T, ModelError> {
+    serde_json::from_str(text(map, key)?).map_err(|error| ModelError::NotJson {
+        key,
+        reason: error.to_string(),
+    })
+}
+
+fn thresholds(text: ThresholdsText) -> Result<Thresholds, ModelError> {
+    in_range("match_score", text.match_score)?;
+    in_range("decision", text.decision)?;
+    Ok(Thresholds {
+        match_score: text.match_score,
+        decision: text.decision,
+    })
+}
+
+fn in_range(name: &'static str, got: f32) -> Result<(), ModelError> {
+    if (0.0..=1.0).contains(&got) {
+        return Ok(());
+    }
+    Err(ModelError::Threshold { name, got })
+}
+
+fn work_space(text: WorkSpaceText) -> Result<WorkSpace, ModelError> {
+    for (index, axis) in ['x', 'y', 'z'].into_iter().enumerate() {
+        let (min, max) = (text.min[index], text.max[index]);
+        if !(min.is_finite() && max.is_finite() && min < max) {
+            return Err(ModelError::WorkSpace { axis, min, max });
+        }
+    }
+    Ok(WorkSpace {
+        min: text.min,
+        max: text.max,
+    })
+}
+
+fn orientation(quaternion: [f32; 4]) -> Result<[f32; 4], ModelError> {
+    let square = quaternion.iter().map(|x| x * x).sum::<f32>();
+    // As `Model::check` has it; NaN and infinity fail too.
+    if (square - 1.0).abs() <= LENGTH_TOLERANCE {
+        return Ok(quaternion);
+    }
+    let length = square.sqrt();
+    Err(ModelError::PlacedOrientation { length })
+}
+
+fn hash(text: &str) -> Result<[u8; 32], ModelError> {
+    let wrong = || ModelError::HashForm { got: text.into() };
+    let digits: Option<Vec<u8>> = text
+        .chars()
+        .map(|digit| digit.to_digit(16).map(|value| value as u8))
+        .collect();
+    let digits = digits.ok_or_else(wrong)?;
+    if digits.len() != 64 {
+        return Err(wrong());
+    }
+    let mut bytes = [0; 32];
+    for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
+        *byte = pair[0] * 16 + pair[1];
+    }
+    Ok(bytes)
+}

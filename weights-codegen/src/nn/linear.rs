@@ -1,0 +1,26 @@
+use nsrm_core::nn::Linear;
+
+use crate::error::ModelError;
+use crate::tensors::Tensors;
+use crate::tree::{Describe, Node};
+
+/// Reads `{name}.weight [OUTPUT, INPUT]` and `{name}.bias [OUTPUT]`.
+pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>(
+    tensors: &mut Tensors,
+    name: &str,
+) -> Result<Linear<INPUT, OUTPUT>, ModelError> {
+    Ok(Linear {
+        weight: tensors.columns(&format!("{name}.weight"))?,
+        bias: tensors.vector(&format!("{name}.bias"))?,
+    })
+}
+
+impl<const INPUT: usize, const OUTPUT: usize> Describe for Linear<INPUT, OUTPUT> {
+    fn describe(&self) -> Node {
+        let Self { weight, bias } = self;
+        Node::record(
+            "Linear",
+            [("weight", weight.describe()), ("bias", bias.describe())],
+        )
+    }
+}

@@ -1,0 +1,10 @@
+//! The layers of `nsrm_core::nn`, one a file: read from row-major tensors, and
+//! described for the emitter.
+
+mod conv;
+mod gru;
+mod linear;
+
+pub(crate) use conv::conv;
+pub(crate) use gru::{Gates, gru};
+pub(crate) use linear::linear;

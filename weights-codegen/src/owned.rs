@@ -1,0 +1,238 @@
+//! A model that owns its parameters and texts.
+
+use nsrm_core::model::{
+    Action, Attribute, Concept, Header, Language, LexiconEntry, Model, View, Vision, Word,
+    WordParameters,
+};
+use safetensors::SafeTensors;
+use self_cell::self_cell;
+use sha2::{Digest, Sha256};
+
+use crate::domain::{self, Domain};
+use crate::error::ModelError;
+use crate::fold::Folded;
+use crate::metadata::Metadata;
+use crate::tensors::Tensors;
+
+/// A model read from a safetensors file, checked and folded.
+///
+/// It holds the same values as the statics that [`crate::rust_source`] writes
+/// from that file, and lends them as the same type.
+pub struct OwnedModel {
+    parts: OwnedParts,
+    source_hash: [u8; 32],
+    training: serde_json::Value,
+    metrics: serde_json::Value,
+}
+
+/// The texts and parameters that the structs with names borrow from.
+struct Owner {
+    domain: Domain,
+    vocabulary: Vec<String>,
+    folded: Folded,
+    hash: [u8; 32],
+}
+
+/// What core reads as slices: parameters next to the names they belong to.
+struct Parts<'a> {
+    header: Header<'a>,
+    words: Vec<Word<'a>>,
+    group: &'a WordParameters,
+    lexicon: Vec<LexiconEntry<'a>>,
+    attributes: Vec<Attribute<'a>>,
+    concepts: Vec<Concept<'a>>,
+    actions: Vec<Action<'a>>,
+    folded: &'a Folded,
+}
+
+self_cell!(
+    struct OwnedParts {
+        owner: Owner,
+
+        #[covariant]
+        dependent: Parts,
+    }
+);
+
+impl OwnedModel {
+    /// Reads, checks and folds a model file.
+    ///
+    /// # Errors
+    /// A [`ModelError`] for whatever does not fit the architecture, the domain
+    /// in the file or the metadata's hash. No bytes make it panic.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
+        let not_safetensors = |error: safetensors::SafeTensorError| ModelError::NotSafetensors {
+            reason: error.to_string(),
+        };
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(not_safetensors)?;
+        let file = SafeTensors::deserialize(bytes).map_err(not_safetensors)?;
+        let metadata = Metadata::read(&header.metadata().clone().unwrap_or_default())?;
+        let folded = Folded::read(Tensors::read(&file)?, &metadata)?;
+        let Metadata {
+            domain,
+            vocabulary,
+            thresholds,
+            work_space,
+            placed_orientation,
+            hash,
+            training,
+            metrics,
+        } = metadata;
+        let owner = Owner {
+            domain,
+            vocabulary,
+            folded,
+            hash,
+        };
+        let parts = OwnedParts::try_new(owner, |owner| {
+            Parts::new(owner, |domain| Header {
+                domain,
+                hash: owner.hash,
+                thresholds,
+                work_space,
+                placed_orientation,
+            })
+        })?;
+        Ok(Self {
+            parts,
+            source_hash: Sha256::digest(bytes).into(),
+            training,
+            metrics,
+        })
+    }
+
+    /// The model as core reads it.
+    pub fn as_model(&self) -> Model<'_> {
+        let parts = self.parts.borrow_dependent();
+        let folded = parts.folded;
+        let language = &folded.language;
+        Model {
+            header: parts.header,
+            words: &parts.words,
+            group: parts.group,
+            lexicon: &parts.lexicon,
+            attributes: &parts.attributes,
+            concepts: &parts.concepts,
+            actions: &parts.actions,
+            language: Language {
+                forward: &language.forward,
+                backward: &language.backward,
+                object_decoder: &language.object_decoder,
+                reference_decoder: &language.reference_decoder,
+                splitter: &language.splitter,
+                hazard_hidden: &language.hazard_hidden,
+                hazard: &language.hazard,
+            },
+            vision: Vision {
+                color: &folded.vision.color,
+                brightness: &folded.vision.brightness,
+            },
+            simulator: &folded.simulator,
+            camera: &folded.camera,
+        }
+    }
+
+    /// The domain that it was trained on.
+    pub fn domain(&self) -> &Domain {
+        &self.parts.borrow_owner().domain
+    }
+
+    /// SHA-256 of the whole file, metadata included.
+    pub fn source_hash(&self) -> [u8; 32] {
+        self.source_hash
+    }
+
+    /// How it was trained, as the trainer wrote it.
+    pub fn training(&self) -> &serde_json::Value {
+        &self.training
+    }
+
+    /// What it reached on test data, as the trainer wrote it.
+    pub fn metrics(&self) -> &serde_json::Value {
+        &self.metrics
+    }
+}
+
+impl std::fmt::Debug for OwnedModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("OwnedModel")
+            .field("header", &self.as_model().header)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Parts<'a> {
+    fn new(
+        owner: &'a Owner,
+        header: impl FnOnce(&'a str) -> Header<'a>,
+    ) -> Result<Self, ModelError> {
+        let domain = &owner.domain;
+        let folded = &owner.folded;
+        let no_group = || ModelError::GroupToken { got: String::new() };
+        let (group, parameters) = folded.language.words.split_first().ok_or_else(no_group)?;
+        let words = owner.vocabulary.iter().skip(1).zip(parameters);
+        let mut lexicon: Vec<LexiconEntry<'a>> = domain
+            .lexicon()
+            .map(|(text, concept)| {
+                let concept = index("concepts", concept)?;
+                Ok(LexiconEntry { text, concept })
+            })
+            .collect::<Result<_, ModelError>>()?;
+        lexicon.sort_unstable_by_key(|entry| entry.text);
+        Ok(Self {
+            header: header(&domain.name),
+            words: words
+                .map(|(text, &parameters)| Word { text, parameters })
+                .collect(),
+            group,
+            lexicon,
+            attributes: domain
+                .attribute
+                .iter()
+                .zip(&folded.vision.operators)
+                .map(|(attribute, operator)| Attribute {
+                    name: &attribute.name,
+                    view: match attribute.view {
+                        domain::View::Color => View::Color,
+                        domain::View::Brightness => View::Brightness,
+                    },
+                    hidden: operator.hidden,
+                    output: operator.output,
+                })
+                .collect(),
+            concepts: domain
+                .concepts()
+                .zip(&folded.vision.concepts)
+                .map(|((attribute, value), &embedding)| {
+                    Ok(Concept {
+                        name: &value.name,
+                        attribute: index("attribute types", attribute)?,
+                        embedding,
+                    })
+                })
+                .collect::<Result<_, ModelError>>()?,
+            actions: domain
+                .action
+                .iter()
+                .zip(&folded.actions)
+                .map(|(action, parameters)| Action {
+                    name: &action.name,
+                    phrase: action.phrases.first().map_or("", String::as_str),
+                    decoder: parameters.decoder,
+                    decoder_bias: parameters.decoder_bias,
+                    simulator_bias: parameters.simulator_bias,
+                })
+                .collect(),
+            folded,
+        })
+    }
+}
+
+/// An index as core stores it; [`Domain`]'s check has bounded it.
+fn index(what: &'static str, value: usize) -> Result<u8, ModelError> {
+    u8::try_from(value).map_err(|_| ModelError::TooMany {
+        what,
+        limit: domain::MAX_NAMES,
+        got: value + 1,
+    })
+}

@@ -1,0 +1,184 @@
+//! The statics that a model is made of, in the order in which they are written.
+
+use nsrm_core::model::{
+    Action, Attribute, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LexiconEntry, Model,
+    PixelToCamera, SPLITTER_HIDDEN, Simulator, Thresholds, Word, WordParameters, WorkSpace,
+};
+
+use crate::tree::{Describe, Node, describe};
+
+/// One static.
+pub(crate) struct Static {
+    /// Its name in the source.
+    pub(crate) name: &'static str,
+    /// Its type in the source.
+    pub(crate) kind: String,
+    /// Where it stands in [`Model`].
+    pub(crate) path: &'static str,
+    pub(crate) node: Node,
+    /// `size_of` on this machine, pointers and padding included.
+    pub(crate) size: usize,
+}
+
+describe! {
+    Header<'_> { domain, hash, thresholds, work_space, placed_orientation }
+    Thresholds { match_score, decision }
+    WorkSpace { min, max }
+    Word<'_> { text, parameters }
+    WordParameters {
+        forward_gates, backward_gates, splitter_gates, hazard_next, hazard_after_next,
+    }
+    LexiconEntry<'_> { text, concept }
+    Attribute<'_> { name, view, hidden, output }
+    Concept<'_> { name, attribute, embedding }
+    Action<'_> { name, phrase, decoder, decoder_bias, simulator_bias }
+    Simulator { input, hidden, output }
+    PixelToCamera { weight }
+}
+
+/// The model itself: the header, and references to [`statics`].
+pub(crate) fn model_record(model: &Model<'_>) -> Node {
+    Node::record(
+        "Model",
+        [
+            ("header", model.header.describe()),
+            ("words", Node::Reference("WORDS")),
+            ("group", Node::Reference("GROUP")),
+            ("lexicon", Node::Reference("LEXICON")),
+            ("attributes", Node::Reference("ATTRIBUTES")),
+            ("concepts", Node::Reference("CONCEPTS")),
+            ("actions", Node::Reference("ACTIONS")),
+            (
+                "language",
+                Node::record(
+                    "Language",
+                    [
+                        ("forward", Node::Reference("FORWARD")),
+                        ("backward", Node::Reference("BACKWARD")),
+                        ("object_decoder", Node::Reference("OBJECT_DECODER")),
+                        ("reference_decoder", Node::Reference("REFERENCE_DECODER")),
+                        ("splitter", Node::Reference("SPLITTER")),
+                        ("hazard_hidden", Node::Reference("HAZARD_HIDDEN")),
+                        ("hazard", Node::Reference("HAZARD")),
+                    ],
+                ),
+            ),
+            (
+                "vision",
+                Node::record(
+                    "Vision",
+                    [
+                        ("color", Node::Reference("COLOR")),
+                        ("brightness", Node::Reference("BRIGHTNESS")),
+                    ],
+                ),
+            ),
+            ("simulator", Node::Reference("SIMULATOR")),
+            ("camera", Node::Reference("CAMERA")),
+        ],
+    )
+}
+
+/// The statics that [`model_record`] refers to.
+pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
+    let language = &model.language;
+    vec![
+        table("WORDS", "words", "Word<'static>", model.words),
+        single("GROUP", "group", "WordParameters", model.group),
+        table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
+        table(
+            "ATTRIBUTES",
+            "attributes",
+            "Attribute<'static>",
+            model.attributes,
+        ),
+        table("CONCEPTS", "concepts", "Concept<'static>", model.concepts),
+        table("ACTIONS", "actions", "Action<'static>", model.actions),
+        single(
+            "FORWARD",
+            "language.forward",
+            format!("Gru<{ENCODER_HIDDEN}>"),
+            language.forward,
+        ),
+        single(
+            "BACKWARD",
+            "language.backward",
+            format!("Gru<{ENCODER_HIDDEN}>"),
+            language.backward,
+        ),
+        single(
+            "OBJECT_DECODER",
+            "language.object_decoder",
+            format!("Linear<{INSTRUCTION}, {INSTRUCTION}>"),
+            language.object_decoder,
+        ),
+        single(
+            "REFERENCE_DECODER",
+            "language.reference_decoder",
+            format!("Linear<{INSTRUCTION}, {INSTRUCTION}>"),
+            language.reference_decoder,
+        ),
+        single(
+            "SPLITTER",
+            "language.splitter",
+            format!("Gru<{SPLITTER_HIDDEN}>"),
+            language.splitter,
+        ),
+        single(
+            "HAZARD_HIDDEN",
+            "language.hazard_hidden",
+            format!("Linear<{SPLITTER_HIDDEN}, {SPLITTER_HIDDEN}>"),
+            language.hazard_hidden,
+        ),
+        single(
+            "HAZARD",
+            "language.hazard",
+            format!("Linear<{SPLITTER_HIDDEN}, 1>"),
+            language.hazard,
+        ),
+        single(
+            "COLOR",
+            "vision.color",
+            "ViewEncoder<3>",
+            model.vision.color,
+        ),
+        single(
+            "BRIGHTNESS",
+            "vision.brightness",
+            "ViewEncoder<1>",
+            model.vision.brightness,
+        ),
+        single("SIMULATOR", "simulator", "Simulator", model.simulator),
+        single("CAMERA", "camera", "PixelToCamera", model.camera),
+    ]
+}
+
+fn single<T: Describe>(
+    name: &'static str,
+    path: &'static str,
+    kind: impl Into<String>,
+    value: &T,
+) -> Static {
+    Static {
+        name,
+        kind: kind.into(),
+        path,
+        node: value.describe(),
+        size: size_of::<T>(),
+    }
+}
+
+fn table<T: Describe>(
+    name: &'static str,
+    path: &'static str,
+    kind: &'static str,
+    values: &[T],
+) -> Static {
+    Static {
+        name,
+        kind: format!("[{kind}; {}]", values.len()),
+        path,
+        node: values.describe(),
+        size: size_of_val(values),
+    }
+}

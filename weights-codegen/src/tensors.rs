@@ -1,0 +1,128 @@
+//! The model file's tensors: read, checked, and handed out by name and shape.
+
+use std::collections::BTreeMap;
+
+use safetensors::{Dtype, SafeTensors};
+use sha2::{Digest, Sha256};
+
+use crate::error::ModelError;
+
+/// Tensors not yet taken. Each is `f32` and finite.
+///
+/// Every layer takes its own by name and shape; what is left at the end is one
+/// that the architecture does not have.
+pub(crate) struct Tensors {
+    entries: BTreeMap<String, Tensor>,
+    hash: [u8; 32],
+}
+
+struct Tensor {
+    shape: Vec<usize>,
+    /// Row-major.
+    values: Vec<f32>,
+}
+
+impl Tensors {
+    pub(crate) fn read(file: &SafeTensors<'_>) -> Result<Self, ModelError> {
+        let mut entries = BTreeMap::new();
+        for (name, view) in file.iter() {
+            if view.dtype() != Dtype::F32 {
+                return Err(ModelError::ElementType {
+                    name: name.into(),
+                    got: format!("{:?}", view.dtype()),
+                });
+            }
+            let (bytes, _) = view.data().as_chunks::<4>();
+            let values = bytes.iter().copied().map(f32::from_le_bytes).collect();
+            let shape = view.shape().to_vec();
+            entries.insert(name.to_owned(), Tensor { shape, values });
+        }
+        for (name, tensor) in &entries {
+            let wrong = tensor.values.iter().position(|value| !value.is_finite());
+            if let Some(index) = wrong {
+                return Err(ModelError::NotFinite {
+                    name: name.clone(),
+                    index,
+                    got: format!("{:?}", tensor.values[index]),
+                });
+            }
+        }
+        let hash = hash(&entries);
+        Ok(Self { entries, hash })
+    }
+
+    /// SHA-256 over all tensors of the file, sorted by name: for each its name,
+    /// each dimension as `u64` and its values, little-endian.
+    pub(crate) fn hash(&self) -> [u8; 32] {
+        self.hash
+    }
+
+    /// The values of a tensor in row-major order; `expected.product()` of them.
+    pub(crate) fn take(&mut self, name: &str, expected: &[usize]) -> Result<Vec<f32>, ModelError> {
+        let tensor = self
+            .entries
+            .remove(name)
+            .ok_or_else(|| ModelError::MissingTensor {
+                name: name.into(),
+                expected: expected.to_vec(),
+            })?;
+        if tensor.shape != expected {
+            return Err(ModelError::Shape {
+                name: name.into(),
+                expected: expected.to_vec(),
+                got: tensor.shape,
+            });
+        }
+        Ok(tensor.values)
+    }
+
+    /// A tensor of shape `[N]`.
+    pub(crate) fn vector<const N: usize>(&mut self, name: &str) -> Result<[f32; N], ModelError> {
+        let values = self.take(name, &[N])?;
+        Ok(std::array::from_fn(|index| values[index]))
+    }
+
+    /// The rows of a tensor of shape `[count, N]`.
+    pub(crate) fn rows<const N: usize>(
+        &mut self,
+        name: &str,
+        count: usize,
+    ) -> Result<Vec<[f32; N]>, ModelError> {
+        let values = self.take(name, &[count, N])?;
+        let (rows, _) = values.as_chunks::<N>();
+        Ok(rows.to_vec())
+    }
+
+    /// The columns of a tensor of shape `[ROWS, COLUMNS]`.
+    pub(crate) fn columns<const ROWS: usize, const COLUMNS: usize>(
+        &mut self,
+        name: &str,
+    ) -> Result<[[f32; ROWS]; COLUMNS], ModelError> {
+        let values = self.take(name, &[ROWS, COLUMNS])?;
+        Ok(std::array::from_fn(|column| {
+            std::array::from_fn(|row| values[row * COLUMNS + column])
+        }))
+    }
+
+    /// Refuses what nothing has taken.
+    pub(crate) fn finish(self) -> Result<(), ModelError> {
+        match self.entries.into_keys().next() {
+            Some(name) => Err(ModelError::ExtraTensor { name }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn hash(entries: &BTreeMap<String, Tensor>) -> [u8; 32] {
+    let mut hasher = Sha256::new();
+    for (name, tensor) in entries {
+        hasher.update(name.as_bytes());
+        for &dimension in &tensor.shape {
+            hasher.update((dimension as u64).to_le_bytes());
+        }
+        for value in &tensor.values {
+            hasher.update(value.to_le_bytes());
+        }
+    }
+    hasher.finalize().into()
+}

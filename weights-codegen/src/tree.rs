@@ -1,0 +1,96 @@
+//! A value as a tree of records, arrays and numbers: what [`crate::emit`]
+//! prints and [`crate::report`] counts.
+
+use nsrm_core::model::View;
+
+/// A value of the static model.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Node {
+    /// A number or an enum's variant: its Rust text and its size in bytes.
+    Scalar { text: String, bytes: usize },
+    /// A string.
+    Text(String),
+    /// A reference to another static.
+    Reference(&'static str),
+    /// A fixed array.
+    Array(Vec<Node>),
+    /// A struct: its name and its fields in the order of their declaration.
+    Record(&'static str, Vec<(&'static str, Node)>),
+}
+
+impl Node {
+    pub(crate) fn record<const N: usize>(
+        name: &'static str,
+        fields: [(&'static str, Node); N],
+    ) -> Self {
+        Self::Record(name, fields.into())
+    }
+}
+
+/// A type of the static model.
+pub(crate) trait Describe {
+    /// The value as a tree.
+    fn describe(&self) -> Node;
+}
+
+impl Describe for f32 {
+    /// In the shortest decimal notation that reads back as the same bits.
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("{self:?}"),
+            bytes: size_of::<f32>(),
+        }
+    }
+}
+
+impl Describe for u8 {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: self.to_string(),
+            bytes: size_of::<u8>(),
+        }
+    }
+}
+
+impl Describe for View {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("View::{self:?}"),
+            bytes: size_of::<View>(),
+        }
+    }
+}
+
+impl Describe for &str {
+    fn describe(&self) -> Node {
+        Node::Text((*self).to_owned())
+    }
+}
+
+impl<T: Describe> Describe for [T] {
+    fn describe(&self) -> Node {
+        Node::Array(self.iter().map(T::describe).collect())
+    }
+}
+
+impl<T: Describe, const N: usize> Describe for [T; N] {
+    fn describe(&self) -> Node {
+        self.as_slice().describe()
+    }
+}
+
+/// Implements [`Describe`] for structs field by field.
+macro_rules! describe {
+    ($($name:ident $(<$lifetime:lifetime>)? { $($field:ident),* $(,)? })*) => {$(
+        impl $crate::tree::Describe for $name $(<$lifetime>)? {
+            fn describe(&self) -> $crate::tree::Node {
+                let Self { $($field),* } = self;
+                $crate::tree::Node::record(
+                    stringify!($name),
+                    [$((stringify!($field), $crate::tree::Describe::describe($field))),*],
+                )
+            }
+        }
+    )*};
+}
+pub(crate) use describe;

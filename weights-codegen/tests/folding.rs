@@ -1,0 +1,260 @@
+//! What was folded equals what the unfolded network computes, row-major and in
+//! `f64`, on weights that are random and shapes that are not square.
+
+mod common;
+
+use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, WORDS};
+use nsrm_core::model::{Model, View, WordParameters};
+
+/// Rounding of a sum in `f64` to `f32`, values below 10.
+const ROUNDED: f64 = 1e-6;
+
+#[track_caller]
+fn assert_close(got: f32, expected: f64) {
+    let difference = (f64::from(got) - expected).abs();
+    assert!(difference <= ROUNDED, "{got} is not {expected}");
+}
+
+/// `W·x + b` of a row-major matrix.
+fn affine(weight: &[f32], bias: &[f32], input: &[f64]) -> Vec<f64> {
+    weight
+        .chunks_exact(input.len())
+        .zip(bias)
+        .map(|(row, &bias)| {
+            let products = row.iter().zip(input).map(|(&w, &x)| f64::from(w) * x);
+            products.sum::<f64>() + f64::from(bias)
+        })
+        .collect()
+}
+
+fn row(values: &[f32], index: usize, length: usize) -> Vec<f64> {
+    values[index * length..][..length]
+        .iter()
+        .map(|&x| x.into())
+        .collect()
+}
+
+fn parameters<'a>(model: &'a Model<'_>, token: usize) -> &'a WordParameters {
+    match token.checked_sub(1) {
+        Some(word) => &model.words[word].parameters,
+        None => model.group,
+    }
+}
+
+#[test]
+fn names_stand_with_their_parameters() {
+    let owned = ModelFile::random(3).load();
+    let model = owned.as_model();
+    assert_eq!(model.header.domain, "shelf");
+    assert!(model.words.iter().map(|word| word.text).eq(WORDS));
+    let lexicon = model
+        .lexicon
+        .iter()
+        .map(|entry| (entry.text, entry.concept));
+    assert!(lexicon.eq(LEXICON));
+    let attributes = model.attributes.iter().map(|a| (a.name, a.view));
+    let (color, brightness) = (View::Color, View::Brightness);
+    assert!(attributes.eq([
+        ("tint", color),
+        ("bulk", brightness),
+        ("finish", brightness)
+    ]));
+    let concepts = model.concepts.iter().map(|c| (c.name, c.attribute));
+    assert!(concepts.eq([
+        ("amber", 0),
+        ("teal", 0),
+        ("plum", 0),
+        ("big", 1),
+        ("tiny", 1),
+        ("matte", 2),
+        ("glossy", 2),
+    ]));
+    let actions = model.actions.iter().map(|a| (a.name, a.phrase));
+    assert!(actions.eq([("Stack", "onto"), ("Flank", "near to")]));
+    assert_eq!(owned.training()["seed"], 3);
+    assert_eq!(owned.metrics()["program"], 0.5);
+}
+
+#[test]
+fn gates_of_each_word() {
+    let file = ModelFile::random(4);
+    let owned = file.load();
+    let model = owned.as_model();
+    let embeddings = file.values("language.embedding.weight");
+    let splitter = file.values("language.splitter.embedding.weight");
+    for token in 0..=WORDS.len() {
+        let word = parameters(&model, token);
+        for (cell, gates) in [
+            ("forward", &word.forward_gates),
+            ("backward", &word.backward_gates),
+        ] {
+            let weight = file.values(&format!("language.encoder.{cell}.weight_ih"));
+            let bias = file.values(&format!("language.encoder.{cell}.bias"));
+            let expected = affine(&weight, &bias, &row(&embeddings, token, 32));
+            gates
+                .as_flattened()
+                .iter()
+                .zip(expected)
+                .for_each(|(&g, e)| assert_close(g, e));
+        }
+        let weight = file.values("language.splitter.gru.weight_ih");
+        let bias = file.values("language.splitter.gru.bias");
+        let expected = affine(&weight, &bias, &row(&splitter, token, 24));
+        let gates = word.splitter_gates.as_flattened();
+        gates
+            .iter()
+            .zip(expected)
+            .for_each(|(&g, e)| assert_close(g, e));
+    }
+}
+
+#[test]
+fn hazard_shares_add_up_to_its_hidden_layer() {
+    let file = ModelFile::random(5);
+    let owned = file.load();
+    let model = owned.as_model();
+    let embeddings = file.values("language.splitter.embedding.weight");
+    let state: Vec<f64> = (0..32).map(|unit| f64::from(unit) / 40.0 - 0.3).collect();
+    let (next, after_next) = (4, 7);
+    let mut input = state.clone();
+    input.extend(row(&embeddings, next, 24));
+    input.extend(row(&embeddings, after_next, 24));
+    let weight = file.values("language.splitter.hidden.weight");
+    let bias = file.values("language.splitter.hidden.bias");
+    let expected = affine(&weight, &bias, &input);
+    let layer = model.language.hazard_hidden;
+    for (unit, expected) in expected.into_iter().enumerate() {
+        let columns = layer.weight.iter().zip(&state);
+        let own: f64 = columns.map(|(column, x)| f64::from(column[unit]) * x).sum();
+        let shares = [
+            layer.bias[unit],
+            parameters(&model, next).hazard_next[unit],
+            parameters(&model, after_next).hazard_after_next[unit],
+        ];
+        let sum = own + shares.into_iter().map(f64::from).sum::<f64>();
+        assert!((sum - expected).abs() < ROUNDED, "{sum} is not {expected}");
+    }
+}
+
+#[test]
+fn recurrent_weights_by_hidden_unit_gate_and_row() {
+    let file = ModelFile::random(6);
+    let owned = file.load();
+    let cell = owned.as_model().language.backward;
+    let weight = file.values("language.encoder.backward.weight_hh");
+    for (hidden, gate, unit) in [(0, 0, 0), (5, 1, 7), (47, 2, 3), (3, 2, 47)] {
+        let expected = weight[(gate * 48 + unit) * 48 + hidden];
+        assert_eq!(cell.weight_hh[hidden][gate][unit], expected);
+    }
+    assert_eq!(
+        cell.bias_n[..],
+        file.values("language.encoder.backward.bias_n")
+    );
+}
+
+#[test]
+fn convolutions_by_channel_row_column_and_output() {
+    let file = ModelFile::random(7);
+    let owned = file.load();
+    let view = owned.as_model().vision.color;
+    let patch = file.values("vision.color.patch.weight");
+    let merge = file.values("vision.color.merge.weight");
+    for (output, input, row, column) in [(0, 0, 0, 1), (23, 2, 3, 0), (11, 1, 2, 3)] {
+        let expected = patch[((output * 3 + input) * 4 + row) * 4 + column];
+        assert_eq!(view.patch.weight[input][row][column][output], expected);
+    }
+    for (output, input, row, column) in [(31, 0, 1, 0), (2, 23, 0, 1)] {
+        let expected = merge[((output * 24 + input) * 2 + row) * 2 + column];
+        assert_eq!(view.merge.weight[input][row][column][output], expected);
+    }
+    let dense = file.values("vision.color.dense.weight");
+    assert_eq!(view.dense.weight[511][3], dense[3 * 512 + 511]);
+    assert_eq!(view.dense.bias[..], file.values("vision.color.dense.bias"));
+}
+
+#[test]
+fn operators_of_each_attribute() {
+    let file = ModelFile::random(8);
+    let owned = file.load();
+    for attribute in owned.as_model().attributes {
+        let name = format!("vision.operator.{}", attribute.name);
+        let weight = file.values(&format!("{name}.output.weight"));
+        assert_eq!(attribute.output.weight[31][9], weight[9 * 32 + 31]);
+        assert_eq!(
+            attribute.hidden.bias[..],
+            file.values(&format!("{name}.hidden.bias"))
+        );
+    }
+}
+
+#[test]
+fn concepts_have_length_one_and_their_direction() {
+    let file = ModelFile::random(9);
+    let owned = file.load();
+    let weight = file.values("vision.concept.weight");
+    let model = owned.as_model();
+    assert_eq!(model.concepts.len(), CONCEPTS);
+    for (index, concept) in model.concepts.iter().enumerate() {
+        let raw = row(&weight, index, 16);
+        let length = raw.iter().map(|x| x * x).sum::<f64>().sqrt();
+        concept
+            .embedding
+            .iter()
+            .zip(raw)
+            .for_each(|(&x, raw)| assert_close(x, raw / length));
+    }
+}
+
+#[test]
+fn simulator_on_plain_locations() {
+    let file = ModelFile::random(10);
+    let owned = file.load();
+    let model = owned.as_model();
+    let mean = file.values("action.simulator.location_mean");
+    let scale = file.values("action.simulator.location_scale");
+    let locations = [0.25, 0.5, 0.125, 0.0625, 0.9, 0.75, 0.375, 0.25, 0.3, 1.1];
+    for action in 0..ACTIONS {
+        let mut input = vec![0.0; ACTIONS];
+        input[action] = 1.0;
+        input.extend(
+            locations.iter().enumerate().map(|(j, &x): (usize, &f64)| {
+                (x - f64::from(mean[j % 5])) / f64::from(scale[j % 5])
+            }),
+        );
+        let weight = file.values("action.simulator.input.weight");
+        let bias = file.values("action.simulator.input.bias");
+        let expected = affine(&weight, &bias, &input);
+        for (unit, expected) in expected.into_iter().enumerate() {
+            let columns = model.simulator.input.iter().zip(&locations);
+            let products = columns.map(|(column, x)| f64::from(column[unit]) * x);
+            let sum = products.sum::<f64>() + f64::from(model.actions[action].simulator_bias[unit]);
+            assert!((sum - expected).abs() < ROUNDED, "{sum} is not {expected}");
+        }
+        let decoder = file.values("language.action_decoder.weight");
+        assert_eq!(
+            model.actions[action].decoder[..],
+            decoder[action * 96..][..96]
+        );
+        let bias = file.values("language.action_decoder.bias");
+        assert_eq!(model.actions[action].decoder_bias, bias[action]);
+    }
+}
+
+#[test]
+fn simulator_output_is_scaled() {
+    let file = ModelFile::random(11);
+    let owned = file.load();
+    let output = &owned.as_model().simulator.output;
+    let weight = file.values("action.simulator.output.weight");
+    assert_close(output.weight[63][2], f64::from(weight[2 * 64 + 63]) * 0.1);
+    let bias = file.values("action.simulator.output.bias");
+    assert_close(output.bias[4], f64::from(bias[4]) * 0.1);
+}
+
+#[test]
+fn camera_by_rows() {
+    let file = ModelFile::random(12);
+    let owned = file.load();
+    let camera = owned.as_model().camera;
+    assert_eq!(camera.weight.as_flattened(), file.values("camera.weight"));
+}

@@ -1,0 +1,132 @@
+//! The Rust source: always the same text, and the same values as the loader's.
+
+mod common;
+#[allow(unreachable_pub, reason = "written for a public module")]
+#[path = "snapshots/shelf.rs"]
+mod shelf;
+
+use std::path::Path;
+
+use common::ModelFile;
+use nsrm_codegen::{InvalidName, Options, OwnedModel, memory_report, rust_source};
+
+fn shelf_source() -> String {
+    let options = Options::new("SHELF").expect("a static's name");
+    rust_source(&ModelFile::flat().load(), &options)
+}
+
+/// After a wanted change of the text: `NSRM_UPDATE_SNAPSHOTS=1 cargo test -p nsrm-codegen`.
+#[test]
+fn snapshot() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots/shelf.rs");
+    if std::env::var_os("NSRM_UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(&path, shelf_source()).expect("a writable snapshot");
+    }
+    let written = std::fs::read_to_string(&path).expect("the snapshot");
+    for (line, (got, expected)) in shelf_source().lines().zip(written.lines()).enumerate() {
+        assert_eq!(got, expected, "line {}", line + 1);
+    }
+    assert_eq!(shelf_source(), written);
+}
+
+#[test]
+fn compiled_snapshot_is_the_loaded_model() {
+    let owned = ModelFile::flat().load();
+    assert_eq!(
+        format!("{:?}", shelf::SHELF),
+        format!("{:?}", owned.as_model())
+    );
+    let about: serde_json::Value = serde_json::from_str(shelf::SHELF_ABOUT).expect("JSON");
+    assert_eq!(&about["training"], owned.training());
+    assert_eq!(&about["metrics"], owned.metrics());
+}
+
+/// What is committed in core is what the command writes from the committed model.
+#[test]
+fn pretrained_is_in_step() {
+    let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core");
+    let bytes = std::fs::read(core.join("pretrained/tabletop.safetensors")).expect("the model");
+    let owned = OwnedModel::from_bytes(&bytes).expect("a sound model");
+    let written = std::fs::read_to_string(core.join("src/pretrained.rs")).expect("the source");
+    let options = Options::new("TABLETOP").expect("a static's name");
+    assert!(
+        rust_source(&owned, &options) == written,
+        "cargo run -p nsrm-codegen -- core/pretrained/tabletop.safetensors --out core/src/pretrained.rs"
+    );
+    let compiled = format!("{:?}", nsrm_core::pretrained::TABLETOP);
+    assert!(
+        compiled == format!("{:?}", owned.as_model()),
+        "statics and loaded model differ"
+    );
+}
+
+#[test]
+fn numbers_read_back_as_the_same_bits() {
+    let mut file = ModelFile::random(1);
+    let hard = [
+        -0.0,
+        f32::MIN_POSITIVE,
+        1.0e-45,
+        16_777_217.0,
+        0.1,
+        3.4e38,
+        -1.175_494_2e-38,
+    ];
+    for (index, &value) in hard.iter().enumerate() {
+        file.set_value("vision.color.dense.bias", index, value);
+    }
+    let source = rust_source(&file.load(), &Options::new("M").expect("a name"));
+    let color = source.split("static COLOR").nth(1).expect("the color view");
+    let bias = color
+        .split("bias: [")
+        .nth(3)
+        .expect("the bias of the dense layer");
+    let texts = bias.split(']').next().expect("its numbers").split(',');
+    let got: Vec<u32> = texts
+        .take(hard.len())
+        .map(|text| text.trim().parse::<f32>().expect("a number").to_bits())
+        .collect();
+    assert_eq!(got, hard.map(f32::to_bits));
+}
+
+#[test]
+fn same_bytes_same_text() {
+    let bytes = ModelFile::random(2).bytes();
+    let options = Options::new("M").expect("a name");
+    let source = || rust_source(&OwnedModel::from_bytes(&bytes).expect("a model"), &options);
+    let first = source();
+    assert_eq!(first, source());
+    let long = first.lines().filter(|line| !line.contains("_ABOUT"));
+    assert!(long.map(str::len).max() <= Some(100));
+}
+
+#[test]
+fn names_of_statics() {
+    for name in ["", "tabletop", "1ST", "_A", "A-B", "Ä", "A B"] {
+        assert_eq!(Options::new(name), Err(InvalidName { name: name.into() }));
+    }
+    assert!(Options::new("SHELF_2").is_ok());
+}
+
+#[test]
+fn memory_is_counted_array_by_array() {
+    let report = memory_report(&ModelFile::random(1).load());
+    let bytes = |path: &str| {
+        let array = report.arrays.iter().find(|array| array.path == path);
+        array.map(|array| (array.count, array.bytes))
+    };
+    assert_eq!(bytes("language.forward.weight_hh"), Some((6912, 27648)));
+    assert_eq!(
+        bytes("words.parameters.forward_gates"),
+        Some((9 * 144, 9 * 576))
+    );
+    assert_eq!(bytes("concepts.attribute"), Some((7, 7)));
+    assert_eq!(bytes("simulator.input"), Some((640, 2560)));
+    let numbers: usize = report.arrays.iter().map(|array| array.bytes).sum();
+    assert_eq!(report.total(), numbers + report.texts + report.tables);
+    let text = report.to_string();
+    assert!(
+        text.ends_with(&format!("{:>9}           total", report.total())),
+        "{text}"
+    );
+}
