@@ -19,6 +19,7 @@ from nsrm_harness.errors import HarnessError
 COMMANDS = {
     "episodes": "Make a file of demonstrations.",
     "calibration": "Make the file from which the camera model is fitted.",
+    "look": "Draw an episode: before, after, boxes and sentence.",
 }
 
 
