@@ -80,3 +80,41 @@ impl Centred {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    /// One path from each input number and the action to one output each.
+    #[test]
+    fn the_network_reads_centre_and_size_of_both_objects_in_order() {
+        let model = fixture::model();
+        let mut simulator = *model.simulator;
+        simulator.hidden = fixture::linear();
+        simulator.output = fixture::linear();
+        let mut action = model.actions[0];
+        action.simulator_bias = [0.0; 64];
+        action.simulator_bias[20] = 0.5;
+        let object = [0.2, 0.1, 0.4, 0.2, 0.9];
+        let reference = [0.5, 0.5, 0.8, 0.9, 1.1];
+        // Centre x, centre y, width, height, depth of the one and the other.
+        let numbers = [0.3, 0.15, 0.2, 0.1, 0.9, 0.65, 0.7, 0.3, 0.4, 1.1_f32];
+        for (input, number) in numbers.into_iter().enumerate() {
+            let mut simulator = simulator;
+            simulator.input[input][20] = 0.25;
+            simulator.hidden.weight[20][40] = 3.0;
+            simulator.hidden.bias[40] = -1.0;
+            simulator.output.weight[40][4] = 0.125;
+            simulator.output.bias[2] = 0.02;
+            let hidden = libm::tanhf(0.25 * number + 0.5);
+            let depth = 1.1 + 0.125 * libm::tanhf(3.0 * hidden - 1.0);
+            // The reference's centre, the object's size, 0.02 wider.
+            let expected = [0.54, 0.65, 0.76, 0.75, depth];
+            let got = simulate(&simulator, &action, &object, &reference);
+            for (got, expected) in got.iter().zip(expected) {
+                assert!((got - expected).abs() < 1e-6, "input {input}: {got}");
+            }
+        }
+    }
+}

@@ -40,6 +40,8 @@ pub mod camera;
 mod capacity;
 pub mod dsl;
 pub mod explain;
+#[cfg(test)]
+mod fixture;
 pub mod grounding;
 pub mod language;
 pub mod model;

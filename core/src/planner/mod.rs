@@ -7,6 +7,8 @@
 
 mod plan;
 mod task;
+#[cfg(test)]
+mod tests;
 
 pub use plan::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 pub use task::PlanningTask;
@@ -30,6 +32,10 @@ pub const TASK_BYTES: usize = size_of::<PlanningTask<'_>>();
 pub const PLAN_BYTES: usize = size_of::<Plan>();
 /// Memory of a scene.
 pub const SCENE_BYTES: usize = size_of::<Scene>();
+
+// What callers set aside for a task and a plan, and what a refusal costs to pass on.
+const _: () = assert!(TASK_BYTES <= 10 * 1024 && PLAN_BYTES <= 1024);
+const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to
 /// [`UNIT_ACTIONS`] actions. Beside them a call takes at most 192 scalar

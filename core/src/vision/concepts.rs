@@ -1,7 +1,7 @@
 use crate::model::{Attribute, CONCEPT, Model, OBJECT_EMBEDDING, VIEW_EMBEDDING, View};
 use crate::nn::{dot, relu_all};
 
-/// Added to nothing, but the least length that a vector is divided by, as in training.
+/// The least length that a vector is divided by, as in training.
 const LEAST_NORM: f32 = 1e-6;
 
 /// An attribute type's operator `f_u`: the object's embedding to concept space.
@@ -22,7 +22,8 @@ pub fn operate(attribute: &Attribute<'_>, embedding: &[f32; OBJECT_EMBEDDING]) -
 }
 
 /// `cos(f_u(emb(o)), emb(val))` for the concept `val` and its attribute type `u`
-/// (Table II); `None` when the model has no such concept or type.
+/// (Table II); `None` when the model has no such concept or type, not a number when
+/// the operator's result is too long to be measured.
 ///
 /// Cost: one [`operate`], 32 multiply-adds, a root and a division.
 pub fn similarity(
@@ -35,12 +36,59 @@ pub fn similarity(
     let vector = operate(attribute, embedding);
     // Concept embeddings have length 1.
     let length = libm::sqrtf(dot(&vector, &vector));
-    Some(
-        dot(&vector, &concept.embedding)
-            / if length > LEAST_NORM {
-                length
-            } else {
-                LEAST_NORM
-            },
-    )
+    if length.is_infinite() {
+        return Some(f32::NAN);
+    }
+    let length = if length < LEAST_NORM {
+        LEAST_NORM
+    } else {
+        length
+    };
+    Some(dot(&vector, &concept.embedding) / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn each_operator_reads_its_own_view() {
+        let model = fixture::model();
+        let mut embedding = [0.0; OBJECT_EMBEDDING];
+        (embedding[0], embedding[1]) = (3.0, 4.0);
+        embedding[VIEW_EMBEDDING] = 0.25;
+        let cosines = [0, 1, 2, 3].map(|concept| similarity(&model, &embedding, concept).unwrap());
+        for (got, expected) in cosines.iter().zip([0.6, 0.8, 1.0, 0.0]) {
+            assert!((got - expected).abs() < 1e-6, "{cosines:?}");
+        }
+        assert_eq!(similarity(&model, &embedding, 4), None);
+    }
+
+    /// Every weight has its own number, so that no two places can be swapped.
+    #[test]
+    fn an_operator_is_two_layers_with_a_relu_between() {
+        let mut attribute = fixture::model().attributes[0];
+        (attribute.hidden, attribute.output) = (fixture::linear(), fixture::linear());
+        attribute.hidden.weight[31][0] = 2.0;
+        attribute.hidden.weight[30][1] = -1.0;
+        attribute.hidden.bias[2] = 0.5;
+        attribute.output.weight[0][15] = 10.0;
+        attribute.output.weight[1][15] = 1000.0;
+        attribute.output.weight[2][14] = 4.0;
+        attribute.output.bias[13] = -3.0;
+        let mut embedding = [0.0; OBJECT_EMBEDDING];
+        (embedding[30], embedding[31], embedding[63]) = (1.0, 0.25, 100.0);
+        let mut expected = [0.0; CONCEPT];
+        (expected[13], expected[14], expected[15]) = (-3.0, 2.0, 5.0);
+        assert_eq!(operate(&attribute, &embedding), expected);
+    }
+
+    #[test]
+    fn a_vector_without_direction_has_no_similarity() {
+        let model = fixture::model();
+        assert_eq!(similarity(&model, &[0.0; OBJECT_EMBEDDING], 1), Some(0.0));
+        let overflows = similarity(&model, &[1e30; OBJECT_EMBEDDING], 1);
+        assert!(overflows.is_some_and(f32::is_nan));
+    }
 }

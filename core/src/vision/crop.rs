@@ -225,3 +225,93 @@ fn sample(image: &RgbImage<'_>, column: &Place, row: &Place) -> [f32; 3] {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red rises by 2 a column, green by 3 a row, blue is 60 everywhere.
+    fn ramp(width: usize, height: usize, stride: usize) -> std::vec::Vec<u8> {
+        let mut pixels = std::vec![255; stride * height];
+        for (row, line) in pixels.chunks_mut(stride).enumerate() {
+            for (column, pixel) in line.chunks_mut(3).take(width).enumerate() {
+                pixel.copy_from_slice(&[2 * column as u8, 3 * row as u8, 60]);
+            }
+        }
+        pixels
+    }
+
+    #[test]
+    fn a_ramp_is_sampled_at_pixel_centres() {
+        let pixels = ramp(100, 50, 301);
+        let image = RgbImage::new(&pixels, 100, 50, 301).unwrap();
+        let crop = Crop::from_rgb(&image, &[0.25, 0.2, 0.57, 0.84]).unwrap();
+        let [red, green, blue] = &crop.channels;
+        for row in 0..CROP {
+            for column in 0..CROP {
+                // The box's 32 × 32 image pixels are the crop's.
+                let expected = [2 * (25 + column), 3 * (10 + row), 60];
+                let got = [red[row][column], green[row][column], blue[row][column]];
+                for (got, expected) in got.iter().zip(expected) {
+                    let expected = expected as f32 / 255.0;
+                    assert!((got - expected).abs() < 1e-4, "{row} {column}: {got}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_at_the_edge_holds_the_outermost_pixels() {
+        let pixels = [0, 10, 20, 100, 110, 120];
+        let image = RgbImage::new(&pixels, 2, 1, 6).unwrap();
+        let crop = Crop::from_rgb(&image, &[0.0, 0.0, 1.0, 1.0]).unwrap();
+        let red = &crop.channels[0];
+        // Samples up to the first centre, at column 8, are held; then they rise by
+        // 100/16 a column.
+        assert_eq!((red[0][0], red[31][7]), (0.0, 0.0));
+        assert!((red[5][8] - 3.125 / 255.0).abs() < 1e-6);
+        assert!((red[5][23] - 96.875 / 255.0).abs() < 1e-6);
+        assert!((red[5][31] - 100.0 / 255.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn bytes_that_are_no_image_are_refused() {
+        let pixels = [0; 11];
+        let error = |width, height, stride| RgbImage::new(&pixels, width, height, stride).err();
+        let size = |width, height| Some(ImageError::Size { width, height });
+        assert_eq!(error(0, 1, 3), size(0, 1));
+        assert_eq!(error(1, 70_000, 3), size(1, 70_000));
+        let (expected, got) = (6, 5);
+        assert_eq!(error(2, 1, 5), Some(ImageError::Stride { expected, got }));
+        let (expected, got) = (12, 11);
+        assert_eq!(error(2, 2, 6), Some(ImageError::Length { expected, got }));
+        assert_eq!(
+            error(1, 2, usize::MAX),
+            Some(ImageError::Size {
+                width: 1,
+                height: 2
+            })
+        );
+        // The last row needs no padding.
+        assert_eq!(error(1, 2, 8), None);
+    }
+
+    #[test]
+    fn a_box_that_is_none_is_refused() {
+        let pixels = [0; 3];
+        let image = RgbImage::new(&pixels, 1, 1, 3).unwrap();
+        let fault = |bounds| Crop::from_rgb(&image, &bounds).err();
+        assert_eq!(
+            fault([0.5, 0.0, 0.5, 1.0]),
+            Some(ObjectFault::BoxNotOrdered)
+        );
+        assert_eq!(
+            fault([0.0, 0.0, 1.1, 1.0]),
+            Some(ObjectFault::BoxOutsideImage)
+        );
+        assert_eq!(
+            fault([0.0, f32::NAN, 1.0, 1.0]),
+            Some(ObjectFault::LocationNotFinite)
+        );
+    }
+}

@@ -62,15 +62,97 @@ fn brightness(crop: &Crop) -> [[f32; CROP]; CROP] {
             *place += share * value;
         }
     }
-    const PIXELS: f32 = (CROP * CROP) as f32;
-    let mean = view.iter().flatten().sum::<f32>() / PIXELS;
-    let squares = view
-        .iter()
-        .flatten()
-        .map(|value| (value - mean) * (value - mean));
-    let deviation = libm::sqrtf(squares.sum::<f32>() / PIXELS);
+    let mean = mean(&view, |value| value);
+    let variance = self::mean(&view, |value| (value - mean) * (value - mean));
+    let deviation = libm::sqrtf(variance);
     for value in view.iter_mut().flatten() {
         *value = (*value - mean) / (deviation + LEAST_CONTRAST);
     }
     view
+}
+
+/// Mean over all pixels, row by row, so that rounding does not pile up.
+fn mean(view: &[[f32; CROP]; CROP], of: impl Fn(f32) -> f32) -> f32 {
+    let rows = view
+        .iter()
+        .map(|row| row.iter().map(|&value| of(value)).sum::<f32>());
+    rows.sum::<f32>() / (CROP * CROP) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use std::boxed::Box;
+
+    use super::*;
+    use crate::fixture;
+
+    fn crop(pixel: impl Fn(usize, usize) -> [f32; 3]) -> Crop {
+        let mut crop = Crop::BLACK;
+        for row in 0..CROP {
+            for column in 0..CROP {
+                for (channel, value) in pixel(row, column).into_iter().enumerate() {
+                    crop.channels[channel][row][column] = value;
+                }
+            }
+        }
+        crop
+    }
+
+    #[test]
+    fn brightness_is_standardised_and_a_flat_crop_stays_flat() {
+        // Left half 0.2, right half 0.6 in every channel: mean 0.4, deviation 0.2.
+        let view = brightness(&crop(|_, column| [if column < 16 { 0.2 } else { 0.6 }; 3]));
+        assert!((view[3][2] + 0.2 / 0.22).abs() < 1e-5, "{}", view[3][2]);
+        assert!((view[30][16] - 0.2 / 0.22).abs() < 1e-5);
+        // 0.299, 0.587 and 0.114: red and blue halves differ by 0.185.
+        let view = brightness(&crop(|row, _| {
+            if row < 16 {
+                [1.0, 0.0, 0.0]
+            } else {
+                [0.0, 0.0, 1.0]
+            }
+        }));
+        assert!((view[0][0] - 0.0925 / 0.1125).abs() < 1e-5);
+        let flat = brightness(&crop(|_, _| [0.3; 3]));
+        assert!(flat.iter().flatten().all(|value| value.abs() < 1e-4));
+    }
+
+    /// One path through the colour view, each step with its own number, and one
+    /// through the brightness view.
+    #[test]
+    fn a_pixel_finds_its_way_through_both_views() {
+        let mut model = fixture::model();
+        let mut color = *model.vision.color;
+        // Green of crop pixel (4·5 + 1, 4·2 + 3), then patch (5, 2) of channel 20 is
+        // row 1, column 0 of merged pixel (2, 1).
+        color.patch.weight[1][1][3][20] = 4.0;
+        color.patch.bias[20] = 1.0;
+        color.merge.weight[20][1][0][30] = 0.5;
+        color.dense.weight[30 * 16 + 2 * 4 + 1][7] = 2.0;
+        color.dense.bias[6] = -1.0;
+        let mut light = *model.vision.brightness;
+        light.patch.weight[0][0][0][1] = 1.0;
+        light.merge.weight[1][0][0][2] = 1.0;
+        light.dense.weight[2 * 16][9] = 1.0;
+        model.vision = crate::model::Vision {
+            color: Box::leak(Box::new(color)),
+            brightness: Box::leak(Box::new(light)),
+        };
+        let crop = crop(|row, column| match (row, column) {
+            (21, 11) => [0.0, 1.0, 0.0],
+            (0, 0) => [1.0, 1.0, 1.0],
+            _ => [0.0; 3],
+        });
+        let embedding = encode(&model, &crop);
+        let bright = brightness(&crop)[0][0];
+        for (index, value) in embedding.into_iter().enumerate() {
+            let expected = match index {
+                // 2·0.5·relu(4·(1 − 0.5) + 1)
+                7 => 3.0,
+                41 => bright,
+                _ => 0.0,
+            };
+            assert!((value - expected).abs() < 1e-6, "{index}: {value}");
+        }
+    }
 }

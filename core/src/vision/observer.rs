@@ -124,3 +124,93 @@ impl<'a> ObservationTask<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use crate::scene::ObjectFault;
+
+    const DETECTIONS: [Detection; 2] = [
+        Detection {
+            id: 4,
+            location: [0.0, 0.0, 0.5, 0.5, 0.8],
+        },
+        Detection {
+            id: 9,
+            location: [0.5, 0.25, 1.0, 1.0, 0.9],
+        },
+    ];
+
+    #[test]
+    fn a_scene_is_made_crop_by_crop() {
+        let model = fixture::model();
+        let pixels = std::vec![90; 400 * 200 * 3];
+        let image = RgbImage::new(&pixels, 400, 200, 1200).unwrap();
+        let stamp = Stamp {
+            sequence: 3,
+            timestamp_ns: 5,
+        };
+        let begin = || ObservationTask::new(&model, image, fixture::camera(), &DETECTIONS, stamp);
+        let mut task = begin().unwrap();
+        assert_eq!(task.poll(), Progress::Pending);
+        assert_eq!(task.poll(), Progress::Pending);
+        let Progress::Done(Ok(scene)) = task.poll() else {
+            panic!("two crops were encoded");
+        };
+        assert_eq!(task.poll(), Progress::Done(Ok(scene)));
+        assert_eq!(begin().unwrap().finish(), Ok(scene));
+        assert_eq!(
+            (scene.header().sequence, scene.header().timestamp_ns),
+            (3, 5)
+        );
+        for (object, detection) in scene.objects().iter().zip(&DETECTIONS) {
+            assert_eq!(
+                (object.id, object.location),
+                (detection.id, detection.location)
+            );
+            let [x1, y1, x2, y2, _] = detection.location;
+            let crop = Crop::from_rgb(&image, &[x1, y1, x2, y2]).unwrap();
+            assert_eq!(object.embedding, encode(&model, &crop));
+        }
+    }
+
+    #[test]
+    fn what_is_no_scene_is_refused() {
+        let model = fixture::model();
+        let pixels = std::vec![90; 400 * 200 * 3];
+        let image = RgbImage::new(&pixels, 400, 200, 1200).unwrap();
+        let observe = |image, camera, detections: &[Detection]| {
+            ObservationTask::new(&model, image, camera, detections, Stamp::default())?.finish()
+        };
+        let narrow = RgbImage::new(&pixels, 399, 200, 1200).unwrap();
+        assert_eq!(
+            observe(narrow, fixture::camera(), &DETECTIONS),
+            Err(SceneError::ImageSize {
+                expected: [400, 200],
+                got: [399, 200]
+            })
+        );
+        assert_eq!(
+            observe(image, fixture::camera(), &[DETECTIONS[0]; 17]),
+            Err(SceneError::TooManyObjects { count: 17 })
+        );
+        let fault = |index, id, fault| Err(SceneError::Object { index, id, fault });
+        assert_eq!(
+            observe(image, fixture::camera(), &[DETECTIONS[0]; 2]),
+            fault(1, 4, ObjectFault::RepeatedId)
+        );
+        let mut detections = DETECTIONS;
+        detections[1].location[2] = 0.5;
+        assert_eq!(
+            observe(image, fixture::camera(), &detections),
+            fault(1, 9, ObjectFault::BoxNotOrdered)
+        );
+        let mut camera = fixture::camera();
+        camera.fx = 0.0;
+        assert!(matches!(
+            observe(image, camera, &DETECTIONS),
+            Err(SceneError::Camera(_))
+        ));
+    }
+}

@@ -1,0 +1,289 @@
+//! A model small enough to be worked out by hand, for the tests.
+//!
+//! It knows colours (red, green; from the colour view) and sizes (lego, small;
+//! from the brightness view): element 0 or 1 of a view is the cosine's direction.
+//! `on` and `right` tell what stands before them from what stands behind them;
+//! `right` makes the action `MoveRight`; the steps part in front of `then`.
+
+use std::boxed::Box;
+
+use crate::camera::Camera;
+use crate::model::*;
+use crate::nn::{Conv, Gru, Linear};
+use crate::scene::{ObservedObject, RawScene, Scene};
+
+pub(crate) const RED: usize = 0;
+pub(crate) const GREEN: usize = 1;
+pub(crate) const LEGO: usize = 0;
+pub(crate) const SMALL: usize = 1;
+
+/// An update gate that is open or shut.
+const SHUT: f32 = -20.0;
+const OPEN: f32 = 20.0;
+/// The encoder's unit that a relation sets.
+const RELATION: usize = 1;
+/// The encoder's unit that `right` sets.
+const RIGHT: usize = 3;
+
+pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
+    Linear {
+        weight: [[0.0; OUTPUT]; INPUT],
+        bias: [0.0; OUTPUT],
+    }
+}
+
+fn identity<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
+    let mut layer = linear();
+    for index in 0..INPUT.min(OUTPUT) {
+        layer.weight[index][index] = 1.0;
+    }
+    layer
+}
+
+fn gru<const HIDDEN: usize>() -> Gru<HIDDEN> {
+    Gru {
+        weight_hh: [[[0.0; HIDDEN]; 3]; HIDDEN],
+        bias_n: [0.0; HIDDEN],
+    }
+}
+
+fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
+    ViewEncoder {
+        patch: Conv {
+            weight: [[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS],
+            bias: [0.0; PATCH_CHANNELS],
+        },
+        merge: Conv {
+            weight: [[[[0.0; MERGE_CHANNELS]; 2]; 2]; PATCH_CHANNELS],
+            bias: [0.0; MERGE_CHANNELS],
+        },
+        dense: linear(),
+    }
+}
+
+/// A word that leaves every state as it is.
+fn word() -> WordParameters {
+    let kept = [
+        [0.0; ENCODER_HIDDEN],
+        [OPEN; ENCODER_HIDDEN],
+        [0.0; ENCODER_HIDDEN],
+    ];
+    WordParameters {
+        forward_gates: kept,
+        backward_gates: kept,
+        splitter_gates: [[0.0; SPLITTER_HIDDEN]; 3],
+        hazard_next: [0.0; SPLITTER_HIDDEN],
+        hazard_after_next: [0.0; SPLITTER_HIDDEN],
+    }
+}
+
+/// Sets a unit to about `value`, −1 to 1, whatever it was.
+fn set(gates: &mut [[f32; ENCODER_HIDDEN]; 3], unit: usize, value: f32) {
+    gates[1][unit] = SHUT;
+    gates[2][unit] = OPEN * value;
+}
+
+fn words() -> &'static [Word<'static>] {
+    let mut relation = word();
+    set(&mut relation.forward_gates, RELATION, 1.0);
+    set(&mut relation.backward_gates, RELATION, 1.0);
+    let mut on = relation;
+    set(&mut on.forward_gates, RIGHT, 0.0);
+    let mut right = relation;
+    set(&mut right.forward_gates, RIGHT, 1.0);
+    // Something between on and right.
+    let mut near = relation;
+    set(&mut near.forward_gates, RIGHT, 1.0);
+    near.forward_gates[2][RIGHT] = 0.549_306_15; // atanh(0.5)
+    // Takes back that a relation stood before.
+    let mut not = word();
+    set(&mut not.forward_gates, RELATION, 0.0);
+    let mut then = word();
+    then.hazard_next[0] = OPEN;
+    // A hazard of σ(0.04): just enough to split, not enough to be sure.
+    let mut perhaps = word();
+    perhaps.hazard_next[0] = 0.552_3;
+    let words = [
+        (",", word()),
+        ("near", near),
+        ("not", not),
+        ("on", on),
+        ("perhaps", perhaps),
+        ("put", word()),
+        ("right", right),
+        ("the", word()),
+        ("then", then),
+    ];
+    Box::leak(Box::new(
+        words.map(|(text, parameters)| Word { text, parameters }),
+    ))
+}
+
+fn language() -> Language<'static> {
+    let mut object_decoder = linear();
+    object_decoder.bias[ENCODER_HIDDEN + RELATION] = 10.0;
+    let mut reference_decoder = linear();
+    reference_decoder.bias[RELATION] = 10.0;
+    let mut hazard = linear();
+    hazard.weight[0] = [20.0];
+    hazard.bias = [-10.0];
+    Language {
+        forward: Box::leak(Box::new(gru())),
+        backward: Box::leak(Box::new(gru())),
+        object_decoder: Box::leak(Box::new(object_decoder)),
+        reference_decoder: Box::leak(Box::new(reference_decoder)),
+        splitter: Box::leak(Box::new(gru())),
+        hazard_hidden: Box::leak(Box::new(linear())),
+        hazard: Box::leak(Box::new(hazard)),
+    }
+}
+
+fn attribute(name: &'static str, view: View) -> Attribute<'static> {
+    Attribute {
+        name,
+        view,
+        hidden: identity(),
+        output: identity(),
+    }
+}
+
+fn concept(name: &'static str, attribute: u8, direction: usize) -> Concept<'static> {
+    let mut embedding = [0.0; CONCEPT];
+    embedding[direction] = 1.0;
+    Concept {
+        name,
+        attribute,
+        embedding,
+    }
+}
+
+fn actions() -> &'static [Action<'static>] {
+    let mut on = Action {
+        name: "MoveOn",
+        phrase: "on",
+        decoder: [0.0; INSTRUCTION],
+        decoder_bias: 10.0,
+        simulator_bias: [0.0; SIMULATOR_HIDDEN],
+    };
+    let mut right = on;
+    (right.name, right.phrase) = ("MoveRight", "to the right of");
+    right.decoder[RIGHT] = 20.0;
+    right.decoder_bias = 0.0;
+    on.simulator_bias[0] = 20.0;
+    right.simulator_bias[1] = 20.0;
+    Box::leak(Box::new([on, right]))
+}
+
+/// `MoveOn` moves the centre up by 0.0625 of the image's height, `MoveRight` right
+/// by 0.125 of its width.
+fn simulator() -> Simulator {
+    let mut hidden = linear();
+    let mut output = linear();
+    for unit in 0..2 {
+        hidden.weight[unit][unit] = 20.0;
+    }
+    output.weight[0][1] = -0.0625;
+    output.weight[1][0] = 0.125;
+    Simulator {
+        input: [[0.0; SIMULATOR_HIDDEN]; 2 * LOCATION],
+        hidden,
+        output,
+    }
+}
+
+pub(crate) fn model() -> Model<'static> {
+    let mut hash = [0; 32];
+    hash[0] = 7;
+    hash[7] = 1;
+    let lexicon = [("green", 1), ("lego", 2), ("red", 0), ("small", 3)];
+    Model {
+        header: Header {
+            domain: "fixture",
+            hash,
+            thresholds: Thresholds {
+                match_score: 0.6,
+                decision: 0.6,
+            },
+            work_space: WorkSpace {
+                min: [0.0, -0.5, 0.0],
+                max: [1.0, 0.5, 0.6],
+            },
+            placed_orientation: [0.0, 0.0, 0.0, 1.0],
+        },
+        words: words(),
+        group: Box::leak(Box::new(word())),
+        lexicon: Box::leak(Box::new(
+            lexicon.map(|(text, concept)| LexiconEntry { text, concept }),
+        )),
+        attributes: Box::leak(Box::new([
+            attribute("color", View::Color),
+            attribute("size", View::Brightness),
+        ])),
+        concepts: Box::leak(Box::new([
+            concept("red", 0, RED),
+            concept("green", 0, GREEN),
+            concept("lego", 1, LEGO),
+            concept("small", 1, SMALL),
+        ])),
+        actions: actions(),
+        language: language(),
+        vision: Vision {
+            color: Box::leak(Box::new(view_encoder())),
+            brightness: Box::leak(Box::new(view_encoder())),
+        },
+        simulator: Box::leak(Box::new(simulator())),
+        camera: Box::leak(Box::new(PixelToCamera {
+            weight: [
+                [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+            ],
+        })),
+    }
+}
+
+/// Looks straight down from 1 m above (0.5, 0, 0): image right is the world's −y,
+/// image down its −x. At a depth of 0.5 m the image is 0.5 m wide and high.
+pub(crate) fn camera() -> Camera {
+    let half = core::f32::consts::FRAC_1_SQRT_2;
+    Camera {
+        width: 400,
+        height: 200,
+        fx: 400.0,
+        fy: 200.0,
+        cx: 200.0,
+        cy: 100.0,
+        position: [0.5, 0.0, 1.0],
+        orientation: [half, -half, 0.0, 0.0],
+    }
+}
+
+/// An object with its box around (`x`, `y`), at 0.5 m.
+pub(crate) fn object(id: u32, color: usize, size: usize, x: f32, y: f32) -> ObservedObject {
+    let mut object = ObservedObject {
+        id,
+        location: [x - 0.0625, y - 0.0625, x + 0.0625, y + 0.0625, 0.5],
+        ..ObservedObject::EMPTY
+    };
+    object.embedding[color] = 2.0;
+    object.embedding[VIEW_EMBEDDING + size] = 0.5;
+    object
+}
+
+pub(crate) fn raw_scene(model: &Model<'_>, objects: &[ObservedObject]) -> RawScene {
+    let mut raw = RawScene::empty(model, camera());
+    for object in objects {
+        raw.push(*object).unwrap();
+    }
+    raw
+}
+
+/// 11: small red, 12: small green, 13: lego red.
+pub(crate) fn scene(model: &Model<'_>) -> Scene {
+    let objects = [
+        object(11, RED, SMALL, 0.25, 0.5),
+        object(12, GREEN, SMALL, 0.5, 0.25),
+        object(13, RED, LEGO, 0.75, 0.75),
+    ];
+    Scene::new(raw_scene(model, &objects), model).unwrap()
+}
