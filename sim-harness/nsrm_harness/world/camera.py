@@ -91,9 +91,7 @@ class Camera:
         view[:3, 3] = -view[:3, :3] @ self.position
         return view
 
-    def projection_matrix(
-        self, shift_px: tuple[float, float] = (0.0, 0.0)
-    ) -> NDArray[np.float64]:
+    def projection_matrix(self, shift_px: tuple[float, float] = (0.0, 0.0)) -> NDArray[np.float64]:
         """OpenGL's `[4, 4]` clip-from-camera between `NEAR_M` and `FAR_M`.
 
         `shift_px`: added to the principal point, for a renderer that does not

@@ -58,8 +58,6 @@ class Pose:
     def angle_rad(self, other: Pose) -> float:
         """The least angle that turns one orientation into the other, in [0, pi]."""
         a, b = np.array(self.orientation), np.array(other.orientation)
-        # atan2 stays exact for small angles, where acos of the dot product does not.
-        return float(
-            2 * math.atan2(min(np.linalg.norm(a - b), np.linalg.norm(a + b)),
-                           max(np.linalg.norm(a - b), np.linalg.norm(a + b)))
-        )
+        apart, across = float(np.linalg.norm(a - b)), float(np.linalg.norm(a + b))
+        # |a - b| = 2 sin(angle / 4): exact for small angles, where acos(a · b) is not.
+        return 4 * math.atan2(min(apart, across), max(apart, across))

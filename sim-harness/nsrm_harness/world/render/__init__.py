@@ -32,7 +32,7 @@ class Renderer(Protocol):
 
     @property
     def name(self) -> str:
-        """"gl" or "pybullet"."""
+        """ "gl" or "pybullet"."""
         ...
 
     @property

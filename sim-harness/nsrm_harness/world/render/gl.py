@@ -22,6 +22,8 @@ from nsrm_harness.world.world import World
 
 SAMPLES = 4
 
+_LIBRARY = "libEGL.so.1"
+
 _VERTEX = """
 #version 330
 uniform mat4 clip_from_world;
@@ -67,8 +69,11 @@ def _context() -> Any:
     """The one context of this process: two would corrupt each other."""
     import moderngl
 
+    # By its file name, which needs no ldconfig; and libEGL in the place of libGL,
+    # which is another package: all functions come from eglGetProcAddress.
+    settings: dict[str, Any] = {"backend": "egl", "libegl": _LIBRARY, "libgl": _LIBRARY}
     try:
-        return moderngl.create_context(standalone=True, backend="egl", require=330)
+        return moderngl.create_context(require=330, standalone=True, **settings)
     # The backend loads libraries by hand and raises what it likes.
     except Exception as error:
         raise GlUnavailableError(str(error) or type(error).__name__) from error
@@ -85,9 +90,7 @@ class _Targets:
         )
         self.color = context.framebuffer([context.renderbuffer(size, 4)])
         self.depth_texture = context.depth_texture(size)
-        self.ids = context.framebuffer(
-            [context.texture(size, 1, dtype="i4")], self.depth_texture
-        )
+        self.ids = context.framebuffer([context.texture(size, 1, dtype="i4")], self.depth_texture)
 
 
 class GlRenderer:
@@ -111,9 +114,11 @@ class GlRenderer:
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
         """A picture of the world as it stands now."""
         blocks = world.placed()
-        solid = [(part, 0) for part in surroundings()]
-        solid += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
-        solid += [(Part(block_mesh(b.block), b.pose), b.id) for b in blocks]
+        shadows = list(shadow_parts(blocks, light))
+        # From front to back, so that the large faces fill only what is left.
+        standing = [(Part(block_mesh(b.block), b.pose), b.id) for b in blocks]
+        standing += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
+        behind = [(part, 0) for part in surroundings()]
         size = (camera.width, camera.height)
         if size not in self._targets:
             self._targets[size] = _Targets(self._gl, *size)
@@ -127,9 +132,9 @@ class GlRenderer:
         self._color["direction"].value = light.direction
         self._color["ambient"].value = light.ambient
         self._color["diffuse"].value = tuple(light.diffuse * c for c in light.color)
-        self._draw_color(part for part, _ in solid)
-        shadows = list(shadow_parts(blocks, light))
+        self._draw_color(part for part, _ in standing)
         self._draw_color(shadows)
+        self._draw_color(part for part, _ in behind)
         for part in shadows:
             self._forget(part.mesh)
         self._gl.copy_framebuffer(targets.color, targets.multisampled)
@@ -138,7 +143,7 @@ class GlRenderer:
         targets.ids.use()
         targets.ids.clear(depth=1.0)
         self._id["clip_from_world"].write(_columns(clip_from_world))
-        self._draw_ids(solid)
+        self._draw_ids(standing + behind)
         mask = np.frombuffer(targets.ids.read(components=1, dtype="i4"), np.int32)
         depth = np.frombuffer(targets.depth_texture.read(alignment=4), np.float32)
         shape = (camera.height, camera.width)
@@ -180,9 +185,7 @@ class GlRenderer:
             )
             index = self._gl.buffer(mesh.triangles.astype(np.int32).tobytes())
             self._meshes[mesh] = (
-                self._gl.vertex_array(
-                    self._color, [(data, "3f 3f", "position", "normal")], index
-                ),
+                self._gl.vertex_array(self._color, [(data, "3f 3f", "position", "normal")], index),
                 self._gl.vertex_array(self._id, [(data, "3f 3x4", "position")], index),
                 data,
                 index,

@@ -44,12 +44,12 @@ _ORIGIN = Pose((0.0, 0.0, 0.0))
 
 @lru_cache(maxsize=1)
 def surroundings() -> tuple[Part, ...]:
-    """Table and floor."""
+    """Table and floor, the nearer first."""
     (x0, y0, _), (x1, y1, _) = TABLE_LOW, TABLE_HIGH
     floor = np.array([(-6.0, -6.0), (3.0, -6.0), (3.0, 6.0), (-6.0, 6.0)])
     floor_mesh = flat_polygons([np.column_stack([floor, np.full(4, FLOOR_Z_M)])], FLOOR_RGB)
     table = box((x0, y0, TABLE_LOW[2]), (x1, y1, 0.0), TABLE_RGB)
-    return (Part(floor_mesh, _ORIGIN), Part(table, _ORIGIN))
+    return (Part(table, _ORIGIN), Part(floor_mesh, _ORIGIN))
 
 
 def robot_parts(links: dict[str, Pose], camera: Camera) -> Iterator[Part]:

@@ -1,14 +1,14 @@
 """PyBullet's own software renderer: slow, but needs no system library.
 
-It draws the same meshes as `gl`, in a client that holds no physics. Colour is drawn
-with `OVERSAMPLING` times as many pixels a side and averaged; id and depth are drawn
-at the image's own size, without shadows.
+It draws the same meshes as `gl`, in a client that holds no physics, over a computed
+backdrop. Colour is drawn with `OVERSAMPLING` times as many pixels a side and
+averaged; id and depth are drawn at the image's own size, without shadows.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,11 @@ from nsrm_harness.world.bullet import connect_direct, pybullet
 from nsrm_harness.world.camera import Camera, linear_depth
 from nsrm_harness.world.mesh import Mesh
 from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.render.backdrop import backdrop
 from nsrm_harness.world.render.frame import Frame
 from nsrm_harness.world.render.light import Light
-from nsrm_harness.world.render.scene import Part, robot_parts, shadow_parts, surroundings
-from nsrm_harness.world.world import World
+from nsrm_harness.world.render.scene import Part, robot_parts, shadow_parts
+from nsrm_harness.world.world import PlacedBlock, World
 
 OVERSAMPLING = 2
 
@@ -51,29 +52,39 @@ class TinyRenderer:
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
         """A picture of the world as it stands now."""
         blocks = world.placed()
-        solid = [(part, 0) for part in surroundings()]
-        solid += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
+        solid = [(part, 0) for part in robot_parts(world.arm_links(), camera)]
         solid += [(Part(block_mesh(b.block), b.pose), b.id) for b in blocks]
         id_of_body = self._arrange(solid)
-        _, depth, bodies = self._shoot(camera, light, with_mask=True)
-        # Bodies are numbered by PyBullet; -1 is the background.
-        table = np.zeros(max(id_of_body) + 2, dtype=np.int32)
+        _, buffer, bodies = self._shoot(camera, light)
+        # Bodies are numbered from 0 by PyBullet; -1, the last entry, is none.
+        ids = np.zeros(max(id_of_body, default=-1) + 2, dtype=np.int32)
         for body, block_id in id_of_body.items():
-            table[body] = block_id
-
-        shadows = [self._body(part) for part in shadow_parts(blocks, light)]
-        rgb, _, _ = self._shoot(camera.scaled(OVERSAMPLING), light, with_mask=False)
-        for body in shadows:
-            pybullet.removeBody(body, physicsClientId=self._client)
-        shape = (camera.height, OVERSAMPLING, camera.width, OVERSAMPLING, 3)
-        mean = rgb.reshape(shape).mean(axis=(1, 3), dtype=np.float32)
-        return Frame(np.rint(mean).astype(np.uint8), linear_depth(depth), table[bodies])
+            ids[body] = block_id
+        depth = np.where(bodies >= 0, linear_depth(buffer), backdrop(camera).depth)
+        return Frame(self._colors(blocks, camera, light), depth, ids[bodies])
 
     def close(self) -> None:
         """Ends the client."""
         if self._client >= 0:
             pybullet.disconnect(physicsClientId=self._client)
             self._client = -1
+
+    def _colors(
+        self, blocks: Sequence[PlacedBlock], camera: Camera, light: Light
+    ) -> NDArray[np.uint8]:
+        """The picture `[H, W, 3]` of the bodies, with the blocks' shadows."""
+        fine = camera.scaled(OVERSAMPLING)
+        shadows = [self._body(part) for part in shadow_parts(blocks, light)]
+        drawn, _, bodies = self._shoot(fine, light)
+        for body in shadows:
+            pybullet.removeBody(body, physicsClientId=self._client)
+        samples = np.where((bodies < 0)[..., None], backdrop(fine).rgb(light), drawn)
+        count = OVERSAMPLING * OVERSAMPLING
+        total = np.full((camera.height, camera.width, 3), count // 2, dtype=np.uint16)
+        for row in range(OVERSAMPLING):
+            for column in range(OVERSAMPLING):
+                total += samples[row::OVERSAMPLING, column::OVERSAMPLING]
+        return (total // count).astype(np.uint8)
 
     def _arrange(self, parts: Iterable[tuple[Part, int]]) -> dict[int, int]:
         """Puts a body at each part, hides all others; block id of each body."""
@@ -119,9 +130,10 @@ class TinyRenderer:
         )
 
     def _shoot(
-        self, camera: Camera, light: Light, *, with_mask: bool
+        self, camera: Camera, light: Light
     ) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]]:
-        """Colour `[H, W, 3]`, depth buffer `[H, W]` and body of each pixel `[H, W]`."""
+        """Colour `[H, W, 3]`, depth buffer `[H, W]` and body of each pixel `[H, W]`,
+        -1 for none."""
         width, height = camera.width, camera.height
         _, _, color, depth, bodies = pybullet.getCameraImage(
             width,
@@ -134,7 +146,6 @@ class TinyRenderer:
             lightDiffuseCoeff=light.diffuse,
             lightSpecularCoeff=0.0,
             shadow=0,
-            flags=0 if with_mask else pybullet.ER_NO_SEGMENTATION_MASK,
             renderer=pybullet.ER_TINY_RENDERER,
             physicsClientId=self._client,
         )
