@@ -17,6 +17,7 @@ from nsrm_harness.errors import HarnessError
 #: Name of each subcommand, its module under `commands`, and its line of help. The
 #: module holds a `click.Command` named `command`.
 COMMANDS = {
+    "demo": "Plan a sentence in a scene and draw what comes of it.",
     "episodes": "Make a file of demonstrations.",
     "calibration": "Make the file from which the camera model is fitted.",
     "look": "Draw an episode: before, after, boxes and sentence.",

@@ -1,0 +1,1 @@
+"""The demonstration: a scene, a sentence, what the library made of it, and pictures."""

@@ -1,0 +1,59 @@
+"""What the demonstration says: for people and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import nsrm
+
+from nsrm_harness.demo.outcome import Landing
+
+
+def as_text(plan: nsrm.Plan, names: dict[int, str], landings: Sequence[Landing]) -> str:
+    """Program, groundings, sub-goals, explanations and outcomes, a line each."""
+    lines = ["program"]
+    lines += [f"  {line}" for line in plan.program.notation.splitlines()]
+    for number, (step, landing) in enumerate(zip(plan.steps, landings, strict=True), start=1):
+        x, y, z = step.position
+        orientation = ", ".join(f"{value:g}" for value in step.orientation)
+        lines += [
+            f"step {number}, confidence {step.confidence:.3f}",
+            f"  moves      object {step.object_id}, seen as {names[step.object_id]}"
+            f" (score {step.object_score:.3f})",
+            f"  refers to  object {step.reference_id}, seen as {names[step.reference_id]}"
+            f" (score {step.reference_score:.3f})",
+            f"  sub-goal   position ({x:.4f}, {y:.4f}, {z:.4f}) m, quaternion ({orientation})",
+            f"  because    {step.explanation}",
+            f"  physics    {landing}",
+        ]
+    return "\n".join(lines)
+
+
+def as_json(plan: nsrm.Plan, landings: Sequence[Landing]) -> dict[str, Any]:
+    """The plan as `nsrm plan --json` gives it, each step with its outcome."""
+    return {
+        "program": plan.program.notation,
+        "steps": [
+            {
+                "action": step.action,
+                "object": list(step.object),
+                "reference": list(step.reference),
+                "object_id": step.object_id,
+                "reference_id": step.reference_id,
+                "confidence": step.confidence,
+                "sub_goal": {
+                    "position": [float(value) for value in step.position],
+                    "orientation": [float(value) for value in step.orientation],
+                },
+                "location": [float(value) for value in step.location],
+                "explanation": step.explanation,
+                "outcome": {
+                    "at_rest": landing.at_rest,
+                    "miss_m": landing.miss_m,
+                    "others_shift_m": landing.shift_m,
+                },
+            }
+            for step, landing in zip(plan.steps, landings, strict=True)
+        ],
+    }
