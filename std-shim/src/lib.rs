@@ -1,1 +1,29 @@
-//! nsrm
+//! What of nsrm needs an operating system: models loaded at run time, scenes read
+//! from JSON and images, plans and refusals as JSON. The command `nsrm` is made of
+//! these; `nsrm_core` does the thinking.
+//!
+//! ```no_run
+//! use nsrm::{AnyModel, read_scene};
+//! use nsrm_core::Planner;
+//!
+//! let model = AnyModel::load("model.safetensors")?;
+//! let model = model.model();
+//! let scene = read_scene("scene.json", None, &model)?;
+//! let sentence = "put the red block on the small blue block";
+//! match Planner::new(&model).plan(&scene, sentence) {
+//!     Ok(plan) => println!("{}", nsrm::json::plan(&model, &plan)),
+//!     Err(refusal) => eprintln!("{}", refusal.in_context(&model, sentence)),
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod info;
+pub mod json;
+mod models;
+mod scenes;
+
+pub use info::{info_json, info_text};
+pub use models::{AnyModel, LoadError, load_model};
+pub use nsrm_codegen::{ModelError, OwnedModel};
+pub use scenes::{SceneFileError, read_scene};

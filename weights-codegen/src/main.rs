@@ -56,7 +56,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         }
     }
     if arguments.report {
-        println!("{}", memory_report(&model));
+        println!("{}", memory_report(&model.as_model()));
     }
     Ok(())
 }

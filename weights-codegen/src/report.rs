@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::owned::OwnedModel;
+use nsrm_core::model::Model;
+
 use crate::statics::{model_record, statics};
 use crate::tree::Node;
 
@@ -69,21 +70,20 @@ impl MemoryReport {
 }
 
 /// Counts the statics that [`crate::rust_source`] writes for this model.
-pub fn memory_report(model: &OwnedModel) -> MemoryReport {
-    let lent = model.as_model();
+pub fn memory_report(model: &Model<'_>) -> MemoryReport {
     let mut report = MemoryReport {
         arrays: Vec::new(),
         texts: 0,
         tables: 0,
     };
-    let Node::Record(_, fields) = model_record(&lent) else {
+    let Node::Record(_, fields) = model_record(model) else {
         return report;
     };
-    let mut size = size_of_val(&lent);
+    let mut size = size_of_val(model);
     for (field, node) in &fields {
         report.add(field, node);
     }
-    for part in statics(&lent) {
+    for part in statics(model) {
         report.add(part.path, &part.node);
         size += part.size;
     }

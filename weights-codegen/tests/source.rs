@@ -110,7 +110,7 @@ fn names_of_statics() {
 
 #[test]
 fn memory_is_counted_array_by_array() {
-    let report = memory_report(&ModelFile::random(1).load());
+    let report = memory_report(&ModelFile::random(1).load().as_model());
     let bytes = |path: &str| {
         let array = report.arrays.iter().find(|array| array.path == path);
         array.map(|array| (array.count, array.bytes))

@@ -1,0 +1,167 @@
+//! What a model is and what it takes, for a person or as JSON.
+
+use std::fmt::Write as _;
+
+use nsrm_codegen::{hexadecimal, memory_report};
+use nsrm_core::model::{self, LOCATION, Model};
+use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
+use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
+use serde_json::{Value, json};
+
+use crate::json::{decimal, decimals};
+use crate::models::AnyModel;
+
+/// The architecture's dimensions by name.
+const DIMENSIONS: [(&str, usize); 12] = [
+    ("word", model::WORD),
+    ("encoder_hidden", model::ENCODER_HIDDEN),
+    ("splitter_word", model::SPLITTER_WORD),
+    ("splitter_hidden", model::SPLITTER_HIDDEN),
+    ("crop", model::CROP),
+    ("patch_channels", model::PATCH_CHANNELS),
+    ("merge_channels", model::MERGE_CHANNELS),
+    ("view_embedding", model::VIEW_EMBEDDING),
+    ("operator_hidden", model::OPERATOR_HIDDEN),
+    ("concept", model::CONCEPT),
+    ("simulator_hidden", model::SIMULATOR_HIDDEN),
+    ("location", LOCATION),
+];
+
+/// The capacities by name.
+const CAPACITIES: [(&str, usize); 6] = [
+    ("objects", MAX_OBJECTS),
+    ("steps", MAX_STEPS),
+    ("tokens", MAX_TOKENS),
+    ("sentence_bytes", MAX_SENTENCE_BYTES),
+    ("concepts_a_description", MAX_FILTERS),
+    ("descriptions_a_step", MAX_GROUPS),
+];
+
+/// Sizes and bounds of the work that are constants of the build, by name.
+const BOUNDS: [(&str, usize); 5] = [
+    ("scratch_bytes", TASK_BYTES),
+    ("plan_bytes", PLAN_BYTES),
+    ("scene_bytes", SCENE_BYTES),
+    ("polls", MAX_POLLS),
+    ("multiply_adds_a_poll", UNIT_MULTIPLY_ADDS),
+];
+
+/// Domain, dimensions, capacities, sizes, thresholds, training and metrics.
+pub fn info_json(any: &AnyModel) -> Value {
+    let model = any.model();
+    let header = &model.header;
+    let report = memory_report(&model);
+    let arrays = report
+        .arrays
+        .iter()
+        .map(|array| json!({"path": array.path, "count": array.count, "bytes": array.bytes}));
+    let about = any.about();
+    json!({
+        "schema": model::SCHEMA,
+        "domain": header.domain,
+        "hash": hexadecimal(&header.hash),
+        "attributes": attributes(&model),
+        "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
+        "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
+        "lexicon": model.lexicon.iter().map(|entry| entry.text).collect::<Vec<_>>(),
+        "dimensions": object(&DIMENSIONS),
+        "capacities": object(&CAPACITIES),
+        "thresholds": {
+            "match_score": decimal(header.thresholds.match_score),
+            "decision": decimal(header.thresholds.decision),
+        },
+        "work_space": {
+            "min": decimals(&header.work_space.min),
+            "max": decimals(&header.work_space.max),
+        },
+        "placed_orientation": decimals(&header.placed_orientation),
+        "bounds": object(&BOUNDS),
+        "flash": {
+            "arrays": arrays.collect::<Vec<_>>(),
+            "texts": report.texts,
+            "tables": report.tables,
+            "total": report.total(),
+        },
+        "training": about["training"],
+        "metrics": about["metrics"],
+    })
+}
+
+/// The same for a person.
+pub fn info_text(any: &AnyModel) -> String {
+    let model = any.model();
+    let header = &model.header;
+    let about = any.about();
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<20} {value}");
+    };
+    line("domain", header.domain.into());
+    line("hash", hexadecimal(&header.hash));
+    line("schema", model::SCHEMA.to_string());
+    for attribute in model.attributes {
+        let values = values(&model, attribute.name);
+        line(attribute.name, values.join(", "));
+    }
+    let actions: Vec<&str> = model.actions.iter().map(|action| action.name).collect();
+    line("actions", actions.join(", "));
+    let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
+    line("words", words.join(" "));
+    line("dimensions", pairs(&DIMENSIONS));
+    line("at most", pairs(&CAPACITIES));
+    let thresholds = header.thresholds;
+    line(
+        "thresholds",
+        format!(
+            "match_score {}, decision {}",
+            thresholds.match_score, thresholds.decision
+        ),
+    );
+    let space = header.work_space;
+    line(
+        "work space",
+        format!("{:?} to {:?} m", space.min, space.max),
+    );
+    line("bounds", pairs(&BOUNDS));
+    line("training", about["training"].to_string());
+    line("metrics", about["metrics"].to_string());
+    let _ = write!(text, "\nread-only memory\n{}", memory_report(&model));
+    text
+}
+
+fn attributes(model: &Model<'_>) -> Value {
+    model
+        .attributes
+        .iter()
+        .map(|attribute| {
+            let values = values(model, attribute.name);
+            json!({"name": attribute.name, "values": values})
+        })
+        .collect()
+}
+
+fn values<'a>(model: &Model<'a>, attribute: &str) -> Vec<&'a str> {
+    let index = model.attributes.iter().position(|a| a.name == attribute);
+    let concepts = model.concepts.iter();
+    concepts
+        .filter(|concept| Some(usize::from(concept.attribute)) == index)
+        .map(|concept| concept.name)
+        .collect()
+}
+
+fn object(entries: &[(&str, usize)]) -> Value {
+    let entries = entries.iter();
+    Value::Object(
+        entries
+            .map(|&(name, value)| (name.to_owned(), value.into()))
+            .collect(),
+    )
+}
+
+fn pairs(entries: &[(&str, usize)]) -> String {
+    let texts: Vec<String> = entries
+        .iter()
+        .map(|(name, value)| format!("{name} {value}"))
+        .collect();
+    texts.join(", ")
+}

@@ -1,0 +1,238 @@
+//! Programs, plans and refusals as JSON: what `nsrm --json` prints and what the
+//! Python module's exceptions carry.
+//!
+//! Names are those of the domain file. Steps count from 0. Spans are bytes of the
+//! sentence. Numbers have the shortest decimal notation of their `f32`.
+
+use nsrm_core::dsl::{Description, Program, Step};
+use nsrm_core::language::Span;
+use nsrm_core::model::Model;
+use nsrm_core::planner::{Confidence, Plan, PlannedStep};
+use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity, Refusal};
+use serde_json::{Map, Value, json};
+
+/// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}]}`.
+pub fn program(model: &Model<'_>, program: &Program) -> Value {
+    let steps: Vec<Value> = program.steps().iter().map(|s| step(model, s)).collect();
+    json!({"steps": steps})
+}
+
+/// The program's steps, each with `object_id`, `reference_id`, `confidence` (all
+/// parts multiplied), `confidences` (the parts), `sub_goal` (`position` in metres
+/// and `orientation` x, y, z, w, both in the world's frame), `location` (predicted
+/// box and depth) and `explanation`; and the program in the paper's `notation`.
+pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
+    let symbols = plan.program().steps().iter();
+    let steps: Vec<Value> = symbols
+        .zip(plan.steps())
+        .enumerate()
+        .map(|(index, (symbols, planned))| {
+            let explanation = plan.explain_step(model, index).to_string();
+            let mut object = planned_step(planned);
+            if let Value::Object(names) = step(model, symbols) {
+                object.extend(names);
+            }
+            object.insert("explanation".into(), explanation.into());
+            Value::Object(object)
+        })
+        .collect();
+    let notation = plan.program().notation(model).to_string();
+    json!({"steps": steps, "notation": notation})
+}
+
+/// `{"refused": {"kind": "ambiguous", "message": "…", …}}` with what
+/// [`refusal_details`] gives.
+pub fn refusal(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Value {
+    let mut object = refusal_details(model, refusal, sentence);
+    let message = refusal.in_context(model, sentence).to_string();
+    object.insert("kind".into(), refusal.kind().into());
+    object.insert("message".into(), message.into());
+    json!({"refused": object})
+}
+
+/// `{"error": {"message": "…"}}`, for input that could not be read.
+pub fn error(message: &str) -> Value {
+    json!({"error": {"message": message}})
+}
+
+/// What a refusal's variant carries, by name, in words where it can be.
+pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Map<String, Value> {
+    let words =
+        |span: &Span| json!({"text": span.of(sentence), "start": span.start, "end": span.end});
+    let details = match refusal {
+        Refusal::NoWords | Refusal::InvalidModel => json!({}),
+        Refusal::UnknownWord { span } => json!({"words": words(span)}),
+        Refusal::SentenceTooLong { limit, unit } => {
+            let unit = match unit {
+                LengthUnit::Bytes => "bytes",
+                LengthUnit::Tokens => "tokens",
+            };
+            json!({"limit": limit, "unit": unit})
+        }
+        Refusal::TooManyConcepts { span, limit } => json!({"words": words(span), "limit": limit}),
+        Refusal::TooManySteps { limit } => json!({"limit": limit}),
+        Refusal::TooManyReferences { step, span, limit } => {
+            json!({"step": step, "words": words(span), "limit": limit})
+        }
+        Refusal::IncompleteStep {
+            step,
+            references,
+            span,
+        } => json!({"step": step, "words": words(span), "references": references}),
+        Refusal::SameReference { step, span } => json!({"step": step, "words": words(span)}),
+        Refusal::Unsure {
+            step,
+            decision,
+            probability,
+            threshold,
+        } => json!({
+            "step": step,
+            "decision": decision_name(*decision),
+            "probability": decimal(*probability),
+            "threshold": decimal(*threshold),
+        }),
+        Refusal::NoSuchObject {
+            step,
+            argument,
+            description,
+            best,
+            threshold,
+        } => json!({
+            "step": step,
+            "argument": argument.to_string(),
+            "description": names(model, description),
+            "best": best.as_ref().map(candidate),
+            "threshold": decimal(*threshold),
+        }),
+        Refusal::Ambiguous {
+            step,
+            argument,
+            description,
+            candidates,
+        } => json!({
+            "step": step,
+            "argument": argument.to_string(),
+            "description": names(model, description),
+            "candidates": candidates.listed().iter().map(candidate).collect::<Vec<Value>>(),
+            "count": candidates.count(),
+        }),
+        Refusal::SameObject { step, object } => json!({"step": step, "object_id": object}),
+        Refusal::NotFinite { step, quantity } => {
+            json!({"step": step, "quantity": quantity_name(*quantity)})
+        }
+        Refusal::OutsideWorkSpace {
+            step,
+            object,
+            position,
+            bounds,
+        } => json!({
+            "step": step,
+            "object_id": object,
+            "position": decimals(position),
+            "bounds": {"min": decimals(&bounds.min), "max": decimals(&bounds.max)},
+        }),
+        Refusal::OtherModel { expected, got } => json!({
+            "expected": format!("{expected:016x}"),
+            "got": format!("{got:016x}"),
+        }),
+    };
+    match details {
+        Value::Object(details) => details,
+        _ => Map::new(),
+    }
+}
+
+/// The names of a description's concepts, in the order in which they were said.
+pub fn names<'a>(model: &Model<'a>, description: &Description) -> Vec<&'a str> {
+    let concepts = description.concepts().iter();
+    concepts
+        .filter_map(|&concept| model.concepts.get(usize::from(concept)))
+        .map(|concept| concept.name)
+        .collect()
+}
+
+/// The name of an action; `"?"` where the model has none of that index.
+pub fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
+    let action = model.actions.get(usize::from(action));
+    action.map_or("?", |action| action.name)
+}
+
+/// The `f64` whose shortest notation is that of `value`, so that 0.1 stays 0.1.
+pub fn decimal(value: f32) -> f64 {
+    // Always a number: `f32` writes `NaN` and `inf` as `f64` reads them.
+    value.to_string().parse().unwrap_or(f64::NAN)
+}
+
+/// [`decimal`] of each.
+pub fn decimals(values: &[f32]) -> Vec<f64> {
+    values.iter().copied().map(decimal).collect()
+}
+
+fn step(model: &Model<'_>, step: &Step) -> Value {
+    json!({
+        "action": action_name(model, step.action),
+        "object": names(model, &step.object),
+        "reference": names(model, &step.reference),
+    })
+}
+
+fn planned_step(step: &PlannedStep) -> Map<String, Value> {
+    let pose = &step.sub_goal.pose;
+    let position: [f32; 3] = pose.translation.vector.into();
+    let orientation: [f32; 4] = pose.rotation.coords.into();
+    let Confidence {
+        split,
+        action,
+        object,
+        reference,
+        object_unique,
+        reference_unique,
+    } = step.confidence;
+    let mut map = Map::new();
+    map.insert("object_id".into(), step.object.object.into());
+    map.insert("reference_id".into(), step.reference.object.into());
+    map.insert(
+        "confidence".into(),
+        decimal(step.confidence.product()).into(),
+    );
+    map.insert(
+        "confidences".into(),
+        json!({
+            "split": decimal(split),
+            "action": decimal(action),
+            "object": decimal(object),
+            "reference": decimal(reference),
+            "object_unique": decimal(object_unique),
+            "reference_unique": decimal(reference_unique),
+        }),
+    );
+    map.insert(
+        "sub_goal".into(),
+        json!({"position": decimals(&position), "orientation": decimals(&orientation)}),
+    );
+    map.insert("location".into(), decimals(&step.location).into());
+    map
+}
+
+fn candidate(candidate: &Candidate) -> Value {
+    json!({"object_id": candidate.object, "score": decimal(candidate.score)})
+}
+
+fn decision_name(decision: Decision) -> String {
+    match decision {
+        Decision::Split => "split".into(),
+        Decision::Action => "action".into(),
+        Decision::Argument(argument) => argument.to_string(),
+    }
+}
+
+fn quantity_name(quantity: Quantity) -> String {
+    match quantity {
+        Quantity::Split => "split".into(),
+        Quantity::Action => "action".into(),
+        Quantity::Argument(argument) => argument.to_string(),
+        Quantity::Score(argument) => format!("{argument}_score"),
+        Quantity::Location => "location".into(),
+        Quantity::Pose => "pose".into(),
+    }
+}

@@ -1,0 +1,198 @@
+//! The command `nsrm`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use nsrm::{AnyModel, info_json, info_text, json, read_scene};
+use nsrm_codegen::hexadecimal;
+use nsrm_core::{Planner, Refusal};
+use serde_json::Value;
+
+/// Sentences to programs, scenes to sub-goals, with a model that was learned.
+///
+/// Exit code 0 when done, 2 when the sentence is refused or the input is bad.
+#[derive(Parser)]
+#[command(name = "nsrm", version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Print the program that a sentence says.
+    Parse {
+        /// The sentence: one argument.
+        sentence: String,
+        #[command(flatten)]
+        options: Options,
+    },
+    /// Print the plan for a sentence in a scene.
+    Plan {
+        /// The scene file (JSON).
+        #[arg(long)]
+        scene: PathBuf,
+        /// Folder with a crop <id>.png for each object, in place of the image.
+        #[arg(long, value_name = "DIR")]
+        crops: Option<PathBuf>,
+        /// The sentence: one argument.
+        sentence: String,
+        #[command(flatten)]
+        options: Options,
+    },
+    /// Print what a model is, what it takes and what it reached.
+    Info {
+        /// The model file (safetensors); without it, the built-in model.
+        model: Option<PathBuf>,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Check a model file.
+    Check {
+        /// The model file (safetensors).
+        model: PathBuf,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(clap::Args)]
+struct Options {
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// The model file (safetensors); without it, the built-in model.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+}
+
+/// Why nothing came of it: for a person, and as JSON.
+struct Failure {
+    message: String,
+    json: Value,
+}
+
+impl Failure {
+    fn refused(model: &nsrm_core::Model<'_>, refusal: Refusal, sentence: &str) -> Self {
+        Self {
+            message: refusal.in_context(model, sentence).to_string(),
+            json: json::refusal(model, &refusal, sentence),
+        }
+    }
+}
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        let message = error.to_string();
+        Self {
+            json: json::error(&message),
+            message,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let command = Arguments::parse().command;
+    let as_json = match &command {
+        Command::Parse { options, .. } | Command::Plan { options, .. } => options.json,
+        Command::Info { json, .. } | Command::Check { json, .. } => *json,
+    };
+    match run(&command) {
+        Ok(text) => print(&text),
+        Err(failure) => {
+            eprintln!("nsrm: {}", failure.message);
+            if as_json {
+                print(&failure.json.to_string());
+            }
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Writes to stdout; a reader that has gone is no reason to panic.
+fn print(text: &str) -> ExitCode {
+    use std::io::Write as _;
+    match writeln!(std::io::stdout(), "{text}") {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) => ExitCode::FAILURE,
+    }
+}
+
+fn run(command: &Command) -> Result<String, Failure> {
+    match command {
+        Command::Parse { sentence, options } => {
+            let any = open(options.model.as_ref())?;
+            let model = any.model();
+            let program = Planner::new(&model)
+                .parse(sentence)
+                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
+            Ok(if options.json {
+                json::program(&model, &program).to_string()
+            } else {
+                program.notation(&model).to_string()
+            })
+        }
+        Command::Plan {
+            scene,
+            crops,
+            sentence,
+            options,
+        } => {
+            let any = open(options.model.as_ref())?;
+            let model = any.model();
+            let scene = read_scene(scene, crops.as_deref(), &model)?;
+            let plan = Planner::new(&model)
+                .plan(&scene, sentence)
+                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
+            Ok(if options.json {
+                json::plan(&model, &plan).to_string()
+            } else {
+                plan_text(&model, &plan)
+            })
+        }
+        Command::Info { model, json } => {
+            let any = open(model.as_ref())?;
+            Ok(if *json {
+                info_json(&any).to_string()
+            } else {
+                info_text(&any)
+            })
+        }
+        Command::Check { model: path, json } => {
+            let any = AnyModel::load(path)?;
+            let model = any.model();
+            let hash = hexadecimal(&model.header.hash);
+            Ok(if *json {
+                serde_json::json!({"domain": model.header.domain, "hash": hash}).to_string()
+            } else {
+                let domain = model.header.domain;
+                format!("{}: sound; domain {domain}, tensors {hash}", path.display())
+            })
+        }
+    }
+}
+
+fn open(path: Option<&PathBuf>) -> Result<AnyModel, Failure> {
+    match path {
+        Some(path) => Ok(AnyModel::load(path)?),
+        None => Ok(AnyModel::Pretrained),
+    }
+}
+
+/// The program, then each step's explanation and sub-goal.
+fn plan_text(model: &nsrm_core::Model<'_>, plan: &nsrm_core::Plan) -> String {
+    let mut lines = vec![plan.program().notation(model).to_string()];
+    for (index, goal) in plan.sub_goals().enumerate() {
+        lines.push(plan.explain_step(model, index).to_string());
+        let [x, y, z]: [f32; 3] = goal.pose.translation.vector.into();
+        let [qx, qy, qz, qw]: [f32; 4] = goal.pose.rotation.coords.into();
+        lines.push(format!(
+            "  object {} to ({x:.3}, {y:.3}, {z:.3}) m, orientation ({qx:.3}, {qy:.3}, {qz:.3}, {qw:.3})",
+            goal.object
+        ));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,310 @@
+//! Scenes from files: a JSON file with camera and boxes, and the image or crops
+//! that it belongs to.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+
+use image::{ImageError, ImageFormat, ImageReader};
+use nsrm_core::model::Model;
+use nsrm_core::scene::{ObjectFault, ObservedObject};
+use nsrm_core::vision::{self, Crop, Detection, ObservationTask, RgbImage, Stamp};
+use nsrm_core::{Camera, MAX_OBJECTS, RawScene, Scene, SceneError};
+use serde::Deserialize;
+
+/// Version of the scene file's form.
+const SCHEMA: u32 = 1;
+
+/// Why a scene file can't be used.
+#[derive(Debug)]
+pub enum SceneFileError {
+    /// A file can't be read.
+    Read {
+        /// Its path.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The scene file is no JSON, or JSON of another form.
+    Json {
+        /// Its path.
+        path: PathBuf,
+        /// Where and why.
+        source: serde_json::Error,
+    },
+    /// The scene file has another schema version.
+    Schema {
+        /// Its path.
+        path: PathBuf,
+        /// What it says.
+        got: u32,
+    },
+    /// The scene file names no image, and no folder of crops was given.
+    NoImage {
+        /// Its path.
+        path: PathBuf,
+    },
+    /// An image can't be decoded.
+    Image {
+        /// Its path.
+        path: PathBuf,
+        /// Why.
+        source: Box<ImageError>,
+    },
+    /// A decoded image can't be looked at as one.
+    Pixels {
+        /// Its path.
+        path: PathBuf,
+        /// Why.
+        source: vision::ImageError,
+    },
+    /// What the files say makes no scene.
+    Scene {
+        /// Path of the scene file.
+        path: PathBuf,
+        /// What is wrong.
+        source: SceneError,
+    },
+}
+
+impl fmt::Display for SceneFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read { path, source } => write!(f, "{}: can't read it: {source}", path.display()),
+            Self::Json { path, source } => {
+                write!(f, "{}: expected a scene as JSON: {source}", path.display())
+            }
+            Self::Schema { path, got } => write!(
+                f,
+                "{}: schema: expected {SCHEMA}, got {got}; write the file with the tools of this version",
+                path.display()
+            ),
+            Self::NoImage { path } => write!(
+                f,
+                "{}: image: none is named; name one or give a folder with --crops",
+                path.display()
+            ),
+            Self::Image { path, source } => {
+                write!(f, "{}: expected a PNG image: {source}", path.display())
+            }
+            Self::Pixels { path, source } => write!(f, "{}: {source}", path.display()),
+            Self::Scene { path, source } => write!(f, "{}: {source}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for SceneFileError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Read { source, .. } => Some(source),
+            Self::Json { source, .. } => Some(source),
+            Self::Image { source, .. } => Some(source),
+            Self::Pixels { source, .. } => Some(source),
+            Self::Scene { source, .. } => Some(source),
+            Self::Schema { .. } | Self::NoImage { .. } => None,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+struct SceneFile {
+    schema: u32,
+    camera: CameraEntry,
+    image: Option<PathBuf>,
+    objects: Vec<ObjectEntry>,
+}
+
+#[derive(Deserialize)]
+struct CameraEntry {
+    width: u32,
+    height: u32,
+    fx: f32,
+    fy: f32,
+    cx: f32,
+    cy: f32,
+    position: [f32; 3],
+    orientation: [f32; 4],
+}
+
+#[derive(Deserialize)]
+struct ObjectEntry {
+    id: u32,
+    #[serde(rename = "box")]
+    bounds: [f32; 4],
+    depth: f32,
+}
+
+impl CameraEntry {
+    fn camera(&self) -> Camera {
+        Camera {
+            width: self.width,
+            height: self.height,
+            fx: self.fx,
+            fy: self.fy,
+            cx: self.cx,
+            cy: self.cy,
+            position: self.position,
+            orientation: self.orientation,
+        }
+    }
+}
+
+impl ObjectEntry {
+    fn detection(&self) -> Detection {
+        let [x1, y1, x2, y2] = self.bounds;
+        Detection {
+            id: self.id,
+            location: [x1, y1, x2, y2, self.depth],
+        }
+    }
+}
+
+/// Reads a scene file and encodes its objects with `model`.
+///
+/// The file is JSON:
+/// `{"schema": 1, "camera": {"width", "height", "fx", "fy", "cx", "cy", "position":
+/// [x, y, z], "orientation": [x, y, z, w]}, "image": "initial.png", "objects":
+/// [{"id": 1, "box": [x1, y1, x2, y2], "depth": 0.93}]}`.
+///
+/// * `crops`: a folder with a file `<id>.png` for each object, cut at its box, of
+///   any size; without it, the boxes are cut out of `image`, whose path is
+///   relative to the scene file
+///
+/// # Errors
+/// [`SceneFileError`] for files that can't be read or decoded and for scenes that
+/// core refuses.
+pub fn read_scene(
+    path: impl AsRef<Path>,
+    crops: Option<&Path>,
+    model: &Model<'_>,
+) -> Result<Scene, SceneFileError> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|source| read_error(path, source))?;
+    let file: SceneFile =
+        serde_json::from_slice(&bytes).map_err(|source| SceneFileError::Json {
+            path: path.into(),
+            source,
+        })?;
+    if file.schema != SCHEMA {
+        return Err(SceneFileError::Schema {
+            path: path.into(),
+            got: file.schema,
+        });
+    }
+    let refused = |source| SceneFileError::Scene {
+        path: path.into(),
+        source,
+    };
+    let camera = file.camera.camera();
+    let detections: Vec<Detection> = file.objects.iter().map(ObjectEntry::detection).collect();
+    // Before any image is decoded.
+    check(&detections, camera, model).map_err(refused)?;
+    match (crops, &file.image) {
+        (Some(folder), _) => from_crops(folder, &detections, camera, model, refused),
+        (None, Some(name)) => {
+            let name = path.parent().unwrap_or(Path::new("")).join(name);
+            let pixels = Pixels::read(&name)?;
+            ObservationTask::new(
+                model,
+                pixels.image()?,
+                camera,
+                &detections,
+                Stamp::default(),
+            )
+            .and_then(ObservationTask::finish)
+            .map_err(refused)
+        }
+        (None, None) => Err(SceneFileError::NoImage { path: path.into() }),
+    }
+}
+
+/// Everything that can be checked without looking at the objects.
+fn check(detections: &[Detection], camera: Camera, model: &Model<'_>) -> Result<(), SceneError> {
+    blank(detections, camera, model)?.check(model)
+}
+
+/// The scene with embeddings that are zero.
+fn blank(
+    detections: &[Detection],
+    camera: Camera,
+    model: &Model<'_>,
+) -> Result<RawScene, SceneError> {
+    let mut scene = RawScene::empty(model, camera);
+    for &Detection { id, location } in detections {
+        let object = ObservedObject {
+            id,
+            location,
+            ..ObservedObject::EMPTY
+        };
+        let count = detections.len().try_into().unwrap_or(u32::MAX);
+        scene
+            .push(object)
+            .map_err(|_| SceneError::TooManyObjects { count })?;
+    }
+    Ok(scene)
+}
+
+fn from_crops(
+    folder: &Path,
+    detections: &[Detection],
+    camera: Camera,
+    model: &Model<'_>,
+    refused: impl Fn(SceneError) -> SceneFileError,
+) -> Result<Scene, SceneFileError> {
+    let mut scene = blank(detections, camera, model).map_err(&refused)?;
+    for (index, object) in scene.objects.iter_mut().enumerate().take(detections.len()) {
+        let pixels = Pixels::read(&folder.join(format!("{}.png", object.id)))?;
+        let fault = |fault: ObjectFault| {
+            refused(SceneError::Object {
+                // Below MAX_OBJECTS.
+                index: index.min(MAX_OBJECTS) as u8,
+                id: object.id,
+                fault,
+            })
+        };
+        let crop = Crop::from_rgb(&pixels.image()?, &[0.0, 0.0, 1.0, 1.0]).map_err(fault)?;
+        object.embedding = vision::encode(model, &crop);
+    }
+    Scene::new(scene, model).map_err(refused)
+}
+
+/// A decoded image.
+struct Pixels {
+    path: PathBuf,
+    image: image::RgbImage,
+}
+
+impl Pixels {
+    /// Decodes a PNG file; transparency is dropped.
+    fn read(path: &Path) -> Result<Self, SceneFileError> {
+        let file = File::open(path).map_err(|source| read_error(path, source))?;
+        // With the decoder's default limits, 512 MiB.
+        let decoded = ImageReader::with_format(BufReader::new(file), ImageFormat::Png).decode();
+        let image = decoded.map_err(|source| SceneFileError::Image {
+            path: path.into(),
+            source: Box::new(source),
+        })?;
+        Ok(Self {
+            path: path.into(),
+            image: image.into_rgb8(),
+        })
+    }
+
+    fn image(&self) -> Result<RgbImage<'_>, SceneFileError> {
+        let (width, height) = self.image.dimensions();
+        RgbImage::new(self.image.as_raw(), width, height, 3 * width as usize).map_err(|source| {
+            SceneFileError::Pixels {
+                path: self.path.clone(),
+                source,
+            }
+        })
+    }
+}
+
+fn read_error(path: &Path, source: io::Error) -> SceneFileError {
+    SceneFileError::Read {
+        path: path.into(),
+        source,
+    }
+}
