@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -67,7 +66,7 @@ class ModelFile:
 
 
 def tensor_hash(tensors: Mapping[str, np.ndarray]) -> str:
-    """SHA-256 over the tensors by name: name, each dimension as u64, values as f32 (little-endian)."""
+    """SHA-256 over the tensors by name: name, dimensions as u64, values as f32, little-endian."""
     digest = hashlib.sha256()
     for name in sorted(tensors):
         array = tensors[name]
@@ -141,7 +140,7 @@ def write_model(path: Path, file: ModelFile) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".part")
     partial.write_bytes(model_bytes(file))
-    os.replace(partial, path)
+    partial.replace(path)
 
 
 def read_model(path: Path) -> ModelFile:
@@ -149,7 +148,7 @@ def read_model(path: Path) -> ModelFile:
     try:
         with safe_open(path, framework="numpy") as reader:
             metadata = dict(reader.metadata() or {})
-            arrays = {name: reader.get_tensor(name) for name in reader.keys()}
+            arrays = {name: reader.get_tensor(name) for name in reader.keys()}  # noqa: SIM118
     except (OSError, SafetensorError) as error:
         raise ModelFileError(f"{path}: can't read the model file: {error}") from error
     if metadata.get("schema") != str(SCHEMA):
@@ -160,9 +159,7 @@ def read_model(path: Path) -> ModelFile:
     domain = domains.from_json(metadata["domain"], str(path))
     empty = Model(Dimensions.of(domain), jax.random.key(0))
     try:
-        model = network.with_tensors(
-            empty, {name: jax.numpy.asarray(a) for name, a in arrays.items()}
-        )
+        model = network.with_tensors(empty, {k: jax.numpy.asarray(a) for k, a in arrays.items()})
     except ValueError as error:
         raise ModelFileError(f"{path}: {error}") from error
     space = json.loads(metadata["work_space"])

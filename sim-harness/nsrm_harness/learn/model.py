@@ -1,4 +1,4 @@
-"""The network in Equinox: the parts of the paper, each under the name that it has in the model file.
+"""The network in Equinox: the parts of the paper, under the names of the model file.
 
 Every module works on one example; `jax.vmap` makes batches. Row-major matrices `[out, in]`.
 The order of gates in recurrent cells is reset, update, new, as in `equinox.nn.GRUCell`.
@@ -344,7 +344,7 @@ class Action(eqx.Module):
 
 
 class PixelToCamera(eqx.Module):
-    """Linear map from a location to the object's centre in the camera's frame; fitted, not trained."""
+    """Linear map from a location to the object's centre in the camera's frame; fitted apart."""
 
     weight: Array
 

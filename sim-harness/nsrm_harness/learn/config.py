@@ -1,0 +1,91 @@
+"""The trainer's configuration: a TOML file over the defaults that stand here."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.learn.objective import LossWeights
+
+
+class ConfigError(HarnessError):
+    """A configuration that can't be read or does not make sense."""
+
+
+@dataclass(frozen=True)
+class StageConfig:
+    """One stage of the curriculum (section IV-F)."""
+
+    epochs: int
+    """Passes over the stage's episodes."""
+    learning_rate: float
+    """Adam's, at the start; it falls to a twentieth along a cosine."""
+    batch: int
+    """Episodes in a step of the optimiser."""
+
+
+@dataclass(frozen=True)
+class TrainingConfig:
+    """Everything that a training run depends on, apart from data and seed."""
+
+    temperature: float = 0.05
+    """τ of the soft minimum over choices; from 0.1 on actions merge."""
+    loss: LossWeights = field(default_factory=lambda: LossWeights(square=200.0, overlap=1.0))
+    polish_loss: LossWeights = field(default_factory=lambda: LossWeights(5000.0, 1.0))
+    """For the last stage, which is about millimetres."""
+    exploration: float = 0.8
+    """Share of the actions' probability that is spread evenly when learning begins."""
+    failed_split: float = 2.0
+    """Loss of a split that leaves a step without two objects."""
+    splits: int = 3
+    """How many of the likeliest splits joint training carries out."""
+    actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
+    """(a) One step, one attribute in each description; every choice summed out."""
+    selection: StageConfig = StageConfig(epochs=20, learning_rate=1e-3, batch=32)
+    """(a) The same episodes; objects by straight-through Gumbel samples."""
+    attributes: StageConfig = StageConfig(epochs=12, learning_rate=1e-3, batch=32)
+    """(b) One step, any description; the simulator is frozen."""
+    splitter: StageConfig = StageConfig(epochs=25, learning_rate=5e-3, batch=64)
+    """(c) The splitter alone, on a table of losses of every split."""
+    joint: StageConfig = StageConfig(epochs=10, learning_rate=3e-4, batch=32)
+    """(d) Everything, on one and two steps."""
+    simulator: StageConfig = StageConfig(epochs=400, learning_rate=5e-3, batch=256)
+    """(e) The simulator alone, on the model's own choices."""
+
+
+def read_config(path: Path | None) -> TrainingConfig:
+    """The configuration of a file, or the defaults; unknown keys and wrong types are refused."""
+    if path is None:
+        return TrainingConfig()
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ConfigError(f"{path}: can't read the configuration: {error}") from error
+    return _filled(TrainingConfig(), document, f"{path}: ")
+
+
+def _filled(default: Any, values: dict[str, Any], where: str) -> Any:
+    """`default` with the values of a table; nested tables fill nested dataclasses."""
+    changes: dict[str, Any] = {}
+    for key, value in values.items():
+        if key not in {entry.name for entry in dataclasses.fields(default)}:
+            known = ", ".join(sorted(entry.name for entry in dataclasses.fields(default)))
+            raise ConfigError(f"{where}{key}: unknown key; expected some of: {known}")
+        old = getattr(default, key)
+        if dataclasses.is_dataclass(old):
+            if not isinstance(value, dict):
+                raise ConfigError(f"{where}{key}: expected a table, got {value!r}")
+            changes[key] = _filled(old, value, f"{where}{key}.")
+            continue
+        kinds = (int,) if isinstance(old, int) else (int, float)
+        if not isinstance(value, kinds) or isinstance(value, bool):
+            raise ConfigError(f"{where}{key}: expected a number like {old}, got {value!r}")
+        least = 0 if key in ("epochs", "square", "overlap") else 1e-9
+        if value < least:
+            raise ConfigError(f"{where}{key}: {value} is too small")
+        changes[key] = type(old)(value)
+    return dataclasses.replace(default, **changes)

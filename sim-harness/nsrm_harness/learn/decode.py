@@ -1,0 +1,203 @@
+"""What the model decides when it does not sample: as the core decides, but for many scenes at once.
+
+Used between stages of training and for golden vectors; metrics come from the core (`evaluate`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from nsrm_harness.learn.config import TrainingConfig
+from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
+from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, filter_scene
+from nsrm_harness.learn.objective import Scene, move, scene_loss
+from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
+
+CHUNK = 128
+"""Rows that are worked on at once."""
+NEAR_BEST = 0.02
+"""A split whose loss is at most this much above the least counts as good."""
+
+
+class Choices(NamedTuple):
+    """Hard choices of each step: indices; `count` steps are meant."""
+
+    action: Array
+    object: Array
+    reference: Array
+    count: Array
+
+
+class SplitTable(NamedTuple):
+    """For a command from token `first` on, the loss of its step ending after each token `[T]`."""
+
+    command: Command
+    first: Array
+    losses: Array
+
+
+def commands(data: TrainingSet, chosen: np.ndarray) -> Command:
+    """The chosen sentences with a leading axis."""
+    s = data.sentences
+    parts = (s.tokens[chosen], s.length[chosen], s.groups[chosen], s.group_count[chosen])
+    return jax.tree.map(jnp.asarray, Command(*parts))
+
+
+def choose_step(
+    model: Model, command: Command, similarities: Array, present: Array, first: Array, end: Array
+) -> tuple[Array, Array, Array]:
+    """Action, object and reference of the step that has the tokens `first..end`."""
+    tokens, valid, groups = step_tokens(command, first, end)
+    parse = model.language.parse(tokens, valid)
+    order = jnp.cumsum(tokens == GROUP_TOKEN) - 1
+
+    def pick(logits: Array) -> Array:
+        scores = filter_scene(similarities, groups[order[jnp.argmax(logits)]])
+        return jnp.argmax(jnp.where(present, scores, MISSING))
+
+    return jnp.argmax(parse.action), pick(parse.object), pick(parse.reference)
+
+
+@eqx.filter_jit
+def _carry_out(
+    model: Model, command: Command, similarities: Array, scene: Scene, bounds: Array
+) -> tuple[Choices, Array]:
+    """Rows of commands cut at `bounds` `[R, 3]`: choices and the final locations `[R, M, 5]`.
+
+    A first step `bounds[0]..bounds[1]`, then a second to `bounds[2]` where that is more.
+    """
+
+    def one(command, similarities, scene, bounds):
+        locations, steps = scene.before, []
+        for first, end in ((bounds[0], bounds[1]), (bounds[1], bounds[2])):
+            step = choose_step(model, command, similarities, scene.present, first, end)
+            hot = [
+                jax.nn.one_hot(index, size)
+                for index, size in zip(
+                    step,
+                    (len(model.language.action_decoder.bias), len(locations), len(locations)),
+                    strict=True,
+                )
+            ]
+            moved = move(model.action.simulator, hot[0], hot[1], hot[2], locations)
+            locations = jnp.where(first < end, moved, locations)
+            steps.append(step)
+        action, chosen, reference = (jnp.stack(parts) for parts in zip(*steps, strict=True))
+        count = 1 + (bounds[2] > bounds[1])
+        return Choices(action, chosen, reference, count), locations
+
+    return jax.vmap(one)(command, similarities, scene, bounds)
+
+
+@eqx.filter_jit
+def _see(model: Model, crops: Array) -> Array:
+    return jax.vmap(lambda crop: model.vision.similarities(model.vision.encode(crop)))(crops)
+
+
+def see_all(model: Model, data: TrainingSet) -> np.ndarray:
+    """Cosines of every object with every concept, `[N, M, C]`."""
+    step = 16 * CHUNK
+    parts = []
+    for start in range(0, len(data.crops), step):
+        crops = data.crops[start : start + step]
+        padded = np.pad(crops, ((0, step - len(crops)), (0, 0), (0, 0), (0, 0)))
+        parts.append(np.asarray(_see(model, padded))[: len(crops)])
+    return np.concatenate(parts)[data.crop_of]
+
+
+def carry_out(
+    model: Model,
+    data: TrainingSet,
+    similarities: np.ndarray,
+    episodes: np.ndarray,
+    bounds: np.ndarray,
+) -> tuple[Choices, np.ndarray]:
+    """Cut the commands of `episodes` `[R]` at `bounds` `[R, 3]`; see `_carry_out`."""
+    results = []
+    for start in range(0, len(episodes), CHUNK):
+        rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
+        at = episodes[rows]
+        scene = Scene(data.before[at], data.after[at], data.present[at])
+        result = _carry_out(model, commands(data, at), similarities[at], scene, bounds[rows])
+        keep = min(CHUNK, len(episodes) - start)
+        results.append(jax.tree.map(lambda a, keep=keep: np.asarray(a)[:keep], result))
+    return jax.tree.map(lambda *parts: np.concatenate(parts), *results)
+
+
+@eqx.filter_jit
+def _losses(locations: Array, scene: Scene, config: TrainingConfig) -> Array:
+    return jax.vmap(lambda at, scene: scene_loss(at, scene, config.loss))(locations, scene)
+
+
+def split_table(
+    model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
+) -> SplitTable:
+    """Losses of every split of the commands of one and two steps, and of good splits' remainders.
+
+    A split that leaves a part with fewer than two groups can't be carried out.
+    """
+    one, two = data.select(1), data.select(2)
+    tokens, length = data.sentences.tokens, data.sentences.length
+    position = np.arange(tokens.shape[1])
+    inside = position < length[:, None]
+    seen = np.cumsum((tokens == GROUP_TOKEN) & inside, axis=1)
+    whole = position == length[:, None] - 1
+    possible = ((seen == GROUPS_PER_STEP) & inside) | whole
+    row, split = np.nonzero(possible[two])
+    episodes = two[row]
+    bounds = np.stack([np.zeros_like(split), split + 1, length[episodes]], axis=1)
+    _, locations = carry_out(model, data, similarities, episodes, bounds)
+    scene = Scene(data.before[episodes], data.after[episodes], data.present[episodes])
+    found = np.asarray(_losses(locations, scene, config))
+    losses = np.full(tokens.shape, config.failed_split, np.float32)
+    losses[whole] = 0.0
+    remainders = losses.copy()
+    losses[episodes, split] = found
+    good = (found <= losses[episodes].min(axis=1) + NEAR_BEST) & ~whole[episodes, split]
+    rows = np.concatenate([one, two, episodes[good]])
+    first = np.concatenate([np.zeros(len(one) + len(two), int), split[good] + 1])
+    every = np.concatenate([losses[one], losses[two], remainders[episodes[good]]])
+    return SplitTable(commands(data, rows), jnp.asarray(first), jnp.asarray(every))
+
+
+@eqx.filter_jit
+def _first_end(model: Model, command: Command) -> tuple[Array, Array]:
+    def one(command: Command) -> tuple[Array, Array]:
+        log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
+        # h_t > 1/2 where the probability of ending here exceeds that of going on.
+        beyond = jax.lax.cumlogsumexp(log_probability, reverse=True)
+        ends = log_probability > beyond + jnp.log(0.5)
+        return jnp.argmax(ends), log_probability
+
+    return jax.vmap(one)(command)
+
+
+def own_choices(
+    model: Model, data: TrainingSet, similarities: np.ndarray
+) -> tuple[np.ndarray, Choices, np.ndarray]:
+    """Episodes of one and two steps that the model cuts into steps of two groups each.
+
+    Their indices, the choices in each step, and the predicted final locations `[R, M, 5]`.
+    """
+    episodes = np.concatenate([data.select(1), data.select(2)])
+    ends = []
+    for start in range(0, len(episodes), CHUNK):
+        rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
+        end, _ = _first_end(model, commands(data, episodes[rows]))
+        ends.append(np.asarray(end)[: len(episodes) - start])
+    end = np.concatenate(ends) + 1
+    tokens, length = data.sentences.tokens[episodes], data.sentences.length[episodes]
+    inside = np.arange(tokens.shape[1]) < end[:, None]
+    groups = ((tokens == GROUP_TOKEN) & inside).sum(axis=1)
+    kept = groups == GROUPS_PER_STEP
+    count = data.sentences.group_count[episodes]
+    kept &= (count == GROUPS_PER_STEP) == (end == length)
+    bounds = np.stack([np.zeros_like(end), end, length], axis=1)[kept]
+    choices, locations = carry_out(model, data, similarities, episodes[kept], bounds)
+    return episodes[kept], choices, locations

@@ -1,0 +1,69 @@
+"""Which learned action bears which name.
+
+The final scenes say that there are different actions, not what they are called: the order of the
+learned actions is arbitrary. The name of an action is that of the phrases which the domain file
+lists for it; after training, the model itself is asked which of its actions each phrase means.
+Nothing is learned here: rows and columns change places.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.language.grammar import Grammar, Style
+from nsrm_harness.language.program import Step
+from nsrm_harness.language.tokens import Tokenizer
+from nsrm_harness.learn.dataset import Sentences
+from nsrm_harness.learn.model import Model
+
+SENTENCES = 64
+"""How many sentences ask for each action."""
+AGREEMENT = 0.8
+"""Least share of an action's sentences that must mean the same learned action."""
+
+
+def learned_actions(model: Model, domain: Domain) -> np.ndarray:
+    """For each action of the domain, how often the model means each of its own: `[A, A]`."""
+    rng = np.random.default_rng(0)
+    grammar, tokenizer = Grammar(domain, Style()), Tokenizer(domain)
+    # Which objects are named does not matter: all names are the same token.
+    concept = (domain.concepts[0].name,)
+    sentences = [
+        tokenizer(grammar.sentence(rng, (Step(action.name, concept, concept),)))
+        for action, _ in itertools.product(domain.actions, range(SENTENCES))
+    ]
+    padded = Sentences.of(tokenizer, sentences)
+    valid = np.arange(padded.tokens.shape[1]) < padded.length[:, None]
+    parse = eqx.filter_jit(jax.vmap(model.language.parse))(padded.tokens, valid)
+    meant = np.asarray(jnp.argmax(parse.action, axis=1)).reshape(len(domain.actions), SENTENCES)
+    return np.stack([np.bincount(row, minlength=len(domain.actions)) for row in meant])
+
+
+def name_actions(model: Model, domain: Domain) -> tuple[Model, bool]:
+    """The model with its actions in the domain's order, and whether each name was clear.
+
+    It is not clear where learned actions merged: two names mean the same one.
+    """
+    counts = learned_actions(model, domain)
+    count = len(domain.actions)
+    orders = np.array(list(itertools.permutations(range(count))))
+    order = orders[np.argmax(counts[np.arange(count), orders].sum(axis=1))]
+    clear = bool((counts[np.arange(count), order] >= AGREEMENT * SENTENCES).all())
+    decoder, first = model.language.action_decoder, model.action.simulator.input
+    columns = np.concatenate([order, np.arange(count, first.weight.shape[1])])
+    named = eqx.tree_at(
+        lambda m: (
+            m.language.action_decoder.weight,
+            m.language.action_decoder.bias,
+            m.action.simulator.input.weight,
+        ),
+        model,
+        (decoder.weight[order], decoder.bias[order], first.weight[:, columns]),
+    )
+    return named, clear

@@ -1,0 +1,244 @@
+"""The stages of the curriculum (section IV-F): which episodes, which loss, what is trained.
+
+A stage is made from the model as it stands when the stage begins. What it computes ahead (cosines,
+a table of losses, hard choices) comes from parts that it does not train, so that a run which is
+resumed in its middle computes the same again.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.learn.config import StageConfig, TrainingConfig
+from nsrm_harness.learn.dataset import TrainingSet
+from nsrm_harness.learn.decode import Choices, SplitTable
+from nsrm_harness.learn.model import MISSING, Model
+from nsrm_harness.learn.objective import (
+    Grounding,
+    Scene,
+    exact_step,
+    ground,
+    move,
+    sampled_steps,
+    scene_loss,
+    soft_minimum,
+)
+from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
+
+PERCEPTION_AND_PARSER = (
+    "vision",
+    "language.embedding",
+    "language.encoder",
+    "language.action_decoder",
+    "language.object_decoder",
+    "language.reference_decoder",
+)
+SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
+SPLITTER = ("language.splitter",)
+
+
+class TrainingError(HarnessError):
+    """A training run that can't begin, or whose result can't be used."""
+
+
+class Demonstration(NamedTuple):
+    """One demonstration: its command, its scene, and where its crops are `[M]`."""
+
+    command: Command
+    scene: Scene
+    crop_of: Array
+
+
+class Stage(NamedTuple):
+    """What the trainer needs to run a stage."""
+
+    name: str
+    config: StageConfig
+    sets: tuple[Any, ...]
+    """Trees of arrays; a batch takes as many rows of each."""
+    loss: Callable[[Model, Array, tuple[Any, ...], Array, Array], Array]
+    """From model, all crops, a batch of each set, a key and the share of the stage that is done to
+    the batch's mean loss."""
+
+
+def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
+    """The chosen episodes as one tree with a leading axis."""
+    s = data.sentences
+    command = Command(s.tokens[chosen], s.length[chosen], s.groups[chosen], s.group_count[chosen])
+    scene = Scene(data.before[chosen], data.after[chosen], data.present[chosen])
+    return jax.tree.map(jnp.asarray, Demonstration(command, scene, data.crop_of[chosen]))
+
+
+def see(model: Model, crops: Array, crop_of: Array) -> Array:
+    """Cosines of each object with each concept: indices `[N, M]` -> `[N, M, C]`."""
+    embeddings = jax.vmap(model.vision.encode)(crops[crop_of.reshape(-1)])
+    similarities = jax.vmap(model.vision.similarities)(embeddings)
+    return similarities.reshape(*crop_of.shape, -1)
+
+
+def ground_step(
+    model: Model, command: Command, similarities: Array, present: Array, first: Array, end: Array
+) -> Grounding:
+    """Parse and ground the step that has the tokens `first..end` of a command."""
+    tokens, valid, groups = step_tokens(command, first, end)
+    return ground(model.language.parse(tokens, valid), tokens, groups, similarities, present)
+
+
+def one_step_loss(
+    key: Array,
+    model: Model,
+    demonstration: Demonstration,
+    similarities: Array,
+    config: TrainingConfig,
+    exploration: Array | None = None,
+) -> Array:
+    """Loss of a command of one step: objects sampled, or with `exploration` all summed out."""
+    command, scene, _ = demonstration
+    step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
+    if exploration is not None:
+        simulator = model.action.simulator
+        return exact_step(simulator, step, scene, config.loss, config.temperature, exploration)
+    return sampled_steps(key, model, [step], scene, config.loss, config.temperature)
+
+
+def two_step_loss(
+    key: Array,
+    model: Model,
+    demonstration: Demonstration,
+    similarities: Array,
+    config: TrainingConfig,
+) -> Array:
+    """Loss of a command of two steps over its likeliest splits."""
+    command, scene, _ = demonstration
+    log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
+    position = jnp.arange(log_probability.shape[0])
+    is_group = (command.tokens == 0) & (position < command.length)
+    groups_before = jnp.cumsum(is_group)
+    log_probability = jnp.where(groups_before == 2, log_probability, MISSING)
+    likeliest, positions = jax.lax.top_k(log_probability, config.splits)
+
+    def carry_out(split: Array) -> Array:
+        bounds = (jnp.array(0), split + 1, command.length)
+        steps = [
+            ground_step(model, command, similarities, scene.present, first, end)
+            for first, end in itertools.pairwise(bounds)
+        ]
+        return sampled_steps(key, model, steps, scene, config.loss, config.temperature)
+
+    losses = jax.vmap(carry_out)(positions)
+    return soft_minimum(likeliest, losses, config.temperature)
+
+
+def one_step_stage(
+    name: str,
+    stage: StageConfig,
+    config: TrainingConfig,
+    data: TrainingSet,
+    chosen: np.ndarray,
+    exploration: float | None,
+) -> Stage:
+    """(a) and (b): commands of one step; see `one_step_loss`.
+
+    `exploration` falls to nothing in the first half of the stage.
+    """
+    _some(chosen, f"{name}: no command of one step")
+
+    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        (demonstration,) = batch
+        similarities = see(model, crops, demonstration.crop_of)
+        keys = jax.random.split(key, len(similarities))
+        explore = None
+        if exploration is not None:
+            explore = exploration * jnp.maximum(1.0 - 2.0 * done, 0.0)
+
+        def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
+            return one_step_loss(key, model, demonstration, similarities, config, explore)
+
+        return jax.vmap(one)(keys, demonstration, similarities).mean()
+
+    return Stage(name, stage, (demonstrations(data, chosen),), loss)
+
+
+def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
+    """(c): the splitter on a table of losses, of whole commands and of their remainders."""
+    _some(table.first, "splitter: no command of two steps")
+
+    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        table: SplitTable = batch[0]
+
+        def one(command: Command, first: Array, losses: Array) -> Array:
+            log_probability = split_log_probability(model.language.splitter, command, first)
+            return soft_minimum(log_probability, losses, config.temperature)
+
+        return jax.vmap(one)(*table).mean()
+
+    return Stage("splitter", config.splitter, (table,), loss)
+
+
+def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
+    """(d): everything at once, as many commands of one step as of two in a batch."""
+    one, two = data.select(1), data.select(2)
+    _some(one, "joint: no command of one step")
+    _some(two, "joint: no command of two steps")
+
+    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        single, double = batch
+        half = len(single.crop_of)
+        similarities = see(model, crops, jnp.concatenate([single.crop_of, double.crop_of]))
+        keys = jax.random.split(key, 2 * half)
+
+        def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
+            loss = one_step_loss(key, model, demonstration, similarities, config)
+            # Any split of a command of one step fails: only the whole counts.
+            command = demonstration.command
+            whole = split_log_probability(model.language.splitter, command, jnp.array(0))
+            return loss - config.temperature * whole[command.length - 1]
+
+        def two(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
+            return two_step_loss(key, model, demonstration, similarities, config)
+
+        first = jax.vmap(one)(keys[:half], single, similarities[:half])
+        second = jax.vmap(two)(keys[half:], double, similarities[half:])
+        return (first.mean() + second.mean()) / 2
+
+    sets = (demonstrations(data, one), demonstrations(data, two))
+    return Stage("joint", config.joint, sets, loss)
+
+
+def simulator_stage(
+    config: TrainingConfig, data: TrainingSet, chosen: np.ndarray, choices: Choices
+) -> Stage:
+    """(e): the simulator on choices that the model made itself, rolled out."""
+    _some(chosen, "simulator: no command that the model can carry out")
+    scenes = demonstrations(data, chosen).scene
+
+    def rollout(model: Model, scene: Scene, choices: Choices) -> Array:
+        simulator = model.action.simulator
+        locations = scene.before
+        for step in range(choices.action.shape[0]):
+            action = jax.nn.one_hot(choices.action[step], simulator.input.in_features - 10)
+            hots = [
+                jax.nn.one_hot(index[step], len(locations))
+                for index in (choices.object, choices.reference)
+            ]
+            moved = move(simulator, action, hots[0], hots[1], locations)
+            locations = jnp.where(step < choices.count, moved, locations)
+        return scene_loss(locations, scene, config.polish_loss)
+
+    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
+
+    return Stage("simulator", config.simulator, ((scenes, choices),), loss)
+
+
+def _some(chosen: np.ndarray | Array, problem: str) -> None:
+    if len(chosen) == 0:
+        raise TrainingError(f"{problem} in the training data; generate more episodes")

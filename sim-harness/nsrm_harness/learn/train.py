@@ -1,0 +1,229 @@
+"""Runs the curriculum: the stages in their order, with checkpoints and progress.
+
+Everything random is drawn from seed, stage and epoch, so that a run that was interrupted and
+resumed ends with the same weights.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jax import Array
+from tqdm import tqdm
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.learn import decode, stages
+from nsrm_harness.learn.checkpoint import Checkpoints, Progress
+from nsrm_harness.learn.config import TrainingConfig
+from nsrm_harness.learn.dataset import TrainingSet
+from nsrm_harness.learn.model import Dimensions, Model
+from nsrm_harness.learn.naming import name_actions
+from nsrm_harness.learn.stages import PERCEPTION_AND_PARSER, SIMULATOR, SPLITTER, Stage
+
+TRAINS = {
+    "actions": PERCEPTION_AND_PARSER + SIMULATOR,
+    "selection": PERCEPTION_AND_PARSER + SIMULATOR,
+    "attributes": PERCEPTION_AND_PARSER,
+    "splitter": SPLITTER,
+    "joint": PERCEPTION_AND_PARSER + SIMULATOR + SPLITTER,
+    "simulator": SIMULATOR,
+}
+"""The stages in their order, with the beginnings of the names of the tensors that each trains."""
+FINAL_RATE = 0.05
+"""Learning rate at a stage's end, as a share of that at its start."""
+GRADIENT_NORM = 1.0
+"""Gradients are clipped to this norm."""
+SECONDS_A_CHECKPOINT = 5.0
+
+
+class State(NamedTuple):
+    """What changes during a stage."""
+
+    model: Model
+    optimizer: optax.OptState
+
+
+class Result(NamedTuple):
+    """A trained model and how it came about."""
+
+    model: Model
+    named: bool
+    """Whether each action was learned as one of its own; see `naming`."""
+    progress: Progress
+
+
+def untrained(domain: Domain, data: TrainingSet, seed: int) -> Model:
+    """A random model that knows the scale of the data's locations."""
+    model = Model(Dimensions.of(domain), jax.random.key(seed))
+    mean, scale = data.location_statistics()
+    return eqx.tree_at(
+        lambda m: (m.action.simulator.location_mean, m.action.simulator.location_scale),
+        model,
+        (jnp.asarray(mean), jnp.asarray(scale)),
+    )
+
+
+def train(
+    domain: Domain,
+    data: TrainingSet,
+    config: TrainingConfig,
+    seed: int,
+    folder: Path,
+    resume: bool = False,
+    quiet: bool = False,
+    after_epoch: Callable[[Progress], None] = lambda progress: None,
+) -> Result:
+    """Train from the start, or go on from the checkpoint in `folder`.
+
+    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind.
+    """
+    run = json.dumps([asdict(config), seed, data.hash(), domain.as_json()])
+    checkpoints = Checkpoints(folder, run)
+    model = untrained(domain, data, seed)
+    progress = (checkpoints.progress() if resume else None) or Progress()
+    crops = jnp.asarray(data.crops)
+    state = None
+    if progress.epoch > 0 or progress.stage > 0:
+        state = checkpoints.state(_start(model, progress.stage, config, 1))
+        model = state.model
+    names = list(TRAINS)
+    while progress.stage < len(names):
+        name = names[progress.stage]
+        began = time.monotonic() - progress.seconds.get(name, 0.0)
+        stage = make_stage(name, model, data, config)
+        fit = Fit(stage, TRAINS[name], seed, progress.stage)
+        state = state or fit.start(model)
+        saved = time.monotonic()
+        with tqdm(
+            total=stage.config.epochs, initial=progress.epoch, desc=f"{name:>10}", disable=quiet
+        ) as bar:
+            try:
+                while progress.epoch < stage.config.epochs:
+                    state, loss = fit.epoch(state, progress.epoch, crops)
+                    if not np.isfinite(loss):
+                        raise stages.TrainingError(f"{name}: the loss is not finite: {loss}")
+                    progress.epoch += 1
+                    progress.seconds[name] = time.monotonic() - began
+                    progress.losses.setdefault(name, []).append(loss)
+                    bar.set_postfix(loss=f"{loss:.5f}", refresh=False)
+                    bar.update()
+                    if time.monotonic() - saved > SECONDS_A_CHECKPOINT:
+                        checkpoints.save(progress, state)
+                        saved = time.monotonic()
+                    after_epoch(progress)
+            except KeyboardInterrupt:
+                checkpoints.save(progress, state)
+                raise
+        model, state = state.model, None
+        progress.stage, progress.epoch = progress.stage + 1, 0
+    named, clear = name_actions(model, domain)
+    return Result(named, clear, progress)
+
+
+def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfig) -> Stage:
+    """The stage of that name, from the model as it stands when the stage begins."""
+    single = data.select(1, single_attribute=True)
+    if name == "actions":
+        return stages.one_step_stage(name, config.actions, config, data, single, config.exploration)
+    if name == "selection":
+        return stages.one_step_stage(name, config.selection, config, data, single, None)
+    if name == "attributes":
+        every = data.select(1)
+        return stages.one_step_stage(name, config.attributes, config, data, every, 0.0)
+    if name == "joint":
+        return stages.joint_stage(config, data)
+    similarities = decode.see_all(model, data)
+    if name == "splitter":
+        table = decode.split_table(model, data, similarities, config)
+        return stages.splitter_stage(config, table)
+    episodes, choices, _ = decode.own_choices(model, data, similarities)
+    return stages.simulator_stage(config, data, episodes, choices)
+
+
+class Fit:
+    """One stage's optimisation."""
+
+    def __init__(self, stage: Stage, trains: tuple[str, ...], seed: int, number: int):
+        self._stage, self._trains, self._seed, self._number = stage, trains, seed, number
+        sizes = [len(jax.tree.leaves(one)[0]) for one in stage.sets]
+        # Of each set the same number of rows in a batch; the smaller sets are gone through again.
+        self._share = min(max(stage.config.batch // len(sizes), 1), *sizes, max(sizes))
+        self._sizes = sizes
+        self._batches = max(sizes) // self._share
+        self._optimizer = optimizer(stage.config.learning_rate, stage.config.epochs * self._batches)
+
+        @eqx.filter_jit
+        def step(
+            fixed: Any, state: State, rows: list[Array], key: Array, done: Array
+        ) -> tuple[State, Array]:
+            crops, sets = fixed
+            batch = tuple(
+                jax.tree.map(lambda a, at=at: a[at], one)
+                for one, at in zip(sets, rows, strict=True)
+            )
+            trained, kept = eqx.partition(state.model, trainable(state.model, trains))
+
+            def loss(trained: Model) -> Array:
+                return stage.loss(eqx.combine(trained, kept), crops, batch, key, done)
+
+            value, gradient = eqx.filter_value_and_grad(loss)(trained)
+            updates, moments = self._optimizer.update(gradient, state.optimizer, trained)
+            return State(eqx.apply_updates(state.model, updates), moments), value
+
+        self._step = step
+
+    def start(self, model: Model) -> State:
+        """The state before the first epoch."""
+        trained = eqx.filter(model, trainable(model, self._trains))
+        return State(model, self._optimizer.init(trained))
+
+    def epoch(self, state: State, epoch: int, crops: Array) -> tuple[State, float]:
+        """One pass; returns the mean loss too."""
+        rng = np.random.default_rng([self._seed, self._number, epoch])
+        key = jax.random.fold_in(jax.random.key(self._seed), self._number * 100_000 + epoch)
+        taken = self._batches * self._share
+        rows = [
+            np.resize(rng.permutation(size), taken).reshape(self._batches, self._share)
+            for size in self._sizes
+        ]
+        done = jnp.array(epoch / self._stage.config.epochs)
+        losses = []
+        for number in range(self._batches):
+            at = [jnp.asarray(row[number]) for row in rows]
+            fixed = (crops, self._stage.sets)
+            state, loss = self._step(fixed, state, at, jax.random.fold_in(key, number), done)
+            losses.append(loss)
+        return state, float(np.mean(jax.device_get(losses)))
+
+
+def optimizer(learning_rate: float, steps: int) -> optax.GradientTransformation:
+    """Adam on clipped gradients; the rate falls along a cosine."""
+    schedule = optax.cosine_decay_schedule(learning_rate, max(steps, 1), FINAL_RATE)
+    return optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.adam(schedule))
+
+
+def trainable(model: Model, trains: tuple[str, ...]) -> Any:
+    """The model's tree with true at the arrays whose names begin with one of `trains`."""
+
+    def is_trained(path: Any, leaf: Any) -> bool:
+        name = jax.tree_util.keystr(path, simple=True, separator=".")
+        return eqx.is_array(leaf) and name.startswith(trains)
+
+    return jax.tree_util.tree_map_with_path(is_trained, model)
+
+
+def _start(model: Model, stage: int, config: TrainingConfig, steps: int) -> State:
+    """A state with the structure that the stage's has."""
+    trains = list(TRAINS.values())[stage]
+    trained = eqx.filter(model, trainable(model, trains))
+    return State(model, optimizer(1.0, steps).init(trained))
