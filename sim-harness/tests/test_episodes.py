@@ -1,0 +1,264 @@
+"""Episode files: the same bytes however they were made, and no truth for who learns."""
+
+from __future__ import annotations
+
+import ast
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.episodes import generate as module
+from nsrm_harness.episodes.file import OBSERVED, Demonstrations
+from nsrm_harness.episodes.generate import SPLITS, Progress, Settings, generate
+from nsrm_harness.episodes.moves import Move, target
+from nsrm_harness.episodes.programs import SHARES_OF, share
+from nsrm_harness.errors import EpisodeFileError, EpisodeSettingsError
+from nsrm_harness.judge import Judge
+
+DOMAIN = domains.load()
+WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")
+SETTINGS = replace(SPLITS["train"], count=11, seed=5, renderer="pybullet")
+PACKAGE = Path(module.__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Eleven episodes, made by two processes."""
+    path = tmp_path_factory.mktemp("episodes") / "train.h5"
+    assert generate(SETTINGS, DOMAIN, path, jobs=2)
+    return path
+
+
+@pytest.fixture
+def copied(episodes: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copy(episodes, tmp_path / "copied.h5"))
+
+
+def test_the_file_is_the_same_after_an_interruption_and_with_one_process(
+    episodes: Path, tmp_path: Path
+) -> None:
+    class StopError(Exception):
+        pass
+
+    def interrupt(progress: Progress) -> None:
+        if progress.done:
+            raise StopError
+
+    path = tmp_path / "train.h5"
+    with pytest.raises(StopError):
+        generate(SETTINGS, DOMAIN, path, report=interrupt)
+    assert not path.exists()
+    kept = [shard.name for shard in (tmp_path / "train.h5.part").glob("*.h5")]
+    assert kept
+
+    seen: list[int] = []
+    assert generate(SETTINGS, DOMAIN, path, report=lambda progress: seen.append(progress.done))
+    assert seen[0] > 0, "what was finished is not made again"
+    assert seen[-1] == SETTINGS.count
+    assert path.read_bytes() == episodes.read_bytes()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_finished_file_is_left_alone(episodes: Path) -> None:
+    before = episodes.stat().st_mtime_ns
+    assert not generate(SETTINGS, DOMAIN, episodes)
+    assert episodes.stat().st_mtime_ns == before
+
+
+@pytest.mark.parametrize("change", [{"seed": 6}, {"count": 12}, {"objects": (4, 5)}])
+def test_other_settings_do_not_overwrite(
+    episodes: Path, tmp_path: Path, change: dict[str, int]
+) -> None:
+    other = replace(SETTINGS, **change)
+    with pytest.raises(EpisodeFileError, match="made with other settings: remove it"):
+        generate(other, DOMAIN, episodes)
+    begun = tmp_path / "begun.h5"
+    module._prepare(tmp_path / "begun.h5.part", SETTINGS, DOMAIN)
+    with pytest.raises(EpisodeFileError, match="begun with other settings"):
+        generate(other, DOMAIN, begun)
+
+
+def test_what_can_be_learned_from_is_there(episodes: Path) -> None:
+    with Demonstrations(episodes) as demonstrations:
+        assert len(demonstrations) == 11
+        assert demonstrations.domain == DOMAIN
+        assert demonstrations.split == "train"
+        assert demonstrations.initial_boxes.shape == (11, 6, 4)
+        assert demonstrations.initial_image(10).shape == (480, 640, 3)
+        for index, count in enumerate(demonstrations.object_count):
+            boxes = demonstrations.initial_boxes[index]
+            assert (boxes[:count, 0] < boxes[:count, 2]).all()
+            assert (boxes[:count, 1] < boxes[:count, 3]).all()
+            assert not boxes[count:].any()
+            moved = (demonstrations.final_boxes[index] != boxes).any(axis=1)
+            assert moved.any()
+        assert demonstrations.camera(0).width == 640
+
+
+def observed_bytes(path: Path) -> list[bytes]:
+    """All that `Demonstrations` gives, as bytes."""
+    with Demonstrations(path) as demonstrations:
+        return [
+            "\n".join(demonstrations.sentences).encode(),
+            demonstrations.data_hash().encode(),
+            *(
+                array.tobytes()
+                for array in (
+                    demonstrations.object_count,
+                    demonstrations.initial_boxes,
+                    demonstrations.initial_depths,
+                    demonstrations.final_boxes,
+                    demonstrations.final_depths,
+                    demonstrations.cameras,
+                )
+            ),
+            *(demonstrations.initial_image(index).tobytes() for index in range(11)),
+            *(demonstrations.final_image(index).tobytes() for index in range(11)),
+        ]
+
+
+def test_shuffled_or_missing_truth_changes_nothing_that_is_learned_from(
+    episodes: Path, copied: Path
+) -> None:
+    before = observed_bytes(episodes)
+    with h5py.File(copied, "r+") as file:
+        truth = file["evaluation"]
+        assert isinstance(truth, h5py.Group)
+        for name in list(truth):
+            values = truth[name][:]  # type: ignore[index]
+            truth[name][:] = np.roll(values, 1, axis=0)  # type: ignore[index]
+    assert observed_bytes(copied) == before
+    with h5py.File(copied, "r+") as file:
+        del file["evaluation"]
+    assert observed_bytes(copied) == before
+    with pytest.raises(EpisodeFileError, match="no part for evaluation"):
+        Judge(copied)
+
+
+@pytest.mark.parametrize("name", OBSERVED)
+def test_the_data_hash_covers_everything_that_is_learned_from(copied: Path, name: str) -> None:
+    with Demonstrations(copied) as demonstrations:
+        before = demonstrations.data_hash()
+    with h5py.File(copied, "r+") as file:
+        values = file[name][7]  # type: ignore[index]
+        file[name][7] = "put red on blue" if name == "sentence" else values + 1  # type: ignore[index]
+    with Demonstrations(copied) as demonstrations:
+        assert demonstrations.data_hash() != before
+
+
+def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> None:
+    importers: dict[str, set[str]] = {"nsrm_harness.judge": set(), "h5py": set()}
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names: list[str] = []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+            for name in importers.keys() & set(names):
+                importers[name].add(str(path.relative_to(PACKAGE)))
+    assert importers["nsrm_harness.judge"] <= {"commands/look.py", "evaluate.py"}
+    assert importers["h5py"] == {
+        "episodes/calibration.py",
+        "episodes/file.py",
+        "episodes/generate.py",
+        "episodes/writer.py",
+    }
+
+
+def test_the_judge_knows_what_happened(episodes: Path) -> None:
+    with Demonstrations(episodes) as demonstrations, Judge(episodes) as judge:
+        assert len(judge) == 11
+        for index in range(11):
+            truth = judge.truth(index)
+            assert len(truth.steps) == 1 + index % 2
+            assert len(truth.attributes) == demonstrations.object_count[index]
+            if len(truth.steps) == 1:
+                assert share(truth.program) in SHARES_OF["train"]
+            last = truth.steps[-1]
+            seen = demonstrations.final_boxes[index, last.object_id - 1]
+            assert last.location[:4] == pytest.approx(seen)
+            first = truth.steps[0]
+            assert set(first.step.object) <= set(truth.attributes[first.object_id - 1].values())
+            assert truth.name(first.object_id).split()[0] in ("small", "lego")
+        with pytest.raises(EpisodeFileError, match="no episode 11: it has 11"):
+            judge.truth(11)
+
+
+def test_sub_goals_are_where_the_program_says(episodes: Path) -> None:
+    from nsrm_harness.world.blocks import block_from_attributes
+
+    with Judge(episodes) as judge:
+        truth = judge.truth(0)
+    blocks = [block_from_attributes(DOMAIN, values) for values in truth.attributes]
+    assert truth.edges_m == pytest.approx(np.array([block.edges_m for block in blocks]))
+    step = truth.steps[0]
+    move = Move(DOMAIN.action(step.step.action), step.object_id - 1, step.reference_id - 1)
+    assert step.sub_goal.distance_m(target(move, blocks, truth.initial_poses)) < 0.005
+
+
+def test_another_domain_needs_another_file_only(tmp_path: Path) -> None:
+    path = tmp_path / "workshop.h5"
+    settings = Settings("test", 4, renderer="pybullet", attributes=(1, 3))
+    generate(settings, WORKSHOP, path, jobs=1)
+    with Demonstrations(path) as demonstrations, Judge(path) as judge:
+        assert demonstrations.domain == WORKSHOP
+        actions = {action.name for action in WORKSHOP.actions}
+        assert {step.action for step in judge.truth(0).program} <= actions
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"steps": (0, 1)}, r"steps: expected least <= most within 1\.\.8, got 0-1"),
+        ({"steps": (3, 2)}, "steps: expected"),
+        ({"objects": (1, 4)}, r"objects: expected .* 2\.\.16"),
+        ({"attributes": (3, 3)}, r"attributes: expected .* 1\.\.2"),
+        ({"exclude": (("small", "pink"),)}, "exclude: no attribute value 'pink'"),
+        ({"count": 0}, "count must be at least 1"),
+        ({"renderer": "crayon"}, "renderer: expected one of"),
+    ],
+)
+def test_impossible_settings_are_refused(change: dict[str, object], message: str) -> None:
+    with pytest.raises(EpisodeSettingsError, match=message):
+        replace(SETTINGS, **change).checked(DOMAIN)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("damage", ["missing", "text", "other", "schema", "dataset"])
+def test_what_is_no_episode_file_is_refused(copied: Path, damage: str) -> None:
+    messages = {
+        "missing": "no such episode file",
+        "text": "not an episode file",
+        "other": "no attribute kind",
+        "schema": "schema 99, this version reads 1",
+        "dataset": "no dataset 'final/boxes'",
+    }
+    if damage == "missing":
+        copied.unlink()
+    elif damage == "text":
+        copied.write_text("put red on blue", encoding="utf-8")
+    else:
+        with h5py.File(copied, "r+") as file:
+            if damage == "other":
+                del file.attrs["kind"]
+            elif damage == "schema":
+                file.attrs["schema"] = 99
+            else:
+                del file["final/boxes"]
+    with pytest.raises(EpisodeFileError, match=messages[damage]):
+        Demonstrations(copied)
+
+
+def test_the_file_says_how_it_was_made(episodes: Path) -> None:
+    with h5py.File(episodes) as file:
+        assert file.attrs["stream"] == 1
+        assert str(file.attrs["renderer"]).startswith("pybullet: ")
+        assert json.loads(str(file.attrs["settings"]))["seed"] == 5
+        assert "pybullet" in json.loads(str(file.attrs["versions"]))
+        assert domains.from_json(str(file.attrs["domain"]), "file") == DOMAIN
