@@ -212,3 +212,45 @@ impl fmt::Display for ProgramNotation<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::string::ToString;
+
+    use super::*;
+    use crate::fixture;
+
+    fn step(object: &[u8]) -> Step {
+        let mut description = Description::new();
+        for &concept in object {
+            description.push(concept).unwrap();
+        }
+        Step {
+            action: 0,
+            object: description,
+            reference: Description::new(),
+        }
+    }
+
+    #[test]
+    fn the_notation_is_the_papers_a_step_a_line() {
+        let model = fixture::model();
+        let mut program = Program::new();
+        program.push(step(&[3, 1])).unwrap();
+        program.push(step(&[9])).unwrap();
+        assert_eq!(
+            program.notation(&model).to_string(),
+            "Action(MoveOn, Unique(Filter(small, Filter(green, Scene()))), Unique(Scene()))\n\
+             Action(MoveOn, Unique(Filter(?, Scene())), Unique(Scene()))"
+        );
+    }
+
+    #[test]
+    fn a_full_program_gives_the_next_step_back() {
+        let mut program = Program::new();
+        for _ in 0..MAX_STEPS {
+            program.push(step(&[0])).unwrap();
+        }
+        assert_eq!(program.push(step(&[1])), Err(step(&[1])));
+    }
+}

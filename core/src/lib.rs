@@ -15,6 +15,22 @@
 //!
 //! Below them [`model`], the trained parameters by reference, and [`nn`], the layers.
 //!
+//! ```
+//! # #[cfg(feature = "pretrained")]
+//! # mod example {
+//! use nsrm_core::{Planner, Refusal, Scene, pretrained::TABLETOP};
+//!
+//! fn obey(scene: &Scene, sentence: &str) -> Result<(), Refusal> {
+//!     let plan = Planner::new(&TABLETOP).plan(scene, sentence)?;
+//!     println!("{}", plan.program().notation(&TABLETOP));
+//!     for goal in plan.sub_goals() {
+//!         println!("object {} to {}", goal.object, goal.pose); // world frame, metres
+//!     }
+//!     Ok(())
+//! }
+//! # }
+//! ```
+//!
 //! Nothing here panics, allocates or contains unsafe code; every capacity that can
 //! be exceeded is a typed refusal. All numbers are `f32`; lengths are in metres.
 #![no_std]

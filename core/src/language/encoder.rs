@@ -98,3 +98,68 @@ fn join(forward: &[f32; ENCODER_HIDDEN], backward: &[f32; ENCODER_HIDDEN]) -> [f
     }
     joined
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    /// A forward and a backward cell that add up 1, 10, 100 … and so tell which
+    /// tokens they have seen: `tanh` is nearly straight so close to zero.
+    #[test]
+    fn states_at_groups_hold_both_directions() {
+        let model = fixture::model();
+        let mut language = model.language;
+        let mut cell = *language.forward;
+        // reset → 1, update → 0, new = input + h.
+        for unit in 0..ENCODER_HIDDEN {
+            cell.weight_hh[unit][2][unit] = 1.0;
+        }
+        (language.forward, language.backward) = (&cell, &cell);
+        let tokens = [1e-6, 1e-5, 1e-4, 1e-3].map(|value| {
+            let mut token = *model.group;
+            let mut gates = [[20.0; ENCODER_HIDDEN], [-20.0; ENCODER_HIDDEN], [0.0; 48]];
+            gates[2][0] = value;
+            token.forward_gates = gates;
+            gates[2][0] = 0.0;
+            gates[2][47] = value;
+            token.backward_gates = gates;
+            token
+        });
+        let groups = [false, true, true, false];
+        let mut encoder = Encoder::new();
+        // What another sentence left is forgotten.
+        encoder.forward(&language, &tokens[3], true);
+        encoder.backward(&language, &tokens[3], true);
+        encoder.clear();
+        for (token, group) in tokens.iter().zip(groups) {
+            assert!(encoder.forward(&language, token, group));
+        }
+        for (token, group) in tokens.iter().zip(groups).rev() {
+            encoder.backward(&language, token, group);
+        }
+        let ends = |state: &[f32; INSTRUCTION]| [state[0], state[95]];
+        let close = |got: [f32; 2], expected: [f32; 2]| {
+            let near = |(a, b): (f32, f32)| (a - b).abs() < 1e-3 * b;
+            assert!(got.into_iter().zip(expected).all(near), "{got:?}");
+        };
+        let [second, third] = encoder.groups() else {
+            panic!("two groups");
+        };
+        close(ends(second), [1.1e-5, 1.11e-3]);
+        close(ends(third), [1.11e-4, 1.1e-3]);
+        close(ends(&encoder.instruction()), [1.111e-3, 1.111e-3]);
+    }
+
+    #[test]
+    fn one_group_too_many_is_refused() {
+        let model = fixture::model();
+        let mut encoder = Encoder::new();
+        for _ in 0..MAX_GROUPS {
+            assert!(encoder.forward(&model.language, model.group, true));
+        }
+        assert!(!encoder.forward(&model.language, model.group, true));
+        assert!(encoder.forward(&model.language, model.group, false));
+        assert_eq!(encoder.groups().len(), MAX_GROUPS);
+    }
+}

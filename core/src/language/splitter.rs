@@ -71,3 +71,46 @@ impl Default for Splitter {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn a_hazard_sees_the_state_and_the_two_tokens_behind() {
+        let model = fixture::model();
+        let mut language = model.language;
+        let mut hidden = *language.hazard_hidden;
+        hidden.weight[31][4] = 0.5;
+        hidden.bias[4] = 0.1;
+        let mut hazard = *language.hazard;
+        hazard.weight = [[0.0]; 32];
+        hazard.weight[4] = [2.0];
+        hazard.bias = [-0.25];
+        (language.hazard_hidden, language.hazard) = (&hidden, &hazard);
+        let mut token = *model.group;
+        token.splitter_gates[2][31] = 0.8;
+        let (mut next, mut after) = (*model.group, *model.group);
+        next.hazard_next[4] = 0.3;
+        next.hazard_after_next[4] = 50.0;
+        after.hazard_next[4] = 50.0;
+        after.hazard_after_next[4] = -0.7;
+        // State of unit 31: half of tanh(0.8), as the update gate is σ(0).
+        let state = 0.5 * libm::tanhf(0.8);
+        let expected = |ahead: f32| sigmoid(2.0 * libm::tanhf(0.5 * state + 0.1 + ahead) - 0.25);
+        let got = Splitter::new().hazard(&language, &token, &next, Some(&after));
+        assert!((got - expected(0.3 - 0.7)).abs() < 1e-6, "{got}");
+        let got = Splitter::new().hazard(&language, &token, &next, None);
+        assert!((got - expected(0.3)).abs() < 1e-6, "{got}");
+    }
+
+    #[test]
+    fn a_step_ends_where_the_hazard_passes_one_half() {
+        let mut splitter = Splitter::new();
+        assert_eq!(splitter.decide(0.25), None);
+        assert_eq!(splitter.decide(0.5), None);
+        assert_eq!(splitter.survival(), 0.375);
+        assert_eq!(splitter.decide(0.75), Some(0.281_25));
+    }
+}

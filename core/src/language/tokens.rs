@@ -229,4 +229,39 @@ mod tests {
         assert_eq!(words("größe 1.5!?"), ["größe", "1.5", "!", "?"]);
         assert_eq!(words(" \n"), [""; 0]);
     }
+
+    fn read(sentence: &str) -> std::vec::Vec<Token> {
+        let model = crate::fixture::model();
+        let mut reader = Reader::new(sentence).unwrap();
+        while reader.advance(&model).unwrap() {}
+        reader.tokens().to_vec()
+    }
+
+    #[test]
+    fn concept_words_next_to_each_other_become_one_group() {
+        let tokens = read("PUT small  Green,red; the lego!");
+        let texts = tokens.iter().map(|token| match &token.kind {
+            TokenKind::Word(index) => std::format!("{index}"),
+            TokenKind::Group(description) => std::format!("{:?}", description.concepts()),
+        });
+        let texts: std::vec::Vec<_> = texts.collect();
+        assert_eq!(texts, ["5", "[3, 1]", "0", "[0]", "0", "7", "[2]"]);
+        assert_eq!(tokens[1].span, Span { start: 4, end: 16 });
+    }
+
+    #[test]
+    fn the_most_tokens_are_read_and_one_more_refused() {
+        let model = crate::fixture::model();
+        let sentence = "the red ".repeat(MAX_TOKENS / 2);
+        assert_eq!(read(&sentence).len(), MAX_TOKENS);
+        let longer = sentence + "the";
+        let mut reader = Reader::new(&longer).unwrap();
+        let refusal = loop {
+            match reader.advance(&model) {
+                Ok(true) => {}
+                other => break other,
+            }
+        };
+        assert!(matches!(refusal, Err(Refusal::SentenceTooLong { .. })));
+    }
 }

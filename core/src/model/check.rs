@@ -171,3 +171,133 @@ impl WorkSpace {
             .all(|(value, (min, max))| min <= value && value <= max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use crate::model::{Concept, LexiconEntry, Word};
+
+    #[test]
+    fn each_fault_of_a_list_is_named() {
+        let model = fixture::model();
+        assert_eq!(model.check(), Ok(()));
+        let nothing = Model {
+            actions: &[],
+            ..model
+        };
+        assert_eq!(nothing.check(), Err(ModelFault::Empty("actions")));
+        let concepts = [model.concepts[0]; MAX_INDEXED + 1];
+        let too_many = Model {
+            concepts: &concepts,
+            ..model
+        };
+        assert_eq!(too_many.check(), Err(ModelFault::TooLong("concepts")));
+    }
+
+    #[test]
+    fn each_fault_of_a_word_is_named() {
+        let model = fixture::model();
+        let check = |words: &[&'static str], lexicon: &[(&'static str, u8)]| {
+            let words: std::vec::Vec<Word<'static>> = words
+                .iter()
+                .map(|text| Word {
+                    text,
+                    ..model.words[0]
+                })
+                .collect();
+            let lexicon: std::vec::Vec<LexiconEntry<'static>> = lexicon
+                .iter()
+                .map(|&(text, concept)| LexiconEntry { text, concept })
+                .collect();
+            let model = Model {
+                words: &words,
+                lexicon: &lexicon,
+                ..model
+            };
+            model.check().map_err(|fault| std::format!("{fault:?}"))
+        };
+        let fault = |text: &str| Err(text.into());
+        assert_eq!(check(&["a", "b"], &[("c", 3)]), Ok(()));
+        assert_eq!(check(&["b", "a"], &[("c", 3)]), fault("WordOrder(\"a\")"));
+        assert_eq!(check(&["a", "a"], &[("c", 3)]), fault("WordOrder(\"a\")"));
+        assert_eq!(
+            check(&["a"], &[("c", 3), ("b", 0)]),
+            fault("LexiconOrder(\"b\")")
+        );
+        assert_eq!(check(&["a"], &[("c", 4)]), fault("LexiconConcept(\"c\")"));
+        assert_eq!(check(&["a"], &[("a", 0)]), fault("WordInLexicon(\"a\")"));
+    }
+
+    #[test]
+    fn each_fault_of_a_concept_is_named() {
+        let model = fixture::model();
+        let check = |change: fn(&mut Concept<'static>)| {
+            let mut concepts = [model.concepts[0], model.concepts[1]];
+            change(&mut concepts[1]);
+            let lexicon = [LexiconEntry {
+                text: "green",
+                concept: 1,
+            }];
+            let model = Model {
+                concepts: &concepts,
+                lexicon: &lexicon,
+                ..model
+            };
+            model.check().err().map(|fault| std::format!("{fault:?}"))
+        };
+        assert_eq!(check(|_| ()), None);
+        assert_eq!(
+            check(|concept| concept.attribute = 2).as_deref(),
+            Some("ConceptAttribute(\"green\")")
+        );
+        for broken in [0.0, 1.01, f32::NAN] {
+            let mut concepts = [model.concepts[0]];
+            concepts[0].embedding[0] = broken;
+            let lexicon = [LexiconEntry {
+                text: "red",
+                concept: 0,
+            }];
+            let model = Model {
+                concepts: &concepts,
+                lexicon: &lexicon,
+                ..model
+            };
+            assert_eq!(model.check(), Err(ModelFault::ConceptLength("red")));
+        }
+    }
+
+    #[test]
+    fn each_fault_of_the_header_is_named() {
+        let check = |change: fn(&mut Model<'static>)| {
+            let mut model = fixture::model();
+            change(&mut model);
+            model.check()
+        };
+        let threshold = Err(ModelFault::Threshold);
+        assert_eq!(check(|m| m.header.thresholds.decision = -0.1), threshold);
+        assert_eq!(
+            check(|m| m.header.thresholds.match_score = f32::NAN),
+            threshold
+        );
+        let work_space = Err(ModelFault::WorkSpace);
+        assert_eq!(check(|m| m.header.work_space.min[2] = 1.0), work_space);
+        assert_eq!(
+            check(|m| m.header.work_space.max[0] = f32::INFINITY),
+            work_space
+        );
+        assert_eq!(
+            check(|m| m.header.placed_orientation[3] = 0.5),
+            Err(ModelFault::PlacedOrientation)
+        );
+    }
+
+    #[test]
+    fn the_bounds_of_the_work_space_are_inside() {
+        let space = fixture::model().header.work_space;
+        assert!(space.contains(&space.min) && space.contains(&space.max));
+        assert!(!space.contains(&[0.5, 0.5001, 0.3]));
+        assert!(!space.contains(&[0.5, 0.0, -0.0001]));
+        assert!(!space.contains(&[0.5, f32::NAN, 0.3]));
+    }
+}
