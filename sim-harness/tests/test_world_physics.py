@@ -61,10 +61,13 @@ def test_another_client_can_not_change_what_settles():
     client = connect_direct()
     try:
         with World() as world:
-            pybullet.setPhysicsEngineParameter(
-                contactBreakingThreshold=1e-4, physicsClientId=client
-            )
-            build_scene(world, 3, tower=3)
+            build_scene(world, 3)
+            for moved in (2, 3, 4):
+                pybullet.setPhysicsEngineParameter(
+                    contactBreakingThreshold=0.2, physicsClientId=client
+                )
+                world.place(moved, on_top(world, moved, moved - 1))
+                world.settle()
             assert digest(world) == alone[3]
     finally:
         pybullet.disconnect(physicsClientId=client)

@@ -50,7 +50,7 @@ class Camera:
 
         Raises `ValueError` if it would look straight up or down.
         """
-        forward = np.subtract(target, position)
+        forward = np.subtract(target, position, dtype=np.float64)
         forward /= np.linalg.norm(forward)
         right = np.cross(forward, (0.0, 0.0, 1.0))
         if np.linalg.norm(right) < 1e-6:

@@ -17,8 +17,9 @@ FRICTION = 0.6
 BLOCK_DENSITY_KG_M3 = 700.0
 """That of beech."""
 CONTACT_BREAKING_M = 0.02
-"""PyBullet's own value. It is global to the process and outlives clients, so that
-it is set again before every settling: another client may have changed it."""
+"""PyBullet's own value. It is global to the process and outlives clients: another
+client may have changed it, so that it is set again before every call that moves a
+block (setting a position alone already makes contacts)."""
 
 DROP_M = 0.003
 """How far above its goal a block is let go."""
@@ -95,6 +96,7 @@ class World:
         """
         if self._blocks:
             raise ValueError("the world has blocks already: reset() it first")
+        self._set_global_parameters()
         for number, (block, pose) in enumerate(zip(blocks, poses, strict=True), start=1):
             shape = pybullet.createCollisionShape(
                 pybullet.GEOM_BOX,
@@ -121,6 +123,7 @@ class World:
 
     def place(self, block_id: int, pose: Pose) -> None:
         """Holds a block `DROP_M` above the goal, at rest; `settle()` lets it go."""
+        self._set_global_parameters()
         x, y, z = pose.position
         pybullet.resetBasePositionAndOrientation(
             self._body(block_id),
