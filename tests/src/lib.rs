@@ -1,1 +1,8 @@
-//! nsrm-tests
+//! What the tests across crates share.
+//!
+//! * [`by_hand`]: a model whose weights were set by hand, so that what it does
+//!   with a sentence is known without training;
+//! * [`picture`]: a picture of coloured squares, for what must run on any image.
+
+pub mod by_hand;
+pub mod picture;

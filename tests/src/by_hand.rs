@@ -1,0 +1,379 @@
+//! A model whose weights were set by hand.
+//!
+//! It reads `put the small red block on the blue block then …`: `then` ends a
+//! step, `on` and `beside` are the actions, the description in front of them is
+//! the object's and that behind them the reference's. With both behind (`on the
+//! blue block put the red block`) it is in two minds, as it is without `on` or
+//! `beside`, and at `maybe`, which ends a step with a probability of 0.57. `it`
+//! makes it take the next description for both arguments.
+//!
+//! An object's embedding has a 1 for its colour and a 1 for its size; an action
+//! predicts the moved object at the reference's place.
+
+use nsrm_core::model::{
+    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LOCATION, Language,
+    LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera,
+    SIMULATOR_HIDDEN, SPLITTER_HIDDEN, Simulator, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
+    Vision, Word, WordParameters, WorkSpace,
+};
+use nsrm_core::nn::{Conv, Gru, Linear};
+use nsrm_core::scene::ObservedObject;
+use nsrm_core::{RawScene, Scene};
+
+use crate::picture;
+
+/// A gate or logit that is saturated.
+const SURE: f32 = 20.0;
+/// Unit of the forward encoder that says that `on` was read; the next one is
+/// `beside`'s.
+const ACTION_UNIT: usize = 0;
+/// Unit of the forward encoder that says that `it` was read.
+const IT_UNIT: usize = 20;
+
+/// The parts of the model; a test may spoil one before it takes [`Parts::model`].
+#[derive(Debug, Clone)]
+pub struct Parts {
+    /// See [`Model::header`].
+    pub header: Header<'static>,
+    /// See [`Model::words`].
+    pub words: Vec<Word<'static>>,
+    /// See [`Model::group`].
+    pub group: WordParameters,
+    /// See [`Model::lexicon`].
+    pub lexicon: Vec<LexiconEntry<'static>>,
+    /// See [`Model::attributes`].
+    pub attributes: Vec<Attribute<'static>>,
+    /// See [`Model::concepts`].
+    pub concepts: Vec<Concept<'static>>,
+    /// See [`Model::actions`].
+    pub actions: Vec<Action<'static>>,
+    /// See [`Language::forward`]; the backward cell is the same.
+    pub encoder: Gru<ENCODER_HIDDEN>,
+    /// See [`Language::object_decoder`].
+    pub object_decoder: Linear<INSTRUCTION, INSTRUCTION>,
+    /// See [`Language::reference_decoder`].
+    pub reference_decoder: Linear<INSTRUCTION, INSTRUCTION>,
+    /// See [`Language::splitter`].
+    pub splitter: Gru<SPLITTER_HIDDEN>,
+    /// See [`Language::hazard_hidden`].
+    pub hazard_hidden: Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN>,
+    /// See [`Language::hazard`].
+    pub hazard: Linear<SPLITTER_HIDDEN, 1>,
+    /// See [`Vision::color`]; all zero.
+    pub color: ViewEncoder<3>,
+    /// See [`Vision::brightness`]; all zero.
+    pub brightness: ViewEncoder<1>,
+    /// See [`Model::simulator`].
+    pub simulator: Simulator,
+    /// See [`Model::camera`].
+    pub camera: PixelToCamera,
+}
+
+impl Parts {
+    /// The model as described above.
+    pub fn new() -> Self {
+        let mut parts = Self {
+            header: header(),
+            words: words(),
+            group: silent_word(),
+            lexicon: Vec::new(),
+            attributes: vec![
+                attribute("color", View::Color, 0),
+                attribute("size", View::Brightness, 3),
+            ],
+            concepts: Vec::new(),
+            actions: vec![action("MoveOn", "on", 0), action("MoveBeside", "beside", 1)],
+            encoder: Gru {
+                weight_hh: [[[0.0; ENCODER_HIDDEN]; 3]; ENCODER_HIDDEN],
+                bias_n: [0.0; ENCODER_HIDDEN],
+            },
+            object_decoder: pointer(-SURE),
+            reference_decoder: pointer(SURE),
+            splitter: Gru {
+                weight_hh: [[[0.0; SPLITTER_HIDDEN]; 3]; SPLITTER_HIDDEN],
+                bias_n: [0.0; SPLITTER_HIDDEN],
+            },
+            hazard_hidden: zero(),
+            hazard: zero(),
+            color: view_encoder(),
+            brightness: view_encoder(),
+            simulator: Simulator {
+                input: [[0.0; SIMULATOR_HIDDEN]; 2 * LOCATION],
+                hidden: zero(),
+                output: zero(),
+            },
+            camera: PixelToCamera {
+                weight: [
+                    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                    [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+                    [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+                ],
+            },
+        };
+        for (name, attribute) in [
+            ("red", 0),
+            ("green", 0),
+            ("blue", 0),
+            ("small", 1),
+            ("lego", 1),
+        ] {
+            let mut embedding = [0.0; CONCEPT];
+            embedding[parts.concepts.len()] = 1.0;
+            parts.lexicon.push(LexiconEntry {
+                text: name,
+                concept: parts.concepts.len() as u8,
+            });
+            parts.concepts.push(Concept {
+                name,
+                attribute,
+                embedding,
+            });
+        }
+        parts.lexicon.sort_by_key(|entry| entry.text);
+        // A step ends in front of a word whose share in the hazard's first hidden
+        // unit outweighs the bias.
+        parts.hazard.weight[0] = [2.0 * SURE];
+        parts.hazard.bias = [-SURE];
+        parts
+    }
+
+    /// The model made of these parts.
+    pub fn model(&self) -> Model<'_> {
+        Model {
+            header: self.header,
+            words: &self.words,
+            group: &self.group,
+            lexicon: &self.lexicon,
+            attributes: &self.attributes,
+            concepts: &self.concepts,
+            actions: &self.actions,
+            language: Language {
+                forward: &self.encoder,
+                backward: &self.encoder,
+                object_decoder: &self.object_decoder,
+                reference_decoder: &self.reference_decoder,
+                splitter: &self.splitter,
+                hazard_hidden: &self.hazard_hidden,
+                hazard: &self.hazard,
+            },
+            vision: Vision {
+                color: &self.color,
+                brightness: &self.brightness,
+            },
+            simulator: &self.simulator,
+            camera: &self.camera,
+        }
+    }
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A block of the hand-made domain: `color` and `size` as in [`Parts::concepts`].
+#[derive(Debug, Clone, Copy)]
+pub struct Block {
+    /// `red`, `green` or `blue`.
+    pub color: &'static str,
+    /// `small` or `lego`.
+    pub size: &'static str,
+}
+
+/// Shorthand for a [`Block`].
+pub const fn block(size: &'static str, color: &'static str) -> Block {
+    Block { color, size }
+}
+
+/// These blocks in a row, with ids from 1, not yet checked.
+pub fn raw_scene(model: &Model<'_>, blocks: &[Block]) -> RawScene {
+    let mut scene = RawScene::empty(model, picture::camera());
+    for (id, block) in (1..).zip(blocks) {
+        let left = 0.3 + 0.02 * id as f32;
+        let object = ObservedObject {
+            id,
+            location: [left, 0.48, left + 0.015, 0.52, 0.95],
+            embedding: embedding(block),
+        };
+        scene.push(object).expect("at most MAX_OBJECTS blocks");
+    }
+    scene
+}
+
+/// These blocks in a row, with ids from 1.
+pub fn scene(model: &Model<'_>, blocks: &[Block]) -> Scene {
+    Scene::new(raw_scene(model, blocks), model).expect("the blocks stand as they should")
+}
+
+/// A 1 for the colour, a 1 for the size.
+pub fn embedding(block: &Block) -> [f32; OBJECT_EMBEDDING] {
+    let place = |names: &[&str], name| {
+        let found = names.iter().position(|known| *known == name);
+        found.expect("a value of the hand-made domain")
+    };
+    let mut embedding = [0.0; OBJECT_EMBEDDING];
+    embedding[place(&["red", "green", "blue"], block.color)] = 1.0;
+    embedding[VIEW_EMBEDDING + place(&["small", "lego"], block.size)] = 1.0;
+    embedding
+}
+
+fn header() -> Header<'static> {
+    Header {
+        domain: "by hand",
+        hash: [7; 32],
+        thresholds: Thresholds {
+            match_score: 0.5,
+            decision: 0.6,
+        },
+        work_space: WorkSpace {
+            min: [0.3, -0.3, 0.0],
+            max: [0.7, 0.3, 0.2],
+        },
+        placed_orientation: [0.0, 0.0, 0.0, 1.0],
+    }
+}
+
+fn words() -> Vec<Word<'static>> {
+    let mut words: Vec<_> = [
+        ",", "and", "beside", "block", "it", "maybe", "on", "put", "the", "then",
+    ]
+    .map(|text| Word {
+        text,
+        parameters: silent_word(),
+    })
+    .into();
+    for word in &mut words {
+        let parameters = &mut word.parameters;
+        match word.text {
+            "on" => remember(parameters, ACTION_UNIT),
+            "beside" => remember(parameters, ACTION_UNIT + 1),
+            "it" => remember(parameters, IT_UNIT),
+            "then" => parameters.hazard_next[0] = SURE,
+            // 40·tanh(0.5583) − 20 = 0.27, of which the sigmoid is 0.57.
+            "maybe" => parameters.hazard_next[0] = 0.5583,
+            _ => {}
+        }
+    }
+    words
+}
+
+/// A word that changes nothing: all update gates keep the state.
+fn silent_word() -> WordParameters {
+    WordParameters {
+        forward_gates: keep(),
+        backward_gates: keep(),
+        splitter_gates: keep(),
+        hazard_next: [0.0; SPLITTER_HIDDEN],
+        hazard_after_next: [0.0; SPLITTER_HIDDEN],
+    }
+}
+
+/// Gates, ordered reset, update, new, that keep the state.
+fn keep<const HIDDEN: usize>() -> [[f32; HIDDEN]; 3] {
+    [[0.0; HIDDEN], [SURE; HIDDEN], [0.0; HIDDEN]]
+}
+
+/// Lets a word set a unit of the forward encoder to 1.
+fn remember(parameters: &mut WordParameters, unit: usize) {
+    let [_, update, new] = &mut parameters.forward_gates;
+    update[unit] = -SURE;
+    new[unit] = SURE;
+}
+
+fn attribute(name: &'static str, view: View, first_concept: usize) -> Attribute<'static> {
+    let mut attribute = Attribute {
+        name,
+        view,
+        hidden: zero(),
+        output: zero(),
+    };
+    for (unit, column) in attribute.hidden.weight.iter_mut().enumerate() {
+        column[unit] = 1.0;
+    }
+    for (unit, column) in attribute.output.weight.iter_mut().enumerate() {
+        if let Some(concept) = column.get_mut(first_concept + unit) {
+            *concept = 1.0;
+        }
+    }
+    attribute
+}
+
+fn action(name: &'static str, phrase: &'static str, index: usize) -> Action<'static> {
+    let mut decoder = [0.0; INSTRUCTION];
+    decoder[ACTION_UNIT + index] = SURE;
+    Action {
+        name,
+        phrase,
+        decoder,
+        decoder_bias: 0.0,
+        simulator_bias: [0.0; SIMULATOR_HIDDEN],
+    }
+}
+
+/// A decoder that seeks, or shuns, descriptions behind `on` and `beside`, and
+/// seeks those behind `it` more than anything.
+fn pointer(behind_action: f32) -> Linear<INSTRUCTION, INSTRUCTION> {
+    let mut decoder = zero::<INSTRUCTION, INSTRUCTION>();
+    decoder.bias[ACTION_UNIT] = behind_action;
+    decoder.bias[ACTION_UNIT + 1] = behind_action;
+    decoder.bias[IT_UNIT] = 3.0 * SURE;
+    decoder
+}
+
+fn zero<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
+    Linear {
+        weight: [[0.0; OUTPUT]; INPUT],
+        bias: [0.0; OUTPUT],
+    }
+}
+
+fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
+    ViewEncoder {
+        patch: Conv {
+            weight: [[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS],
+            bias: [0.0; PATCH_CHANNELS],
+        },
+        merge: Conv {
+            weight: [[[[0.0; MERGE_CHANNELS]; 2]; 2]; PATCH_CHANNELS],
+            bias: [0.0; MERGE_CHANNELS],
+        },
+        dense: zero(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Parts, block, scene};
+    use nsrm_core::Planner;
+
+    #[test]
+    fn it_is_a_valid_model_that_reads_as_described() {
+        let parts = Parts::new();
+        let model = parts.model();
+        assert_eq!(model.check(), Ok(()));
+        let blocks = [
+            block("small", "red"),
+            block("lego", "red"),
+            block("lego", "blue"),
+        ];
+        let scene = scene(&model, &blocks);
+        let sentence = "Put the small red block on the blue block, then put the red lego \
+                        beside the small red one";
+        let sentence = sentence.replace(" one", " block");
+        let plan = Planner::new(&model).plan(&scene, &sentence).unwrap();
+        assert_eq!(
+            plan.program().notation(&model).to_string().trim(),
+            "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
+             Unique(Filter(blue, Scene())))\n\
+             Action(MoveBeside, Unique(Filter(red, Filter(lego, Scene()))), \
+             Unique(Filter(small, Filter(red, Scene()))))"
+        );
+        let objects: Vec<_> = plan
+            .steps()
+            .iter()
+            .map(|step| (step.object.object, step.reference.object))
+            .collect();
+        assert_eq!(objects, [(1, 3), (2, 1)]);
+    }
+}

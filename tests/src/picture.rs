@@ -1,0 +1,71 @@
+//! A picture of coloured squares with its boxes. The pretrained model was never
+//! shown one: it is for properties that hold on any image.
+
+use nsrm_core::Camera;
+use nsrm_core::vision::Detection;
+
+/// Width and height in pixels.
+pub const SIZE: [u32; 2] = [640, 480];
+
+/// Colours of the squares, from left to right.
+const COLORS: [[u8; 3]; 5] = [
+    [204, 23, 23],
+    [26, 153, 41],
+    [23, 51, 204],
+    [204, 26, 184],
+    [230, 204, 20],
+];
+
+/// Side of a square in pixels; every second one is of the smaller size.
+const SIDES_PX: [u32; 2] = [40, 28];
+
+/// A picture with what a detector would say of it.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// `[height][width][3]`.
+    pub pixels: Vec<u8>,
+    /// One for each square, ids from 1.
+    pub detections: Vec<Detection>,
+}
+
+/// A camera that looks straight down from a metre above the table.
+pub fn camera() -> Camera {
+    Camera {
+        width: SIZE[0],
+        height: SIZE[1],
+        fx: 600.0,
+        fy: 600.0,
+        cx: 320.0,
+        cy: 240.0,
+        position: [0.5, 0.0, 1.0],
+        orientation: [1.0, 0.0, 0.0, 0.0],
+    }
+}
+
+/// The squares in a row on grey.
+pub fn squares() -> Picture {
+    let [width, height] = SIZE;
+    let mut pixels = vec![128; (width * height * 3) as usize];
+    let mut detections = Vec::new();
+    for (index, color) in (0..).zip(COLORS) {
+        let side = SIDES_PX[index as usize % 2];
+        let (left, top) = (60 + 110 * index, 200);
+        for row in top..top + side {
+            for column in left..left + side {
+                let at = ((row * width + column) * 3) as usize;
+                pixels[at..at + 3].copy_from_slice(&color);
+            }
+        }
+        detections.push(Detection {
+            id: index + 1,
+            location: [
+                left as f32 / width as f32,
+                top as f32 / height as f32,
+                (left + side) as f32 / width as f32,
+                (top + side) as f32 / height as f32,
+                0.96,
+            ],
+        });
+    }
+    Picture { pixels, detections }
+}

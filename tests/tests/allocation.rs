@@ -1,0 +1,117 @@
+//! Nothing is allocated from image and sentence to plan or refusal.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
+use nsrm_core::{Model, Planner, Refusal, Scene};
+use nsrm_tests::by_hand::{self, Parts, block};
+use nsrm_tests::picture::{SIZE, camera, squares};
+
+thread_local! {
+    /// Calls of the allocator on this thread; const, so that reading it makes none.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting.
+struct Counting;
+
+// SAFETY: every call is passed on unchanged to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// What `work` returns, and how often it called the allocator.
+fn counted<T>(work: impl FnOnce() -> T) -> (T, u64) {
+    let before = CALLS.get();
+    let result = work();
+    (result, CALLS.get() - before)
+}
+
+#[test]
+fn the_counter_counts() {
+    let (boxed, calls) = counted(|| Box::new(7));
+    assert_eq!((*boxed, calls), (7, 1));
+}
+
+/// Writes nowhere: `Display` runs, and only that.
+struct Nowhere;
+
+impl std::fmt::Write for Nowhere {
+    fn write_str(&mut self, _: &str) -> std::fmt::Result {
+        Ok(())
+    }
+}
+
+fn observe(model: &Model<'_>) -> (Scene, u64) {
+    let picture = squares();
+    let image = RgbImage::new(&picture.pixels, SIZE[0], SIZE[1], 3 * SIZE[0] as usize).unwrap();
+    counted(|| {
+        let task = ObservationTask::new(
+            model,
+            image,
+            camera(),
+            &picture.detections,
+            Stamp::default(),
+        );
+        task.unwrap().finish().unwrap()
+    })
+}
+
+#[test]
+fn observing_and_planning_with_the_pretrained_model_allocates_nothing() {
+    let (scene, calls) = observe(&TABLETOP);
+    assert_eq!(calls, 0, "observing");
+    let planner = Planner::new(&TABLETOP);
+    for sentence in [
+        "put the red block on the blue block",
+        "put the small green block to the right of the lego block, then move the red one atop it",
+        "fly to the moon",
+        "",
+    ] {
+        // Plan or refusal, whichever it is: neither may allocate.
+        let (result, calls) = counted(|| planner.plan(&scene, sentence));
+        assert_eq!(calls, 0, "{sentence:?}: {result:?}");
+    }
+}
+
+#[test]
+fn a_plan_and_its_texts_allocate_nothing() {
+    use std::fmt::Write;
+
+    let parts = Parts::new();
+    let model = parts.model();
+    let blocks = [block("small", "red"), block("lego", "blue")];
+    let scene = by_hand::scene(&model, &blocks);
+    let planner = Planner::new(&model);
+    let sentence = "put the red block on the blue block then put the lego beside the red block";
+    let (plan, calls) = counted(|| planner.plan(&scene, sentence));
+    let plan = plan.unwrap();
+    assert_eq!((plan.steps().len(), calls), (2, 0));
+    let notation = plan.program().notation(&model);
+    let (written, calls) = counted(|| write!(Nowhere, "{notation}"));
+    assert_eq!((written, calls), (Ok(()), 0), "the notation");
+
+    let sentence = "put the green block on the blue block";
+    let (refusal, calls) = counted(|| planner.plan(&scene, sentence));
+    let refusal = refusal.unwrap_err();
+    assert_eq!(calls, 0, "refusing");
+    assert!(matches!(refusal, Refusal::NoSuchObject { .. }));
+    let message = refusal.in_context(&model, sentence);
+    let (written, calls) = counted(|| write!(Nowhere, "{message}"));
+    assert_eq!((written, calls), (Ok(()), 0), "the message");
+}

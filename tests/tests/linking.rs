@@ -1,0 +1,185 @@
+//! The proofs that rest on the linker, and what the proved program computes.
+//!
+//! `tests/no-std-plan` is built for real, so these tests take a minute the first
+//! time; they are left out of a plain `cargo test` and run by `cargo verify`.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use nsrm_core::planner::Plan;
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
+use nsrm_core::{Planner, Refusal};
+use nsrm_tests::picture::{Picture, SIZE, camera, squares};
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/no-std-plan");
+
+/// Builds the program with this feature, or with none.
+fn build(feature: Option<&str>) -> (Output, PathBuf) {
+    // One folder for all: the crates below are built once.
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-std-plan");
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo
+        .args(["build", "--release", "--locked", "--manifest-path"])
+        .arg(format!("{FOLDER}/Cargo.toml"))
+        .arg("--target-dir")
+        .arg(&target)
+        // Flags for other builds must not reach the proof.
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    if let Some(feature) = feature {
+        cargo.args(["--features", feature]);
+    }
+    let output = cargo.output().expect("cargo runs");
+    (output, target.join("release/no-std-plan"))
+}
+
+fn messages(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+#[ignore = "builds a program; run by cargo verify"]
+fn without_allocator_and_panics_it_links_and_plans() {
+    let (output, program) = build(None);
+    assert!(output.status.success(), "{}", messages(&output));
+    let picture = squares();
+    for sentence in [
+        "put the red block on the blue block",
+        "put the small green block to the right of the lego blue block",
+        "move the red block to the left of the green one, then put the blue block on it",
+        "fly to the moon",
+        "",
+    ] {
+        let ran = run(&program, &input(&picture, sentence));
+        let (code, bytes) = match on_the_host(&picture, sentence) {
+            Ok(plan) => (0, sub_goals(&plan)),
+            Err(refusal) => (2, refusal.kind().into()),
+        };
+        assert_eq!(ran.status.code(), Some(code), "{sentence:?}");
+        assert_eq!(ran.stdout, bytes, "{sentence:?}");
+    }
+    // A box outside the image, and an input that ends early.
+    let mut broken = picture.clone();
+    broken.detections[0].location[2] = 1.5;
+    assert_eq!(run(&program, &input(&broken, "")).status.code(), Some(3));
+    assert_eq!(run(&program, b"short").status.code(), Some(4));
+}
+
+#[test]
+#[ignore = "builds a program; run by cargo verify"]
+fn it_does_not_link_with_a_path_that_panics() {
+    let (output, _) = build(Some("panic"));
+    let messages = messages(&output);
+    assert!(!output.status.success());
+    assert!(messages.contains("a_panic_path_is_left"), "{messages}");
+}
+
+#[test]
+#[ignore = "builds a program; run by cargo verify"]
+fn it_does_not_link_with_an_allocation() {
+    let (output, _) = build(Some("allocate"));
+    let messages = messages(&output);
+    assert!(!output.status.success());
+    assert!(
+        messages.contains("no global memory allocator"),
+        "{messages}"
+    );
+}
+
+#[test]
+fn its_dependencies_are_those_of_the_workspace() {
+    // It has a lock file of its own; what it proves is about the same code.
+    let ours = locked(&format!("{}/../Cargo.lock", env!("CARGO_MANIFEST_DIR")));
+    for (name, versions) in locked(&format!("{FOLDER}/Cargo.lock")) {
+        if name == "no-std-plan" {
+            continue;
+        }
+        let in_workspace = ours.get(&name).map_or(&[][..], Vec::as_slice);
+        for version in versions {
+            assert!(
+                in_workspace.contains(&version),
+                "{name} {version}, in the workspace {in_workspace:?}: \
+                 run cargo update --precise in tests/no-std-plan"
+            );
+        }
+    }
+}
+
+/// Names and versions of a lock file.
+fn locked(path: &str) -> BTreeMap<String, Vec<String>> {
+    let text = std::fs::read_to_string(path).expect(path);
+    let value = |line: &str| line.split('"').nth(1).expect(path).to_owned();
+    let mut packages = BTreeMap::<_, Vec<_>>::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        if line.starts_with("name = ") {
+            let version = value(lines.next().expect(path));
+            packages.entry(value(line)).or_default().push(version);
+        }
+    }
+    packages
+}
+
+/// What the program reads; see `no-std-plan/src/input.rs`.
+fn input(picture: &Picture, sentence: &str) -> Vec<u8> {
+    let camera = camera();
+    let mut bytes = Vec::new();
+    bytes.extend([camera.width, camera.height].map(u32::to_le_bytes).concat());
+    let numbers = [camera.fx, camera.fy, camera.cx, camera.cy];
+    for number in numbers
+        .iter()
+        .chain(&camera.position)
+        .chain(&camera.orientation)
+    {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend((picture.detections.len() as u32).to_le_bytes());
+    for detection in &picture.detections {
+        bytes.extend(detection.id.to_le_bytes());
+        bytes.extend(detection.location.map(f32::to_le_bytes).concat());
+    }
+    bytes.extend((sentence.len() as u32).to_le_bytes());
+    bytes.extend(sentence.as_bytes());
+    bytes.extend(&picture.pixels);
+    bytes
+}
+
+fn run(program: &Path, input: &[u8]) -> Output {
+    let mut process = Command::new(program)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // It may end before it has read everything.
+    let _ = process.stdin.take().expect("piped").write_all(input);
+    process.wait_with_output().expect("the program ends")
+}
+
+fn on_the_host(picture: &Picture, sentence: &str) -> Result<Plan, Refusal> {
+    let image = RgbImage::new(&picture.pixels, SIZE[0], SIZE[1], 3 * SIZE[0] as usize).unwrap();
+    let detections = &picture.detections;
+    let task =
+        ObservationTask::new(&TABLETOP, image, camera(), detections, Stamp::default()).unwrap();
+    let scene = task.finish().expect("the picture is in order");
+    Planner::new(&TABLETOP).plan(&scene, sentence)
+}
+
+fn sub_goals(plan: &Plan) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for goal in plan.sub_goals() {
+        bytes.extend(goal.object.to_le_bytes());
+        let pose = &goal.pose;
+        for number in pose
+            .translation
+            .vector
+            .iter()
+            .chain(pose.rotation.coords.iter())
+        {
+            bytes.extend(number.to_le_bytes());
+        }
+    }
+    bytes
+}

@@ -1,0 +1,438 @@
+//! Every refusal, by sentence and scene, on the model whose weights were set by
+//! hand: exactly what it carries, and what a person reads.
+
+use nsrm_core::dsl::{Argument, Description};
+use nsrm_core::language::Span;
+use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
+use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
+use nsrm_core::{Planner, RawScene, Refusal, Scene};
+use nsrm_tests::by_hand::{Block, Parts, block, raw_scene};
+
+/// One case: what is said, what is seen, what is spoilt, what comes of it.
+struct Case {
+    sentence: String,
+    blocks: Vec<Block>,
+    /// What of the model is changed before the scene is made.
+    spoil: fn(&mut Parts),
+    /// What of the scene is changed before it is checked.
+    disturb: fn(&mut RawScene),
+    /// Whether it is the refusal that it should be, with all it carries.
+    expected: fn(&Refusal) -> bool,
+    /// A part of the message for a person.
+    message: &'static str,
+}
+
+const fn span(start: u16, end: u16) -> Span {
+    Span { start, end }
+}
+
+fn describes(description: &Description, concepts: &[u8]) -> bool {
+    description.concepts() == concepts
+}
+
+/// Blocks, model and scene as they should be; only the sentence is at fault.
+fn said(
+    sentence: impl Into<String>,
+    expected: fn(&Refusal) -> bool,
+    message: &'static str,
+) -> Case {
+    Case {
+        sentence: sentence.into(),
+        blocks: vec![
+            block("small", "red"),
+            block("lego", "red"),
+            block("lego", "blue"),
+        ],
+        spoil: |_| {},
+        disturb: |_| {},
+        expected,
+        message,
+    }
+}
+
+/// A sentence that is obeyed, were it not for what is spoilt.
+fn spoilt(spoil: fn(&mut Parts), expected: fn(&Refusal) -> bool, message: &'static str) -> Case {
+    Case {
+        spoil,
+        ..said(GOOD, expected, message)
+    }
+}
+
+const GOOD: &str = "put the small red block on the blue block";
+
+fn language_cases() -> Vec<Case> {
+    vec![
+        said(
+            " .  ",
+            |refusal| matches!(refusal, Refusal::NoWords),
+            "no words",
+        ),
+        said(
+            "put the crimson block on the blue block",
+            |refusal| *refusal == Refusal::UnknownWord { span: span(8, 15) },
+            "\"crimson\" is not a word",
+        ),
+        said(
+            "x".repeat(MAX_SENTENCE_BYTES + 1),
+            |refusal| {
+                let (limit, unit) = (MAX_SENTENCE_BYTES as u16, LengthUnit::Bytes);
+                *refusal == Refusal::SentenceTooLong { limit, unit }
+            },
+            "at most 4096 bytes",
+        ),
+        said(
+            "the ".repeat(MAX_TOKENS + 1),
+            |refusal| {
+                let (limit, unit) = (MAX_TOKENS as u16, LengthUnit::Tokens);
+                *refusal == Refusal::SentenceTooLong { limit, unit }
+            },
+            "at most 128 words",
+        ),
+        said(
+            "put the small red blue green lego block on the blue block",
+            |refusal| {
+                let limit = MAX_FILTERS as u8;
+                matches!(*refusal, Refusal::TooManyConcepts { span, limit: l } if l == limit && span.start == 8)
+            },
+            "too many words for one object: at most 4",
+        ),
+        said(
+            format!("{GOOD} then ").repeat(MAX_STEPS) + GOOD,
+            |refusal| {
+                let limit = MAX_STEPS as u8;
+                *refusal == Refusal::TooManySteps { limit }
+            },
+            "more than 8 steps",
+        ),
+        said(
+            "put red the ".repeat(MAX_GROUPS) + "on the blue block",
+            |refusal| {
+                let limit = MAX_GROUPS as u8;
+                matches!(*refusal, Refusal::TooManyReferences { step: 0, limit: l, .. } if l == limit)
+            },
+            "describes more than 16 objects",
+        ),
+        said(
+            "put the small red block on the block",
+            |refusal| {
+                let (step, references, span) = (0, 1, span(0, 36));
+                *refusal
+                    == Refusal::IncompleteStep {
+                        step,
+                        references,
+                        span,
+                    }
+            },
+            "describes 1 of the two objects",
+        ),
+        said(
+            format!("{GOOD} then put the red lego"),
+            |refusal| {
+                matches!(
+                    refusal,
+                    Refusal::IncompleteStep {
+                        step: 1,
+                        references: 1,
+                        ..
+                    }
+                )
+            },
+            "step 2",
+        ),
+        said(
+            "put the small red block on it the blue block",
+            |refusal| {
+                let (step, span) = (0, span(34, 38));
+                *refusal == Refusal::SameReference { step, span }
+            },
+            "\"blue\" was understood as both",
+        ),
+    ]
+}
+
+fn doubt_cases() -> Vec<Case> {
+    fn unsure(refusal: &Refusal, expected: Decision, about: f32) -> bool {
+        matches!(
+            *refusal,
+            Refusal::Unsure { step: 0, decision, probability, threshold: 0.6 }
+                if decision == expected && (probability - about).abs() < 0.01
+        )
+    }
+    vec![
+        said(
+            format!("{GOOD} maybe {GOOD}"),
+            |refusal| unsure(refusal, Decision::Split, 0.57),
+            "not sure where the step ends: probability 0.57, needed 0.60",
+        ),
+        said(
+            "put the small red block and the blue block",
+            |refusal| unsure(refusal, Decision::Action, 0.5),
+            "not sure what is to be done",
+        ),
+        said(
+            "on the blue block put the small red block",
+            |refusal| unsure(refusal, Decision::Argument(Argument::Object), 0.5),
+            "not sure which words name the object",
+        ),
+        spoilt(
+            |parts| parts.reference_decoder.bias.fill(0.0),
+            |refusal| unsure(refusal, Decision::Argument(Argument::Reference), 0.5),
+            "not sure which words name the reference",
+        ),
+    ]
+}
+
+fn scene_cases() -> Vec<Case> {
+    vec![
+        said(
+            "put the green block on the blue block",
+            |refusal| {
+                matches!(
+                    refusal,
+                    Refusal::NoSuchObject {
+                        step: 0,
+                        argument: Argument::Object,
+                        description,
+                        best: Some(Candidate { score, .. }),
+                        threshold: 0.5,
+                    } if describes(description, &[1]) && score.abs() < 1e-3
+                )
+            },
+            "the object \"green\" fits no object in the scene: the best is object 1",
+        ),
+        Case {
+            blocks: Vec::new(),
+            ..said(
+                GOOD,
+                |refusal| matches!(refusal, Refusal::NoSuchObject { best: None, .. }),
+                "it is empty",
+            )
+        },
+        said(
+            "put the blue block on the red block",
+            |refusal| {
+                matches!(
+                    refusal,
+                    Refusal::Ambiguous {
+                        step: 0,
+                        argument: Argument::Reference,
+                        description,
+                        candidates,
+                    } if describes(description, &[0])
+                        && candidates.count() == 2
+                        && candidates.listed().iter().map(|c| c.object).eq([1, 2])
+                )
+            },
+            "the reference \"red\" fits 2 objects: 1 (score 1.00), 2 (score 1.00)",
+        ),
+        Case {
+            blocks: vec![block("small", "red"); 16],
+            ..said(
+                GOOD,
+                |refusal| {
+                    matches!(refusal, Refusal::Ambiguous { candidates, .. }
+                        if candidates.count() == 16 && candidates.listed().len() == 8)
+                },
+                "and others",
+            )
+        },
+        said(
+            "put the small red block on the small block",
+            |refusal| {
+                let (step, object) = (0, 1);
+                *refusal == Refusal::SameObject { step, object }
+            },
+            "both descriptions fit object 1",
+        ),
+        Case {
+            // So far to the left of the image that the place is outside.
+            disturb: |scene| {
+                scene.objects[2].location[0] = 0.0;
+                scene.objects[2].location[2] = 0.01;
+            },
+            ..said(
+                GOOD,
+                |refusal| {
+                    matches!(
+                        refusal,
+                        Refusal::OutsideWorkSpace { step: 0, object: 1, position: [x, ..], bounds }
+                            if *x < bounds.min[0]
+                    )
+                },
+                "outside the work space: x 0.3 to 0.7",
+            )
+        },
+        spoilt(
+            |parts| parts.lexicon[0].concept = 200,
+            |refusal| matches!(refusal, Refusal::InvalidModel),
+            "the model is damaged",
+        ),
+    ]
+}
+
+fn not_finite_cases() -> Vec<Case> {
+    fn of(refusal: &Refusal, quantity: Quantity) -> bool {
+        *refusal == Refusal::NotFinite { step: 0, quantity }
+    }
+    vec![
+        spoilt(
+            |parts| parts.hazard.bias = [f32::NAN],
+            |refusal| of(refusal, Quantity::Split),
+            "the splitter's hazard is not a finite number",
+        ),
+        spoilt(
+            |parts| parts.actions[1].decoder_bias = f32::INFINITY,
+            |refusal| of(refusal, Quantity::Action),
+            "the action decoder's result",
+        ),
+        spoilt(
+            |parts| parts.object_decoder.bias[3] = f32::NAN,
+            |refusal| of(refusal, Quantity::Argument(Argument::Object)),
+            "the object decoder's result",
+        ),
+        spoilt(
+            |parts| parts.reference_decoder.bias[3] = f32::NAN,
+            |refusal| of(refusal, Quantity::Argument(Argument::Reference)),
+            "the reference decoder's result",
+        ),
+        spoilt(
+            |parts| parts.attributes[1].output.bias[5] = f32::NAN,
+            |refusal| of(refusal, Quantity::Score(Argument::Object)),
+            "a score for the object",
+        ),
+        Case {
+            sentence: "put the red lego on the blue block".into(),
+            ..spoilt(
+                |parts| parts.concepts[2].embedding[0] = f32::NAN,
+                |refusal| of(refusal, Quantity::Score(Argument::Reference)),
+                "a score for the reference",
+            )
+        },
+        spoilt(
+            |parts| parts.simulator.output.bias[4] = f32::NAN,
+            |refusal| of(refusal, Quantity::Location),
+            "the predicted location",
+        ),
+        spoilt(
+            |parts| parts.camera.weight[2][5] = f32::INFINITY,
+            |refusal| of(refusal, Quantity::Pose),
+            "the sub-goal's pose",
+        ),
+    ]
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases = language_cases();
+    cases.extend(doubt_cases());
+    cases.extend(scene_cases());
+    cases.extend(not_finite_cases());
+    cases
+}
+
+impl Case {
+    fn refusal(&self) -> (Refusal, String) {
+        let mut parts = Parts::new();
+        (self.spoil)(&mut parts);
+        let model = parts.model();
+        let mut raw = raw_scene(&model, &self.blocks);
+        (self.disturb)(&mut raw);
+        let scene = Scene::new(raw, &model).expect("the scene itself is in order");
+        let refusal = Planner::new(&model)
+            .plan(&scene, &self.sentence)
+            .expect_err(self.message);
+        let message = refusal.in_context(&model, &self.sentence).to_string();
+        (refusal, message)
+    }
+}
+
+#[test]
+fn each_case_is_refused_for_its_reason_and_says_so() {
+    for case in cases() {
+        let (refusal, message) = case.refusal();
+        let start: String = case.sentence.chars().take(60).collect();
+        assert!((case.expected)(&refusal), "{start:?}: {refusal:?}");
+        assert!(message.contains(case.message), "{start:?}: {message}");
+        assert!(!refusal.to_string().is_empty());
+    }
+}
+
+#[test]
+fn a_scene_of_another_model_is_refused() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut other = Parts::new();
+    other.header.hash = [9; 32];
+    let other = other.model();
+    let scene = Scene::new(raw_scene(&other, &[block("small", "red")]), &other).unwrap();
+    let refusal = Planner::new(&model).plan(&scene, GOOD).unwrap_err();
+    let (expected, got) = (model.tag(), other.tag());
+    assert_eq!(refusal, Refusal::OtherModel { expected, got });
+    let message = refusal.in_context(&model, GOOD).to_string();
+    assert!(message.contains("observe it again with this model"));
+}
+
+/// The place of a kind in [`KINDS`]. A new variant does not compile until it has
+/// one, and then not pass until it has a case.
+const fn kind(refusal: &Refusal) -> usize {
+    match refusal {
+        Refusal::NoWords => 0,
+        Refusal::UnknownWord { .. } => 1,
+        Refusal::SentenceTooLong { .. } => 2,
+        Refusal::TooManyConcepts { .. } => 3,
+        Refusal::TooManySteps { .. } => 4,
+        Refusal::TooManyReferences { .. } => 5,
+        Refusal::IncompleteStep { .. } => 6,
+        Refusal::SameReference { .. } => 7,
+        Refusal::Unsure { .. } => 8,
+        Refusal::NoSuchObject { .. } => 9,
+        Refusal::Ambiguous { .. } => 10,
+        Refusal::SameObject { .. } => 11,
+        Refusal::NotFinite { .. } => 12,
+        Refusal::OutsideWorkSpace { .. } => 13,
+        Refusal::InvalidModel => 14,
+        // Its test is apart: it takes two models.
+        Refusal::OtherModel { .. } => 15,
+    }
+}
+
+const KINDS: [&str; 16] = [
+    "no_words",
+    "unknown_word",
+    "sentence_too_long",
+    "too_many_concepts",
+    "too_many_steps",
+    "too_many_references",
+    "incomplete_step",
+    "same_reference",
+    "unsure",
+    "no_such_object",
+    "ambiguous",
+    "same_object",
+    "not_finite",
+    "outside_work_space",
+    "invalid_model",
+    "other_model",
+];
+
+#[test]
+fn the_cases_cover_every_kind() {
+    let mut covered = [false; KINDS.len()];
+    covered[15] = true;
+    for case in cases() {
+        let (refusal, _) = case.refusal();
+        assert_eq!(refusal.kind(), KINDS[kind(&refusal)]);
+        covered[kind(&refusal)] = true;
+    }
+    for (name, covered) in KINDS.iter().zip(covered) {
+        assert!(covered, "no case is refused as {name}");
+    }
+}
+
+#[test]
+fn without_a_fault_nothing_is_refused() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let blocks = said(GOOD, |_| false, "").blocks;
+    let scene = Scene::new(raw_scene(&model, &blocks), &model).unwrap();
+    assert!(Planner::new(&model).plan(&scene, GOOD).is_ok());
+}
