@@ -6,6 +6,7 @@
 
 mod decoders;
 mod encoder;
+mod segments;
 mod splitter;
 mod task;
 mod tokens;

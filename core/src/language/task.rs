@@ -1,6 +1,7 @@
 use heapless::Vec;
 
-use super::{Encoder, Reader, Span, Splitter, Token, choose_action, choose_group};
+use super::segments::Segments;
+use super::{Encoder, Reader, Span, Splitter, choose_action, choose_group};
 use crate::capacity::{MAX_GROUPS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Program, Step};
 use crate::model::{INSTRUCTION, Model, WordParameters};
@@ -40,17 +41,10 @@ pub struct ParsingTask<'a> {
     model: &'a Model<'a>,
     reader: Reader<'a>,
     splitter: Splitter,
-    segments: Vec<Segment, MAX_STEPS, u8>,
+    segments: Segments,
     encoder: Encoder,
     parsed: Parsed,
     stage: Stage,
-}
-
-/// The tokens of one step: from the end of the one before it to `end`.
-#[derive(Debug, Clone, Copy)]
-struct Segment {
-    end: usize,
-    probability: f32,
 }
 
 /// Where a parsing task stands. Tokens are counted over the whole sentence, steps
@@ -107,7 +101,7 @@ impl<'a> ParsingTask<'a> {
             model,
             reader,
             splitter: Splitter::new(),
-            segments: Vec::new(),
+            segments: Segments::new(),
             encoder: Encoder::new(),
             parsed: Parsed::default(),
             stage,
@@ -177,7 +171,7 @@ impl<'a> ParsingTask<'a> {
         let behind = token.saturating_add(1);
         let Some(next) = self.parameters(behind) else {
             // Nothing follows: what remains is the last step.
-            self.end_segment(behind, self.splitter.survival())?;
+            self.segments.end(behind, self.splitter.survival())?;
             return Ok(Stage::Step { step: 0 });
         };
         let this = self.parameters(token).ok_or(Refusal::InvalidModel)?;
@@ -186,40 +180,33 @@ impl<'a> ParsingTask<'a> {
             .splitter
             .hazard(&self.model.language, this, next, after_next);
         if !hazard.is_finite() {
-            return Err(not_finite(self.segments.len(), Quantity::Split));
+            return Err(not_finite(self.segments.count(), Quantity::Split));
         }
         if let Some(probability) = self.splitter.decide(hazard) {
-            self.end_segment(behind, probability)?;
+            self.segments.end(behind, probability)?;
             self.splitter = Splitter::new();
         }
         Ok(Stage::Split { token: behind })
     }
 
-    fn end_segment(&mut self, end: usize, probability: f32) -> Result<(), Refusal> {
-        let segment = Segment { end, probability };
-        self.segments
-            .push(segment)
-            .map_err(|_| Refusal::TooManySteps {
-                limit: MAX_STEPS as u8,
-            })
-    }
-
     fn begin_step(&mut self, step: usize) -> Result<Stage, Refusal> {
-        let Some(&Segment { probability, .. }) = self.segments.get(step) else {
+        let Some(probability) = self.segments.probability(step) else {
             return Ok(Stage::Done(None));
         };
-        let groups = self.groups(step).count();
+        let tokens = self.reader.tokens();
+        let groups = self.segments.groups(step, tokens).count();
+        let span = self.segments.span(step, tokens);
         if groups < 2 {
             return Err(Refusal::IncompleteStep {
                 step: step as u8,
                 references: groups as u8,
-                span: self.span(step),
+                span,
             });
         }
         if groups > MAX_GROUPS {
             return Err(Refusal::TooManyReferences {
                 step: step as u8,
-                span: self.span(step),
+                span,
                 limit: MAX_GROUPS as u8,
             });
         }
@@ -227,12 +214,12 @@ impl<'a> ParsingTask<'a> {
         self.encoder.clear();
         Ok(Stage::Forward {
             step,
-            token: self.first_token(step),
+            token: self.segments.tokens(step).start,
         })
     }
 
     fn forward(&mut self, step: usize, token: usize) -> Result<Stage, Refusal> {
-        let end = self.end_token(step);
+        let end = self.segments.tokens(step).end;
         let (parameters, group) = self.token(token)?;
         // Their number was checked when the step began.
         let _ = self
@@ -251,7 +238,7 @@ impl<'a> ParsingTask<'a> {
         let (parameters, group) = self.token(token)?;
         self.encoder
             .backward(&self.model.language, parameters, group);
-        Ok(if token > self.first_token(step) {
+        Ok(if token > self.segments.tokens(step).start {
             Stage::Backward {
                 step,
                 before: token,
@@ -292,10 +279,10 @@ impl<'a> ParsingTask<'a> {
                 span,
             });
         }
-        let split = self.segments.get(step).ok_or(Refusal::InvalidModel)?;
+        let split = self.segments.probability(step);
         let decisions = StepDecisions {
-            span: self.span(step),
-            split: split.probability,
+            span: self.segments.span(step, self.reader.tokens()),
+            split: split.ok_or(Refusal::InvalidModel)?,
             action: action.probability,
             object: object.probability,
             reference: reference.probability,
@@ -353,38 +340,9 @@ impl<'a> ParsingTask<'a> {
         Ok((parameters, token.description().is_some()))
     }
 
-    fn first_token(&self, step: usize) -> usize {
-        step.checked_sub(1)
-            .and_then(|before| self.segments.get(before))
-            .map_or(0, |segment| segment.end)
-    }
-
-    fn end_token(&self, step: usize) -> usize {
-        self.segments.get(step).map_or(0, |segment| segment.end)
-    }
-
-    fn tokens(&self, step: usize) -> &[Token] {
-        self.reader
-            .tokens()
-            .get(self.first_token(step)..self.end_token(step))
-            .unwrap_or_default()
-    }
-
-    fn span(&self, step: usize) -> Span {
-        let tokens = self.tokens(step);
-        Span {
-            start: tokens.first().map_or(0, |token| token.span.start),
-            end: tokens.last().map_or(0, |token| token.span.end),
-        }
-    }
-
-    fn groups(&self, step: usize) -> impl Iterator<Item = (&Description, Span)> {
-        let tokens = self.tokens(step).iter();
-        tokens.filter_map(|token| Some((token.description()?, token.span)))
-    }
-
     fn group(&self, step: usize, index: usize) -> Result<(Description, Span), Refusal> {
-        self.groups(step)
+        self.segments
+            .groups(step, self.reader.tokens())
             .nth(index)
             .map(|(description, span)| (*description, span))
             .ok_or(Refusal::InvalidModel)

@@ -11,15 +11,15 @@ pub struct Conv<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> {
 
 impl<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> Conv<INPUT, OUTPUT, KERNEL> {
     /// From maps of `SIDE × SIDE` to maps of `SIDE/KERNEL × SIDE/KERNEL = RESULT × RESULT`,
-    /// both by channel, row, column.
+    /// both by channel, row, column. Writes into `output`, which may be large.
     ///
     /// Cost: `INPUT·OUTPUT·SIDE²` multiply-adds.
     pub fn apply<const SIDE: usize, const RESULT: usize>(
         &self,
         input: &[[[f32; SIDE]; SIDE]; INPUT],
-    ) -> [[[f32; RESULT]; RESULT]; OUTPUT] {
+        output: &mut [[[f32; RESULT]; RESULT]; OUTPUT],
+    ) {
         const { assert!(KERNEL > 0 && SIDE == RESULT * KERNEL) };
-        let mut output = [[[0.0; RESULT]; RESULT]; OUTPUT];
         for row in 0..RESULT {
             for column in 0..RESULT {
                 let values = self.at(input, row * KERNEL, column * KERNEL);
@@ -31,7 +31,6 @@ impl<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> Conv<INPUT, O
                 }
             }
         }
-        output
     }
 
     /// Every output channel over the patch whose first pixel is (`top`, `left`).
@@ -77,7 +76,8 @@ mod tests {
                 }
             }
         }
-        let output: [[[f32; 2]; 2]; 3] = conv.apply(&input);
+        let mut output = [[[0.0; 2]; 2]; 3];
+        conv.apply(&input, &mut output);
         assert_eq!(output[0], [[101.0, 103.0], [109.0, 111.0]]);
         assert_eq!(output[1], [[204.0, 206.0], [212.0, 214.0]]);
         assert_eq!(output[2], [[342.0, 346.0], [358.0, 362.0]]);

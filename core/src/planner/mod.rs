@@ -116,7 +116,7 @@ impl<'m> Planner<'m> {
     ///
     /// Cost: at most [`MAX_POLLS`] times [`UNIT_MULTIPLY_ADDS`]; a one-step
     /// sentence of ten words takes about 0.25 million multiply-adds.
-    /// Stack: [`TASK_BYTES`], [`PLAN_BYTES`] and about 4 KiB.
+    /// Stack: [`TASK_BYTES`], [`PLAN_BYTES`] and about 5 KiB.
     pub fn plan(&self, scene: &Scene, sentence: &str) -> Result<Plan, Refusal> {
         let mut task = self.begin(scene, sentence);
         loop {

@@ -9,5 +9,5 @@ mod observer;
 
 pub use concepts::{operate, similarity};
 pub use crop::{Crop, ImageError, RgbImage};
-pub use encoder::encode;
+pub use encoder::{ENCODE_MULTIPLY_ADDS, encode, encode_in_place};
 pub use observer::{Detection, ObservationTask, Stamp};

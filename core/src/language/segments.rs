@@ -1,0 +1,80 @@
+use core::ops::Range;
+
+use heapless::Vec;
+
+use super::{Span, Token};
+use crate::capacity::MAX_STEPS;
+use crate::dsl::Description;
+use crate::refusal::Refusal;
+
+/// Which tokens of a sentence belong to which step. Steps count from 0.
+#[derive(Debug, Clone)]
+pub(super) struct Segments {
+    segments: Vec<Segment, MAX_STEPS, u8>,
+}
+
+/// The tokens of one step: from the end of the one before it to `end`.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    end: usize,
+    probability: f32,
+}
+
+impl Segments {
+    pub(super) const fn new() -> Self {
+        Self {
+            segments: Vec::new(),
+        }
+    }
+
+    /// The next step ends before token `end`, with this probability.
+    pub(super) fn end(&mut self, end: usize, probability: f32) -> Result<(), Refusal> {
+        let segment = Segment { end, probability };
+        self.segments
+            .push(segment)
+            .map_err(|_| Refusal::TooManySteps {
+                limit: MAX_STEPS as u8,
+            })
+    }
+
+    /// How many steps have ended.
+    pub(super) fn count(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// That the step ends where it does; `None` behind the last step.
+    pub(super) fn probability(&self, step: usize) -> Option<f32> {
+        self.segments.get(step).map(|segment| segment.probability)
+    }
+
+    /// The places of the step's tokens in the sentence.
+    pub(super) fn tokens(&self, step: usize) -> Range<usize> {
+        let end_of = |step: usize| self.segments.get(step).map_or(0, |segment| segment.end);
+        step.checked_sub(1).map_or(0, end_of)..end_of(step)
+    }
+
+    /// Where in the sentence the step stands.
+    ///
+    /// * `sentence`: all tokens
+    pub(super) fn span(&self, step: usize, sentence: &[Token]) -> Span {
+        let tokens = sentence.get(self.tokens(step)).unwrap_or_default();
+        Span {
+            start: tokens.first().map_or(0, |token| token.span.start),
+            end: tokens.last().map_or(0, |token| token.span.end),
+        }
+    }
+
+    /// The step's groups of concept words, and where they stand.
+    ///
+    /// * `sentence`: all tokens
+    pub(super) fn groups<'t>(
+        &self,
+        step: usize,
+        sentence: &'t [Token],
+    ) -> impl Iterator<Item = (&'t Description, Span)> + use<'t> {
+        let tokens = sentence.get(self.tokens(step)).unwrap_or_default();
+        tokens
+            .iter()
+            .filter_map(|token| Some((token.description()?, token.span)))
+    }
+}

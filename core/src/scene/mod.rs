@@ -1,0 +1,231 @@
+//! What is observed: objects with their locations and embeddings, and the camera
+//! (`S_I` of the paper), in the layout that shared memory and the C interface use.
+//!
+//! [`RawScene`] is bytes that anyone may have written. [`Scene`] is one that was
+//! checked; from then on every number in it is finite, every box is ordered and
+//! inside the image, every depth positive, every id non-zero and its own.
+
+mod error;
+
+pub use error::{ObjectFault, SceneError};
+
+use core::mem::{offset_of, size_of};
+
+use crate::camera::Camera;
+use crate::capacity::MAX_OBJECTS;
+use crate::model::{LOCATION, Model, OBJECT_EMBEDDING};
+
+/// Version of the layout of [`RawScene`].
+pub const SCENE_SCHEMA: u32 = 1;
+/// [`SceneHeader::frame`]: the camera's pose is given in the world's frame. The
+/// only one of schema 1.
+pub const FRAME_WORLD: u32 = 0;
+
+/// What a scene says of itself.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SceneHeader {
+    /// [`SCENE_SCHEMA`].
+    pub schema: u32,
+    /// Frame of reference of the camera's pose: [`FRAME_WORLD`].
+    pub frame: u32,
+    /// [`Model::tag`] of the model whose encoder made the embeddings.
+    pub model_tag: u64,
+    /// Counts up with each scene of one publisher.
+    pub sequence: u64,
+    /// When the image was taken, nanoseconds on the publisher's clock.
+    pub timestamp_ns: u64,
+}
+
+/// An object as the camera sees it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObservedObject {
+    /// Who it is across scenes; not zero.
+    pub id: u32,
+    /// Box corners x1, y1, x2, y2 as fractions of the image's width and height,
+    /// then the mean depth of its visible pixels in metres.
+    pub location: [f32; LOCATION],
+    /// What the crop encoder made of it; see [`crate::vision::encode`].
+    pub embedding: [f32; OBJECT_EMBEDDING],
+}
+
+impl ObservedObject {
+    /// All zero: what stands in the unused places of a scene.
+    pub const EMPTY: Self = Self {
+        id: 0,
+        location: [0.0; LOCATION],
+        embedding: [0.0; OBJECT_EMBEDDING],
+    };
+}
+
+/// A scene as it comes from outside: fixed size, no pointers, no padding.
+/// Anything may stand in it until [`Scene::new`] has checked it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RawScene {
+    /// What the scene says of itself.
+    pub header: SceneHeader,
+    /// The camera that saw it.
+    pub camera: Camera,
+    /// How many of `objects` are there.
+    pub count: u32,
+    /// The objects; what stands behind the first `count` is not looked at.
+    pub objects: [ObservedObject; MAX_OBJECTS],
+}
+
+// No padding: the fields fill the structs exactly, in this order.
+const _: () = {
+    assert!(size_of::<SceneHeader>() == 32);
+    assert!(size_of::<Camera>() == 52);
+    assert!(size_of::<ObservedObject>() == 4 * (1 + LOCATION + OBJECT_EMBEDDING));
+    assert!(offset_of!(RawScene, camera) == 32);
+    assert!(offset_of!(RawScene, count) == 84);
+    assert!(offset_of!(RawScene, objects) == 88);
+    assert!(size_of::<RawScene>() == 88 + MAX_OBJECTS * size_of::<ObservedObject>());
+};
+
+/// A checked scene. The same bytes as its [`RawScene`].
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scene {
+    raw: RawScene,
+}
+
+impl RawScene {
+    /// A scene without objects, as `model`'s planner expects it.
+    pub const fn empty(model: &Model<'_>, camera: Camera) -> Self {
+        Self {
+            header: SceneHeader {
+                schema: SCENE_SCHEMA,
+                frame: FRAME_WORLD,
+                model_tag: model.tag(),
+                sequence: 0,
+                timestamp_ns: 0,
+            },
+            camera,
+            count: 0,
+            objects: [ObservedObject::EMPTY; MAX_OBJECTS],
+        }
+    }
+
+    /// Puts an object behind those that are there; gives it back when the scene
+    /// is full. What the object says is checked by [`Scene::new`].
+    // An object handed back is as big as it is.
+    #[allow(clippy::result_large_err)]
+    pub fn push(&mut self, object: ObservedObject) -> Result<(), ObservedObject> {
+        let place = usize::try_from(self.count)
+            .ok()
+            .and_then(|count| self.objects.get_mut(count));
+        let Some(place) = place else {
+            return Err(object);
+        };
+        *place = object;
+        self.count += 1;
+        Ok(())
+    }
+
+    /// Whether this is a scene that a planner on `model` can read.
+    ///
+    /// Cost: one pass over the numbers and `count²/2` comparisons of ids.
+    pub fn check(&self, model: &Model<'_>) -> Result<(), SceneError> {
+        let SceneHeader {
+            schema,
+            frame,
+            model_tag,
+            ..
+        } = self.header;
+        if schema != SCENE_SCHEMA {
+            return Err(SceneError::Schema { got: schema });
+        }
+        if frame != FRAME_WORLD {
+            return Err(SceneError::Frame { got: frame });
+        }
+        if model_tag != model.tag() {
+            return Err(SceneError::ModelTag {
+                expected: model.tag(),
+                got: model_tag,
+            });
+        }
+        self.camera.check()?;
+        let objects = usize::try_from(self.count)
+            .ok()
+            .and_then(|count| self.objects.get(..count))
+            .ok_or(SceneError::TooManyObjects { count: self.count })?;
+        for (index, object) in objects.iter().enumerate() {
+            let repeated = objects
+                .iter()
+                .take(index)
+                .any(|before| before.id == object.id);
+            let fault = if object.id == 0 {
+                Some(ObjectFault::ZeroId)
+            } else if repeated {
+                Some(ObjectFault::RepeatedId)
+            } else if !object.embedding.iter().all(|number| number.is_finite()) {
+                Some(ObjectFault::EmbeddingNotFinite)
+            } else {
+                location_fault(&object.location)
+            };
+            if let Some(fault) = fault {
+                return Err(SceneError::Object {
+                    // Below MAX_OBJECTS.
+                    index: index as u8,
+                    id: object.id,
+                    fault,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Scene {
+    /// Checks a scene from outside; see [`RawScene::check`].
+    pub fn new(raw: RawScene, model: &Model<'_>) -> Result<Self, SceneError> {
+        raw.check(model)?;
+        Ok(Self { raw })
+    }
+
+    /// The objects, at most [`MAX_OBJECTS`].
+    pub fn objects(&self) -> &[ObservedObject] {
+        // `count` was checked: never more than there are.
+        self.raw
+            .objects
+            .get(..self.raw.count as usize)
+            .unwrap_or_default()
+    }
+
+    /// The camera that saw them.
+    pub const fn camera(&self) -> &Camera {
+        &self.raw.camera
+    }
+
+    /// What the scene says of itself.
+    pub const fn header(&self) -> &SceneHeader {
+        &self.raw.header
+    }
+
+    /// The bytes to publish.
+    pub const fn raw(&self) -> &RawScene {
+        &self.raw
+    }
+}
+
+/// What is wrong with a location, if anything is.
+pub(crate) fn location_fault(location: &[f32; LOCATION]) -> Option<ObjectFault> {
+    let [x1, y1, x2, y2, depth] = *location;
+    if !location.iter().all(|number| number.is_finite()) {
+        Some(ObjectFault::LocationNotFinite)
+    } else if !(x1 < x2 && y1 < y2) {
+        Some(ObjectFault::BoxNotOrdered)
+    } else if x1 < 0.0 || y1 < 0.0 || x2 > 1.0 || y2 > 1.0 {
+        Some(ObjectFault::BoxOutsideImage)
+    } else if depth <= 0.0 {
+        Some(ObjectFault::DepthNotPositive)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests;
