@@ -83,9 +83,25 @@ def test_the_arm_has_a_mesh_for_each_visible_link():
     np.testing.assert_allclose(right.center, left.center * [-1, -1, 1], atol=1e-6)
 
 
-def test_an_obj_file_with_other_faces_is_refused(tmp_path: Path):
+def test_an_obj_file_keeps_colours_and_corners(tmp_path: Path):
+    (tmp_path / "a.mtl").write_text("newmtl dark\nKd 0.1 0.2 0.3\n")
+    path = tmp_path / "a.obj"
+    path.write_text(
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nvn 0 0 1\nvn 0 -1 0\n"
+        "usemtl dark\nf 1/7/1 2/8/1 3/9/1\nusemtl none\nf 1//2 2//2 4//2\n"
+    )
+    dark, plain = load_obj(path)
+    assert (dark.rgb, plain.rgb) == ((0.1, 0.2, 0.3), (1.0, 1.0, 1.0))
+    corners = dark.vertices[dark.triangles[0]]
+    np.testing.assert_array_equal(corners, [[0, 0, 0], [1, 0, 0], [0, 2, 0]])
+    np.testing.assert_array_equal(plain.vertices[plain.triangles[0]][2], [0, 0, 3])
+    np.testing.assert_array_equal(plain.normals, [[0, -1, 0]] * 3)
+
+
+@pytest.mark.parametrize("face", ["1//1 2//1 3//1 4//1", "1/1/1 2/1/1 3/1/1 4/1/1", "1 2 3"])
+def test_an_obj_file_with_other_faces_is_refused(tmp_path: Path, face: str):
     path = tmp_path / "square.obj"
-    path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n")
+    path.write_text(f"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf {face}\n")
     with pytest.raises(ValueError, match="triangle"):
         load_obj(path)
 

@@ -161,7 +161,7 @@ def load_obj(path: Path) -> list[Mesh]:
 
 
 def _table(path: Path, lines: list[str]) -> NDArray[np.float32]:
-    values = np.array(" ".join(lines).split(), dtype=np.float32)
+    values = np.fromstring(" ".join(lines), dtype=np.float32, sep=" ")
     if not lines or values.size != 3 * len(lines):
         raise ValueError(f"{path}: vertices and normals must have three numbers each")
     return values.reshape(-1, 3)
@@ -174,17 +174,17 @@ def _indexed(
     lines: list[str],
     rgb: Vector3,
 ) -> Mesh:
-    corners = " ".join(lines).split()
-    if len(corners) != 3 * len(lines):
-        raise ValueError(f"{path}: every face must be a triangle")
-    pairs = [corner.split("/") for corner in corners]
-    if any(len(pair) != 3 for pair in pairs):
-        raise ValueError(f"{path}: every corner of a face must name its normal")
-    keys = np.array([(int(pair[0]), int(pair[2])) for pair in pairs], dtype=np.int64) - 1
-    unique, inverse = np.unique(keys, axis=0, return_inverse=True)
+    # Three numbers a corner: vertex, texture (0 for none), normal.
+    text = " ".join(lines).replace("//", "/0/").replace("/", " ")
+    numbers = np.fromstring(text, dtype=np.int64, sep=" ")
+    if numbers.size != 9 * len(lines):
+        raise ValueError(f"{path}: every face must be a triangle whose corners name a normal")
+    corners = numbers.reshape(-1, 3) - 1
+    keys = corners[:, 0] * len(directions) + corners[:, 2]
+    unique, inverse = np.unique(keys, return_inverse=True)
     return Mesh(
-        positions[unique[:, 0]],
-        directions[unique[:, 1]],
+        positions[unique // len(directions)],
+        directions[unique % len(directions)],
         inverse.reshape(-1, 3).astype(np.int32),
         rgb,
     )

@@ -19,7 +19,7 @@ class Light:
     * `color`: of the lamp, near (1, 1, 1)
     """
 
-    direction: Vector3 = (0.38, -0.36, 0.852)
+    direction: Vector3 = (0.36, -0.48, 0.80)
     ambient: float = 0.48
     diffuse: float = 0.60
     color: Vector3 = (1.0, 1.0, 1.0)
