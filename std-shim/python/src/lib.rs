@@ -1,1 +1,31 @@
-//! nsrm-python
+//! The Python module `nsrm`: models, scenes and plans of `nsrm_core` as plain
+//! types, numpy arrays in and out, refusals as exceptions.
+//!
+//! What each class and function takes and gives is said in `nsrm.pyi`.
+
+mod arrays;
+mod camera;
+mod errors;
+mod model;
+mod plan;
+mod scene;
+mod values;
+
+/// Sentences and scenes to robot programs and sub-goals.
+#[pyo3::pymodule(name = "nsrm")]
+mod module {
+    #[pymodule_export]
+    use crate::camera::Camera;
+    #[pymodule_export]
+    use crate::errors::{ModelError, NsrmError, Refused, SceneError};
+    #[pymodule_export]
+    use crate::model::Model;
+    #[pymodule_export]
+    use crate::plan::{Plan, PlannedStep, Program, Step};
+    #[pymodule_export]
+    use crate::scene::{Scene, crop};
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,66 @@
+//! Exceptions, each with the core's message.
+
+use nsrm::LoadError;
+use nsrm::json::refusal_details;
+use nsrm_core::Refusal;
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use serde_json::Value;
+
+use crate::values::to_python;
+
+create_exception!(
+    nsrm,
+    NsrmError,
+    PyValueError,
+    "What this module raises; its subclasses say what was wrong."
+);
+create_exception!(
+    nsrm,
+    Refused,
+    NsrmError,
+    "The sentence is not obeyed; `kind` and `details` say why."
+);
+create_exception!(nsrm, ModelError, NsrmError, "A model file can't be used.");
+create_exception!(
+    nsrm,
+    SceneError,
+    NsrmError,
+    "What is observed makes no scene."
+);
+
+/// A wrong argument: its name, what was expected and what was given.
+pub(crate) fn argument(name: &str, problem: impl std::fmt::Display) -> PyErr {
+    NsrmError::new_err(format!("{name}: {problem}"))
+}
+
+/// An observation that core refuses.
+pub(crate) fn scene(error: impl std::error::Error) -> PyErr {
+    SceneError::new_err(error.to_string())
+}
+
+/// A model file that can't be used.
+pub(crate) fn load(error: LoadError) -> PyErr {
+    ModelError::new_err(error.to_string())
+}
+
+/// A refusal with `kind`, `details` and the message for a person.
+pub(crate) fn refused(
+    py: Python<'_>,
+    model: &nsrm_core::Model<'_>,
+    refusal: &Refusal,
+    sentence: &str,
+) -> PyErr {
+    let error = Refused::new_err(refusal.in_context(model, sentence).to_string());
+    let details = Value::Object(refusal_details(model, refusal, sentence));
+    let set = |error: &PyErr| -> PyResult<()> {
+        let value = error.value(py);
+        value.setattr("kind", refusal.kind())?;
+        value.setattr("details", to_python(py, &details)?)
+    };
+    match set(&error) {
+        Ok(()) => error,
+        Err(failure) => failure,
+    }
+}

@@ -1,0 +1,220 @@
+//! The model with its planner.
+
+use std::path::PathBuf;
+
+use nsrm::{AnyModel, info_json};
+use nsrm_core::model::OBJECT_EMBEDDING;
+use nsrm_core::scene::ObservedObject;
+use nsrm_core::vision::{self, Detection, ObservationTask, Stamp};
+use nsrm_core::{MAX_OBJECTS, Planner, RawScene, SceneError};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods, ndarray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{self, Image, Numbers, location, numbers, rows};
+use crate::camera::Camera;
+use crate::errors::{self, argument};
+use crate::plan::{Plan, Program};
+use crate::scene::Scene;
+use crate::values::to_python;
+
+/// A trained model: the one that is built in, or one from a file.
+#[pyclass(frozen, module = "nsrm")]
+pub(crate) struct Model {
+    inner: AnyModel,
+}
+
+#[pymethods]
+impl Model {
+    /// The model that is built in: the domain `tabletop`.
+    #[staticmethod]
+    fn pretrained() -> Self {
+        Self {
+            inner: AnyModel::Pretrained,
+        }
+    }
+
+    /// A model file (safetensors), checked.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let inner = py.detach(|| AnyModel::load(path)).map_err(errors::load)?;
+        Ok(Self { inner })
+    }
+
+    /// Domain, dimensions, capacities, sizes, thresholds, training and metrics.
+    fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &info_json(&self.inner))
+    }
+
+    /// What a sentence says is to be done, whatever the scene.
+    fn parse(&self, py: Python<'_>, sentence: &str) -> PyResult<Program> {
+        let model = self.inner.model();
+        let result = py.detach(|| Planner::new(&model).parse(sentence));
+        match result {
+            Ok(program) => Ok(Program::new(&model, &program)),
+            Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
+        }
+    }
+
+    /// A plan for a sentence in a scene.
+    fn plan(&self, py: Python<'_>, scene: &Scene, sentence: &str) -> PyResult<Plan> {
+        let model = self.inner.model();
+        let result = py.detach(|| Planner::new(&model).plan(&scene.inner, sentence));
+        match result {
+            Ok(plan) => Plan::new(py, &model, &plan),
+            Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
+        }
+    }
+
+    /// A scene from an image and the boxes that a detector found in it.
+    #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn observe(
+        &self,
+        py: Python<'_>,
+        image: &Bound<'_, PyAny>,
+        ids: Vec<u32>,
+        boxes: Numbers<'_, ndarray::Ix2>,
+        depths: PyArrayLike1<'_, f32, AllowTypeChange>,
+        camera: &Camera,
+    ) -> PyResult<Scene> {
+        let image = Image::new(image)?;
+        let pixels = image.pixels()?;
+        let detections = detections(ids, &boxes, &depths)?;
+        let model = self.inner.model();
+        let scene = py.detach(|| {
+            ObservationTask::new(&model, pixels, camera.inner, &detections, Stamp::default())
+                .and_then(ObservationTask::finish)
+                .map(Box::new)
+        });
+        let inner = scene.map_err(errors::scene)?;
+        Ok(Scene { inner })
+    }
+
+    /// A scene from embeddings that this model's encoder made before.
+    #[allow(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn scene_from_embeddings(
+        &self,
+        ids: Vec<u32>,
+        boxes: Numbers<'_, ndarray::Ix2>,
+        depths: PyArrayLike1<'_, f32, AllowTypeChange>,
+        embeddings: Numbers<'_, ndarray::Ix2>,
+        camera: &Camera,
+    ) -> PyResult<Scene> {
+        let model = self.inner.model();
+        let embeddings = rows::<OBJECT_EMBEDDING>("embeddings", &embeddings, ids.len())?;
+        let detections = detections(ids, &boxes, &depths)?;
+        let mut scene = RawScene::empty(&model, camera.inner);
+        for (detection, embedding) in detections.iter().zip(embeddings) {
+            let object = ObservedObject {
+                id: detection.id,
+                location: detection.location,
+                embedding,
+            };
+            if scene.push(object).is_err() {
+                let count = detections.len().try_into().unwrap_or(u32::MAX);
+                return Err(errors::scene(SceneError::TooManyObjects { count }));
+            }
+        }
+        let scene = nsrm_core::Scene::new(scene, &model).map_err(errors::scene)?;
+        let inner = Box::new(scene);
+        Ok(Scene { inner })
+    }
+
+    /// The embedding of a crop: float32 [64].
+    fn encode_crop<'py>(
+        &self,
+        py: Python<'py>,
+        crop: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let crop = arrays::crop(crop)?;
+        let model = self.inner.model();
+        let embedding = py.detach(|| vision::encode(&model, &crop));
+        Ok(PyArray1::from_slice(py, &embedding))
+    }
+
+    /// The cosine of an embedding with every concept, by its name.
+    fn similarities<'py>(
+        &self,
+        py: Python<'py>,
+        embedding: PyArrayLike1<'py, f32, AllowTypeChange>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let embedding = numbers("embedding", &embedding)?;
+        let model = self.inner.model();
+        let similarities = PyDict::new(py);
+        for (index, concept) in (0..=u8::MAX).zip(model.concepts) {
+            let similarity = vision::similarity(&model, &embedding, index);
+            similarities.set_item(concept.name, similarity)?;
+        }
+        Ok(similarities)
+    }
+
+    /// Where the moved object will be seen after an action: float32 [5].
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        action: &str,
+        object_location: PyArrayLike1<'py, f32, AllowTypeChange>,
+        reference_location: PyArrayLike1<'py, f32, AllowTypeChange>,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let model = self.inner.model();
+        let object = location("object_location", &object_location)?;
+        let reference = location("reference_location", &reference_location)?;
+        let known = model.actions.iter().find(|known| known.name == action);
+        let known = known.ok_or_else(|| {
+            let names: Vec<&str> = model.actions.iter().map(|known| known.name).collect();
+            let problem = format!("expected one of {}, got {action:?}", names.join(", "));
+            argument("action", problem)
+        })?;
+        let result = nsrm_core::action::simulate(model.simulator, known, &object, &reference);
+        Ok(PyArray1::from_slice(py, &result))
+    }
+
+    /// The centre of the object seen at a location, world frame, metres: float32 [3].
+    #[pyo3(signature = (location, camera))]
+    fn locate<'py>(
+        &self,
+        py: Python<'py>,
+        location: PyArrayLike1<'py, f32, AllowTypeChange>,
+        camera: &Camera,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let seen = arrays::location("location", &location)?;
+        let centre = camera.inner.locate(self.inner.model().camera, &seen);
+        Ok(PyArray1::from_slice(py, centre.coords.as_slice()))
+    }
+
+    fn __repr__(&self) -> String {
+        let model = self.inner.model();
+        format!(
+            "Model(domain={:?}, tag={:016x})",
+            model.header.domain,
+            model.tag()
+        )
+    }
+}
+
+/// Boxes and depths put together, one for each id.
+fn detections(
+    ids: Vec<u32>,
+    boxes: &Numbers<'_, ndarray::Ix2>,
+    depths: &PyArrayLike1<'_, f32, AllowTypeChange>,
+) -> PyResult<Vec<Detection>> {
+    let count = ids.len();
+    if count > MAX_OBJECTS {
+        let count = count.try_into().unwrap_or(u32::MAX);
+        return Err(errors::scene(SceneError::TooManyObjects { count }));
+    }
+    let boxes = rows::<4>("boxes", boxes, count)?;
+    let depths = depths.to_vec().map_err(|error| argument("depths", error))?;
+    if depths.len() != count {
+        let got = depths.len();
+        let problem = format!("expected {count} numbers for {count} ids, got {got}");
+        return Err(argument("depths", problem));
+    }
+    let detections = ids.into_iter().zip(boxes).zip(depths);
+    Ok(detections
+        .map(|((id, [x1, y1, x2, y2]), depth)| Detection {
+            id,
+            location: [x1, y1, x2, y2, depth],
+        })
+        .collect())
+}

@@ -1,0 +1,142 @@
+//! Programs and plans, as plain values.
+
+use nsrm::json::{action_name, names};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+/// One step of a program: names of the domain.
+#[pyclass(frozen, eq, get_all, module = "nsrm")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Step {
+    action: String,
+    object: Vec<String>,
+    reference: Vec<String>,
+}
+
+impl Step {
+    fn new(model: &nsrm_core::Model<'_>, step: &nsrm_core::dsl::Step) -> Self {
+        let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
+        Self {
+            action: action_name(model, step.action).to_owned(),
+            object: owned(names(model, &step.object)),
+            reference: owned(names(model, &step.reference)),
+        }
+    }
+}
+
+#[pymethods]
+impl Step {
+    fn __repr__(&self) -> String {
+        let Self {
+            action,
+            object,
+            reference,
+        } = self;
+        format!("Step(action={action:?}, object={object:?}, reference={reference:?})")
+    }
+}
+
+/// What a sentence says is to be done.
+#[pyclass(frozen, eq, get_all, module = "nsrm")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Program {
+    steps: Vec<Step>,
+    notation: String,
+}
+
+impl Program {
+    pub(crate) fn new(model: &nsrm_core::Model<'_>, program: &nsrm_core::Program) -> Self {
+        Self {
+            steps: program
+                .steps()
+                .iter()
+                .map(|s| Step::new(model, s))
+                .collect(),
+            notation: program.notation(model).to_string(),
+        }
+    }
+}
+
+#[pymethods]
+impl Program {
+    fn __repr__(&self) -> String {
+        format!("Program({:?})", self.notation)
+    }
+
+    fn __str__(&self) -> &str {
+        &self.notation
+    }
+}
+
+/// A step of a plan: what it says, the objects meant, and the sub-goal.
+#[pyclass(frozen, get_all, module = "nsrm")]
+pub(crate) struct PlannedStep {
+    action: String,
+    object: Vec<String>,
+    reference: Vec<String>,
+    object_id: u32,
+    reference_id: u32,
+    object_score: f32,
+    reference_score: f32,
+    confidence: f32,
+    position: (f32, f32, f32),
+    orientation: (f32, f32, f32, f32),
+    location: Py<PyArray1<f32>>,
+    explanation: String,
+}
+
+#[pymethods]
+impl PlannedStep {
+    fn __repr__(&self) -> String {
+        format!("PlannedStep({:?})", self.explanation)
+    }
+}
+
+/// What is to be done in a scene.
+#[pyclass(frozen, get_all, module = "nsrm")]
+pub(crate) struct Plan {
+    program: Py<Program>,
+    steps: Vec<Py<PlannedStep>>,
+}
+
+impl Plan {
+    pub(crate) fn new(
+        py: Python<'_>,
+        model: &nsrm_core::Model<'_>,
+        plan: &nsrm_core::Plan,
+    ) -> PyResult<Self> {
+        let program = Program::new(model, plan.program());
+        let steps = program.steps.iter().zip(plan.steps()).enumerate();
+        let steps = steps.map(|(index, (symbols, planned))| {
+            let pose = &planned.sub_goal.pose;
+            let position: [f32; 3] = pose.translation.vector.into();
+            let orientation: [f32; 4] = pose.rotation.coords.into();
+            let step = PlannedStep {
+                action: symbols.action.clone(),
+                object: symbols.object.clone(),
+                reference: symbols.reference.clone(),
+                object_id: planned.object.object,
+                reference_id: planned.reference.object,
+                object_score: planned.object.score,
+                reference_score: planned.reference.score,
+                confidence: planned.confidence.product(),
+                position: position.into(),
+                orientation: orientation.into(),
+                location: PyArray1::from_slice(py, &planned.location).unbind(),
+                explanation: plan.explain_step(model, index).to_string(),
+            };
+            Py::new(py, step)
+        });
+        Ok(Self {
+            steps: steps.collect::<PyResult<_>>()?,
+            program: Py::new(py, program)?,
+        })
+    }
+}
+
+#[pymethods]
+impl Plan {
+    fn __repr__(&self) -> String {
+        format!("Plan({:?})", self.program.get().notation)
+    }
+}
