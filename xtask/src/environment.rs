@@ -28,7 +28,7 @@ const MODULE_SOURCES: [&str; 5] = [
 ];
 
 /// Commands of the harness that need no more than the demo's requirements.
-const LIGHT_COMMANDS: [&str; 3] = ["demo", "episodes", "look"];
+const LIGHT_COMMANDS: [&str; 4] = ["calibration", "demo", "episodes", "look"];
 
 /// A set of requirements, each with all of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -12,11 +12,11 @@ use crate::project::Project;
 /// The programs outside the workspace, which have profiles of their own.
 const APART: [&str; 1] = ["tests/no-std-plan/Cargo.toml"];
 
-/// What the Python linters and type checker read.
-const PYTHON: [&str; 3] = ["sim-harness", "std-shim/python", "tests"];
+/// Where the settings of the Python linters, of pyright and of pytest stand.
+const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
 
-/// Where the tests of the Python parts are, but for those of the demo.
-const PYTHON_TESTS: [&str; 2] = ["sim-harness/tests", "std-shim/python/tests"];
+/// The Python packages, and their tests.
+const PYTHON_PACKAGES: [&str; 2] = ["sim-harness", "std-shim/python"];
 
 /// One check.
 pub(super) struct Check {
@@ -274,28 +274,45 @@ fn environment(context: &Context) -> Result<Vec<Step>> {
 
 fn python_lints(context: &Context) -> Result<Vec<Step>> {
     let python = context.python()?;
+    let interpreter = python.to_string_lossy();
     let run = |arguments: &[&str]| {
         let mut step = Step::new(&python, &["-m"]);
         step.arguments.extend(arguments.iter().map(Into::into));
         step
     };
-    let mut ruff = vec!["ruff", "check"];
-    ruff.extend(PYTHON);
-    let mut format = vec!["ruff", "format", "--check"];
-    format.extend(PYTHON);
-    Ok(vec![
-        run(&ruff),
-        run(&format),
-        run(&["pyright", "--warnings", "--project", "sim-harness"]),
-    ])
+    let mut steps = Vec::new();
+    for command in [&["ruff", "check"][..], &["ruff", "format", "--check"]] {
+        steps.push(run(&[command, &PYTHON_PACKAGES].concat()));
+        // The tests across packages have no settings of their own.
+        let apart = ["--config", PYTHON_SETTINGS, "tests"];
+        steps.push(run(&[command, &apart].concat()));
+    }
+    let types = ["pyright", "--warnings", "--pythonpath", &interpreter];
+    steps.push(run(&[&types[..], &["--project", "sim-harness"]].concat()));
+    steps.push(run(&[&types[..], &["std-shim/python", "tests"]].concat()));
+    Ok(steps)
+}
+
+fn pytest(context: &Context, folder: &str) -> Result<Step> {
+    let arguments = [
+        "-m",
+        "pytest",
+        "--quiet",
+        "--color=no",
+        "-rs",
+        "--config-file",
+        PYTHON_SETTINGS,
+        "--rootdir=.",
+        folder,
+    ];
+    Ok(Step::new(context.python()?, &arguments).counting(Runner::Pytest))
 }
 
 fn python_tests(context: &Context) -> Result<Vec<Step>> {
-    let python = context.python()?;
-    let mut arguments = vec!["-m", "pytest", "--quiet", "--color=no", "-rs"];
-    arguments.extend(["--config-file=sim-harness/pyproject.toml", "--rootdir=."]);
-    arguments.extend(PYTHON_TESTS);
-    Ok(vec![Step::new(python, &arguments).counting(Runner::Pytest)])
+    PYTHON_PACKAGES
+        .iter()
+        .map(|package| pytest(context, &format!("{package}/tests")))
+        .collect()
 }
 
 fn training(context: &Context) -> Result<Vec<Step>> {
@@ -306,7 +323,5 @@ fn training(context: &Context) -> Result<Vec<Step>> {
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {
-    let python = context.python()?;
-    let arguments = ["-m", "pytest", "--quiet", "--color=no", "tests/demo"];
-    Ok(vec![Step::new(python, &arguments).counting(Runner::Pytest)])
+    Ok(vec![pytest(context, "tests/demo")?])
 }
