@@ -108,6 +108,7 @@ impl std::error::Error for SceneFileError {
 }
 
 #[derive(Deserialize)]
+#[serde(expecting = "an object with schema, camera, image and objects")]
 struct SceneFile {
     schema: u32,
     camera: CameraEntry,
@@ -116,6 +117,7 @@ struct SceneFile {
 }
 
 #[derive(Deserialize)]
+#[serde(expecting = "a camera: width, height, fx, fy, cx, cy, position, orientation")]
 struct CameraEntry {
     width: u32,
     height: u32,
@@ -128,6 +130,7 @@ struct CameraEntry {
 }
 
 #[derive(Deserialize)]
+#[serde(expecting = "an object of the scene: id, box, depth")]
 struct ObjectEntry {
     id: u32,
     #[serde(rename = "box")]

@@ -34,10 +34,6 @@ pub(crate) fn rows<const N: usize>(
     count: usize,
 ) -> PyResult<Vec<[f32; N]>> {
     let array = value.as_array();
-    // No object at all: an empty list has the shape [0] or [0, 0] for numpy.
-    if count == 0 && array.is_empty() {
-        return Ok(Vec::new());
-    }
     if array.dim() != (count, N) {
         let got = array.shape();
         let problem = format!("expected shape [{count}, {N}] for {count} ids, got {got:?}");

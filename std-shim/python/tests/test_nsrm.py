@@ -1,0 +1,298 @@
+"""The module `nsrm`: what goes in, what comes out, and each exception."""
+
+from __future__ import annotations
+
+import json
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nsrm
+
+MODEL_FILE = Path(__file__).parents[3] / "core/pretrained/tabletop.safetensors"
+SENTENCE = "put the red block on the blue block"
+WIDTH, HEIGHT = 640, 480
+# On the image: red, blue. Corners in pixels.
+BLOCKS = {1: ((64, 120, 96, 144), (204, 23, 23)), 2: ((320, 240, 352, 264), (23, 51, 204))}
+
+
+@pytest.fixture(scope="module")
+def model() -> nsrm.Model:
+    return nsrm.Model.pretrained()
+
+
+@pytest.fixture(scope="module")
+def image() -> np.ndarray:
+    image = np.full((HEIGHT, WIDTH, 3), 120, np.uint8)
+    for (x1, y1, x2, y2), color in BLOCKS.values():
+        image[y1:y2, x1:x2] = color
+    return image
+
+
+def camera(**changes: Any) -> nsrm.Camera:
+    fields: dict[str, Any] = {
+        "width": WIDTH,
+        "height": HEIGHT,
+        "fx": 500.0,
+        "fy": 400.0,
+        "cx": 320.0,
+        "cy": 240.0,
+        "position": (0.5, 0.0, 1.0),
+        "orientation": (0.0, 0.0, 0.0, 1.0),
+    }
+    return nsrm.Camera(**(fields | changes))
+
+
+def boxes() -> np.ndarray:
+    corners = np.array([corners for corners, _ in BLOCKS.values()], np.float32)
+    return corners / np.array([WIDTH, HEIGHT, WIDTH, HEIGHT], np.float32)
+
+
+def depths() -> np.ndarray:
+    return np.array([0.5, 0.75], np.float32)
+
+
+@pytest.fixture(scope="module")
+def scene(model: nsrm.Model, image: np.ndarray) -> nsrm.Scene:
+    return model.observe(image, list(BLOCKS), boxes(), depths(), camera())
+
+
+def expected_crop(image: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Two by two bilinear samples a pixel, in float64: [3, 32, 32]."""
+    x1, y1, x2, y2 = box.astype(np.float64)
+    fractions = (np.arange(64) + 0.5) / 64
+    columns = (x1 + fractions * (x2 - x1)) * WIDTH - 0.5
+    rows = (y1 + fractions * (y2 - y1)) * HEIGHT - 0.5
+
+    def neighbours(places: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        before = np.floor(places).astype(int)
+        ends = np.clip(before, 0, size - 1), np.clip(before + 1, 0, size - 1)
+        return *ends, places - before
+
+    left, right, across = neighbours(columns, WIDTH)
+    upper, lower, down = neighbours(rows, HEIGHT)
+    pixels = image.astype(np.float64)
+    across, down = across[None, :, None], down[:, None, None]
+    top = pixels[upper][:, left] * (1 - across) + pixels[upper][:, right] * across
+    bottom = pixels[lower][:, left] * (1 - across) + pixels[lower][:, right] * across
+    samples = top * (1 - down) + bottom * down
+    return samples.reshape(32, 2, 32, 2, 3).mean((1, 3)).transpose(2, 0, 1) / 255
+
+
+def test_crop_is_sampled_as_documented() -> None:
+    image = np.random.default_rng(3).integers(0, 256, (HEIGHT, WIDTH, 3), np.uint8)
+    for box in ([0.0, 0.0, 1.0, 1.0], [0.25, 0.5, 0.3125, 0.55], [0.9, 0.0, 1.0, 0.02]):
+        box = np.array(box, np.float32)
+        crop = nsrm.crop(image, box)
+        assert crop.dtype == np.float32 and crop.shape == (3, 32, 32)
+        np.testing.assert_allclose(crop, expected_crop(image, box), atol=2e-4)
+
+
+def test_scene_holds_what_was_observed(model: nsrm.Model, scene: nsrm.Scene, image: np.ndarray):
+    assert len(scene) == 2
+    assert scene.ids.tolist() == [1, 2]
+    np.testing.assert_array_equal(scene.locations, np.column_stack([boxes(), depths()]))
+    assert scene.embeddings.shape == (2, 64) and scene.embeddings.dtype == np.float32
+    for box, embedding in zip(boxes(), scene.embeddings, strict=True):
+        np.testing.assert_array_equal(model.encode_crop(nsrm.crop(image, box)), embedding)
+
+
+def test_scene_from_embeddings_is_the_observed_one(model: nsrm.Model, scene: nsrm.Scene):
+    again = model.scene_from_embeddings([1, 2], boxes(), depths(), scene.embeddings, camera())
+    np.testing.assert_array_equal(again.locations, scene.locations)
+    np.testing.assert_array_equal(again.embeddings, scene.embeddings)
+
+
+def test_arrays_of_other_number_types_are_taken(model: nsrm.Model, image: np.ndarray) -> None:
+    ids = np.array([7, 9])
+    corners = boxes().astype(np.float64)
+    scene = model.observe(image, ids, corners, [0.5, 1], camera())  # pyright: ignore
+    assert scene.ids.tolist() == [7, 9]
+    assert len(model.observe(image, [], np.zeros((0, 4)), [], camera())) == 0
+
+
+def test_similarities_are_cosines_by_name(model: nsrm.Model, scene: nsrm.Scene) -> None:
+    similarities = model.similarities(scene.embeddings[0])
+    names = [value for attribute in model.info()["attributes"] for value in attribute["values"]]
+    assert list(similarities) == names
+    assert all(-1.001 <= value <= 1.001 for value in similarities.values())
+
+
+def test_simulate_and_locate(model: nsrm.Model) -> None:
+    here, there = [0.25, 0.25, 0.3, 0.35, 0.9], [0.5, 0.5, 0.6, 0.6, 1.0]
+    location = model.simulate("MoveOn", here, there)
+    assert location.shape == (5,) and location.dtype == np.float32
+    point = model.locate(location, camera())
+    assert point.shape == (3,) and np.isfinite(point).all()
+    moved = model.locate(location, camera(position=(0.75, -1.0, 2.0)))
+    np.testing.assert_allclose(moved - point, [0.25, -1.0, 1.0], atol=1e-5)
+    with pytest.raises(nsrm.NsrmError, match=r'expected one of MoveOn, .* got "Fly"'):
+        model.simulate("Fly", here, there)
+    with pytest.raises(nsrm.NsrmError, match="reference_location: expected 5 numbers, got 4"):
+        model.simulate("MoveOn", here, there[:4])
+    with pytest.raises(nsrm.NsrmError, match="location: expected finite"):
+        model.locate([float("nan"), 0, 1, 1, 1], camera())
+
+
+def test_built_in_model_is_the_committed_file(model: nsrm.Model, scene: nsrm.Scene) -> None:
+    loaded = nsrm.Model.load(MODEL_FILE)
+    assert loaded.info() == model.info()
+    assert json.dumps(model.info())
+    assert repr(loaded) == repr(model)
+    again = loaded.scene_from_embeddings([1, 2], boxes(), depths(), scene.embeddings, camera())
+    assert loaded.similarities(again.embeddings[1]) == model.similarities(scene.embeddings[1])
+
+
+def test_plan_of_a_trained_model(model: nsrm.Model, scene: nsrm.Scene) -> None:
+    if not model.info()["training"].get("episodes"):
+        pytest.skip("the committed model is not trained")
+    program = model.parse(f"{SENTENCE} then move the blue cube to the left of the white one")
+    assert program.notation.splitlines()[0] == (
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))"
+    )
+    assert [(step.action, step.object, step.reference) for step in program.steps] == [
+        ("MoveOn", ["red"], ["blue"]),
+        ("MoveLeft", ["blue"], ["white"]),
+    ]
+    try:
+        plan = model.plan(scene, SENTENCE)
+    except nsrm.Refused as refusal:
+        # Flat patches are no blocks: the model may not know them, or where to put them.
+        assert refusal.kind in {"no_such_object", "outside_work_space", "ambiguous"}
+        return
+    (step,) = plan.steps
+    assert plan.program == model.parse(SENTENCE)
+    assert (step.object_id, step.reference_id) == (1, 2)
+    assert 0 < step.confidence <= 1
+    assert step.location.shape == (5,) and len(step.position) == 3 and len(step.orientation) == 4
+
+
+def test_refusals_say_why(model: nsrm.Model, scene: nsrm.Scene) -> None:
+    with pytest.raises(nsrm.Refused, match='"sofa" is not a word') as caught:
+        model.plan(scene, "put the sofa on the blue block")
+    assert caught.value.kind == "unknown_word"
+    assert caught.value.details == {"words": {"text": "sofa", "start": 8, "end": 12}}
+    assert isinstance(caught.value, nsrm.NsrmError) and isinstance(caught.value, ValueError)
+    with pytest.raises(nsrm.Refused) as caught:
+        model.parse("put " * 2000)
+    assert (caught.value.kind, caught.value.details) == (
+        "sentence_too_long",
+        {"limit": 4096, "unit": "bytes"},
+    )
+    with pytest.raises(nsrm.Refused) as caught:
+        model.parse("red green blue small lego")
+    assert caught.value.kind == "too_many_concepts"
+    assert caught.value.details["limit"] == 4
+
+
+def test_models_that_are_none(tmp_path: Path) -> None:
+    path = tmp_path / "model.safetensors"
+    with pytest.raises(nsrm.ModelError, match="can't read"):
+        nsrm.Model.load(path)
+    path.write_bytes(b"no model")
+    with pytest.raises(nsrm.ModelError, match="not a safetensors file"):
+        nsrm.Model.load(str(path))
+    damaged = bytearray(MODEL_FILE.read_bytes())
+    damaged[-4] ^= 1
+    path.write_bytes(damaged)
+    with pytest.raises(nsrm.ModelError, match="changed or damaged"):
+        nsrm.Model.load(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"fx": 0.0}, "fx must be greater than 0"),
+        ({"cx": float("nan")}, "cx is not a finite number"),
+        ({"orientation": (0.0, 0.0, 0.0, 0.0)}, "orientation"),
+        ({"position": (0.0, float("inf"), 0.0)}, "position"),
+    ],
+)
+def test_cameras_that_are_none(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(nsrm.SceneError, match=message):
+        camera(**changes)
+
+
+def test_camera_gives_back_what_it_was_made_of() -> None:
+    made = camera(position=np.array([1, 2, 3]))
+    assert (made.width, made.height, made.fx, made.fy) == (WIDTH, HEIGHT, 500.0, 400.0)
+    assert made.position == (1.0, 2.0, 3.0) and made.orientation == (0.0, 0.0, 0.0, 1.0)
+    assert made == camera(position=(1, 2, 3)) and made != camera()
+    with pytest.raises(nsrm.NsrmError, match="position: expected 3 numbers, got 2"):
+        camera(position=(1, 2))
+
+
+def test_scenes_that_are_none(model: nsrm.Model, image: np.ndarray) -> None:
+    def observe(**changes: Any) -> None:
+        fields = {"ids": [1, 2], "boxes": boxes(), "depths": depths(), "camera": camera()}
+        model.observe(image, **(fields | changes))
+
+    with pytest.raises(nsrm.SceneError, match="already taken"):
+        observe(ids=[1, 1])
+    with pytest.raises(nsrm.SceneError, match="depth must be greater than 0"):
+        observe(depths=[0.5, -1])
+    with pytest.raises(nsrm.SceneError, match="x1 < x2"):
+        observe(boxes=boxes()[:, [2, 1, 0, 3]])
+    with pytest.raises(nsrm.SceneError, match="finite"):
+        observe(boxes=np.full((2, 4), np.nan))
+    with pytest.raises(nsrm.SceneError, match="640×480 pixels, but the camera says 320×480"):
+        observe(camera=camera(width=320))
+    with pytest.raises(nsrm.SceneError, match="17 objects"):
+        observe(ids=range(1, 18), boxes=np.tile(boxes()[:1], (17, 1)), depths=np.ones(17))
+    with pytest.raises(nsrm.NsrmError, match=r"boxes: expected shape \[2, 4\] for 2 ids"):
+        observe(boxes=boxes()[:1])
+    with pytest.raises(nsrm.NsrmError, match="depths: expected 2 numbers for 2 ids, got 3"):
+        observe(depths=[1, 2, 3])
+    with pytest.raises(nsrm.SceneError, match="embedding is not finite"):
+        wrong = np.full((2, 64), np.inf)
+        model.scene_from_embeddings([1, 2], boxes(), depths(), wrong, camera())
+    with pytest.raises(nsrm.NsrmError, match="embeddings: expected shape"):
+        model.scene_from_embeddings([1, 2], boxes(), depths(), np.zeros((2, 32)), camera())
+
+
+def test_arrays_that_are_none(model: nsrm.Model, image: np.ndarray) -> None:
+    box = [0.25, 0.25, 0.5, 0.5]
+    with pytest.raises(TypeError, match=r"expected a numpy array uint8 .* got float32"):
+        nsrm.crop(image.astype(np.float32), box)  # pyright: ignore
+    with pytest.raises(TypeError, match="expected a numpy array uint8"):
+        nsrm.crop(image.tolist(), box)  # pyright: ignore
+    with pytest.raises(TypeError, match="expected a numpy array uint8"):
+        nsrm.crop(image[:, :, 0], box)
+    with pytest.raises(nsrm.NsrmError, match=r"expected shape \[height, width, 3\]"):
+        nsrm.crop(np.zeros((4, 4, 4), np.uint8), box)
+    with pytest.raises(nsrm.NsrmError, match="ascontiguousarray"):
+        nsrm.crop(image[:, ::-1], box)
+    with pytest.raises(nsrm.NsrmError, match="1 to 65535"):
+        nsrm.crop(np.zeros((0, 4, 3), np.uint8), box)
+    with pytest.raises(nsrm.NsrmError, match="box: expected 4 numbers, got 3"):
+        nsrm.crop(image, box[:3])
+    with pytest.raises(nsrm.NsrmError, match=r"box: .*x1 < x2"):
+        nsrm.crop(image, box[::-1])
+    with pytest.raises(TypeError, match="expected a numpy array float32"):
+        model.encode_crop(np.zeros((3, 32, 32)))  # pyright: ignore
+    with pytest.raises(nsrm.NsrmError, match=r"expected shape \[3, 32, 32\]"):
+        model.encode_crop(np.zeros((3, 32, 31), np.float32))
+    with pytest.raises(nsrm.NsrmError, match="finite"):
+        model.encode_crop(np.full((3, 32, 32), np.nan, np.float32))
+    with pytest.raises(nsrm.NsrmError, match="embedding: expected 64 numbers"):
+        model.similarities(np.zeros(63))
+
+
+def test_threads_share_a_model(model: nsrm.Model, image: np.ndarray) -> None:
+    results: list[np.ndarray] = []
+
+    def observe() -> None:
+        scene = model.observe(image, [1, 2], boxes(), depths(), camera())
+        results.append(scene.embeddings)
+
+    threads = [threading.Thread(target=observe) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 4
+    for embeddings in results[1:]:
+        np.testing.assert_array_equal(embeddings, results[0])

@@ -1,0 +1,413 @@
+//! The command `nsrm`: what it prints, its exit codes, and one message for each
+//! refusal and each kind of bad input.
+#![cfg(feature = "command")]
+
+mod common;
+
+use common::{Bench, ModelFile, done, pretrained, refused, scene};
+use serde_json::{Value, json};
+
+const SENTENCE: &str = "Put the red block on the small blue block, then move the blue cube \
+                        to the right of the red one.";
+
+#[test]
+fn parses() {
+    let bench = Bench::new();
+    let model = ["--model", "model.safetensors"];
+    let text = done(&bench.run(&[&["parse", SENTENCE][..], &model].concat()));
+    assert_eq!(
+        text,
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(small, Filter(blue, Scene()))))\n\
+         Action(MoveRight, Unique(Filter(blue, Scene())), Unique(Filter(red, Scene())))\n"
+    );
+    let text = done(&bench.run(&[&["parse", SENTENCE, "--json"][..], &model].concat()));
+    let program: Value = serde_json::from_str(&text).expect("JSON");
+    let expected = json!({"steps": [
+        {"action": "MoveOn", "object": ["red"], "reference": ["small", "blue"]},
+        {"action": "MoveRight", "object": ["blue"], "reference": ["red"]},
+    ]});
+    assert_eq!(program, expected);
+}
+
+#[test]
+fn plans_from_an_image() {
+    let bench = Bench::new();
+    let text = done(&bench.plan("put the red block on the blue block", &["--json"]));
+    let plan: Value = serde_json::from_str(&text).expect("JSON");
+    let step = &plan["steps"][0];
+    assert_eq!(step["action"], "MoveOn");
+    assert_eq!(step["object"], json!(["red"]));
+    assert_eq!(step["reference"], json!(["blue"]));
+    assert_eq!(
+        (&step["object_id"], &step["reference_id"]),
+        (&json!(1), &json!(3))
+    );
+    assert!(
+        step["confidence"]
+            .as_f64()
+            .is_some_and(|sure| sure > 0.9 && sure <= 1.0)
+    );
+    // The reference's centre (496, 372) px deprojected at 0.5 m, the camera's axes
+    // along the world's.
+    let position: Vec<f64> =
+        serde_json::from_value(step["sub_goal"]["position"].clone()).expect("numbers");
+    for (got, expected) in position.iter().zip([0.5 + 0.176, 0.132, 1.5]) {
+        assert!((got - expected).abs() < 1e-5, "{position:?}");
+    }
+    assert_eq!(step["sub_goal"]["orientation"], json!([0.0, 0.0, 0.0, 1.0]));
+    assert_eq!(step["location"].as_array().map(Vec::len), Some(5));
+    let explanation = step["explanation"].as_str().expect("a sentence");
+    assert!(
+        explanation.contains("the red object (id 1"),
+        "{explanation}"
+    );
+    let text = done(&bench.plan("put the red block on the blue block", &[]));
+    assert!(text.starts_with("Action(MoveOn, "), "{text}");
+    assert!(
+        text.contains("object 1 to (0.676, 0.132, 1.500) m"),
+        "{text}"
+    );
+}
+
+#[test]
+fn plans_from_crops_as_from_the_image() {
+    let bench = Bench::new();
+    let from_image = done(&bench.plan(SENTENCE, &["--json"]));
+    std::fs::remove_file(bench.path("initial.png")).expect("an image");
+    let from_crops = done(&bench.plan(SENTENCE, &["--json", "--crops", "crops"]));
+    assert_eq!(from_crops, from_image);
+}
+
+/// Runs `plan` with and without `--json`; the refusal as JSON.
+#[track_caller]
+fn refusal(bench: &Bench, sentence: &str, kind: &str, parts: &[&str]) -> Value {
+    assert_eq!(refused(&bench.plan(sentence, &[]), parts), Value::Null);
+    let json = refused(&bench.plan(sentence, &["--json"]), parts);
+    assert_eq!(json["refused"]["kind"], kind, "{json}");
+    let message = json["refused"]["message"].as_str().expect("a message");
+    assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    json["refused"].clone()
+}
+
+#[test]
+fn refuses_sentences() {
+    let bench = Bench::new();
+    refusal(&bench, " ", "no_words", &["no words"]);
+    let details = refusal(
+        &bench,
+        "put the sofa on the red block",
+        "unknown_word",
+        &["\"sofa\""],
+    );
+    assert_eq!(
+        details["words"],
+        json!({"text": "sofa", "start": 8, "end": 12})
+    );
+    let details = refusal(
+        &bench,
+        &"put ".repeat(2000),
+        "sentence_too_long",
+        &["bytes"],
+    );
+    assert_eq!(
+        (&details["limit"], &details["unit"]),
+        (&json!(4096), &json!("bytes"))
+    );
+    let details = refusal(&bench, &"put ".repeat(200), "sentence_too_long", &["128"]);
+    assert_eq!(details["unit"], "tokens");
+    let words = "red green blue small lego";
+    let details = refusal(&bench, words, "too_many_concepts", &[words, "4"]);
+    assert_eq!(details["limit"], 4);
+    let steps = "put the red block on the blue block then ".repeat(9);
+    refusal(&bench, &steps, "too_many_steps", &["8 steps"]);
+    let many = "red block ".repeat(17);
+    refusal(&bench, &many, "too_many_references", &["16"]);
+    let details = refusal(
+        &bench,
+        "put the red block",
+        "incomplete_step",
+        &["describes 1"],
+    );
+    assert_eq!(
+        (&details["step"], &details["references"]),
+        (&json!(0), &json!(1))
+    );
+}
+
+#[test]
+fn refuses_what_the_scene_does_not_allow() {
+    let bench = Bench::new();
+    let sentence = "put the yellow block on the red block";
+    let details = refusal(&bench, sentence, "no_such_object", &["yellow", "0.75"]);
+    assert_eq!(details["argument"], "object");
+    assert_eq!(details["description"], json!(["yellow"]));
+    assert!(details["best"]["score"].as_f64() < Some(0.75));
+    let sentence = "put the red block on the green block";
+    let details = refusal(&bench, sentence, "ambiguous", &["green", "2 objects"]);
+    assert_eq!(
+        (&details["argument"], &details["count"]),
+        (&json!("reference"), &json!(2))
+    );
+    let ids: Vec<&Value> = details["candidates"]
+        .as_array()
+        .expect("candidates")
+        .iter()
+        .map(|candidate| &candidate["object_id"])
+        .collect();
+    assert!(
+        ids.len() == 2 && ids.contains(&&json!(2)) && ids.contains(&&json!(5)),
+        "{ids:?}"
+    );
+    let sentence = "put the red block on the small red block";
+    let details = refusal(&bench, sentence, "same_object", &["1"]);
+    assert_eq!(details["object_id"], 1);
+}
+
+#[test]
+fn refuses_what_it_is_not_sure_of() {
+    let mut model = ModelFile::designed();
+    model.set("language.action_decoder.bias", &[0], 0.0);
+    let bench = Bench::with(&model);
+    let sentence = "put the red block on the blue block";
+    let details = refusal(
+        &bench,
+        sentence,
+        "unsure",
+        &["what is to be done", "0.33", "0.50"],
+    );
+    assert_eq!(
+        (&details["decision"], &details["threshold"]),
+        (&json!("action"), &json!(0.5))
+    );
+}
+
+#[test]
+fn refuses_one_description_for_both() {
+    let mut model = ModelFile::designed();
+    model.set("language.reference_decoder.bias", &[0], -100.0);
+    let bench = Bench::with(&model);
+    let sentence = "put the red block on the blue block";
+    let details = refusal(&bench, sentence, "same_reference", &["\"red\""]);
+    assert_eq!(details["words"]["text"], "red");
+}
+
+#[test]
+fn refuses_sub_goals_out_of_reach() {
+    let mut model = ModelFile::designed();
+    let (min, max) = ([0.0, -0.125, 0.0], [1.0, 0.125, 2.0]);
+    model.set_json("work_space", json!({"min": min, "max": max}));
+    let bench = Bench::with(&model);
+    let sentence = "put the red block on the blue block";
+    let details = refusal(
+        &bench,
+        sentence,
+        "outside_work_space",
+        &["object 1", "0.132"],
+    );
+    assert_eq!(details["bounds"], json!({"min": min, "max": max}));
+}
+
+#[test]
+fn refuses_results_that_are_not_finite() {
+    let mut model = ModelFile::designed();
+    model.fill("action.simulator.output.weight", 3e38);
+    model.fill("action.simulator.hidden.bias", 3e38);
+    let bench = Bench::with(&model);
+    let sentence = "put the red block on the blue block";
+    let details = refusal(&bench, sentence, "not_finite", &["location"]);
+    assert_eq!(details["quantity"], "location");
+}
+
+/// Writes a spoilt scene; the message must hold `parts`.
+#[track_caller]
+fn bad_scene(spoil: impl FnOnce(&mut Value), parts: &[&str]) {
+    let mut spoilt = scene();
+    spoil(&mut spoilt);
+    bad_text(&spoilt.to_string(), parts);
+}
+
+#[track_caller]
+fn bad_text(text: &str, parts: &[&str]) {
+    let bench = Bench::new();
+    bench.write("scene.json", text);
+    let sentence = "put the red block on the blue block";
+    let json = refused(&bench.plan(sentence, &["--json"]), parts);
+    let message = json["error"]["message"].as_str().expect("a message");
+    assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+}
+
+#[test]
+fn scene_files_that_are_none() {
+    bad_text("", &["scene.json", "JSON"]);
+    bad_text("{\"schema\": 1,", &["scene.json", "line 1"]);
+    bad_text("{}", &["scene.json", "missing field `schema`"]);
+    bad_text("7", &["scene.json", "an object with schema"]);
+    bad_text(
+        &scene().to_string().replace("0.5", "NaN"),
+        &["scene.json", "line 1"],
+    );
+    bad_text(
+        &scene().to_string().replace("0.5", "1e999"),
+        &["scene.json", "out of range"],
+    );
+    bad_scene(
+        |scene| scene["schema"] = json!(2),
+        &["schema", "expected 1", "2"],
+    );
+    bad_scene(
+        |scene| scene["objects"] = json!(3),
+        &["expected a sequence"],
+    );
+    bad_scene(
+        |scene| scene["objects"][0]["box"] = json!([0.1, 0.2, 0.3]),
+        &["length 3"],
+    );
+    bad_scene(|scene| scene["objects"][0]["id"] = json!(-1), &["-1"]);
+}
+
+#[test]
+fn scenes_that_are_none() {
+    let object = |change: fn(&mut Value), parts: &[&str]| {
+        bad_scene(|scene| change(&mut scene["objects"][1]), parts);
+    };
+    object(
+        |object| object["id"] = json!(1),
+        &["object 1", "already taken"],
+    );
+    object(|object| object["id"] = json!(0), &["must not be 0"]);
+    object(
+        |object| object["depth"] = json!(0.0),
+        &["object 2", "depth"],
+    );
+    object(
+        |object| object["depth"] = json!(1e39),
+        &["object 2", "finite"],
+    );
+    object(
+        |object| object["box"] = json!([0.5, 0.1, 0.4, 0.2]),
+        &["object 2", "x1 < x2"],
+    );
+    object(
+        |object| object["box"] = json!([0.5, 0.1, 1.5, 0.2]),
+        &["object 2", "inside"],
+    );
+    let many = |scene: &mut Value| {
+        let object = scene["objects"][0].clone();
+        scene["objects"] = (0..17).map(|_| object.clone()).collect();
+    };
+    bad_scene(many, &["17 objects", "16"]);
+    bad_scene(
+        |scene| scene["camera"]["fx"] = json!(0.0),
+        &["camera", "fx"],
+    );
+    bad_scene(
+        |scene| scene["camera"]["orientation"] = json!([0, 0, 0, 0]),
+        &["orientation"],
+    );
+    bad_scene(
+        |scene| scene["camera"]["width"] = json!(641),
+        &["640×480", "641×480"],
+    );
+}
+
+#[test]
+fn images_that_are_none() {
+    bad_scene(
+        |scene| scene["image"] = json!("none.png"),
+        &["none.png", "can't read"],
+    );
+    bad_scene(
+        |scene| scene["image"] = json!("scene.json"),
+        &["scene.json", "PNG"],
+    );
+    bad_scene(|scene| scene["image"] = Value::Null, &["--crops"]);
+    let bench = Bench::new();
+    let whole = std::fs::read(bench.path("initial.png")).expect("an image");
+    bench.write("initial.png", &whole[..whole.len() / 2]);
+    let sentence = "put the red block on the blue block";
+    refused(&bench.plan(sentence, &[]), &["initial.png", "PNG"]);
+    std::fs::remove_file(bench.path("crops/3.png")).expect("a crop");
+    refused(
+        &bench.plan(sentence, &["--crops", "crops"]),
+        &["3.png", "can't read"],
+    );
+    refused(
+        &bench.plan(sentence, &["--crops", "none"]),
+        &["none", "can't read"],
+    );
+}
+
+#[test]
+fn models_that_are_none() {
+    let bench = Bench::new();
+    bench.write("bad.safetensors", b"no model");
+    refused(
+        &bench.run(&["check", "bad.safetensors"]),
+        &["bad.safetensors", "safetensors"],
+    );
+    refused(
+        &bench.run(&["info", "none.safetensors"]),
+        &["none.safetensors", "can't read"],
+    );
+    let parse = ["parse", "--json", "--model", "bad.safetensors", "put"];
+    let json = refused(&bench.run(&parse), &["bad.safetensors"]);
+    assert!(json["error"]["message"].is_string(), "{json}");
+    refused(
+        &bench.run(&["plan", "--scene", "none.json", "put"]),
+        &["none.json", "can't read"],
+    );
+}
+
+#[test]
+fn checks_models() {
+    let bench = Bench::new();
+    let text = done(&bench.run(&["check", "model.safetensors"]));
+    assert!(
+        text.contains("model.safetensors: sound; domain tabletop"),
+        "{text}"
+    );
+    let path = pretrained();
+    let text = done(&bench.run(&["check", "--json", path.to_str().expect("a path")]));
+    let json: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(json["hash"].as_str().map(str::len), Some(64));
+}
+
+#[test]
+fn informs() {
+    let bench = Bench::new();
+    let text = done(&bench.run(&["info"]));
+    for part in [
+        "tabletop",
+        "magenta",
+        "MoveLeft",
+        "scratch_bytes",
+        "total",
+        "match_score",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    let built_in = done(&bench.run(&["info", "--json"]));
+    let loaded = done(&bench.run(&["info", "--json", pretrained().to_str().expect("a path")]));
+    assert_eq!(built_in, loaded);
+    let info: Value = serde_json::from_str(&built_in).expect("JSON");
+    assert_eq!(info["domain"], "tabletop");
+    assert_eq!(info["dimensions"]["encoder_hidden"], 48);
+    assert_eq!(info["capacities"]["objects"], 16);
+    assert!(info["flash"]["total"].as_u64() > Some(300_000));
+    assert!(info["training"].is_object());
+}
+
+#[test]
+fn wrong_arguments_exit_with_2() {
+    let bench = Bench::new();
+    for arguments in [
+        &["frobnicate"][..],
+        &["parse"],
+        &["plan", "a sentence"],
+        &["check"],
+    ] {
+        let output = bench.run(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(!output.stderr.is_empty());
+    }
+}
