@@ -21,6 +21,9 @@ COMMANDS = {
     "episodes": "Make a file of demonstrations.",
     "calibration": "Make the file from which the camera model is fitted.",
     "look": "Draw an episode: before, after, boxes and sentence.",
+    "train": "Learn a model from demonstrations.",
+    "evaluate": "The paper's metrics of a model on an episode file.",
+    "golden": "Write the golden vectors of a model file.",
 }
 
 

@@ -41,6 +41,8 @@ class TrainingConfig:
     """Share of the actions' probability that is spread evenly when learning begins."""
     failed_split: float = 2.0
     """Loss of a split that leaves a step without two objects."""
+    indecision: float = 0.02
+    """Weight of the entropy over splits: of several that do equally well one is to be preferred."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
@@ -49,7 +51,7 @@ class TrainingConfig:
     """(a) The same episodes; objects by straight-through Gumbel samples."""
     attributes: StageConfig = StageConfig(epochs=12, learning_rate=1e-3, batch=32)
     """(b) One step, any description; the simulator is frozen."""
-    splitter: StageConfig = StageConfig(epochs=25, learning_rate=5e-3, batch=64)
+    splitter: StageConfig = StageConfig(epochs=10, learning_rate=5e-3, batch=64)
     """(c) The splitter alone, on a table of losses of every split."""
     joint: StageConfig = StageConfig(epochs=10, learning_rate=3e-4, batch=32)
     """(d) Everything, on one and two steps."""

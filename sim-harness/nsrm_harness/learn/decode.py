@@ -21,6 +21,8 @@ from nsrm_harness.learn.splits import Command, split_log_probability, step_token
 
 CHUNK = 128
 """Rows that are worked on at once."""
+MAX_STEPS = 8
+"""Most steps of a command, the core's capacity."""
 NEAR_BEST = 0.02
 """A split whose loss is at most this much above the least counts as good."""
 
@@ -166,16 +168,55 @@ def split_table(
     return SplitTable(commands(data, rows), jnp.asarray(first), jnp.asarray(every))
 
 
-@eqx.filter_jit
-def _first_end(model: Model, command: Command) -> tuple[Array, Array]:
-    def one(command: Command) -> tuple[Array, Array]:
-        log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
-        # h_t > 1/2 where the probability of ending here exceeds that of going on.
-        beyond = jax.lax.cumlogsumexp(log_probability, reverse=True)
-        ends = log_probability > beyond + jnp.log(0.5)
-        return jnp.argmax(ends), log_probability
+class Decisions(NamedTuple):
+    """The decisions about one step of each command: where it ends, and how sure each is."""
 
-    return jax.vmap(one)(command)
+    end: Array
+    split: Array
+    action: Array
+    object: Array
+    reference: Array
+
+
+@eqx.filter_jit
+def _decide(model: Model, command: Command, first: Array) -> Decisions:
+    def one(command: Command, first: Array) -> Decisions:
+        log_probability = split_log_probability(model.language.splitter, command, first)
+        # h_t > 1/2 where ending here is likelier than anything later.
+        rest = jax.lax.cumlogsumexp(log_probability, reverse=True)
+        last = jnp.argmax(log_probability > rest + jnp.log(0.5))
+        tokens, valid, _ = step_tokens(command, first, last + 1)
+        parse = model.language.parse(tokens, valid)
+        sure = [jax.nn.softmax(logits).max() for logits in parse]
+        return Decisions(last + 1, jnp.exp(log_probability[last]), *sure)
+
+    return jax.vmap(one)(command, first)
+
+
+def decide(model: Model, data: TrainingSet, episodes: np.ndarray, first: np.ndarray) -> Decisions:
+    """The step that begins at token `first` of each of the commands."""
+    results = []
+    for start in range(0, len(episodes), CHUNK):
+        rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
+        found = _decide(model, commands(data, episodes[rows]), jnp.asarray(first[rows]))
+        keep = min(CHUNK, len(episodes) - start)
+        results.append(jax.tree.map(lambda a, keep=keep: np.asarray(a)[:keep], found))
+    return jax.tree.map(lambda *parts: np.concatenate(parts), *results)
+
+
+def confidences(model: Model, data: TrainingSet) -> np.ndarray:
+    """The least probability among the decisions about each command, `[N]`."""
+    least = np.ones(len(data))
+    first, length = np.zeros(len(data), np.int32), data.sentences.length
+    for _ in range(MAX_STEPS):
+        left = np.flatnonzero(first < length)
+        if len(left) == 0:
+            break
+        step = decide(model, data, left, first[left])
+        sure = np.min([step.split, step.action, step.object, step.reference], axis=0)
+        least[left] = np.minimum(least[left], sure)
+        first[left] = step.end
+    return least
 
 
 def own_choices(
@@ -186,12 +227,7 @@ def own_choices(
     Their indices, the choices in each step, and the predicted final locations `[R, M, 5]`.
     """
     episodes = np.concatenate([data.select(1), data.select(2)])
-    ends = []
-    for start in range(0, len(episodes), CHUNK):
-        rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
-        end, _ = _first_end(model, commands(data, episodes[rows]))
-        ends.append(np.asarray(end)[: len(episodes) - start])
-    end = np.concatenate(ends) + 1
+    end = np.asarray(decide(model, data, episodes, np.zeros(len(episodes), np.int32)).end)
     tokens, length = data.sentences.tokens[episodes], data.sentences.length[episodes]
     inside = np.arange(tokens.shape[1]) < end[:, None]
     groups = ((tokens == GROUP_TOKEN) & inside).sum(axis=1)

@@ -74,7 +74,7 @@ class Dimensions:
         return cls(len(domain.vocabulary()), attributes, len(domain.actions))
 
 
-def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array, reverse: bool = False) -> Array:
+def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array) -> Array:
     """States of a GRU from a zero state: inputs `[T, I]`, valid `[T]` -> `[T, H]`.
 
     Where `valid` is false the state passes unchanged, so that padding has no influence.
@@ -92,7 +92,7 @@ def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array, reverse: bool = F
         hidden = jnp.where(is_valid, new + update * (hidden - new), hidden)
         return hidden, hidden
 
-    _, states = jax.lax.scan(step, jnp.zeros(cell.hidden_size), (gates, valid), reverse=reverse)
+    _, states = jax.lax.scan(step, jnp.zeros(cell.hidden_size), (gates, valid))
     return states
 
 
@@ -109,8 +109,11 @@ class Encoder(eqx.Module):
 
     def __call__(self, words: Array, valid: Array) -> tuple[Array, Array]:
         """Embeddings `[T, 32]`, right-padded -> states `[T, 96]`, instruction `[96]`."""
-        ahead = run_gru(self.forward, words, valid)
-        back = run_gru(self.backward, words, valid, reverse=True)
+        # One loop for both directions: half the code to compile.
+        cells = jax.tree.map(lambda *pair: jnp.stack(pair), self.forward, self.backward)
+        inputs = jnp.stack([words, words[::-1]])
+        states = jax.vmap(run_gru)(cells, inputs, jnp.stack([valid, valid[::-1]]))
+        ahead, back = states[0], states[1, ::-1]
         return jnp.concatenate([ahead, back], axis=1), jnp.concatenate([ahead[-1], back[0]])
 
 

@@ -83,6 +83,12 @@ def soft_minimum(log_probability: Array, losses: Array, temperature: float) -> A
     return -temperature * jax.nn.logsumexp(log_probability - losses / temperature)
 
 
+def entropy(log_probability: Array) -> Array:
+    """In nats; what is impossible (`MISSING`) adds nothing."""
+    probability = jnp.exp(log_probability)
+    return -jnp.sum(probability * jnp.where(probability > 0.0, log_probability, 0.0))
+
+
 def ground(parse: Parse, tokens: Array, groups: Array, similarities: Array, present: Array):
     """From a parsed step to log probabilities of actions and objects.
 

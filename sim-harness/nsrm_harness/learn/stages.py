@@ -7,7 +7,6 @@ resumed in its middle computes the same again.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -18,12 +17,13 @@ from jax import Array
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.config import StageConfig, TrainingConfig
-from nsrm_harness.learn.dataset import TrainingSet
+from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable
-from nsrm_harness.learn.model import MISSING, Model
+from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model
 from nsrm_harness.learn.objective import (
     Grounding,
     Scene,
+    entropy,
     exact_step,
     ground,
     move,
@@ -120,21 +120,22 @@ def two_step_loss(
     command, scene, _ = demonstration
     log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
     position = jnp.arange(log_probability.shape[0])
-    is_group = (command.tokens == 0) & (position < command.length)
+    is_group = (command.tokens == GROUP_TOKEN) & (position < command.length)
     groups_before = jnp.cumsum(is_group)
-    log_probability = jnp.where(groups_before == 2, log_probability, MISSING)
-    likeliest, positions = jax.lax.top_k(log_probability, config.splits)
+    possible = jnp.where(groups_before == GROUPS_PER_STEP, log_probability, MISSING)
+    likeliest, positions = jax.lax.top_k(possible, config.splits)
 
     def carry_out(split: Array) -> Array:
-        bounds = (jnp.array(0), split + 1, command.length)
-        steps = [
-            ground_step(model, command, similarities, scene.present, first, end)
-            for first, end in itertools.pairwise(bounds)
-        ]
+        ends = jnp.stack([split + 1, command.length])
+        both = jax.vmap(
+            lambda first, end: ground_step(model, command, similarities, scene.present, first, end)
+        )(jnp.stack([0, split + 1]), ends)
+        steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
         return sampled_steps(key, model, steps, scene, config.loss, config.temperature)
 
     losses = jax.vmap(carry_out)(positions)
-    return soft_minimum(likeliest, losses, config.temperature)
+    loss = soft_minimum(likeliest, losses, config.temperature)
+    return loss + config.indecision * entropy(log_probability)
 
 
 def one_step_stage(
@@ -176,7 +177,8 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
 
         def one(command: Command, first: Array, losses: Array) -> Array:
             log_probability = split_log_probability(model.language.splitter, command, first)
-            return soft_minimum(log_probability, losses, config.temperature)
+            loss = soft_minimum(log_probability, losses, config.temperature)
+            return loss + config.indecision * entropy(log_probability)
 
         return jax.vmap(one)(*table).mean()
 

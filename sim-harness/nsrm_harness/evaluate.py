@@ -1,0 +1,216 @@
+"""The paper's metrics (section V-C), computed with the core through the `nsrm` module alone.
+
+The core sees what a camera gives: image, boxes, depths and calibration. The truth comes from
+`judge`. A refusal counts as wrong in every metric. A sequence counts as right only when each of
+its steps is right.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import nsrm
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from tqdm import tqdm
+
+from nsrm_harness.episodes.file import Demonstrations
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.judge import Judge, StepTruth
+
+if TYPE_CHECKING:
+    from nsrm_harness.world.camera import Camera
+
+
+class EvaluationError(HarnessError):
+    """A model that can't be evaluated on a file."""
+
+
+class StepPlan(Protocol):
+    """What is judged of a planned step; `nsrm.PlannedStep` has it."""
+
+    @property
+    def action(self) -> str: ...
+    @property
+    def object(self) -> Sequence[str]: ...
+    @property
+    def reference(self) -> Sequence[str]: ...
+    @property
+    def object_id(self) -> int: ...
+    @property
+    def reference_id(self) -> int: ...
+    @property
+    def position(self) -> ArrayLike: ...
+    @property
+    def location(self) -> ArrayLike: ...
+
+
+@dataclass(frozen=True)
+class Score:
+    """How one plan does against the truth; shares in 0..1."""
+
+    program: bool
+    """Actions and concepts of all steps are right, the order of filters aside."""
+    object: bool
+    """The moved object of each step is right (O1)."""
+    reference: bool
+    """The reference of each step is right (O2)."""
+    iou_2d: float
+    """Plan accuracy with the boxes' intersection over union."""
+    iou_3d: float
+    """Plan accuracy with the blocks' intersection over union in the world."""
+    errors_m: tuple[float, ...]
+    """Distance from the true sub-goal of each step whose moved object is right."""
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """Means over the episodes of a file."""
+
+    episodes: int
+    program: float
+    object: float
+    reference: float
+    iou_2d: float
+    iou_3d: float
+    error_median_m: float
+    error_p95_m: float
+    refused: dict[str, int]
+    """Refusals by kind."""
+
+    def as_json(self) -> dict[str, Any]:
+        """For the model file and for `--json`."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        refused = ", ".join(f"{kind} {count}" for kind, count in self.refused.items()) or "none"
+        return (
+            f"{self.episodes} episodes: program {self.program:.1%}, O1 {self.object:.1%}, "
+            f"O2 {self.reference:.1%}, IoU-2D {self.iou_2d:.1%}, IoU-3D {self.iou_3d:.1%}, "
+            f"world error median {self.error_median_m * 1e3:.1f} mm, "
+            f"p95 {self.error_p95_m * 1e3:.1f} mm; refused: {refused}"
+        )
+
+
+def evaluate(model: nsrm.Model, path: Path, quiet: bool = False) -> Metrics:
+    """Plan every episode of a file and judge the plans."""
+    scores: list[Score] = []
+    refused: Counter[str] = Counter()
+    with Demonstrations(path) as demonstrations, Judge(path) as judge:
+        domain = model.info()["domain"]
+        if demonstrations.domain.name != domain:
+            raise EvaluationError(
+                f"{path}: has episodes of the domain {demonstrations.domain.name!r}, "
+                f"the model knows {domain!r}"
+            )
+        for index in tqdm(range(len(demonstrations)), desc="  evaluate", disable=quiet):
+            truth = judge.truth(index)
+            try:
+                plan = plan_episode(model, demonstrations, index)
+            except nsrm.Refused as refusal:
+                refused[refusal.kind] += 1
+                scores.append(Score(False, False, False, 0.0, 0.0, ()))
+                continue
+            scores.append(judge_plan(plan.steps, truth.steps, truth.edges_m))
+    return summarize(scores, refused)
+
+
+def plan_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Plan:
+    """The core's plan for an episode; raises `nsrm.Refused`."""
+    count = int(demonstrations.object_count[index])
+    scene = model.observe(
+        demonstrations.initial_image(index),
+        list(range(1, count + 1)),
+        demonstrations.initial_boxes[index, :count],
+        demonstrations.initial_depths[index, :count],
+        _camera(demonstrations.camera(index)),
+    )
+    return model.plan(scene, demonstrations.sentences[index])
+
+
+def judge_plan(
+    steps: Sequence[StepPlan], truth: Sequence[StepTruth], edges_m: NDArray[np.float64]
+) -> Score:
+    """Compare a plan with the truth; `edges_m` `[n, 3]` by object, id i + 1 in row i."""
+    same_length = len(steps) == len(truth)
+    pairs = list(zip(steps, truth, strict=False))
+    longest = max(len(steps), len(truth))
+    overlaps, volumes, errors = 0.0, 0.0, []
+    for planned, true in pairs:
+        if planned.object_id != true.object_id:
+            continue
+        overlaps += box_iou(planned.location, true.location)
+        edges = edges_m[true.object_id - 1]
+        volumes += block_iou(planned.position, true.sub_goal.position, edges)
+        errors.append(float(np.linalg.norm(np.subtract(planned.position, true.sub_goal.position))))
+    return Score(
+        program=same_length and all(_same_program(planned, true) for planned, true in pairs),
+        object=same_length and all(p.object_id == t.object_id for p, t in pairs),
+        reference=same_length and all(p.reference_id == t.reference_id for p, t in pairs),
+        iou_2d=overlaps / longest,
+        iou_3d=volumes / longest,
+        errors_m=tuple(errors),
+    )
+
+
+def summarize(scores: Sequence[Score], refused: Counter[str]) -> Metrics:
+    """Means over episodes; errors over all steps whose moved object is right."""
+    if not scores:
+        raise EvaluationError("there are no episodes to evaluate")
+    errors = [error for score in scores for error in score.errors_m] or [float("nan")]
+
+    def mean(values: Iterable[float]) -> float:
+        return float(np.mean(list(values)))
+
+    return Metrics(
+        episodes=len(scores),
+        program=mean(score.program for score in scores),
+        object=mean(score.object for score in scores),
+        reference=mean(score.reference for score in scores),
+        iou_2d=mean(score.iou_2d for score in scores),
+        iou_3d=mean(score.iou_3d for score in scores),
+        error_median_m=float(np.median(errors)),
+        error_p95_m=float(np.quantile(errors, 0.95)),
+        refused=dict(sorted(refused.items())),
+    )
+
+
+def box_iou(left: ArrayLike, right: ArrayLike) -> float:
+    """Intersection over union of two boxes x1, y1, x2, y2; further numbers are left aside."""
+    a, b = np.asarray(left, np.float64)[:4], np.asarray(right, np.float64)[:4]
+    shared = np.prod(np.maximum(np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2]), 0.0))
+    areas = [np.prod(np.maximum(box[2:] - box[:2], 0.0)) for box in (a, b)]
+    union = areas[0] + areas[1] - shared
+    return float(shared / union) if union > 0.0 else 0.0
+
+
+def block_iou(left: ArrayLike, right: ArrayLike, edges_m: ArrayLike) -> float:
+    """Intersection over union of two blocks of the same edges, parallel to the axes, by centre."""
+    apart = np.abs(np.subtract(left, right))
+    shared = float(np.prod(np.maximum(np.asarray(edges_m) - apart, 0.0)))
+    return shared / (2.0 * float(np.prod(edges_m)) - shared)
+
+
+def _same_program(planned: StepPlan, true: StepTruth) -> bool:
+    return (
+        planned.action == true.step.action
+        and sorted(planned.object) == sorted(true.step.object)
+        and sorted(planned.reference) == sorted(true.step.reference)
+    )
+
+
+def _camera(camera: Camera) -> nsrm.Camera:
+    return nsrm.Camera(
+        camera.width,
+        camera.height,
+        camera.fx,
+        camera.fy,
+        camera.cx,
+        camera.cy,
+        camera.position,
+        camera.orientation,
+    )
