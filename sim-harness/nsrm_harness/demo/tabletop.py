@@ -11,7 +11,7 @@ from nsrm_harness.episodes.moves import Arrangement
 from nsrm_harness.episodes.programs import Descriptions, sample_blocks, sample_task
 from nsrm_harness.episodes.seeds import generator
 from nsrm_harness.errors import HarnessError
-from nsrm_harness.language.grammar import Grammar, Style
+from nsrm_harness.language.grammar import Grammar
 from nsrm_harness.world.layout import LayoutError, sample_layout
 
 BLOCKS = (4, 6)
@@ -41,8 +41,7 @@ def tabletop(domain: Domain, seed: int) -> Tabletop:
             continue
         task = sample_task(rng, domain, arrangement, _between(rng, STEPS), Descriptions(1, 2))
         if task is not None:
-            style = Style(capital=0.0, shouted=0.0, mixed=0.0, full_stop=0.0)
-            return Tabletop(arrangement, Grammar(domain, style).sentence(rng, task.program))
+            return Tabletop(arrangement, Grammar(domain).plain(task.program))
     raise HarnessError(f"seed {seed}: no scene with room for a step after {MAX_TRIES} tries")
 
 

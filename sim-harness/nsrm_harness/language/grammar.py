@@ -47,6 +47,31 @@ class Grammar:
             words += self._command(rng, step, first=index == 0)
         return self._spell(rng, words)
 
+    def plain(self, program: Program) -> str:
+        """The plainest way to say `program`: the first wording of each list, in lower
+        case, "small green" rather than "green small"."""
+        commands = [
+            " ".join(
+                _fill(
+                    self._words.commands[0],
+                    {
+                        "opening": "",
+                        "verb": self._words.verbs[0],
+                        "moved": self._plain_description(step.object),
+                        "relation": self._domain.action(step.action).phrases[0],
+                        "reference": self._plain_description(step.reference),
+                    },
+                )
+            )
+            for step in program
+        ]
+        return f" {self._words.connectives[0]} ".join(commands)
+
+    def _plain_description(self, concepts: Sequence[str]) -> str:
+        spoken = reversed([self._domain.concept(name).words[0] for name in concepts])
+        fields = {"values": " ".join(spoken), "noun": self._words.nouns[0]}
+        return " ".join(_fill(self._words.descriptions[0], fields))
+
     def _command(self, rng: np.random.Generator, step: Step, first: bool) -> list[str]:
         return _fill(
             _choose(rng, self._words.commands),

@@ -1,0 +1,77 @@
+"""The demonstration's own parts: its scene, the picture of a prediction, the outcome."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nsrm_harness import domain as domains
+from nsrm_harness.demo.outcome import carry_out
+from nsrm_harness.demo.prediction import cut_out, predicted_scene
+from nsrm_harness.demo.tabletop import tabletop
+from nsrm_harness.language.grammar import Grammar
+from nsrm_harness.language.program import Step
+from nsrm_harness.language.tokens import Tokenizer
+from nsrm_harness.world.blocks import block_from_attributes
+from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.render import Frame
+from nsrm_harness.world.world import World
+
+DOMAIN = domains.load()
+
+
+def test_a_seed_gives_one_scene_and_a_sentence_about_its_blocks() -> None:
+    first, again, other = tabletop(DOMAIN, 5), tabletop(DOMAIN, 5), tabletop(DOMAIN, 6)
+    assert first == again
+    assert first.arrangement != other.arrangement
+    tokens = Tokenizer(DOMAIN)(first.sentence)
+    spoken = {DOMAIN.concepts[index].name for group in tokens.groups for index in group}
+    shown = {name for block in first.arrangement.blocks for _, name in block.attributes}
+    assert spoken and spoken <= shown
+
+
+def test_the_plain_wording_is_the_first_of_each_list() -> None:
+    step = Step("MoveLeft", ("green", "small"), ("lego",))
+    assert Grammar(DOMAIN).plain((step, step)) == (
+        "put the small green block to the left of the lego block "
+        "and put the small green block to the left of the lego block"
+    )
+
+
+def test_a_predicted_scene_has_each_object_at_its_new_place_the_nearest_in_front() -> None:
+    rgb = np.zeros((60, 80, 3), np.uint8)
+    mask = np.zeros((60, 80), np.int32)
+    for object_id, column, color in ((1, 0, (200, 0, 0)), (2, 40, (0, 200, 0))):
+        mask[10:20, column : column + 10] = object_id
+        rgb[10:20, column : column + 10] = color
+    mask[10, 0] = 0  # A corner of the box that is not the object's.
+    frame = Frame(rgb, np.ones((60, 80), np.float32), mask)
+    boxes = {
+        1: np.array([0, 10 / 60, 10 / 80, 20 / 60, 1.0], np.float32),
+        2: np.array([40 / 80, 10 / 60, 50 / 80, 20 / 60, 0.9], np.float32),
+    }
+    cutouts = {object_id: cut_out(frame, box, object_id) for object_id, box in boxes.items()}
+    assert np.asarray(cutouts[1])[0, 0, 3] == 0 and np.asarray(cutouts[1])[1, 1, 3] == 255
+
+    background = np.full((60, 80, 3), 50, np.uint8)
+    boxes[1] = np.array([45 / 80, 12 / 60, 55 / 80, 22 / 60, 1.0], np.float32)
+    far = predicted_scene(background, cutouts, boxes)
+    assert far[15, 5].tolist() == [50, 50, 50]  # Gone from where it was.
+    assert far[15, 47].tolist() == [0, 200, 0]  # Behind the nearer one,
+    assert far[15, 53].tolist() == [200, 0, 0]  # and seen beside it.
+    boxes[1][4] = 0.8
+    near = predicted_scene(background, cutouts, boxes)
+    assert near[15, 47].tolist() == [200, 0, 0]
+
+
+def test_the_outcome_tells_a_block_that_stays_from_one_that_falls() -> None:
+    cube = block_from_attributes(DOMAIN, {"color": "red", "size": "small"})
+    with World(robot=False) as world:
+        world.spawn([cube, cube], [Pose.upright(0.5, 0.0, 0.02), Pose.upright(0.5, 0.2, 0.02)])
+        world.settle()
+        stays, falls = carry_out(
+            world,
+            [(2, Pose.upright(0.5, 0.0, 0.06)), (2, Pose.upright(0.5, 0.032, 0.06))],
+        )
+    assert stays.at_rest and stays.miss_m < 0.001 and stays.shift_m < 0.001
+    assert falls.miss_m > 0.01
+    assert f"{1000 * falls.miss_m:.1f} mm from its sub-goal" in str(falls)
