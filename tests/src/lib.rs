@@ -2,7 +2,9 @@
 //!
 //! * [`by_hand`]: a model whose weights were set by hand, so that what it does
 //!   with a sentence is known without training;
+//! * [`golden`]: what the trainer computed, for everything to agree with;
 //! * [`picture`]: a picture of coloured squares, for what must run on any image.
 
 pub mod by_hand;
+pub mod golden;
 pub mod picture;

@@ -1,0 +1,164 @@
+"""Another domain goes the whole way without a change in Rust: its file, episodes, a few
+steps of training, the model file, static arrays, and the planner in `core`."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import nsrm
+import pytest
+from nsrm_harness import domain as domains
+from nsrm_harness.cli import commands
+from nsrm_harness.episodes.calibration import Calibration
+from nsrm_harness.episodes.file import Demonstrations
+from nsrm_harness.judge import Judge
+from nsrm_harness.learn import calibrate
+from nsrm_harness.learn.config import StageConfig, TrainingConfig
+from nsrm_harness.learn.dataset import training_set
+from nsrm_harness.learn.export import ModelFile, WorkSpace, write_metrics, write_model
+from nsrm_harness.learn.train import TRAINS, train
+from nsrm_harness.world.layout import WORK_SPACE
+
+ROOT = Path(__file__).resolve().parents[2]
+DOMAIN = ROOT / "sim-harness" / "tests" / "domains" / "workshop.toml"
+
+MAIN_RS = """
+mod workshop;
+
+use nsrm_core::Planner;
+
+fn main() {
+    let planner = Planner::new(&workshop::WORKSHOP);
+    for sentence in std::io::stdin().lines() {
+        match planner.parse(&sentence.unwrap()) {
+            Ok(program) => println!("{}", program.notation(&workshop::WORKSHOP)),
+            Err(refusal) => println!("{}", refusal.kind()),
+        }
+        println!("--");
+    }
+}
+"""
+
+
+@dataclass(frozen=True)
+class Trained:
+    """What a short training in the second domain left."""
+
+    model: Path
+    test: Path
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Trained:
+    """Episodes, two passes of each stage, the model file."""
+    folder = tmp_path_factory.mktemp("workshop")
+    for split, count in (("train", 80), ("validation", 24), ("test", 24)):
+        _harness("episodes", "--split", split, "--count", str(count), out=folder / f"{split}.h5")
+    _harness("calibration", "--count", "40", out=folder / "calibration.h5")
+
+    short = {
+        name: replace(getattr(TrainingConfig(), name), epochs=2)
+        for name in TRAINS
+        if isinstance(getattr(TrainingConfig(), name), StageConfig)
+    }
+    with Demonstrations(folder / "train.h5") as demonstrations:
+        domain, data = demonstrations.domain, training_set(demonstrations)
+    with Demonstrations(folder / "validation.h5") as demonstrations:
+        validation = training_set(demonstrations)
+    result = train(domain, data, TrainingConfig(**short), 0, folder / "run", quiet=True)
+    camera = calibrate.fit_camera(Calibration.load(folder / "calibration.h5"))
+    model = calibrate.with_camera(result.model, camera)
+    thresholds = calibrate.fit_thresholds(model, validation).thresholds
+    path = folder / "model.safetensors"
+    space = WorkSpace(WORK_SPACE.min, WORK_SPACE.max)
+    write_model(path, ModelFile(model, domain, thresholds, space, training={"seed": 0}))
+    write_metrics(path, {})
+    return Trained(path, folder / "test.h5")
+
+
+def _harness(*arguments: str, out: Path) -> None:
+    full = [*arguments, "--domain", str(DOMAIN), "--out", str(out)]
+    commands.main(full, standalone_mode=False)
+
+
+def test_the_loaded_model_knows_the_second_domain_and_no_other(trained: Trained) -> None:
+    model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
+    assert model.info()["domain"]["name"] == domain.name
+    with Demonstrations(trained.test) as demonstrations:
+        image = demonstrations.initial_image(0)
+        box = demonstrations.initial_boxes[0][0]
+    similarities = model.similarities(model.encode_crop(nsrm.crop(image, box)))
+    assert list(similarities) == [value.name for value in domain.concepts]
+    with pytest.raises(nsrm.Refused) as refused:
+        model.parse("put the red block on the small blue block")
+    assert refused.value.kind == "unknown_word"
+
+
+def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:
+    model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
+    names = {value.name for value in domain.concepts}
+    actions = {action.name for action in domain.actions}
+    with Demonstrations(trained.test) as demonstrations, Judge(trained.test) as judge:
+        for index, sentence in enumerate(demonstrations.sentences):
+            truth = judge.truth(index)
+            try:
+                program = model.parse(sentence)
+            except nsrm.Refused as refusal:
+                assert refusal.kind in ("unsure", "incomplete_step", "same_reference")
+                continue
+            said = {name for step in truth.program for name in (*step.object, *step.reference)}
+            for step in program.steps:
+                assert step.action in actions
+                assert set(step.object) | set(step.reference) <= names & said
+
+
+def test_its_static_arrays_compile_with_core_and_understand_the_same(
+    trained: Trained, tmp_path: Path
+) -> None:
+    crate = tmp_path / "workshop"
+    (crate / "src").mkdir(parents=True)
+    (crate / "Cargo.toml").write_text(
+        '[package]\nname = "workshop"\nversion = "0.0.0"\nedition = "2024"\n[workspace]\n'
+        f'[dependencies]\nnsrm-core = {{ path = "{ROOT / "core"}", default-features = false }}\n',
+        encoding="utf-8",
+    )
+    shutil.copy(ROOT / "Cargo.lock", crate / "Cargo.lock")
+    (crate / "src" / "main.rs").write_text(MAIN_RS, encoding="utf-8")
+    written = str(crate / "src" / "workshop.rs")
+    _cargo(
+        *("run", "--quiet", "--package", "nsrm-codegen", "--", str(trained.model)),
+        *("--out", written, "--name", "WORKSHOP"),
+    )
+
+    model = nsrm.Model.load(trained.model)
+    with Demonstrations(trained.test) as demonstrations:
+        sentences = list(demonstrations.sentences)
+    expected = []
+    for sentence in sentences:
+        try:
+            expected.append(model.parse(sentence).notation.strip())
+        except nsrm.Refused as refusal:
+            expected.append(refusal.kind)
+    target = str(ROOT / "target" / "second-domain")
+    said = _cargo(
+        *("run", "--quiet", "--manifest-path", str(crate / "Cargo.toml"), "--target-dir", target),
+        feed="\n".join(sentences),
+    )
+    assert [part.strip() for part in said.split("--\n")[:-1]] == expected
+
+
+def _cargo(*arguments: str, feed: str = "") -> str:
+    ran = subprocess.run(
+        ["cargo", *arguments],
+        cwd=ROOT,
+        input=feed,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    return ran.stdout

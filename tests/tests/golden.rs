@@ -1,0 +1,491 @@
+//! Golden vectors of the trainer: each layer, each module and the whole chain, on
+//! the static model and on the model file loaded at run time.
+
+use nsrm_core::action::simulate;
+use nsrm_core::language::{
+    Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, TokenKind, choose_action, choose_group,
+};
+use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
+use nsrm_core::nn::{Choice, Conv, Gru, Linear};
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_core::scene::ObservedObject;
+use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
+use nsrm_core::{Camera, Planner, Program, Progress, RawScene, Refusal, Scene};
+use nsrm_tests::golden::{Array, Golden, fixed};
+use serde_json::Value;
+
+/// Runs a test on both forms of the model, the one that the vectors are of.
+fn on_both(test: impl Fn(&Golden, &Model<'_>)) {
+    let golden = Golden::read();
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../core/pretrained/tabletop.safetensors"
+    );
+    let loaded = nsrm::load_model(path).expect("the model file can be loaded");
+    let of = golden.cases["model_hash"].as_str().expect("model_hash");
+    for (form, model) in [("static", TABLETOP), ("loaded", loaded.as_model())] {
+        let hash: String = model.header.hash.map(|byte| format!("{byte:02x}")).concat();
+        assert_eq!(
+            hash, of,
+            "the vectors are of another model than the {form} one; cargo harness golden"
+        );
+        println!("on the {form} model");
+        test(&golden, &model);
+    }
+}
+
+#[test]
+fn golden_linear() {
+    let golden = Golden::read();
+    let layer = Linear::<7, 5> {
+        weight: golden.array("layer.linear.weight").columns(),
+        bias: golden.array("layer.linear.bias").fixed(),
+    };
+    let (inputs, outputs) = (
+        golden.array("layer.linear.input"),
+        golden.array("layer.linear.output"),
+    );
+    for (input, output) in inputs.rows().zip(outputs.rows()) {
+        golden.close("layer", &layer.apply(&fixed(input)), output, "linear");
+    }
+}
+
+#[test]
+fn golden_convolution() {
+    let golden = Golden::read();
+    let weight = golden.array("layer.conv.weight");
+    assert_eq!(weight.shape, [3, 2, 4, 4]);
+    let at = |o: usize, i: usize, row: usize, column: usize| {
+        weight.values[((o * 2 + i) * 4 + row) * 4 + column]
+    };
+    let layer = Conv::<2, 3, 4> {
+        weight: std::array::from_fn(|i| {
+            std::array::from_fn(|row| {
+                std::array::from_fn(|column| std::array::from_fn(|o| at(o, i, row, column)))
+            })
+        }),
+        bias: golden.array("layer.conv.bias").fixed(),
+    };
+    let input = maps(&golden.array("layer.conv.input").values);
+    let mut output = [[[0.0; 3]; 3]; 3];
+    layer.apply::<12, 3>(&input, &mut output);
+    let expected = golden.array("layer.conv.output");
+    let output = output.as_flattened().as_flattened();
+    golden.close("layer", output, &expected.values, "convolution");
+}
+
+#[test]
+fn golden_gru() {
+    let golden = Golden::read();
+    let hidden = golden.array("layer.gru.weight_hh");
+    assert_eq!(hidden.shape, [12, 4]);
+    let cell = Gru::<4> {
+        weight_hh: std::array::from_fn(|column| {
+            std::array::from_fn(|gate| {
+                std::array::from_fn(|row| hidden.values[(4 * gate + row) * 4 + column])
+            })
+        }),
+        bias_n: golden.array("layer.gru.bias_n").fixed(),
+    };
+    let from_input = Linear::<6, 12> {
+        weight: golden.array("layer.gru.weight_ih").columns(),
+        bias: golden.array("layer.gru.bias").fixed(),
+    };
+    for kind in ["calm", "saturated"] {
+        let array = |part: &str| golden.array(&format!("layer.gru.{kind}.{part}"));
+        let inputs = array("input");
+        let forward = array("forward");
+        let backward = array("backward");
+        let gates: Vec<[[f32; 4]; 3]> = inputs
+            .rows()
+            .map(|input| {
+                let folded = from_input.apply(&fixed(input));
+                std::array::from_fn(|gate| fixed(&folded[4 * gate..4 * gate + 4]))
+            })
+            .collect();
+        let mut state = [0.0; 4];
+        for (gates, expected) in gates.iter().zip(forward.rows()) {
+            state = cell.step(gates, &state);
+            golden.close("layer", &state, expected, &forward.name);
+        }
+        let mut state = [0.0; 4];
+        let expected: Vec<_> = backward.rows().collect();
+        for (gates, expected) in gates.iter().zip(expected).rev() {
+            state = cell.step(gates, &state);
+            golden.close("layer", &state, expected, &backward.name);
+        }
+    }
+}
+
+#[test]
+fn golden_crops() {
+    let golden = Golden::read();
+    let image = golden.array("crop.image");
+    let [height, width, 3] = image.shape[..] else {
+        panic!("crop.image: {:?}", image.shape);
+    };
+    let pixels: Vec<u8> = image.values.iter().map(|value| *value as u8).collect();
+    let image = RgbImage::new(&pixels, width as u32, height as u32, 3 * width).unwrap();
+    let (boxes, outputs) = (golden.array("crop.boxes"), golden.array("crop.output"));
+    assert!(boxes.rows().len() > 0);
+    for (bounds, expected) in boxes.rows().zip(outputs.rows()) {
+        let crop = Crop::from_rgb(&image, &fixed(bounds)).unwrap();
+        let got = crop.channels.as_flattened().as_flattened();
+        golden.close("crop", got, expected, &format!("crop of {bounds:?}"));
+    }
+}
+
+#[test]
+fn golden_vision() {
+    on_both(|golden, model| {
+        let crops = golden.array("vision.crops");
+        let embeddings = golden.array("vision.embeddings");
+        let cosines = golden.array("vision.similarities");
+        assert!(crops.rows().len() > 0);
+        let expected = embeddings.rows().zip(cosines.rows());
+        for (index, (crop, (embedding, cosines))) in crops.rows().zip(expected).enumerate() {
+            let got = encode(model, &crop_of(crop));
+            golden.close("embedding", &got, embedding, &format!("crop {index}"));
+            // From the trainer's embedding, so that errors don't add up.
+            let embedding = fixed(embedding);
+            let got: Vec<_> = (0..model.concepts.len())
+                .map(|concept| similarity(model, &embedding, concept as u8).unwrap())
+                .collect();
+            golden.close("cosine", &got, cosines, &format!("cosines of crop {index}"));
+        }
+    });
+}
+
+#[test]
+fn golden_simulator_and_camera() {
+    on_both(|golden, model| {
+        let array = |part: &str| golden.array(&format!("simulator.{part}"));
+        let (moved, reference) = (array("moved"), array("reference"));
+        let (actions, outputs) = (array("action"), array("output"));
+        let positions = golden.array("camera.position");
+        let camera = camera(&golden.cases["scenes"][0]["camera"]);
+        assert!(!actions.values.is_empty());
+        let arguments = moved.rows().zip(reference.rows());
+        let expected = outputs.rows().zip(positions.rows());
+        for ((action, arguments), (output, position)) in
+            actions.values.iter().zip(arguments).zip(expected)
+        {
+            let action = &model.actions[*action as usize];
+            let (moved, reference) = (fixed(arguments.0), fixed(arguments.1));
+            let got = simulate(model.simulator, action, &moved, &reference);
+            golden.close("location", &got, output, action.name);
+            let place = camera.locate(model.camera, &fixed(output));
+            golden.close("position_m", place.coords.as_slice(), position, "camera");
+        }
+    });
+}
+
+#[test]
+fn golden_sentences() {
+    on_both(|golden, model| {
+        let sentences = golden.cases["sentences"].as_array().expect("sentences");
+        assert!(!sentences.is_empty());
+        for (number, case) in sentences.iter().enumerate() {
+            check_sentence(golden, model, number, case);
+        }
+    });
+}
+
+#[test]
+fn golden_padding_changes_nothing() {
+    // The trainer pads, core doesn't: its logits without padding are those with it.
+    let golden = Golden::read();
+    let padded = golden.array("padding.action_logits");
+    let exact = golden.array("sentence.0.step.0.action_logits");
+    golden.close("logit", &exact.values, &padded.values, "padding");
+}
+
+fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Value) {
+    let sentence = text(&case["sentence"]);
+    let mut reader = Reader::new(sentence).unwrap();
+    while reader.advance(model).unwrap() {}
+    let tokens = reader.tokens();
+    // Row 0 of the trainer's embeddings is the group's; core keeps that apart.
+    let rows = numbers(&case["rows"]);
+    let got: Vec<f64> = tokens
+        .iter()
+        .map(|token| match token.kind {
+            TokenKind::Group(_) => 0.0,
+            TokenKind::Word(index) => f64::from(index) + 1.0,
+        })
+        .collect();
+    assert_eq!(got, rows, "{sentence}");
+
+    let mut end = 0;
+    for (index, step) in array(&case["steps"]).iter().enumerate() {
+        let part = |part: &str| golden.array(&format!("sentence.{number}.step.{index}.{part}"));
+        let first = step["first"].as_u64().expect("first") as usize;
+        assert_eq!(first, end);
+        end = step["end"].as_u64().expect("end") as usize;
+
+        let hazards = part("hazards");
+        let mut splitter = Splitter::new();
+        let mut decided = None;
+        for (offset, expected) in hazards.values.iter().enumerate() {
+            let parameters = |at: usize| tokens.get(at).and_then(|token| token.parameters(model));
+            let at = first + offset;
+            let (this, next) = (parameters(at).unwrap(), parameters(at + 1).unwrap());
+            let hazard = splitter.hazard(&model.language, this, next, parameters(at + 2));
+            golden.close("probability", &[hazard], &[*expected], &hazards.name);
+            assert_eq!(hazard > SPLIT_HAZARD, at + 1 == end && end < tokens.len());
+            decided = splitter.decide(hazard);
+        }
+        let split = decided.unwrap_or(splitter.survival());
+        let expected = step["split"].as_f64().expect("split") as f32;
+        golden.close("probability", &[split], &[expected], "split");
+
+        let tokens = &tokens[first..end];
+        let encoder = encoded(model, tokens);
+        let instruction = encoder.instruction();
+        golden.close("state", &instruction, &part("instruction").values, sentence);
+        let states = part("states");
+        let at_groups = tokens.iter().zip(states.rows());
+        let at_groups: Vec<_> = at_groups
+            .filter_map(|(token, state)| token.description().map(|_| state))
+            .collect();
+        assert_eq!(encoder.groups().len(), at_groups.len());
+        for (got, expected) in encoder.groups().iter().zip(at_groups) {
+            golden.close("state", got, expected, &states.name);
+        }
+
+        let action = choose_action(model.actions, &instruction);
+        check_choice(golden, &action, &part("action_logits"));
+        let language = &model.language;
+        for (decoder, logits) in [
+            (language.object_decoder, "object_logits"),
+            (language.reference_decoder, "reference_logits"),
+        ] {
+            let choice = choose_group(decoder, &instruction, encoder.groups());
+            check_choice(golden, &choice, &part(logits));
+        }
+    }
+    assert_eq!(end, tokens.len());
+    check_parsed(golden, model, sentence, array(&case["steps"]));
+}
+
+/// The parser as a whole cuts where the trainer does.
+fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Value]) {
+    let mut task = ParsingTask::new(model, sentence);
+    let parsed = loop {
+        if let Progress::Done(parsed) = task.poll() {
+            break parsed.cloned();
+        }
+    };
+    match parsed {
+        Ok(parsed) => {
+            assert_eq!(parsed.decisions.len(), steps.len(), "{sentence}");
+            for (decisions, step) in parsed.decisions.iter().zip(steps) {
+                let expected = step["split"].as_f64().expect("split") as f32;
+                golden.close("probability", &[decisions.split], &[expected], sentence);
+            }
+        }
+        // The longest sentence may have more steps than a program, or a rest of
+        // words that say nothing.
+        Err(refusal) => assert!(
+            matches!(
+                refusal,
+                Refusal::TooManySteps { .. }
+                    | Refusal::IncompleteStep { .. }
+                    | Refusal::Unsure { .. }
+                    | Refusal::TooManyReferences { .. }
+                    | Refusal::SameReference { .. }
+            ),
+            "{sentence}: {refusal:?}"
+        ),
+    }
+}
+
+fn encoded(model: &Model<'_>, tokens: &[nsrm_core::language::Token]) -> Encoder {
+    let mut encoder = Encoder::new();
+    let parameters = |token: &nsrm_core::language::Token| {
+        let parameters = token.parameters(model).expect("a token of this model");
+        (*parameters, token.description().is_some())
+    };
+    for token in tokens {
+        let (parameters, group) = parameters(token);
+        assert!(encoder.forward(&model.language, &parameters, group));
+    }
+    for token in tokens.iter().rev() {
+        let (parameters, group) = parameters(token);
+        encoder.backward(&model.language, &parameters, group);
+    }
+    encoder
+}
+
+/// The same index, and the probability that the trainer's logits give it.
+fn check_choice(golden: &Golden, choice: &Choice, logits: &Array) {
+    let greatest = logits
+        .values
+        .iter()
+        .copied()
+        .fold(f32::NEG_INFINITY, f32::max);
+    let index = logits.values.iter().position(|logit| *logit == greatest);
+    assert_eq!(choice.index(), index, "{}", logits.name);
+    if index.is_some() {
+        let exponentials = logits
+            .values
+            .iter()
+            .map(|logit| (f64::from(*logit) - f64::from(greatest)).exp());
+        let probability = 1.0 / exponentials.sum::<f64>();
+        golden.close(
+            "probability",
+            &[choice.probability()],
+            &[probability as f32],
+            &logits.name,
+        );
+    }
+}
+
+#[test]
+fn golden_plans() {
+    on_both(|golden, model| {
+        let plans = array(&golden.cases["plans"]);
+        assert!(!plans.is_empty());
+        for (number, case) in plans.iter().enumerate() {
+            let scene = scene(golden, model, case["scene"].as_u64().expect("scene"));
+            let sentence = text(&case["sentence"]);
+            let result = Planner::new(model).plan(&scene, sentence);
+            if let Some(refused) = case.get("refused") {
+                check_refusal(&result.expect_err(sentence), refused);
+                continue;
+            }
+            let plan = result.unwrap_or_else(|refusal| panic!("{sentence}: {refusal}"));
+            check_program(model, plan.program(), array(&case["steps"]));
+            let part = |part: &str| golden.array(&format!("plan.{number}.{part}"));
+            let (locations, positions) = (part("locations"), part("positions"));
+            let (object_scores, reference_scores) =
+                (part("object_scores"), part("reference_scores"));
+            let groundings = object_scores.rows().zip(reference_scores.rows());
+            let places = locations.rows().zip(positions.rows());
+            let steps = array(&case["steps"]).iter();
+            for (((step, expected), scores), (location, position)) in
+                plan.steps().iter().zip(steps).zip(groundings).zip(places)
+            {
+                assert_eq!(expected["object_id"], step.object.object);
+                assert_eq!(expected["reference_id"], step.reference.object);
+                for (grounding, scores) in [(step.object, scores.0), (step.reference, scores.1)] {
+                    let expected = scores[usize::from(grounding.index)];
+                    golden.close("cosine", &[grounding.score], &[expected], sentence);
+                }
+                golden.close("location", &step.location, location, sentence);
+                let got = step.sub_goal.pose.translation.vector;
+                golden.close("position_m", got.as_slice(), position, sentence);
+                let turned = step.sub_goal.pose.rotation.coords;
+                assert_eq!(turned.as_slice(), model.header.placed_orientation);
+            }
+        }
+    });
+}
+
+fn check_refusal(refusal: &Refusal, expected: &Value) {
+    assert_eq!(refusal.kind(), text(&expected["kind"]));
+    if let Refusal::Ambiguous { candidates, .. } = refusal {
+        let got: Vec<_> = candidates
+            .listed()
+            .iter()
+            .map(|candidate| f64::from(candidate.object))
+            .collect();
+        assert_eq!(got, numbers(&expected["candidates"]));
+    }
+}
+
+fn check_program(model: &Model<'_>, program: &Program, expected: &[Value]) {
+    assert_eq!(program.steps().len(), expected.len());
+    for (step, expected) in program.steps().iter().zip(expected) {
+        assert_eq!(
+            model.actions[usize::from(step.action)].name,
+            expected["action"]
+        );
+        for (description, names) in [
+            (&step.object, &expected["object"]),
+            (&step.reference, &expected["reference"]),
+        ] {
+            let mut got: Vec<_> = description
+                .concepts()
+                .iter()
+                .map(|concept| model.concepts[usize::from(*concept)].name)
+                .collect();
+            let mut names: Vec<_> = array(names).iter().map(text).collect();
+            got.sort_unstable();
+            names.sort_unstable();
+            assert_eq!(got, names);
+        }
+    }
+}
+
+/// A scene of the golden set, its crops encoded by core.
+fn scene(golden: &Golden, model: &Model<'_>, number: u64) -> Scene {
+    let case = &golden.cases["scenes"][number as usize];
+    let part = |part: &str| golden.array(&format!("scene.{number}.{part}"));
+    let (locations, crops, embeddings) = (part("locations"), part("crops"), part("embeddings"));
+    let mut scene = RawScene::empty(model, camera(&case["camera"]));
+    let seen = crops.rows().zip(embeddings.rows());
+    let ids = numbers(&case["ids"]);
+    for ((id, location), (crop, embedding)) in ids.iter().zip(locations.rows()).zip(seen) {
+        let encoded: [f32; OBJECT_EMBEDDING] = encode(model, &crop_of(crop));
+        golden.close("embedding", &encoded, embedding, "crop of a scene");
+        let location: [f32; LOCATION] = fixed(location);
+        let object = ObservedObject {
+            id: *id as u32,
+            location,
+            embedding: encoded,
+        };
+        scene.push(object).expect("at most MAX_OBJECTS");
+    }
+    assert_eq!(scene.count as usize, ids.len());
+    Scene::new(scene, model).expect("a scene in order")
+}
+
+fn camera(case: &Value) -> Camera {
+    let number = |name: &str| case[name].as_f64().expect(name) as f32;
+    let list = |name: &str| -> Vec<f32> {
+        let values = numbers(&case[name]).into_iter();
+        values.map(|value| value as f32).collect()
+    };
+    Camera {
+        width: number("width") as u32,
+        height: number("height") as u32,
+        fx: number("fx"),
+        fy: number("fy"),
+        cx: number("cx"),
+        cy: number("cy"),
+        position: fixed(&list("position")),
+        orientation: fixed(&list("orientation")),
+    }
+}
+
+fn crop_of(values: &[f32]) -> Crop {
+    Crop {
+        channels: maps(values),
+    }
+}
+
+/// `[CHANNELS][SIDE][SIDE]` of values in that order.
+fn maps<const CHANNELS: usize, const SIDE: usize>(
+    values: &[f32],
+) -> [[[f32; SIDE]; SIDE]; CHANNELS] {
+    assert_eq!(values.len(), CHANNELS * SIDE * SIDE);
+    std::array::from_fn(|channel| {
+        std::array::from_fn(|row| fixed(&values[(channel * SIDE + row) * SIDE..][..SIDE]))
+    })
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().expect("a text")
+}
+
+fn array(value: &Value) -> &[Value] {
+    value.as_array().expect("a list")
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let values = array(value).iter();
+    values
+        .map(|number| number.as_f64().expect("a number"))
+        .collect()
+}
