@@ -158,7 +158,7 @@ def crop(image: np.ndarray, box: np.ndarray) -> np.ndarray:
     at = (np.arange(64) + 0.5) / 64
     columns = _mix((box[0] + at * (box[2] - box[0])) * width - 0.5, width)
     rows = _mix((box[1] + at * (box[3] - box[1])) * height - 0.5, height)
-    sampled = np.einsum("iy,jx,yxc->cij", rows, columns, image.astype(np.float64))
+    sampled = np.einsum("iy,jx,yxc->cij", rows, columns, image.astype(np.float64), optimize=True)
     return sampled.reshape(3, 32, 2, 32, 2).mean(axis=(2, 4)) / 255.0
 
 
