@@ -18,13 +18,20 @@ use anyhow::{Context, Result, bail};
 use crate::project::{Project, output_of, run_on_stderr, without_cargo_variables};
 use crate::stamp::{Inputs, Stamp};
 
-/// What the Python module is made from; besides `Cargo.toml` and `Cargo.lock`.
-const MODULE_SOURCES: [&str; 5] = [
-    "core",
-    "weights-codegen",
-    "std-shim",
-    "Cargo.toml",
+/// What the Python module is made from.
+const MODULE_SOURCES: [&str; 12] = [
     "Cargo.lock",
+    "Cargo.toml",
+    "core/Cargo.toml",
+    "core/src",
+    "weights-codegen/Cargo.toml",
+    "weights-codegen/src",
+    "std-shim/Cargo.toml",
+    "std-shim/src",
+    "std-shim/python/Cargo.toml",
+    "std-shim/python/nsrm.pyi",
+    "std-shim/python/pyproject.toml",
+    "std-shim/python/src",
 ];
 
 /// Commands of the harness that need no more than the demo's requirements.
@@ -126,7 +133,7 @@ impl Environment {
         for source in MODULE_SOURCES {
             inputs.path(&self.project.path(source))?;
         }
-        let announcement = "building the Python module of the Rust core (about a minute)";
+        let announcement = "building the Python module of the Rust core (one to three minutes)";
         self.once("module", &inputs.finish(), announcement, || {
             let wheels = self.folder.join("wheels");
             remove_folder(&wheels)?;
@@ -139,8 +146,7 @@ impl Environment {
                 .arg(self.python())
                 .arg("--out")
                 .arg(&wheels);
-            run_on_stderr(without_cargo_variables(&mut maturin))
-                .context("building std-shim/python")?;
+            output_of(without_cargo_variables(&mut maturin)).context("building std-shim/python")?;
             let wheel = only_file(&wheels)?;
             let mut pip = self.pip();
             pip.args(["install", "--quiet", "--no-index", "--no-deps"]);
