@@ -21,9 +21,11 @@
 mod info;
 pub mod json;
 mod models;
+#[cfg(feature = "scene-files")]
 mod scenes;
 
 pub use info::{info_json, info_text};
 pub use models::{AnyModel, LoadError, load_model};
 pub use nsrm_codegen::{ModelError, OwnedModel};
+#[cfg(feature = "scene-files")]
 pub use scenes::{SceneFileError, read_scene};
