@@ -10,6 +10,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+
 from nsrm_harness.domain import Domain
 from nsrm_harness.language.grammar import Grammar, Style
 from nsrm_harness.language.program import Program, Step
@@ -46,7 +47,9 @@ def make_toys(domain: Domain, count: int, steps: int, seed: int, attributes: int
             continue
         edges = np.array([_edges(domain, value) for value in values])
         places = _places(rng, edges)
-        before.append([_location(p, e, rng.uniform(0.98, 1.1)) for p, e in zip(places, edges)])
+        before.append(
+            [_location(p, e, rng.uniform(0.98, 1.1)) for p, e in zip(places, edges, strict=True)]
+        )
         for step, (moved, reference) in zip(program, chosen, strict=True):
             places[moved] = _target(domain, step, places, edges, moved, reference)
         located = list(before[-1])
@@ -84,7 +87,10 @@ def concatenate(parts: list[TrainingSet]) -> TrainingSet:
         shape = np.max([array.shape[1:] for array in arrays], axis=0)
         result = []
         for array in arrays:
-            widths = [(0, 0), *((0, to - now) for to, now in zip(shape, array.shape[1:]))]
+            widths = [
+                (0, 0),
+                *((0, to - now) for to, now in zip(shape, array.shape[1:], strict=True)),
+            ]
             result.append(np.pad(array, widths, constant_values=fill))
         return np.concatenate(result)
 
@@ -192,7 +198,7 @@ def _crop(rng: np.random.Generator, domain: Domain, values: tuple[str, ...]) -> 
         shade[top : top + 4, left : left + 8] = 1.15
     shade *= rng.uniform(0.85, 1.1)
     # A size seen by its perspective: a tall block shows more of its front.
-    edge = 32 - int(round(200 * _edges(domain, values)[2]))
+    edge = 32 - round(200 * _edges(domain, values)[2])
     shade[edge - 2 : edge] *= 0.8
     noisy = rgb[:, None, None] * shade + rng.normal(0, 0.02, (3, 32, 32))
     return np.clip(noisy, 0.0, 1.0)

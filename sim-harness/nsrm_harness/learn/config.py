@@ -37,23 +37,30 @@ class TrainingConfig:
     loss: LossWeights = field(default_factory=lambda: LossWeights(square=200.0, overlap=1.0))
     polish_loss: LossWeights = field(default_factory=lambda: LossWeights(5000.0, 1.0))
     """For the last stage, which is about millimetres."""
+    polish_cap: float = 3.0
+    """Most that one object adds there. More means that a choice is wrong, or that a block is hidden:
+    a handful of those outweighs all others in the squared error."""
     exploration: float = 0.8
     """Share of the actions' probability that is spread evenly when learning begins."""
     failed_split: float = 2.0
     """Loss of a split that leaves a step without two objects."""
     indecision: float = 0.02
     """Weight of the entropy over splits: of several that do equally well one is to be preferred."""
+    late_split: float = 0.01
+    """Loss that each token of the first step adds. Of splits that do equally well the earliest is
+    the safest: what a step needs has been said when its second object is named, and what follows
+    belongs to the next."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
     """(a) One step, one attribute in each description; every choice summed out."""
     selection: StageConfig = StageConfig(epochs=20, learning_rate=1e-3, batch=32)
     """(a) The same episodes; objects by straight-through Gumbel samples."""
-    attributes: StageConfig = StageConfig(epochs=12, learning_rate=1e-3, batch=32)
+    attributes: StageConfig = StageConfig(epochs=16, learning_rate=1e-3, batch=32)
     """(b) One step, any description; the simulator is frozen."""
-    splitter: StageConfig = StageConfig(epochs=10, learning_rate=5e-3, batch=64)
+    splitter: StageConfig = StageConfig(epochs=20, learning_rate=2e-3, batch=32)
     """(c) The splitter alone, on a table of losses of every split."""
-    joint: StageConfig = StageConfig(epochs=10, learning_rate=3e-4, batch=32)
+    joint: StageConfig = StageConfig(epochs=12, learning_rate=3e-4, batch=32)
     """(d) Everything, on one and two steps."""
     simulator: StageConfig = StageConfig(epochs=400, learning_rate=5e-3, batch=256)
     """(e) The simulator alone, on the model's own choices."""

@@ -160,8 +160,10 @@ def split_table(
     losses = np.full(tokens.shape, config.failed_split, np.float32)
     losses[whole] = 0.0
     remainders = losses.copy()
-    losses[episodes, split] = found
-    good = (found <= losses[episodes].min(axis=1) + NEAR_BEST) & ~whole[episodes, split]
+    least = np.full(len(data), np.inf)
+    np.minimum.at(least, episodes, found)
+    losses[episodes, split] = found + config.late_split * split
+    good = (found <= least[episodes] + NEAR_BEST) & ~whole[episodes, split]
     rows = np.concatenate([one, two, episodes[good]])
     first = np.concatenate([np.zeros(len(one) + len(two), int), split[good] + 1])
     every = np.concatenate([losses[one], losses[two], remainders[episodes[good]]])

@@ -20,10 +20,9 @@ from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn import reference
 from nsrm_harness.learn.export import ModelFile, arrays_of, safetensors_bytes, tensor_hash
 from nsrm_harness.learn.model import Conv, run_gru
+from nsrm_harness.learn.reference import MAX_TOKENS
 
 SEED = 20240
-MAX_TOKENS = 128
-"""The core's capacity."""
 TOLERANCES = {
     "layer": {"absolute": 1e-5, "relative": 1e-5},
     "state": {"absolute": 1e-4, "relative": 1e-4},

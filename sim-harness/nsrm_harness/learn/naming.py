@@ -14,6 +14,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from nsrm_harness.domain import Domain
 from nsrm_harness.language.grammar import Grammar, Style
@@ -40,9 +41,14 @@ def learned_actions(model: Model, domain: Domain) -> np.ndarray:
     ]
     padded = Sentences.of(tokenizer, sentences)
     valid = np.arange(padded.tokens.shape[1]) < padded.length[:, None]
-    parse = eqx.filter_jit(jax.vmap(model.language.parse))(padded.tokens, valid)
-    meant = np.asarray(jnp.argmax(parse.action, axis=1)).reshape(len(domain.actions), SENTENCES)
+    meant = np.asarray(_meant(model, jnp.asarray(padded.tokens), jnp.asarray(valid)))
+    meant = meant.reshape(len(domain.actions), SENTENCES)
     return np.stack([np.bincount(row, minlength=len(domain.actions)) for row in meant])
+
+
+@eqx.filter_jit
+def _meant(model: Model, tokens: Array, valid: Array) -> Array:
+    return jnp.argmax(jax.vmap(model.language.parse)(tokens, valid).action, axis=1)
 
 
 def name_actions(model: Model, domain: Domain) -> tuple[Model, bool]:

@@ -7,14 +7,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn.calibrate import terms
-from nsrm_harness.learn.model import GROUP_TOKEN, Model, filter_scene
+from nsrm_harness.learn.model import GROUP_TOKEN, Model, Parse, filter_scene
 from nsrm_harness.world.camera import Camera
+
+MAX_TOKENS = 128
+"""The core's capacity."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,7 @@ def parse(model: Model, tokenizer: Tokenizer, sentence: str) -> list[ParsedStep]
     first, groups = 0, list(found.groups)
     while first < len(rows):
         rest = rows[first:]
-        hazards = np.asarray(jax.nn.sigmoid(_hazard_logits(model, rest)), np.float64)[:-1]
+        hazards = np.asarray(_hazards(model, *_padded(rest)), np.float64)[: len(rest) - 1]
         split = next((t for t, hazard in enumerate(hazards) if hazard > 0.5), len(rest) - 1)
         count = int((rest[: split + 1] == GROUP_TOKEN).sum())
         kept = np.prod(1.0 - hazards[:split])
@@ -85,10 +89,6 @@ def parse(model: Model, tokenizer: Tokenizer, sentence: str) -> list[ParsedStep]
     return steps
 
 
-def _hazard_logits(model: Model, rows: np.ndarray) -> jax.Array:
-    return model.language.splitter(jnp.asarray(rows), jnp.ones(len(rows), bool))
-
-
 def _encode(
     model: Model,
     rows: np.ndarray,
@@ -98,23 +98,40 @@ def _encode(
     split: float,
     groups: tuple[tuple[int, ...], ...],
 ) -> ParsedStep:
-    language = model.language
-    valid = jnp.ones(len(rows), bool)
-    states, instruction = language.encoder(language.embedding.weight[rows], valid)
-    logits = language.parse(jnp.asarray(rows), valid)
+    states, instruction, logits = _encoded(model, *_padded(rows))
     at = np.flatnonzero(rows == GROUP_TOKEN)
     return ParsedStep(
         first=first,
         end=first + len(rows),
         hazards=hazards.astype(np.float32),
         split=split,
-        states=np.asarray(states),
+        states=np.asarray(states)[: len(rows)],
         instruction=np.asarray(instruction),
         action_logits=np.asarray(logits.action),
         object_logits=np.asarray(logits.object)[at],
         reference_logits=np.asarray(logits.reference)[at],
         groups=groups,
     )
+
+
+def _padded(rows: np.ndarray) -> tuple[jax.Array, jax.Array]:
+    """Of one length, so that each function is compiled once; padding has no influence."""
+    tokens = np.zeros(MAX_TOKENS, np.int32)
+    tokens[: len(rows)] = rows
+    return jnp.asarray(tokens), jnp.arange(MAX_TOKENS) < len(rows)
+
+
+@eqx.filter_jit
+def _hazards(model: Model, tokens: jax.Array, valid: jax.Array) -> jax.Array:
+    return jax.nn.sigmoid(model.language.splitter(tokens, valid))
+
+
+@eqx.filter_jit
+def _encoded(
+    model: Model, tokens: jax.Array, valid: jax.Array
+) -> tuple[jax.Array, jax.Array, Parse]:
+    words = model.language.embedding.weight[tokens]
+    return *model.language.encoder(words, valid), model.language.parse(tokens, valid)
 
 
 def plan(

@@ -26,9 +26,9 @@ from nsrm_harness.learn.objective import (
     entropy,
     exact_step,
     ground,
+    location_loss,
     move,
     sampled_steps,
-    scene_loss,
     soft_minimum,
 )
 from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
@@ -43,6 +43,10 @@ PERCEPTION_AND_PARSER = (
 )
 SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
 SPLITTER = ("language.splitter",)
+SHIFT = 2
+"""How far a crop is shifted in training, at most; pixels of 32."""
+NOISE = 0.02
+"""Deviation of the noise on it, of values in 0..1."""
 
 
 class TrainingError(HarnessError):
@@ -77,9 +81,25 @@ def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     return jax.tree.map(jnp.asarray, Demonstration(command, scene, data.crop_of[chosen]))
 
 
-def see(model: Model, crops: Array, crop_of: Array) -> Array:
+def varied(key: Array, crop: Array) -> Array:
+    """A crop `[3, 32, 32]` mirrored or not, shifted by up to `SHIFT` pixels, with noise.
+
+    As if the box had been found a little beside its place: a few thousand crops are soon known by
+    heart.
+    """
+    mirror, shift, noise = jax.random.split(key, 3)
+    crop = jnp.where(jax.random.bernoulli(mirror), crop[:, :, ::-1], crop)
+    row, column = jax.random.randint(shift, (2,), 0, 2 * SHIFT + 1)
+    wide = jnp.pad(crop, ((0, 0), (SHIFT, SHIFT), (SHIFT, SHIFT)), mode="edge")
+    moved = jax.lax.dynamic_slice(wide, (0, row, column), crop.shape)
+    return moved + NOISE * jax.random.normal(noise, crop.shape)
+
+
+def see(model: Model, crops: Array, crop_of: Array, key: Array) -> Array:
     """Cosines of each object with each concept: indices `[N, M]` -> `[N, M, C]`."""
-    embeddings = jax.vmap(model.vision.encode)(crops[crop_of.reshape(-1)])
+    chosen = crops[crop_of.reshape(-1)]
+    seen = jax.vmap(varied)(jax.random.split(key, len(chosen)), chosen)
+    embeddings = jax.vmap(model.vision.encode)(seen)
     similarities = jax.vmap(model.vision.similarities)(embeddings)
     return similarities.reshape(*crop_of.shape, -1)
 
@@ -133,7 +153,13 @@ def two_step_loss(
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
         return sampled_steps(key, model, steps, scene, config.loss, config.temperature)
 
-    losses = jax.vmap(carry_out)(positions)
+    def kept_whole(split: Array) -> Array:
+        remainder = split_log_probability(model.language.splitter, command, split + 1)
+        return remainder[command.length - 1]
+
+    # What is left after a split must not be split again: a split that makes that hard is a bad one.
+    likeliest += jax.vmap(kept_whole)(positions)
+    losses = jax.vmap(carry_out)(positions) + config.late_split * positions
     loss = soft_minimum(likeliest, losses, config.temperature)
     return loss + config.indecision * entropy(log_probability)
 
@@ -154,8 +180,9 @@ def one_step_stage(
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         (demonstration,) = batch
-        similarities = see(model, crops, demonstration.crop_of)
-        keys = jax.random.split(key, len(similarities))
+        looking, choosing = jax.random.split(key)
+        similarities = see(model, crops, demonstration.crop_of, looking)
+        keys = jax.random.split(choosing, len(similarities))
         explore = None
         if exploration is not None:
             explore = exploration * jnp.maximum(1.0 - 2.0 * done, 0.0)
@@ -170,7 +197,6 @@ def one_step_stage(
 
 def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
     """(c): the splitter on a table of losses, of whole commands and of their remainders."""
-    _some(table.first, "splitter: no command of two steps")
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         table: SplitTable = batch[0]
@@ -178,7 +204,9 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
         def one(command: Command, first: Array, losses: Array) -> Array:
             log_probability = split_log_probability(model.language.splitter, command, first)
             loss = soft_minimum(log_probability, losses, config.temperature)
-            return loss + config.indecision * entropy(log_probability)
+            # First what is possible, then what is preferred: from the start it would settle on
+            # splits that some commands can't have.
+            return loss + done * config.indecision * entropy(log_probability)
 
         return jax.vmap(one)(*table).mean()
 
@@ -194,8 +222,10 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         single, double = batch
         half = len(single.crop_of)
-        similarities = see(model, crops, jnp.concatenate([single.crop_of, double.crop_of]))
-        keys = jax.random.split(key, 2 * half)
+        looking, choosing = jax.random.split(key)
+        crop_of = jnp.concatenate([single.crop_of, double.crop_of])
+        similarities = see(model, crops, crop_of, looking)
+        keys = jax.random.split(choosing, 2 * half)
 
         def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
             loss = one_step_loss(key, model, demonstration, similarities, config)
@@ -233,7 +263,9 @@ def simulator_stage(
             ]
             moved = move(simulator, action, hots[0], hots[1], locations)
             locations = jnp.where(step < choices.count, moved, locations)
-        return scene_loss(locations, scene, config.polish_loss)
+        losses = location_loss(locations, scene.after, config.polish_loss)
+        losses = jnp.minimum(losses, config.polish_cap)
+        return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
@@ -241,6 +273,6 @@ def simulator_stage(
     return Stage("simulator", config.simulator, ((scenes, choices),), loss)
 
 
-def _some(chosen: np.ndarray | Array, problem: str) -> None:
+def _some(chosen: np.ndarray, problem: str) -> None:
     if len(chosen) == 0:
         raise TrainingError(f"{problem} in the training data; generate more episodes")

@@ -142,6 +142,10 @@ def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfi
         return stages.one_step_stage(name, config.attributes, config, data, every, 0.0)
     if name == "joint":
         return stages.joint_stage(config, data)
+    if len(data.select(2)) == 0:
+        raise stages.TrainingError(
+            f"{name}: no command of two steps in the training data; generate more episodes"
+        )
     similarities = decode.see_all(model, data)
     if name == "splitter":
         table = decode.split_table(model, data, similarities, config)

@@ -1,0 +1,127 @@
+"""The network: shapes, padding, and agreement with Equinox's own cells."""
+
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.learn import model as network
+from nsrm_harness.learn.model import (
+    Conv,
+    Dimensions,
+    Model,
+    center_size,
+    corners,
+    filter_scene,
+    run_gru,
+    unique,
+)
+
+DOMAIN = domains.load()
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    return Model(Dimensions.of(DOMAIN), jax.random.key(3))
+
+
+def test_tensors_have_the_names_and_shapes_of_the_model_file(model: Model) -> None:
+    shapes = {name: array.shape for name, array in network.tensors(model).items()}
+    words, actions, concepts = len(DOMAIN.vocabulary()), len(DOMAIN.actions), len(DOMAIN.concepts)
+    assert shapes["language.embedding.weight"] == (words, 32)
+    assert shapes["language.encoder.backward.weight_hh"] == (144, 48)
+    assert shapes["language.action_decoder.weight"] == (actions, 96)
+    assert shapes["language.splitter.hidden.weight"] == (32, 80)
+    assert shapes["vision.color.patch.weight"] == (24, 3, 4, 4)
+    assert shapes["vision.brightness.dense.weight"] == (32, 512)
+    assert shapes["vision.operator.size.output.weight"] == (16, 32)
+    assert shapes["vision.concept.weight"] == (concepts, 16)
+    assert shapes["action.simulator.input.weight"] == (64, actions + 10)
+    assert shapes["camera.weight"] == (3, 6)
+    assert len(shapes) == 54
+
+
+def test_gru_is_equinox_own() -> None:
+    cell = eqx.nn.GRUCell(5, 7, key=jax.random.key(0))
+    inputs = jax.random.normal(jax.random.key(1), (6, 5))
+    hidden = jnp.zeros(7)
+    expected = []
+    for row in inputs:
+        hidden = cell(row, hidden)
+        expected.append(hidden)
+    found = run_gru(cell, inputs, jnp.ones(6, bool))
+    np.testing.assert_allclose(found, jnp.stack(expected), atol=1e-6)
+
+
+def test_convolution_is_a_cross_correlation() -> None:
+    conv = Conv(2, 3, 4, jax.random.key(0))
+    image = jax.random.normal(jax.random.key(1), (2, 12, 8))[:, :8, :8]
+    expected = jax.lax.conv(image[None], conv.weight, (4, 4), "VALID")[0]
+    np.testing.assert_allclose(conv(image), expected, atol=1e-5)
+
+
+def test_padding_has_no_influence(model: Model) -> None:
+    rows = jnp.array([4, 0, 7, 9, 0, 2])
+    padded = jnp.concatenate([rows, jnp.array([0, 5, 8])])
+    valid = jnp.arange(9) < 6
+    exact = model.language.parse(rows, jnp.ones(6, bool))
+    found = model.language.parse(padded, valid)
+    for left, right in zip(exact, found, strict=True):
+        np.testing.assert_allclose(left, right[: len(left)], atol=1e-5)
+    hazards = model.language.splitter(rows, jnp.ones(6, bool))
+    np.testing.assert_allclose(hazards, model.language.splitter(padded, valid)[:6], atol=1e-5)
+
+
+def test_backward_state_starts_at_the_last_word(model: Model) -> None:
+    words = model.language.embedding.weight[jnp.array([3, 1, 4])]
+    states, instruction = model.language.encoder(words, jnp.ones(3, bool))
+    alone = model.language.encoder.backward(words[2], jnp.zeros(48))
+    np.testing.assert_allclose(states[2, 48:], alone, atol=1e-6)
+    np.testing.assert_allclose(instruction, jnp.concatenate([states[2, :48], states[0, 48:]]))
+
+
+def test_size_sees_no_color(model: Model) -> None:
+    crop = jax.random.uniform(jax.random.key(0), (3, 32, 32))
+    gray = jnp.tensordot(jnp.array([0.299, 0.587, 0.114]), crop, axes=1)
+    same_brightness = jnp.broadcast_to(gray, (3, 32, 32))
+    similarities = [
+        model.vision.similarities(model.vision.encode(picture))
+        for picture in (crop, same_brightness)
+    ]
+    np.testing.assert_allclose(similarities[0][7:], similarities[1][7:], atol=1e-5)
+    assert float(jnp.abs(similarities[0][:7] - similarities[1][:7]).max()) > 1e-3
+
+
+def test_filter_takes_the_least_and_none_is_the_whole_scene() -> None:
+    similarities = jnp.array([[0.9, -0.2], [0.4, 0.5]])
+    np.testing.assert_allclose(filter_scene(similarities, jnp.array([0, 1])), [-0.2, 0.4])
+    np.testing.assert_allclose(filter_scene(similarities, jnp.array([0, -1])), [0.9, 0.4])
+    np.testing.assert_allclose(filter_scene(similarities, jnp.array([-1, -1])), [1.0, 1.0])
+
+
+def test_unique_gives_nothing_to_the_missing() -> None:
+    probability = jnp.exp(unique(jnp.array([0.5, 0.9, 1.0]), jnp.array([True, True, False])))
+    less = np.exp(-4) / (1 + np.exp(-4))
+    np.testing.assert_allclose(probability, [less, 1 - less, 0.0], rtol=1e-5)
+
+
+def test_corners_undo_center_size() -> None:
+    location = jnp.array([0.1, 0.2, 0.4, 0.3, 1.5])
+    np.testing.assert_allclose(center_size(location), [0.25, 0.25, 0.3, 0.1, 1.5], atol=1e-6)
+    np.testing.assert_allclose(corners(center_size(location)), location, atol=1e-6)
+
+
+def test_simulator_without_change_keeps_the_size_at_the_references_centre(model: Model) -> None:
+    simulator = eqx.tree_at(
+        lambda s: (s.output.weight, s.output.bias),
+        model.action.simulator,
+        (jnp.zeros((5, 64)), jnp.zeros(5)),
+    )
+    moved = jnp.array([0.1, 0.1, 0.2, 0.3, 1.0])
+    beside = jnp.array([0.5, 0.5, 0.9, 0.7, 1.4])
+    found = simulator(jnp.array([1.0, 0.0, 0.0]), moved, beside)
+    np.testing.assert_allclose(found, [0.65, 0.5, 0.75, 0.7, 1.4], atol=1e-6)

@@ -1,0 +1,167 @@
+"""The loss and what it does with discrete choices."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from nsrm_harness import domain as domains
+from nsrm_harness.learn.model import Dimensions, Model, Parse
+from nsrm_harness.learn.objective import (
+    Grounding,
+    LossWeights,
+    Scene,
+    entropy,
+    exact_step,
+    ground,
+    intersection_over_union,
+    location_loss,
+    move,
+    scene_loss,
+    soft_minimum,
+    straight_through,
+)
+from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
+
+WEIGHTS = LossWeights(square=200.0, overlap=1.0)
+MODEL = Model(Dimensions.of(domains.load()), jax.random.key(0))
+
+
+def test_intersection_over_union_by_hand() -> None:
+    left = jnp.array([0.0, 0.0, 0.2, 0.2])
+    np.testing.assert_allclose(intersection_over_union(left, left), 1.0, atol=1e-6)
+    half = jnp.array([0.1, 0.0, 0.3, 0.2])
+    np.testing.assert_allclose(intersection_over_union(left, half), 1 / 3, atol=1e-6)
+    assert float(intersection_over_union(left, left + 0.5)) == 0.0
+
+
+def test_location_loss_by_hand() -> None:
+    target = jnp.array([0.0, 0.0, 0.2, 0.2, 1.0])
+    predicted = jnp.array([0.1, 0.0, 0.3, 0.2, 1.1])
+    expected = 200.0 * (3 * 0.01) / 5 + (1 - 1 / 3)
+    np.testing.assert_allclose(location_loss(predicted, target, WEIGHTS), expected, rtol=1e-5)
+
+
+def test_soft_minimum_lies_between_least_and_mean() -> None:
+    log_probability = jnp.log(jnp.array([0.2, 0.3, 0.5]))
+    losses = jnp.array([0.1, 0.5, 0.9])
+    cold = float(soft_minimum(log_probability, losses, 1e-3))
+    hot = float(soft_minimum(log_probability, losses, 1e3))
+    np.testing.assert_allclose(cold, 0.1 - 1e-3 * np.log(0.2), atol=1e-5)
+    np.testing.assert_allclose(hot, 0.62, atol=1e-3)
+
+
+def test_soft_minimum_credits_the_choice_that_explains() -> None:
+    losses = jnp.array([0.02, 0.4, 0.4])
+    gradient = jax.grad(lambda logits: soft_minimum(jax.nn.log_softmax(logits), losses, 0.05))(
+        jnp.zeros(3)
+    )
+    assert gradient[0] < 0 < gradient[1]
+
+
+def test_exact_step_is_the_sum_over_every_choice() -> None:
+    """Against a loop over actions, objects and references, with a missing object."""
+    rng = np.random.default_rng(1)
+    low = rng.uniform(0.1, 0.5, (4, 2))
+    before = np.concatenate([low, low + 0.1, rng.uniform(1, 1.2, (4, 1))], axis=1)
+    present = np.array([True, True, True, False])
+    scene = Scene(jnp.array(before), jnp.array(before[::-1].copy()), jnp.array(present))
+    logits = [jnp.array(rng.normal(size=size)) for size in (3, 4, 4)]
+    grounding = Grounding(*(jax.nn.log_softmax(each) for each in logits))
+    simulator = MODEL.action.simulator
+
+    @jax.jit
+    def loss_of(action: jax.Array, chosen: jax.Array, reference: jax.Array) -> jax.Array:
+        moved = move(simulator, action, chosen, reference, scene.before)
+        return scene_loss(moved, scene, WEIGHTS)
+
+    total = 0.0
+    for action in range(3):
+        for chosen in range(3):
+            for reference in range(3):
+                loss = float(loss_of(np.eye(3)[action], np.eye(4)[chosen], np.eye(4)[reference]))
+                probability = np.exp(
+                    float(grounding.action[action])
+                    + float(grounding.object[chosen])
+                    + float(grounding.reference[reference])
+                )
+                total += probability * np.exp(-loss / 0.05)
+    found = exact_step(simulator, grounding, scene, WEIGHTS, 0.05)
+    np.testing.assert_allclose(found, -0.05 * np.log(total), rtol=1e-4)
+
+
+def test_exploration_spreads_the_actions() -> None:
+    scene = Scene(
+        jnp.array([[0.1, 0.1, 0.2, 0.2, 1.0], [0.5, 0.5, 0.6, 0.6, 1.0]]),
+        jnp.array([[0.5, 0.3, 0.6, 0.4, 1.0], [0.5, 0.5, 0.6, 0.6, 1.0]]),
+        jnp.ones(2, bool),
+    )
+    even = jnp.log(jnp.full(3, 1 / 3))
+    sure = jnp.array([0.0, -50.0, -50.0])
+    objects = (jnp.log(jnp.array([0.9, 0.1])), jnp.log(jnp.array([0.1, 0.9])))
+    losses = [
+        float(exact_step(MODEL.action.simulator, step, scene, WEIGHTS, 0.05, share))
+        for step, share in (
+            (Grounding(even, *objects), 0.0),
+            (Grounding(sure, *objects), 1.0),
+            (Grounding(sure, *objects), 0.0),
+        )
+    ]
+    np.testing.assert_allclose(losses[0], losses[1], rtol=1e-3)
+    assert abs(losses[2] - losses[0]) > 1e-4
+
+
+def test_straight_through_is_hard_forward_and_soft_backward() -> None:
+    key = jax.random.key(5)
+    log_probability = jax.nn.log_softmax(jnp.array([0.3, 0.1, -0.2]))
+    sample = straight_through(key, log_probability)
+    np.testing.assert_allclose(jnp.sort(sample), [0.0, 0.0, 1.0], atol=1e-6)
+    weights = jnp.array([1.0, 2.0, 3.0])
+    gradient = jax.grad(lambda logits: straight_through(key, logits) @ weights)(log_probability)
+    assert float(jnp.abs(gradient).max()) > 1e-3
+
+
+def test_grounding_sums_out_the_group() -> None:
+    tokens = jnp.array([3, 0, 5, 0])
+    parse = Parse(
+        jnp.zeros(3), jnp.array([-1e9, 0.0, -1e9, jnp.log(3.0)]), jnp.array([-1e9, 9.0, -1e9, 0.0])
+    )
+    similarities = jnp.array([[1.0, 0.0], [0.0, 1.0]])
+    found = ground(parse, tokens, jnp.array([[0], [1]]), similarities, jnp.ones(2, bool))
+    sure = np.exp(10) / (1 + np.exp(10))
+    expected = [0.25 * sure + 0.75 * (1 - sure), 0.25 * (1 - sure) + 0.75 * sure]
+    np.testing.assert_allclose(jnp.exp(found.object), expected, rtol=1e-4)
+    assert int(jnp.argmax(found.reference)) == 0
+
+
+def test_split_probabilities_sum_to_one_from_any_first_token() -> None:
+    command = Command(
+        jnp.array([4, 0, 6, 0, 7, 0, 3, 0, 0, 0]),
+        jnp.array(8),
+        jnp.array([[0], [1], [2], [3]]),
+        jnp.array(4),
+    )
+    for first in (0, 3):
+        log_probability = split_log_probability(MODEL.language.splitter, command, jnp.array(first))
+        np.testing.assert_allclose(jnp.exp(log_probability).sum(), 1.0, rtol=1e-5)
+        assert float(jnp.exp(log_probability[:first]).sum()) == 0.0
+        assert float(jnp.exp(log_probability[8:]).sum()) == 0.0
+
+
+def test_step_tokens_take_their_own_groups_along() -> None:
+    command = Command(
+        jnp.array([4, 0, 6, 0, 7, 0, 3, 0, 0, 0]),
+        jnp.array(8),
+        jnp.array([[0], [1], [2], [3]]),
+        jnp.array(4),
+    )
+    tokens, valid, groups = step_tokens(command, jnp.array(4), jnp.array(8))
+    np.testing.assert_array_equal(tokens[:4], [7, 0, 3, 0])
+    assert int(valid.sum()) == 4
+    np.testing.assert_array_equal(groups[:2], [[2], [3]])
+
+
+def test_entropy_of_even_and_sure() -> None:
+    np.testing.assert_allclose(entropy(jnp.log(jnp.array([0.5, 0.5]))), np.log(2), rtol=1e-5)
+    np.testing.assert_allclose(entropy(jnp.array([0.0, -1e9])), 0.0, atol=1e-6)

@@ -1,0 +1,211 @@
+"""Training on toys: the same seed gives the same weights, interrupted or not; the stages learn;
+another domain needs no change."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+from learn_toys import concatenate, make_toys
+
+from nsrm_harness import domain as domains
+from nsrm_harness.learn import decode, naming
+from nsrm_harness.learn.calibrate import fit_thresholds
+from nsrm_harness.learn.checkpoint import CheckpointError, Progress
+from nsrm_harness.learn.config import ConfigError, StageConfig, TrainingConfig, read_config
+from nsrm_harness.learn.dataset import TrainingSet
+from nsrm_harness.learn.export import (
+    ModelFile,
+    ModelFileError,
+    Thresholds,
+    WorkSpace,
+    model_bytes,
+    read_model,
+    write_model,
+)
+from nsrm_harness.learn.model import Dimensions, Model, tensors
+from nsrm_harness.learn.stages import TrainingError
+from nsrm_harness.learn.train import Result, train
+
+WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
+BRIEF = StageConfig(epochs=2, learning_rate=1e-3, batch=8)
+NONE = dataclasses.replace(BRIEF, epochs=0)
+FEW_STEPS = TrainingConfig(
+    actions=BRIEF,
+    selection=BRIEF,
+    attributes=BRIEF,
+    splitter=BRIEF,
+    joint=BRIEF,
+    simulator=BRIEF,
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Programs compiled in one test serve the others."""
+    names = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
+    before = [getattr(jax.config, name) for name in names]
+    for name, value in zip(names, (str(tmp_path_factory.mktemp("compiled")), 0.2), strict=True):
+        jax.config.update(name, value)
+    yield
+    for name, value in zip(names, before, strict=True):
+        jax.config.update(name, value)
+
+
+@pytest.fixture(scope="module")
+def domain() -> domains.Domain:
+    return domains.load()
+
+
+@pytest.fixture(scope="module")
+def few(domain: domains.Domain) -> TrainingSet:
+    one, two = make_toys(domain, 24, 1, 1, attributes=1), make_toys(domain, 24, 2, 2)
+    return concatenate([one.data, two.data])
+
+
+@pytest.fixture(scope="module")
+def whole(domain: domains.Domain, few: TrainingSet, tmp_path_factory: pytest.TempPathFactory):
+    folder = tmp_path_factory.mktemp("whole")
+    return train(domain, few, FEW_STEPS, 7, folder, quiet=True)
+
+
+def same_weights(left: Model, right: Model) -> bool:
+    pairs = zip(tensors(left).values(), tensors(right).values(), strict=True)
+    return all(np.array_equal(one, other) for one, other in pairs)
+
+
+def test_an_interrupted_run_ends_with_the_same_weights(
+    domain: domains.Domain, few: TrainingSet, whole: Result, tmp_path: Path
+) -> None:
+    """Broken off in four places, one between stages; the same seed gives the same result."""
+    epochs = 0
+
+    def stop(progress: Progress) -> None:
+        nonlocal epochs
+        epochs += 1
+        if epochs in (1, 4, 7, 9):
+            raise KeyboardInterrupt
+
+    for _ in range(4):
+        with pytest.raises(KeyboardInterrupt):
+            train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True, after_epoch=stop)
+    resumed = train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True)
+    assert same_weights(resumed.model, whole.model)
+    assert resumed.progress.losses == whole.progress.losses
+    with pytest.raises(CheckpointError, match="other data, seed or configuration"):
+        train(domain, few, FEW_STEPS, 8, tmp_path, resume=True, quiet=True)
+
+
+def test_what_a_stage_does_not_train_stays(
+    domain: domains.Domain, few: TrainingSet, whole: Result
+) -> None:
+    assert not np.allclose(
+        whole.model.language.splitter.hazard.weight,
+        Model(Dimensions.of(domain), jax.random.key(7)).language.splitter.hazard.weight,
+    )
+    mean, scale = few.location_statistics()
+    np.testing.assert_array_equal(whole.model.action.simulator.location_mean, mean)
+    np.testing.assert_array_equal(whole.model.action.simulator.location_scale, scale)
+    np.testing.assert_array_equal(whole.model.camera.weight, np.eye(3, 6))
+
+
+def test_another_domain_trains_and_exports(tmp_path: Path) -> None:
+    domain = domains.load(WORKSHOP)
+    one, two = make_toys(domain, 16, 1, 3, attributes=1), make_toys(domain, 16, 2, 4, attributes=3)
+    data = concatenate([one.data, two.data])
+    result = train(domain, data, FEW_STEPS, 0, tmp_path, quiet=True)
+    fit = fit_thresholds(result.model, data)
+    file = ModelFile(result.model, domain, fit.thresholds, WorkSpace((0, 0, 0), (1, 1, 1)))
+    path = tmp_path / "workshop.safetensors"
+    write_model(path, file)
+    shapes = {name: array.shape for name, array in tensors(read_model(path).model).items()}
+    assert shapes["vision.concept.weight"] == (8, 16)
+    assert shapes["action.simulator.input.weight"] == (64, 12)
+    assert shapes["vision.operator.face.hidden.weight"] == (32, 32)
+
+
+def test_actions_and_objects_are_learned_from_the_outcome_alone(
+    domain: domains.Domain, tmp_path: Path
+) -> None:
+    """The first stage on 500 toys; unseen toys judge it. Chance is a third and a fifth."""
+    data = make_toys(domain, 500, 1, 5, attributes=1).data
+    config = TrainingConfig(
+        actions=StageConfig(epochs=25, learning_rate=3e-3, batch=32),
+        selection=NONE,
+        attributes=NONE,
+        splitter=NONE,
+        joint=NONE,
+        simulator=NONE,
+    )
+    # The later stages have no epochs, but want episodes of two steps all the same.
+    data = concatenate([data, make_toys(domain, 8, 2, 6).data])
+    result = train(domain, data, config, 1, tmp_path, quiet=True)
+    losses = result.progress.losses["actions"]
+    assert losses[-1] < 0.3 * losses[0], f"seed 1: {losses}"
+    assert result.named, f"seed 1: {naming.learned_actions(result.model, domain)}"
+    toys = make_toys(domain, 100, 1, 8, attributes=1)
+    similarities = decode.see_all(result.model, toys.data)
+    bounds = np.stack([np.zeros(100, int), *[toys.data.sentences.length] * 2], axis=1)
+    choices, _ = decode.carry_out(result.model, toys.data, similarities, np.arange(100), bounds)
+    names = [action.name for action in domain.actions]
+    meant = [names.index(program[0].action) for program in toys.programs]
+    assert np.mean(choices.action[:, 0] == meant) > 0.95
+    assert np.mean(choices.object[:, 0] == toys.objects[:, 0, 0]) > 0.9
+    assert np.mean(choices.reference[:, 0] == toys.objects[:, 0, 1]) > 0.9
+
+
+def test_training_data_without_two_steps_is_refused(domain: domains.Domain, tmp_path: Path) -> None:
+    data = make_toys(domain, 8, 1, 1, attributes=1).data
+    config = dataclasses.replace(FEW_STEPS, actions=NONE, selection=NONE, attributes=NONE)
+    with pytest.raises(TrainingError, match="no command of two steps"):
+        train(domain, data, config, 0, tmp_path, quiet=True)
+
+
+def test_names_follow_the_domains_order(domain: domains.Domain, whole: Result) -> None:
+    """Learned actions in another order are put back; the simulator's columns go along."""
+    named, _ = naming.name_actions(whole.model, domain)
+    counts = naming.learned_actions(named, domain)
+    assert np.trace(counts) == max(
+        sum(counts[row, column] for row, column in enumerate(order))
+        for order in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0))
+    )
+
+
+def test_model_file_is_the_same_for_the_same_model_and_read_back(
+    domain: domains.Domain, tmp_path: Path
+) -> None:
+    model = Model(Dimensions.of(domain), jax.random.key(0))
+    space = WorkSpace((0.3, -0.2, 0.0), (0.6, 0.2, 0.2))
+    file = ModelFile(model, domain, Thresholds(0.4, 0.6), space, training={"seed": 0})
+    path = tmp_path / "model.safetensors"
+    write_model(path, file)
+    again = read_model(path)
+    assert model_bytes(again) == path.read_bytes()
+    assert again.thresholds == file.thresholds
+    assert again.work_space == space
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(ModelFileError, match="hash"):
+        read_model(path)
+
+
+def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
+    path = tmp_path / "config.toml"
+    path.write_text("temperature = 0.1\n[joint]\nepochs = 3\n")
+    config = read_config(path)
+    assert (config.temperature, config.joint.epochs) == (0.1, 3)
+    assert config.joint.batch == TrainingConfig().joint.batch
+    for text, problem in (
+        ("temprature = 0.1", "temprature: unknown key"),
+        ("[joint]\nepochs = 1.5", "joint.epochs: expected a number like"),
+        ("joint = 3", "joint: expected a table"),
+        ("temperature = -1", "temperature: -1 is too small"),
+    ):
+        path.write_text(text)
+        with pytest.raises(ConfigError, match=problem):
+            read_config(path)
