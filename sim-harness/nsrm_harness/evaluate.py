@@ -191,8 +191,9 @@ def box_iou(left: ArrayLike, right: ArrayLike) -> float:
 def block_iou(left: ArrayLike, right: ArrayLike, edges_m: ArrayLike) -> float:
     """Intersection over union of two blocks of the same edges, parallel to the axes, by centre."""
     apart = np.abs(np.subtract(left, right))
-    shared = float(np.prod(np.maximum(np.asarray(edges_m) - apart, 0.0)))
-    return shared / (2.0 * float(np.prod(edges_m)) - shared)
+    edges = np.asarray(edges_m, np.float64)
+    shared = float(np.prod(np.maximum(edges - apart, 0.0)))
+    return shared / (2.0 * float(np.prod(edges)) - shared)
 
 
 def _same_program(planned: StepPlan, true: StepTruth) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import nsrm
 import pytest
+
 from nsrm_harness import domain as domains
 from nsrm_harness.cli import commands
 from nsrm_harness.episodes.calibration import Calibration

@@ -38,8 +38,8 @@ class TrainingConfig:
     polish_loss: LossWeights = field(default_factory=lambda: LossWeights(5000.0, 1.0))
     """For the last stage, which is about millimetres."""
     polish_cap: float = 3.0
-    """Most that one object adds there. More means that a choice is wrong, or that a block is hidden:
-    a handful of those outweighs all others in the squared error."""
+    """Most that one object adds there. More means that a choice is wrong, or that a block is
+    hidden: a handful of those outweighs all others in the squared error."""
     exploration: float = 0.8
     """Share of the actions' probability that is spread evenly when learning begins."""
     failed_split: float = 2.0

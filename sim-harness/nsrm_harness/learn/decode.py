@@ -47,8 +47,12 @@ class SplitTable(NamedTuple):
 def commands(data: TrainingSet, chosen: np.ndarray) -> Command:
     """The chosen sentences with a leading axis."""
     s = data.sentences
-    parts = (s.tokens[chosen], s.length[chosen], s.groups[chosen], s.group_count[chosen])
-    return jax.tree.map(jnp.asarray, Command(*parts))
+    return Command(*(jnp.asarray(a[chosen]) for a in (s.tokens, s.length, s.groups, s.group_count)))
+
+
+def scenes(data: TrainingSet, chosen: np.ndarray) -> Scene:
+    """The chosen scenes with a leading axis."""
+    return Scene(*(jnp.asarray(a[chosen]) for a in (data.before, data.after, data.present)))
 
 
 def choose_step(
@@ -83,7 +87,7 @@ def _carry_out(
                 jax.nn.one_hot(index, size)
                 for index, size in zip(
                     step,
-                    (len(model.language.action_decoder.bias), len(locations), len(locations)),
+                    (model.language.action_decoder.weight.shape[0], len(locations), len(locations)),
                     strict=True,
                 )
             ]
@@ -109,7 +113,7 @@ def see_all(model: Model, data: TrainingSet) -> np.ndarray:
     for start in range(0, len(data.crops), step):
         crops = data.crops[start : start + step]
         padded = np.pad(crops, ((0, step - len(crops)), (0, 0), (0, 0), (0, 0)))
-        parts.append(np.asarray(_see(model, padded))[: len(crops)])
+        parts.append(np.asarray(_see(model, jnp.asarray(padded)))[: len(crops)])
     return np.concatenate(parts)[data.crop_of]
 
 
@@ -125,8 +129,8 @@ def carry_out(
     for start in range(0, len(episodes), CHUNK):
         rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
         at = episodes[rows]
-        scene = Scene(data.before[at], data.after[at], data.present[at])
-        result = _carry_out(model, commands(data, at), similarities[at], scene, bounds[rows])
+        seen, cuts = jnp.asarray(similarities[at]), jnp.asarray(bounds[rows])
+        result = _carry_out(model, commands(data, at), seen, scenes(data, at), cuts)
         keep = min(CHUNK, len(episodes) - start)
         results.append(jax.tree.map(lambda a, keep=keep: np.asarray(a)[:keep], result))
     return jax.tree.map(lambda *parts: np.concatenate(parts), *results)
@@ -155,8 +159,7 @@ def split_table(
     episodes = two[row]
     bounds = np.stack([np.zeros_like(split), split + 1, length[episodes]], axis=1)
     _, locations = carry_out(model, data, similarities, episodes, bounds)
-    scene = Scene(data.before[episodes], data.after[episodes], data.present[episodes])
-    found = np.asarray(_losses(locations, scene, config))
+    found = np.asarray(_losses(jnp.asarray(locations), scenes(data, episodes), config))
     losses = np.full(tokens.shape, config.failed_split, np.float32)
     losses[whole] = 0.0
     remainders = losses.copy()

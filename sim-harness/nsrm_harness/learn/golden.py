@@ -140,7 +140,7 @@ def simulator(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Ge
     action = np.tile(np.arange(count, dtype=np.int32), len(moved))
     moved, beside = np.repeat(moved, count, axis=0), np.repeat(beside, count, axis=0)
     run = jax.vmap(file.model.action.simulator)
-    result = np.asarray(run(jax.nn.one_hot(action, count), moved, beside))
+    result = np.asarray(run(jax.nn.one_hot(action, count), jnp.asarray(moved), jnp.asarray(beside)))
     camera = demonstrations.camera(0)
     return {
         "simulator.action": action,

@@ -74,13 +74,20 @@ class Dimensions:
         return cls(len(domain.vocabulary()), attributes, len(domain.actions))
 
 
+def rows(layer: eqx.nn.Linear, inputs: Array) -> Array:
+    """A layer on each row: `[T, I]` -> `[T, O]`."""
+    assert layer.bias is not None, "a layer is made with a bias"
+    return inputs @ layer.weight.T + layer.bias
+
+
 def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array) -> Array:
     """States of a GRU from a zero state: inputs `[T, I]`, valid `[T]` -> `[T, H]`.
 
     Where `valid` is false the state passes unchanged, so that padding has no influence.
     `n = tanh(i_n + r * (W_hn h + b_n))`, `h' = n + z * (h - n)`.
     """
-    gates = inputs @ cell.weight_ih.T + cell.bias
+    assert cell.bias is not None and cell.bias_n is not None, "a cell is made with biases"
+    gates, bias_n = inputs @ cell.weight_ih.T + cell.bias, cell.bias_n
 
     def step(hidden: Array, at: tuple[Array, Array]) -> tuple[Array, Array]:
         gate, is_valid = at
@@ -88,7 +95,7 @@ def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array) -> Array:
         hid_reset, hid_update, hid_new = jnp.split(cell.weight_hh @ hidden, 3)
         reset = jax.nn.sigmoid(in_reset + hid_reset)
         update = jax.nn.sigmoid(in_update + hid_update)
-        new = jnp.tanh(in_new + reset * (hid_new + cell.bias_n))
+        new = jnp.tanh(in_new + reset * (hid_new + bias_n))
         hidden = jnp.where(is_valid, new + update * (hidden - new), hidden)
         return hidden, hidden
 
@@ -139,8 +146,7 @@ class Splitter(eqx.Module):
         states = run_gru(self.gru, words, valid)
         ahead = jnp.concatenate([words, jnp.zeros((2, SPLITTER_WORD))])
         seen = jnp.concatenate([states, ahead[1:-1], ahead[2:]], axis=1)
-        hidden = jnp.tanh(seen @ self.hidden.weight.T + self.hidden.bias)
-        return (hidden @ self.hazard.weight.T + self.hazard.bias)[:, 0]
+        return rows(self.hazard, jnp.tanh(rows(self.hidden, seen)))[:, 0]
 
 
 class Parse(NamedTuple):

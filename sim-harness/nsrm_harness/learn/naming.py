@@ -62,6 +62,7 @@ def name_actions(model: Model, domain: Domain) -> tuple[Model, bool]:
     order = orders[np.argmax(counts[np.arange(count), orders].sum(axis=1))]
     clear = bool((counts[np.arange(count), order] >= AGREEMENT * SENTENCES).all())
     decoder, first = model.language.action_decoder, model.action.simulator.input
+    assert decoder.bias is not None, "the decoder is made with a bias"
     columns = np.concatenate([order, np.arange(count, first.weight.shape[1])])
     named = eqx.tree_at(
         lambda m: (

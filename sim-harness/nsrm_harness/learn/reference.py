@@ -146,17 +146,23 @@ def plan(
     planned = []
     for step in steps:
         action = int(np.argmax(step.action_logits))
-        scores = []
-        for logits in (step.object_logits, step.reference_logits):
-            concepts = jnp.array(step.groups[int(np.argmax(logits))])
-            scores.append(np.asarray(filter_scene(jnp.asarray(similarities), concepts)))
-        moved, reference = (int(np.argmax(score)) for score in scores)
+        object_scores, reference_scores = (
+            np.asarray(
+                filter_scene(
+                    jnp.asarray(similarities), jnp.array(step.groups[int(np.argmax(logits))])
+                )
+            )
+            for logits in (step.object_logits, step.reference_logits)
+        )
+        moved, reference = int(np.argmax(object_scores)), int(np.argmax(reference_scores))
         one_hot = jax.nn.one_hot(action, len(step.action_logits))
         simulator = model.action.simulator
         placed = np.asarray(simulator(one_hot, locations[moved], locations[reference]))
         locations[moved] = placed
         position = locate(model, placed, camera)
-        planned.append(PlannedStep(action, *scores, moved, reference, placed, position))
+        planned.append(
+            PlannedStep(action, object_scores, reference_scores, moved, reference, placed, position)
+        )
     return planned
 
 

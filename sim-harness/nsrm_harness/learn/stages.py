@@ -16,6 +16,7 @@ import numpy as np
 from jax import Array
 
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable
@@ -75,10 +76,8 @@ class Stage(NamedTuple):
 
 def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     """The chosen episodes as one tree with a leading axis."""
-    s = data.sentences
-    command = Command(s.tokens[chosen], s.length[chosen], s.groups[chosen], s.group_count[chosen])
-    scene = Scene(data.before[chosen], data.after[chosen], data.present[chosen])
-    return jax.tree.map(jnp.asarray, Demonstration(command, scene, data.crop_of[chosen]))
+    crop_of = jnp.asarray(data.crop_of[chosen])
+    return Demonstration(decode.commands(data, chosen), decode.scenes(data, chosen), crop_of)
 
 
 def varied(key: Array, crop: Array) -> Array:
@@ -256,7 +255,7 @@ def simulator_stage(
         simulator = model.action.simulator
         locations = scene.before
         for step in range(choices.action.shape[0]):
-            action = jax.nn.one_hot(choices.action[step], simulator.input.in_features - 10)
+            action = jax.nn.one_hot(choices.action[step], simulator.input.weight.shape[1] - 10)
             hots = [
                 jax.nn.one_hot(index[step], len(locations))
                 for index in (choices.object, choices.reference)
