@@ -25,6 +25,8 @@ class Progress:
     """Index of the stage that is being trained."""
     epoch: int = 0
     """Epochs done in it."""
+    attempt: int = 0
+    """How often training began anew because actions had merged."""
     losses: dict[str, list[float]] = field(default_factory=dict)
     """Mean loss of each epoch, by stage."""
     seconds: dict[str, float] = field(default_factory=dict)

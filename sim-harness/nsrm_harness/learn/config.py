@@ -40,6 +40,9 @@ class TrainingConfig:
     polish_cap: float = 3.0
     """Most that one object adds there. More means that a choice is wrong, or that a block is
     hidden: a handful of those outweighs all others in the squared error."""
+    attempts: int = 4
+    """How often the first stage is begun, at most. With few episodes about one start in four learns
+    two actions as one; the model's own answers to the domain's phrases show it."""
     exploration: float = 0.8
     """Share of the actions' probability that is spread evenly when learning begins."""
     failed_split: float = 2.0

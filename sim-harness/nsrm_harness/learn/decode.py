@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, filter_scene
@@ -25,6 +26,10 @@ MAX_STEPS = 8
 """Most steps of a command, the core's capacity."""
 NEAR_BEST = 0.02
 """A split whose loss is at most this much above the least counts as good."""
+
+
+class NothingPlannedError(HarnessError):
+    """A model that can carry out no command of the training data."""
 
 
 class Choices(NamedTuple):
@@ -239,6 +244,11 @@ def own_choices(
     kept = groups == GROUPS_PER_STEP
     count = data.sentences.group_count[episodes]
     kept &= (count == GROUPS_PER_STEP) == (end == length)
+    if not kept.any():
+        raise NothingPlannedError(
+            f"of {len(episodes)} commands the model cuts none into steps of two objects each: "
+            "train the stages before for longer, or with more episodes"
+        )
     bounds = np.stack([np.zeros_like(end), end, length], axis=1)[kept]
     choices, locations = carry_out(model, data, similarities, episodes[kept], bounds)
     return episodes[kept], choices, locations

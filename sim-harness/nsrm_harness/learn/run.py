@@ -78,6 +78,7 @@ def run(
             WorkSpace(WORK_SPACE.min, WORK_SPACE.max),
             training={
                 "seed": seed,
+                "attempt": result.progress.attempt,
                 "episodes": len(data),
                 "data_hash": data.hash(),
                 "stages": {name: asdict(getattr(config, name)) for name in TRAINS},

@@ -44,6 +44,8 @@ FINAL_RATE = 0.05
 GRADIENT_NORM = 1.0
 """Gradients are clipped to this norm."""
 SECONDS_A_CHECKPOINT = 5.0
+NEXT_ATTEMPT = 1_000_003
+"""Added to the seed for each further attempt."""
 
 
 class State(NamedTuple):
@@ -89,8 +91,8 @@ def train(
     """
     run = json.dumps([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
-    model = untrained(domain, data, seed)
     progress = (checkpoints.progress() if resume else None) or Progress()
+    model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt)
     crops = jnp.asarray(data.crops)
     state = None
     if progress.epoch > 0 or progress.stage > 0:
@@ -99,9 +101,12 @@ def train(
     names = list(TRAINS)
     while progress.stage < len(names):
         name = names[progress.stage]
+        if getattr(config, name).epochs == 0:
+            progress.stage += 1
+            continue
         began = time.monotonic() - progress.seconds.get(name, 0.0)
         stage = make_stage(name, model, data, config)
-        fit = Fit(stage, TRAINS[name], seed, progress.stage)
+        fit = Fit(stage, TRAINS[name], seed + NEXT_ATTEMPT * progress.attempt, progress.stage)
         state = state or fit.start(model)
         saved = time.monotonic()
         with tqdm(
@@ -125,6 +130,14 @@ def train(
                 checkpoints.save(progress, state)
                 raise
         model, state = state.model, None
+        if name == "actions" and progress.attempt + 1 < config.attempts:
+            _, clear = name_actions(model, domain)
+            if not clear:
+                progress.attempt += 1
+                progress.epoch = 0
+                progress.losses.pop(name, None)
+                model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt)
+                continue
         progress.stage, progress.epoch = progress.stage + 1, 0
     named, clear = name_actions(model, domain)
     return Result(named, clear, progress)
