@@ -87,7 +87,7 @@ def _harness(*arguments: str, out: Path) -> None:
 
 def test_the_loaded_model_knows_the_second_domain_and_no_other(trained: Trained) -> None:
     model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
-    assert model.info()["domain"]["name"] == domain.name
+    assert model.info()["domain"] == domain.name
     with Demonstrations(trained.test) as demonstrations:
         image = demonstrations.initial_image(0)
         box = demonstrations.initial_boxes[0][0]

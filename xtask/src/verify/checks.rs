@@ -97,12 +97,6 @@ pub(super) const CHECKS: &[Check] = &[
         steps: training,
     },
     Check {
-        name: "second-domain",
-        title: "another domain from its file to core, with no change in Rust",
-        about: "3 min",
-        steps: second_domain,
-    },
-    Check {
         name: "demo",
         title: "cargo demo plans, refuses and draws",
         about: "20 s",
@@ -326,10 +320,6 @@ fn training(context: &Context) -> Result<Vec<Step>> {
         pytest(context, "tests/training")?,
         pytest(context, "tests/domain")?,
     ])
-}
-
-fn second_domain(context: &Context) -> Result<Vec<Step>> {
-    Ok(vec![pytest(context, "tests/domain")?])
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {
