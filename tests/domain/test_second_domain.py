@@ -69,7 +69,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Trained:
         domain, data = demonstrations.domain, training_set(demonstrations)
     with Demonstrations(folder / "validation.h5") as demonstrations:
         validation = training_set(demonstrations)
-    result = train(domain, data, TrainingConfig(**short), 0, folder / "run", quiet=True)
+    result = train(domain, data, TrainingConfig(**short, attempts=1), 0, folder / "run", quiet=True)
     camera = calibrate.fit_camera(Calibration.load(folder / "calibration.h5"))
     model = calibrate.with_camera(result.model, camera)
     thresholds = calibrate.fit_thresholds(model, validation).thresholds
