@@ -14,7 +14,13 @@ import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.episodes import generate as module
-from nsrm_harness.episodes.file import OBSERVED, Demonstrations
+from nsrm_harness.episodes.file import (
+    DEPTH_UNIT_M,
+    OBSERVED,
+    Demonstrations,
+    depth_from_units,
+    depth_units,
+)
 from nsrm_harness.episodes.generate import SPLITS, Progress, Settings, generate
 from nsrm_harness.episodes.moves import Move, target
 from nsrm_harness.episodes.programs import SHARES_OF, share
@@ -101,6 +107,29 @@ def test_what_can_be_learned_from_is_there(episodes: Path) -> None:
         assert demonstrations.camera(0).width == 640
 
 
+def test_the_depth_image_is_that_of_the_blocks_and_the_table(episodes: Path) -> None:
+    with Demonstrations(episodes) as demonstrations:
+        for index, count in enumerate(demonstrations.object_count):
+            depth = demonstrations.initial_depth(index)
+            assert depth.shape == (480, 640)
+            assert depth.dtype == np.float32
+            for row in range(count):
+                x1, y1, x2, y2 = demonstrations.initial_boxes[index, row] * (640, 480, 640, 480)
+                center = depth[int((y1 + y2) / 2), int((x1 + x2) / 2)]
+                assert abs(center - demonstrations.initial_depths[index, row]) < 0.05
+            # Below the camera's aim the table is flat: depth falls evenly down the image.
+            column = depth[-40:, 5].astype(np.float64)
+            assert (np.diff(column) < 0).all()
+            assert np.abs(np.diff(column, 2)).max() < 3e-4
+
+
+def test_depths_are_stored_to_half_a_unit_and_what_is_none_as_zero() -> None:
+    depth = np.array([[0.3, 1.23456, 4.0], [np.nan, -1.0, 1e9]], dtype=np.float32)
+    stored = depth_from_units(depth_units(depth))
+    np.testing.assert_allclose(stored[0], depth[0], atol=DEPTH_UNIT_M / 2 + 1e-6)
+    assert not stored[1].any()
+
+
 def observed_bytes(path: Path) -> list[bytes]:
     """All that `Demonstrations` gives, as bytes."""
     with Demonstrations(path) as demonstrations:
@@ -120,6 +149,7 @@ def observed_bytes(path: Path) -> list[bytes]:
             ),
             *(demonstrations.initial_image(index).tobytes() for index in range(11)),
             *(demonstrations.final_image(index).tobytes() for index in range(11)),
+            *(demonstrations.initial_depth(index).tobytes() for index in range(11)),
         ]
 
 
@@ -236,7 +266,7 @@ def test_what_is_no_episode_file_is_refused(copied: Path, damage: str) -> None:
         "missing": "no such episode file",
         "text": "not an episode file",
         "other": "no attribute kind",
-        "schema": "schema 99, this version reads 1",
+        "schema": "schema 99, this version reads 2",
         "dataset": "no dataset 'final/boxes'",
     }
     if damage == "missing":

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.episodes.file import SCHEMA, camera_from_row, camera_row
+from nsrm_harness.episodes.file import camera_from_row, camera_row
 from nsrm_harness.episodes.moves import Arrangement, target
 from nsrm_harness.episodes.programs import sample_blocks
 from nsrm_harness.episodes.seeds import STREAMS, generator
@@ -34,6 +34,7 @@ from nsrm_harness.world.render import Light, open_renderer
 from nsrm_harness.world.world import World
 
 KIND = "nsrm calibration"
+SCHEMA = 1
 #: Blocks of a scene, least and most.
 OBJECTS = (4, 6)
 #: Most blocks that are put onto others or beside them in a scene.

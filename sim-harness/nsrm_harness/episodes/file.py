@@ -6,7 +6,9 @@ the block with id i + 1, rows past an episode's count are 0.
 
 * ``/initial/rgb [N, H, W, 3]`` uint8, ``/initial/boxes [N, M, 4]`` float32 (x1, y1,
   x2, y2 as fractions of width and height), ``/initial/depths [N, M]`` float32 (metres)
-* ``/final/…``: the same
+* ``/initial/depth [N, H, W]`` uint16: along the optical axis, in units of 0.1 mm, 0
+  where nothing was measured
+* ``/final/…``: the same as the first three
 * ``/count [N]`` uint8: number of blocks
 * ``/sentence [N]`` UTF-8
 * ``/camera [N, 11]`` float32: fx, fy, cx, cy, position x, y, z, orientation x, y, z, w
@@ -30,12 +32,15 @@ from nsrm_harness import domain as domains
 from nsrm_harness.errors import EpisodeFileError
 from nsrm_harness.world.camera import Camera
 
-SCHEMA = 1
+SCHEMA = 2
 #: Value of the attribute ``kind`` of a finished episode file.
 KIND = "nsrm episodes"
+#: Unit of ``/initial/depth``, metres.
+DEPTH_UNIT_M = 1e-4
 #: Everything that `Demonstrations` opens.
 OBSERVED = (
     "initial/rgb",
+    "initial/depth",
     "initial/boxes",
     "initial/depths",
     "final/rgb",
@@ -59,6 +64,7 @@ class Demonstrations:
         file = open_checked(self.path)
         try:
             self._rgb = {when: _dataset(file, f"{when}/rgb") for when in ("initial", "final")}
+            self._depth = _dataset(file, "initial/depth")
             #: The domain that the file carries.
             self.domain = domains.from_json(str(file.attrs["domain"]), str(path))
             #: ``train``, ``validation``, …
@@ -107,6 +113,11 @@ class Demonstrations:
         """The picture of the final scene, uint8 ``[H, W, 3]``."""
         return self._rgb["final"][index]
 
+    def initial_depth(self, index: int) -> NDArray[np.float32]:
+        """The depth image of the initial scene, float32 ``[H, W]``: metres along the
+        optical axis, 0 where nothing was measured. The detector's input."""
+        return depth_from_units(self._depth[index])
+
     def camera(self, index: int) -> Camera:
         """The camera of an episode."""
         _, height, width, _ = self._rgb["initial"].shape
@@ -130,6 +141,7 @@ class Demonstrations:
         for index in range(len(self)):
             digest.update(self.initial_image(index).tobytes())
             digest.update(self.final_image(index).tobytes())
+            digest.update(self._depth[index].tobytes())
         return digest.hexdigest()
 
 
@@ -169,6 +181,18 @@ def camera_from_row(row: NDArray[np.float32], width: int, height: int) -> Camera
     """The inverse of `camera_row`."""
     fx, fy, cx, cy, x, y, z, qx, qy, qz, qw = (float(value) for value in row)
     return Camera(width, height, fx, fy, cx, cy, (x, y, z), (qx, qy, qz, qw))
+
+
+def depth_units(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Depths in metres as they are stored; what is not finite or out of range is 0."""
+    units = np.rint(depth / np.float32(DEPTH_UNIT_M))
+    known = np.isfinite(units) & (units > 0) & (units <= np.iinfo(np.uint16).max)
+    return np.where(known, units, 0).astype(np.uint16)
+
+
+def depth_from_units(units: NDArray[np.uint16]) -> NDArray[np.float32]:
+    """The inverse of `depth_units`, to half a unit."""
+    return units.astype(np.float32) * np.float32(DEPTH_UNIT_M)
 
 
 def _dataset(file: h5py.File, name: str) -> Any:

@@ -218,12 +218,12 @@ def _wanted(settings: Settings, index: int) -> Wanted:
 
 def _prepare(work: Path, settings: Settings, domain: domains.Domain) -> None:
     note = work / "settings.json"
-    content = json.dumps([settings.as_json(), domain.as_json()])
+    content = json.dumps([SCHEMA, settings.as_json(), domain.as_json()])
     if note.exists():
         if note.read_text(encoding="utf-8") != content:
             raise EpisodeFileError(
-                f"{work}: begun with other settings: give those again to go on with it, "
-                f"remove the folder, or choose another --out"
+                f"{work}: begun with other settings or by another version: give those again "
+                f"to go on with it, remove the folder, or choose another --out"
             )
         return
     work.mkdir(parents=True, exist_ok=True)

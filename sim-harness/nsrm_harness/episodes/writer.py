@@ -26,7 +26,7 @@ import h5py
 import numpy as np
 
 from nsrm_harness.episodes.demonstrator import Episode
-from nsrm_harness.episodes.file import camera_row
+from nsrm_harness.episodes.file import camera_row, depth_units
 from nsrm_harness.world.camera import Observation
 from nsrm_harness.world.pose import Pose
 
@@ -34,8 +34,12 @@ from nsrm_harness.world.pose import Pose
 MAX_STEPS = 8
 #: zlib's level for images: 12 KB for one at 640×480, 5 ms; level 1 gives 18 KB in 2 ms.
 COMPRESSION = 4
+#: For depth, bytes shuffled before: 27 KB for one at 640×480, 1.5 ms; without the shuffle
+#: 32 KB in 1.7 ms, LZF with it 32 KB in 1.8 ms.
+DEPTH_COMPRESSION = 1
 #: Datasets stored as one compressed chunk an episode.
-_IMAGES = ("initial/rgb", "final/rgb")
+_COLORS = ("initial/rgb", "final/rgb")
+_DEPTHS = ("initial/depth",)
 _TEXTS = ("sentence", "evaluation/program", "evaluation/attributes", "evaluation/rejected")
 
 
@@ -47,7 +51,7 @@ class EpisodeWriter:
         self._file = h5py.File(path, "w", libver=("v110", "v110"))
         self._sets: dict[str, Any] = {}
         height, width = image
-        for name in _IMAGES:
+        for name in _COLORS:
             self._sets[name] = self._file.create_dataset(
                 name,
                 (count, height, width, 3),
@@ -55,6 +59,16 @@ class EpisodeWriter:
                 chunks=(1, height, width, 3),
                 compression="gzip",
                 compression_opts=COMPRESSION,
+            )
+        for name in _DEPTHS:
+            self._sets[name] = self._file.create_dataset(
+                name,
+                (count, height, width),
+                np.uint16,
+                chunks=(1, height, width),
+                shuffle=True,
+                compression="gzip",
+                compression_opts=DEPTH_COMPRESSION,
             )
         for name in _TEXTS:
             self._sets[name] = self._file.create_dataset(name, (count,), h5py.string_dtype("utf-8"))
@@ -99,10 +113,11 @@ class EpisodeWriter:
         on, images as they are compressed; returns the row after them."""
         end = row + len(source["count"])
         for name, dataset in self._sets.items():
-            if name in _IMAGES:
+            if name in _COLORS + _DEPTHS:
+                origin = (0,) * (dataset.ndim - 1)
                 for offset in range(end - row):
-                    _, chunk = source[name].id.read_direct_chunk((offset, 0, 0, 0))
-                    dataset.id.write_direct_chunk((row + offset, 0, 0, 0), chunk)
+                    _, chunk = source[name].id.read_direct_chunk((offset, *origin))
+                    dataset.id.write_direct_chunk((row + offset, *origin), chunk)
             else:
                 dataset[row:end] = source[name][:]
         return end
@@ -110,6 +125,8 @@ class EpisodeWriter:
     def _observed(self, row: int, episode: Episode) -> None:
         self._scene(row, "initial", episode.initial)
         self._scene(row, "final", episode.final)
+        chunk = zlib.compress(_shuffled(depth_units(episode.initial.depth)), DEPTH_COMPRESSION)
+        self._sets["initial/depth"].id.write_direct_chunk((row, 0, 0), chunk)
         self._sets["count"][row] = len(episode.blocks)
         self._sets["sentence"][row] = episode.sentence
         self._sets["camera"][row] = camera_row(episode.camera)
@@ -141,6 +158,11 @@ class EpisodeWriter:
                 *goal.pose.orientation,
             ]
             self._sets["evaluation/sub_goal_boxes"][row, step] = goal.location
+
+
+def _shuffled(units: np.ndarray) -> bytes:
+    """What HDF5's shuffle filter makes of uint16: all low bytes, then all high ones."""
+    return units.astype("<u2").view(np.uint8).reshape(-1, 2).T.tobytes()
 
 
 def _steps(episode: Episode) -> list[dict[str, Any]]:
