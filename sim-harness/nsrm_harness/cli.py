@@ -22,6 +22,7 @@ COMMANDS = {
     "calibration": "Make the file from which the camera model is fitted.",
     "look": "Draw an episode: before, after, boxes and sentence.",
     "train": "Learn a model from demonstrations.",
+    "detect": "Measure the detector, which needs no mask.",
     "evaluate": "The paper's metrics of a model on an episode file.",
     "golden": "Write the golden vectors of a model file.",
 }

@@ -20,6 +20,8 @@ STREAMS = {
     "steps_3": 13,
     "steps_4": 14,
     "steps_5": 15,
+    "perception": 41,
+    "depth_noise": 42,
 }
 
 

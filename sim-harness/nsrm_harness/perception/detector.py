@@ -1,0 +1,104 @@
+"""The detector: a colour and a depth image in, boxes and depths of objects out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.perception.cuts import slabs
+from nsrm_harness.perception.edges import sharpened
+from nsrm_harness.perception.relief import PerceptionError, relief
+from nsrm_harness.perception.towers import towers
+from nsrm_harness.world.camera import MIN_VISIBLE_PX, Camera
+
+#: Objects for which the core has room.
+MAX_OBJECTS = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Detections:
+    """The objects of a picture, from left to right.
+
+    * `boxes`: `float32 [n, 4]`, x1, y1, x2, y2 of the visible part as fractions of
+      width and height
+    * `depths`: `float32 [n]`, mean depth over the visible pixels, metres
+    * `labels`: `int32 [H, W]`, i + 1 where row i is seen, 0 elsewhere
+    """
+
+    boxes: NDArray[np.float32]
+    depths: NDArray[np.float32]
+    labels: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.boxes)
+
+
+def detect(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> Detections:
+    """Finds what stands on the table.
+
+    * `image`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical
+      axis, 0 or not finite where nothing was measured
+    * `camera`: whose pictures they are, in the world whose z = 0 is about the table
+
+    Raises `PerceptionError` for arrays of other shapes or types, if no table is in
+    view, and for more than `MAX_OBJECTS` objects.
+    """
+    _check(image, depth, camera)
+    seen = relief(image, depth, camera)
+    labels = np.zeros(depth.shape, dtype=np.int32)
+    count = 0
+    for tower in towers(seen):
+        colors = image[tower.rows, tower.columns].astype(np.float32) + 1.0
+        chroma = colors[:, :2] / colors.sum(axis=1, keepdims=True)
+        slab = slabs(tower, chroma, seen.noise_m if seen.noisy else 0.0)
+        labels[tower.rows, tower.columns] = count + 1 + slab
+        count += int(slab.max()) + 1
+    if seen.noisy:
+        labels = sharpened(image, labels)
+    return _detections(labels, depth if seen.noisy else seen.depth)
+
+
+def _detections(labels: NDArray[np.int32], depth: NDArray[np.float32]) -> Detections:
+    """Boxes and depths of the labels that have enough pixels, numbered anew."""
+    height, width = labels.shape
+    rows, columns = np.nonzero(labels)
+    label = labels[rows, columns]
+    sizes = np.bincount(label, minlength=1)
+    order = np.argsort(label, kind="stable")
+    pixels = []
+    for own in np.split(order, np.cumsum(sizes)[:-1]):
+        if len(own) >= MIN_VISIBLE_PX:
+            pixels.append((rows[own], columns[own]))
+    if len(pixels) > MAX_OBJECTS:
+        raise PerceptionError(
+            f"{len(pixels)} objects in view, there is room for {MAX_OBJECTS}: clear the table"
+        )
+    pixels.sort(key=lambda own: (int(own[1].min()), int(own[0].min())))
+    numbered = np.zeros_like(labels)
+    boxes = np.zeros((len(pixels), 4), dtype=np.float32)
+    depths = np.zeros(len(pixels), dtype=np.float32)
+    for row, (own_rows, own_columns) in enumerate(pixels):
+        numbered[own_rows, own_columns] = row + 1
+        boxes[row] = (
+            own_columns.min() / width,
+            own_rows.min() / height,
+            (own_columns.max() + 1) / width,
+            (own_rows.max() + 1) / height,
+        )
+        values = depth[own_rows, own_columns]
+        depths[row] = values[np.isfinite(values) & (values > 0)].mean(dtype=np.float64)
+    return Detections(boxes, depths, numbered)
+
+
+def _check(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> None:
+    for name, array, shape, kind in (
+        ("image", image, (camera.height, camera.width, 3), np.uint8),
+        ("depth", depth, (camera.height, camera.width), np.float32),
+    ):
+        if array.shape != shape or array.dtype != kind:
+            raise PerceptionError(
+                f"{name}: expected {np.dtype(kind).name} {list(shape)}, the camera's, "
+                f"got {array.dtype.name} {list(array.shape)}"
+            )

@@ -1,0 +1,41 @@
+"""Which true object each detection is, for a judge."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.perception.detector import Detections
+
+#: Least intersection over union of a detection with the object that it is.
+MATCH_IOU = 0.5
+
+
+def overlaps(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Intersection over union `[n, m]` of boxes `[n, 4]` and `[m, 4]`; 0 where a box
+    is empty."""
+    first, second = a[:, None, :].astype(np.float64), b[None, :, :].astype(np.float64)
+    edges = np.minimum(first[..., 2:], second[..., 2:]) - np.maximum(
+        first[..., :2], second[..., :2]
+    )
+    common = np.prod(np.maximum(edges, 0.0), axis=-1)
+    total = np.prod(first[..., 2:] - first[..., :2], axis=-1)
+    total = total + np.prod(second[..., 2:] - second[..., :2], axis=-1) - common
+    return np.divide(common, total, out=np.zeros_like(common), where=total > 0)
+
+
+def match(
+    detections: Detections, boxes: NDArray[np.float32], least: float = MATCH_IOU
+) -> NDArray[np.int64]:
+    """For each detection the row of `boxes` `[m, 4]` that it shows, -1 for none.
+
+    Greedy: pairs by falling overlap, each row at most once, while it is at least `least`.
+    """
+    found = np.full(len(detections), -1, dtype=np.int64)
+    overlap = overlaps(detections.boxes, np.asarray(boxes).reshape(-1, 4))
+    while overlap.size and overlap.max() >= max(least, np.finfo(np.float64).tiny):
+        row, column = np.unravel_index(np.argmax(overlap), overlap.shape)
+        found[row] = column
+        overlap[row, :] = -1.0
+        overlap[:, column] = -1.0
+    return found
