@@ -12,6 +12,7 @@ of its pixels. They show as
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import chain, pairwise
 
@@ -43,6 +44,8 @@ HIDDEN_SHARE = 0.35
 #: pixels on a wall, and how far from a cut it may begin.
 GAP_M = 0.0025
 REACH_M = 0.006
+#: Narrower footprints, for their length, show one side only.
+TWO_SIDES = 0.4
 #: How many standard deviations from a cut a height does not say on which side it is.
 FUZZY_SIGMA = 8.0
 
@@ -207,7 +210,15 @@ def _even_parts(tower: Tower, found: list[float], top: float) -> Iterator[float]
         points = np.stack([tower.x[own], tower.y[own]], axis=1)
         if len(points) == 0:
             continue
-        width = max(cv2.minAreaRect(points)[1])
+        width = _width_m(points)
         parts = min(round((high - low) / max(width, BIN_M)), int((high - low) / MIN_BLOCK_M))
         for number in range(1, parts):
             yield low + (high - low) * number / parts
+
+
+def _width_m(points: NDArray[np.float32]) -> float:
+    """Edge of a square footprint, of which the points `[n, 2]` may show one side, two
+    or all. Two sides fit a square and, turned by 45°, a longer rectangle as well; their
+    areas are equal."""
+    short, long = sorted(cv2.minAreaRect(points)[1])
+    return math.sqrt(short * long) if short > TWO_SIDES * long else long
