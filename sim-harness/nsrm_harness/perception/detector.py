@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nsrm_harness.perception.cuts import slabs
-from nsrm_harness.perception.edges import sharpened
+from nsrm_harness.perception.edges import MAX_LABELS, sharpened, without_strays
 from nsrm_harness.perception.relief import PerceptionError, relief
 from nsrm_harness.perception.towers import towers
 from nsrm_harness.world.camera import MIN_VISIBLE_PX, Camera
@@ -55,9 +55,13 @@ def detect(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera)
         slab = slabs(tower, chroma, seen.noise_m if seen.noisy else 0.0)
         labels[tower.rows, tower.columns] = count + 1 + slab
         count += int(slab.max()) + 1
-    if seen.noisy:
-        labels = sharpened(image, labels)
-    return _detections(labels, depth if seen.noisy else seen.depth)
+    if not seen.noisy:
+        return _detections(labels, seen.depth)
+    _check_room(count, MAX_LABELS)
+    # Pixels that colour adds lie across the rough edge of the depth image, where the
+    # depth may be that of what is behind.
+    measured = np.where((labels > 0) & np.isfinite(depth), depth, np.float32(0.0))
+    return _detections(without_strays(sharpened(image, labels)), measured)
 
 
 def _detections(labels: NDArray[np.int32], depth: NDArray[np.float32]) -> Detections:
@@ -69,12 +73,9 @@ def _detections(labels: NDArray[np.int32], depth: NDArray[np.float32]) -> Detect
     order = np.argsort(label, kind="stable")
     pixels = []
     for own in np.split(order, np.cumsum(sizes)[:-1]):
-        if len(own) >= MIN_VISIBLE_PX:
+        if len(own) >= MIN_VISIBLE_PX and (depth[rows[own], columns[own]] > 0).any():
             pixels.append((rows[own], columns[own]))
-    if len(pixels) > MAX_OBJECTS:
-        raise PerceptionError(
-            f"{len(pixels)} objects in view, there is room for {MAX_OBJECTS}: clear the table"
-        )
+    _check_room(len(pixels), MAX_OBJECTS)
     pixels.sort(key=lambda own: (int(own[1].min()), int(own[0].min())))
     numbered = np.zeros_like(labels)
     boxes = np.zeros((len(pixels), 4), dtype=np.float32)
@@ -88,8 +89,15 @@ def _detections(labels: NDArray[np.int32], depth: NDArray[np.float32]) -> Detect
             (own_rows.max() + 1) / height,
         )
         values = depth[own_rows, own_columns]
-        depths[row] = values[np.isfinite(values) & (values > 0)].mean(dtype=np.float64)
+        depths[row] = values[values > 0].mean(dtype=np.float64)
     return Detections(boxes, depths, numbered)
+
+
+def _check_room(objects: int, room: int) -> None:
+    if objects > room:
+        raise PerceptionError(
+            f"{objects} objects in view, there is room for {MAX_OBJECTS}: clear the table"
+        )
 
 
 def _check(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> None:

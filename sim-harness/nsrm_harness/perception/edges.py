@@ -15,11 +15,15 @@ from numpy.typing import NDArray
 STRIP_PX = 2
 #: Edge of the square in which the two sides' colours are averaged, pixels.
 WINDOW_PX = 9
+#: Most labels of a picture.
+MAX_LABELS = 255
+#: Smaller parts of an object are noise.
+SPECK_PX = 12
 
 
 def sharpened(image: NDArray[np.uint8], labels: NDArray[np.int32]) -> NDArray[np.int32]:
     """The labels `[H, W]` with their edges towards label 0 moved to where colour
-    changes, by at most `STRIP_PX`. At most 255 labels.
+    changes, by at most `STRIP_PX`; at most `MAX_LABELS` of them.
 
     * `image`: `[H, W, 3]`, in which the edges are sharp
     """
@@ -32,6 +36,30 @@ def sharpened(image: NDArray[np.uint8], labels: NDArray[np.int32]) -> NDArray[np
     moved = labels.copy()
     moved[part] = _sharpened(image[part], labels[part])
     return moved
+
+
+def without_strays(labels: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The labels `[H, W]` without specks: parts of less than `SPECK_PX` pixels go to
+    the neighbouring label, that of the greatest number if there are several.
+
+    Along the edge of an upper block noise leaves pixels that seem to be the lower
+    one's, and one of them is enough to widen its box.
+    """
+    small = labels.astype(np.uint8)
+    kept = np.zeros_like(small)
+    for label in range(1, int(small.max()) + 1):
+        own = np.asarray(cv2.inRange(small, label, label))
+        left, top, width, height = cv2.boundingRect(own)
+        if width == 0:
+            continue
+        part = np.s_[top : top + height, left : left + width]
+        _, parts, stats, _ = cv2.connectedComponentsWithStats(own[part], connectivity=8)
+        large = stats[:, cv2.CC_STAT_AREA] >= SPECK_PX
+        large[0] = False
+        kept[part][large[parts]] = label
+    speck = (small > 0) & (kept == 0)
+    kept[speck] = np.asarray(cv2.dilate(kept, np.ones((3, 3), dtype=np.uint8)))[speck]
+    return kept.astype(np.int32)
 
 
 def _sharpened(image: NDArray[np.uint8], labels: NDArray[np.int32]) -> NDArray[np.int32]:
