@@ -56,7 +56,7 @@ def without_strays(labels: NDArray[np.int32]) -> NDArray[np.int32]:
         _, parts, stats, _ = cv2.connectedComponentsWithStats(own[part], connectivity=8)
         large = stats[:, cv2.CC_STAT_AREA] >= SPECK_PX
         large[0] = False
-        kept[part][large[parts]] = label
+        kept[part][large[np.asarray(parts, dtype=np.int32)]] = label
     speck = (small > 0) & (kept == 0)
     kept[speck] = np.asarray(cv2.dilate(kept, np.ones((3, 3), dtype=np.uint8)))[speck]
     return kept.astype(np.int32)
@@ -68,28 +68,36 @@ def _sharpened(image: NDArray[np.uint8], labels: NDArray[np.int32]) -> NDArray[n
     square = np.ones((2 * STRIP_PX + 1, 2 * STRIP_PX + 1), dtype=np.uint8)
     grown = np.asarray(cv2.dilate(objects, square), dtype=np.uint8)
     shrunk = np.asarray(cv2.erode(objects, square), dtype=np.uint8)
-    strip = (grown > 0) & (shrunk == 0)
-    colors = image.astype(np.float32)
-    inside = _local_mean(colors, shrunk)
-    outside = _local_mean(colors, 1 - grown)
-    with np.errstate(invalid="ignore"):
-        own = ((colors - inside) ** 2).sum(axis=-1)
-        other = ((colors - outside) ** 2).sum(axis=-1)
-        keep = own < other
-    decided = strip & np.isfinite(own) & np.isfinite(other)
-    nearest = cv2.dilate(small, square)
+    rows, columns = np.nonzero(grown > shrunk)
+    own = image[rows, columns].astype(np.float32)
+    to_inside = _distance(own, _local_mean(image, shrunk, rows, columns))
+    to_outside = _distance(own, _local_mean(image, 1 - grown, rows, columns))
+    decided = np.isfinite(to_inside) & np.isfinite(to_outside)
+    rows, columns = rows[decided], columns[decided]
+    inside = to_inside[decided] < to_outside[decided]
+    before = labels[rows, columns]
+    nearest = cv2.dilate(small, square)[rows, columns]
     result = labels.copy()
-    result[decided & ~keep] = 0
-    fill = decided & keep & (labels == 0)
-    result[fill] = nearest[fill]
+    result[rows, columns] = np.where(inside, np.where(before > 0, before, nearest), 0)
     return result
 
 
-def _local_mean(colors: NDArray[np.float32], where: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Mean colour of the pixels marked 1 around each pixel; NaN where there is none."""
+def _distance(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Squared distance of colours `[n, 3]`."""
+    return ((a - b) ** 2).sum(axis=1)
+
+
+def _local_mean(
+    image: NDArray[np.uint8],
+    where: NDArray[np.uint8],
+    rows: NDArray[np.int64],
+    columns: NDArray[np.int64],
+) -> NDArray[np.float32]:
+    """Mean colour `[n, 3]` of the pixels marked 1 around each of the n pixels; NaN
+    where there is none."""
     window = (WINDOW_PX, WINDOW_PX)
-    marked = where.astype(np.float32)
-    total = cv2.boxFilter(colors * marked[..., None], -1, window, normalize=False)
-    count = cv2.boxFilter(marked, -1, window, normalize=False)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(count[..., None] > 0.5, total / count[..., None], np.nan)
+    marked = cv2.bitwise_and(image, image, mask=where)
+    total = cv2.boxFilter(marked, cv2.CV_32F, window, normalize=False)[rows, columns]
+    count = cv2.boxFilter(where, cv2.CV_32F, window, normalize=False)[rows, columns, None]
+    mean = np.full(total.shape, np.nan, dtype=np.float32)
+    return np.divide(total, count, out=mean, where=count > 0.5)
