@@ -20,11 +20,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nsrm_harness.perception.towers import Tower
+from nsrm_harness.perception.towers import COLOR_STEP, STUDS_M, Tower
 
 BIN_M = 0.001
-#: Distance of chromaticities, of which each lies in 0..1, that makes two colours.
-COLOR_STEP = 0.10
 #: Bins on each side of a change of colour that may be mixed.
 REACH_BINS = 4
 #: A bin with a smaller share of what its neighbours show says nothing about colour.
@@ -32,8 +30,6 @@ THIN_SHARE = 0.3
 #: No block is lower, give or take the slack of a cut.
 MIN_BLOCK_M = 0.03
 SLACK_M = 0.005
-#: Studs: how far above the flat top of a block the next one may begin.
-STUDS_M = 0.006
 #: Least number of pixels of a flat top, and how many times more than a wall shows.
 MIN_TOP_PX = 25
 TOP_FACTOR = 3.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from nsrm_harness.perception.cuts import slabs
 from nsrm_harness.perception.edges import MAX_LABELS, sharpened, without_strays
 from nsrm_harness.perception.relief import PerceptionError, relief
-from nsrm_harness.perception.towers import towers
+from nsrm_harness.perception.towers import joined, towers
 from nsrm_harness.world.camera import MIN_VISIBLE_PX, Camera
 
 #: Objects for which the core has room.
@@ -49,7 +49,7 @@ def detect(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera)
     seen = relief(image, depth, camera)
     labels = np.zeros(depth.shape, dtype=np.int32)
     count = 0
-    for tower in towers(seen):
+    for tower in joined(towers(seen), image, seen):
         colors = image[tower.rows, tower.columns].astype(np.float32) + 1.0
         chroma = colors[:, :2] / colors.sum(axis=1, keepdims=True)
         slab = slabs(tower, chroma, seen.noise_m if seen.noisy else 0.0)

@@ -7,7 +7,7 @@ its connected parts are the towers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import cv2
 import numpy as np
@@ -29,6 +29,14 @@ FOREGROUND_SIGMA = 5.0
 #: In noisy depth a chance row of such points may bridge two towers: only points so many
 #: times higher join cells.
 BODY_FACTOR = 4.0
+#: Studs: how far above the flat top of a block its top, or the next block, may be.
+STUDS_M = 0.006
+#: Highest block of which two parts are joined.
+MAX_JOINED_M = 0.06
+#: Distance of chromaticities, of which each lies in 0..1, that makes two colours.
+COLOR_STEP = 0.10
+#: How many times the height, and the shorter edge, the longer edge of a block may be.
+JOINED_EDGE = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,3 +93,48 @@ def towers(relief: Relief) -> list[Tower]:
         own = order[ends[number] - sizes[number] : ends[number]]
         found.append(Tower(rows[own], columns[own], height[own], x[own], y[own]))
     return found
+
+
+def joined(found: list[Tower], image: NDArray[np.uint8], relief: Relief) -> list[Tower]:
+    """The towers with the parts of one block that a nearer tower divides put together.
+
+    Two parts are one block if they are equally high and of one colour, what is between
+    them in the picture is nearer than both, and their common footprint is about square
+    and about as wide as the block is high. Only for single blocks.
+
+    * `image`: `[H, W, 3]`
+    """
+    rest = list(found)
+    whole: list[Tower] = []
+    while rest:
+        tower = rest.pop(0)
+        other = next((other for other in rest if _one_block(tower, other, image, relief)), None)
+        if other is None:
+            whole.append(tower)
+            continue
+        rest.remove(other)
+        rest.insert(0, _together(tower, other))
+    return whole
+
+
+def _together(a: Tower, b: Tower) -> Tower:
+    return Tower(*(np.concatenate([getattr(a, f.name), getattr(b, f.name)]) for f in fields(Tower)))
+
+
+def _one_block(a: Tower, b: Tower, image: NDArray[np.uint8], relief: Relief) -> bool:
+    tops = (float(a.height.max()), float(b.height.max()))
+    if max(tops) > MAX_JOINED_M or abs(tops[0] - tops[1]) > STUDS_M + 6 * relief.noise_m:
+        return False
+    colors = [np.median(image[part.rows, part.columns], axis=0) + 1.0 for part in (a, b)]
+    if np.linalg.norm(colors[0] / colors[0].sum() - colors[1] / colors[1].sum()) > COLOR_STEP:
+        return False
+    both = _together(a, b)
+    short, long = sorted(cv2.minAreaRect(np.stack([both.x, both.y], axis=1))[1])
+    if long > JOINED_EDGE * max(tops) or long > JOINED_EDGE * short:
+        return False
+    middle = [
+        int((np.mean(getattr(a, axis)) + np.mean(getattr(b, axis))) / 2)
+        for axis in ("rows", "columns")
+    ]
+    depths = relief.depth[both.rows, both.columns]
+    return bool(relief.depth[middle[0], middle[1]] < depths.min())
