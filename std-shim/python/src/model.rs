@@ -204,7 +204,7 @@ fn detections(
         return Err(errors::scene(SceneError::TooManyObjects { count }));
     }
     let boxes = rows::<4>("boxes", boxes, count)?;
-    let depths = depths.to_vec().map_err(|error| argument("depths", error))?;
+    let depths: Vec<f32> = depths.as_array().iter().copied().collect();
     if depths.len() != count {
         let got = depths.len();
         let problem = format!("expected {count} numbers for {count} ids, got {got}");
