@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nsrm_harness.domain import Domain
+from nsrm_harness.errors import DomainError
 from nsrm_harness.language.program import Program, Step
 
 
@@ -30,22 +31,42 @@ class Style:
     full_stop: float = 0.4
 
 
-class Grammar:
-    """Makes sentences about one domain."""
+@dataclass(frozen=True)
+class Sentence:
+    """A program as it was said."""
 
-    def __init__(self, domain: Domain, style: Style | None = None) -> None:
+    text: str
+    #: Where the words of each step end, in characters.
+    ends: tuple[int, ...]
+
+
+class Grammar:
+    """Makes sentences about one domain.
+
+    `held_out`: with the domain's wordings that training never hears, and no others.
+    """
+
+    def __init__(self, domain: Domain, style: Style | None = None, held_out: bool = False) -> None:
         self._domain = domain
         self._words = domain.grammar
         self._style = style or Style()
+        self._commands = domain.grammar.commands
+        self._phrases = {action.name: action.phrases for action in domain.actions}
+        if held_out:
+            if domain.held_out is None:
+                raise DomainError(f"the domain {domain.name!r} has no [held_out] wordings")
+            self._commands, self._phrases = domain.held_out.commands, domain.held_out.phrases
 
-    def sentence(self, rng: np.random.Generator, program: Program) -> str:
+    def sentence(self, rng: np.random.Generator, program: Program) -> Sentence:
         """One way to say `program`, drawn from `rng`."""
         words: list[str] = []
+        ends: list[int] = []
         for index, step in enumerate(program):
             if index > 0:
                 words += _choose(rng, self._words.connectives).split()
             words += self._command(rng, step, first=index == 0)
-        return self._spell(rng, words)
+            ends.append(len(_joined(words)))
+        return Sentence(self._spell(rng, words), tuple(ends))
 
     def plain(self, program: Program) -> str:
         """The plainest way to say `program`: the first wording of each list, in lower
@@ -74,12 +95,12 @@ class Grammar:
 
     def _command(self, rng: np.random.Generator, step: Step, first: bool) -> list[str]:
         return _fill(
-            _choose(rng, self._words.commands),
+            _choose(rng, self._commands),
             {
                 "opening": _choose(rng, self._words.openings) if first else "",
                 "verb": _choose(rng, self._words.verbs),
                 "moved": self._description(rng, step.object),
-                "relation": _choose(rng, self._domain.action(step.action).phrases),
+                "relation": _choose(rng, self._phrases[step.action]),
                 "reference": self._description(rng, step.reference),
             },
         )
@@ -96,7 +117,7 @@ class Grammar:
         return " ".join(filled)
 
     def _spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
-        text = " ".join(words).replace(" ,", ",")
+        text = _joined(words)
         draw = rng.random()
         style = self._style
         if draw < style.capital:
@@ -109,6 +130,10 @@ class Grammar:
                 letter.upper() if up else letter for letter, up in zip(text, upper, strict=True)
             )
         return text + "." if rng.random() < style.full_stop else text
+
+
+def _joined(words: Sequence[str]) -> str:
+    return " ".join(words).replace(" ,", ",")
 
 
 def _fill(template: str, fields: dict[str, str]) -> list[str]:
