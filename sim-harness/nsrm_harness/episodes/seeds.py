@@ -14,12 +14,17 @@ STREAMS = {
     "test": 3,
     "calibration": 4,
     "demo": 5,
-    "sample": 6,
-    "single_attribute": 7,
     "multi_attribute": 8,
+    "train_restricted": 9,
+    "validation_restricted": 10,
+    "novel_pairs": 11,
+    "objects_10": 12,
     "steps_3": 13,
     "steps_4": 14,
     "steps_5": 15,
+    "steps_6": 16,
+    "paraphrase": 17,
+    "steps_8": 18,
 }
 
 
