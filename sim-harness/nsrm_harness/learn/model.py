@@ -37,6 +37,8 @@ GROUP_TOKEN = 0
 """Row of the embeddings that stands for a group of concept words, `[[X]]`."""
 UNIQUE_SCALE = 10.0
 """Factor from cosine to logit in `Unique` (section IV-C)."""
+MATCH_SCORE = 0.5
+"""Score at which an object is as likely to match a description as not, in training."""
 SIMULATOR_SCALE = 0.1
 """Factor on the simulator's output; keeps the first predictions near the reference."""
 NORM_EPSILON = 1e-6
@@ -300,8 +302,15 @@ def filter_scene(similarities: Array, concepts: Array) -> Array:
 
 
 def unique(scores: Array, present: Array) -> Array:
-    """Log probability of being the object that is meant: scores `[M]` -> `[M]`."""
-    return jax.nn.log_softmax(jnp.where(present, UNIQUE_SCALE * scores, MISSING))
+    """Log probability of being the only object that matches: scores `[M]` -> `[M]`.
+
+    An object matches with the log odds `UNIQUE_SCALE · (score - MATCH_SCORE)`. Given that
+    exactly one matches, which one it is has the probability `softmax(UNIQUE_SCALE · score)`;
+    what the `[M]` lack to 1 is the probability that none or several match.
+    """
+    odds = jnp.where(present, UNIQUE_SCALE * (scores - MATCH_SCORE), MISSING)
+    none = jnp.where(present, jax.nn.log_sigmoid(-odds), 0.0)
+    return none.sum() + odds
 
 
 def center_size(location: Array) -> Array:
