@@ -81,6 +81,22 @@ class Scene:
     def __len__(self) -> int: ...
 
 @final
+class Observed:
+    """Crops and locations of the objects in one image: what every model sees of it."""
+
+    def __init__(
+        self,
+        image: NDArray[np.uint8],
+        ids: Sequence[int],
+        boxes: ArrayLike,
+        depths: ArrayLike,
+        camera: Camera,
+    ) -> None:
+        """As for `Model.observe`."""
+
+    def __len__(self) -> int: ...
+
+@final
 class Step:
     """One step of a program: names of the domain."""
 
@@ -188,6 +204,15 @@ class Model:
         camera: Camera,
     ) -> Scene:
         """A scene from embeddings [N, 64] that this model's encoder made before."""
+
+    def plan_all(
+        self, observed: Sequence[Observed], sentences: Sequence[str]
+    ) -> list[Plan | Refused]:
+        """A plan or a refusal, not raised, for each sentence in the observation beside it.
+
+        Works on all processors. Raises `SceneError`, with the index of the observation, where one
+        makes no scene.
+        """
 
     def encode_crop(self, crop: NDArray[np.float32]) -> NDArray[np.float32]:
         """The embedding of a crop [3, 32, 32]: float32 [64]"""

@@ -3,7 +3,8 @@
 //! C-contiguous are copied.
 
 use nsrm_core::model::{CROP, LOCATION};
-use nsrm_core::vision::{Crop, RgbImage};
+use nsrm_core::vision::{Crop, Detection, RgbImage};
+use nsrm_core::{MAX_OBJECTS, SceneError};
 use numpy::{
     AllowTypeChange, PyArray3, PyArrayLike, PyArrayLike1, PyArrayMethods, PyReadonlyArray3,
     PyUntypedArray, PyUntypedArrayMethods, ndarray,
@@ -43,6 +44,33 @@ pub(crate) fn rows<const N: usize>(
     let rows = array.outer_iter();
     Ok(rows
         .map(|row| std::array::from_fn(|index| row[index]))
+        .collect())
+}
+
+/// Boxes and depths put together, one for each id.
+pub(crate) fn detections(
+    ids: Vec<u32>,
+    boxes: &Numbers<'_, ndarray::Ix2>,
+    depths: &PyArrayLike1<'_, f32, AllowTypeChange>,
+) -> PyResult<Vec<Detection>> {
+    let count = ids.len();
+    if count > MAX_OBJECTS {
+        let count = count.try_into().unwrap_or(u32::MAX);
+        return Err(crate::errors::scene(SceneError::TooManyObjects { count }));
+    }
+    let boxes = rows::<4>("boxes", boxes, count)?;
+    let depths: Vec<f32> = depths.as_array().iter().copied().collect();
+    if depths.len() != count {
+        let got = depths.len();
+        let problem = format!("expected {count} numbers for {count} ids, got {got}");
+        return Err(argument("depths", problem));
+    }
+    let detections = ids.into_iter().zip(boxes).zip(depths);
+    Ok(detections
+        .map(|((id, [x1, y1, x2, y2]), depth)| Detection {
+            id,
+            location: [x1, y1, x2, y2, depth],
+        })
         .collect())
 }
 

@@ -292,6 +292,33 @@ def test_views_are_read_like_their_copies(model: nsrm.Model, image: np.ndarray) 
     np.testing.assert_array_equal(views.locations, copies.locations)
 
 
+def test_planning_many_is_planning_each(model: nsrm.Model, image: np.ndarray) -> None:
+    sentences = ["put the red block on the blue block", "put the sofa on the red block"] * 5
+    observed = nsrm.Observed(image, [1, 2], boxes(), depths(), camera())
+    assert (len(observed), repr(observed)) == (2, "Observed(ids=[1, 2])")
+    scene = model.observe(image, [1, 2], boxes(), depths(), camera())
+    results = model.plan_all([observed] * len(sentences), sentences)
+    assert len(results) == len(sentences)
+    for sentence, result in zip(sentences, results, strict=True):
+        try:
+            expected = model.plan(scene, sentence)
+        except nsrm.Refused as refusal:
+            assert isinstance(result, nsrm.Refused)
+            assert (result.kind, str(result)) == (refusal.kind, str(refusal))
+        else:
+            assert isinstance(result, nsrm.Plan)
+            assert result.program == expected.program
+            assert [s.position for s in result.steps] == [s.position for s in expected.steps]
+    assert model.plan_all([], []) == []
+    with pytest.raises(nsrm.NsrmError, match="one for each of 1 observations, got 2"):
+        model.plan_all([observed], sentences[:2])
+    with pytest.raises(nsrm.NsrmError, match="boxes: row 1"):
+        nsrm.Observed(image, [1, 2], [boxes()[0], [0.5, 0.5, 0.4, 0.6]], depths(), camera())
+    twice = nsrm.Observed(image, [1, 1], boxes(), depths(), camera())
+    with pytest.raises(nsrm.SceneError, match=r"observed\[1\]: .*1"):
+        model.plan_all([observed, twice], sentences[:2])
+
+
 def test_threads_share_a_model(model: nsrm.Model, image: np.ndarray) -> None:
     results: list[np.ndarray] = []
 
