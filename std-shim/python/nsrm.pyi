@@ -146,6 +146,9 @@ class Plan:
     def steps(self) -> list[PlannedStep]: ...
 
 @final
+    @property
+    def confidence(self) -> float:
+        """Probability that every choice of the plan is right: its steps' multiplied."""
 class Model:
     """A trained model: the one that is built in, or one from a file."""
 

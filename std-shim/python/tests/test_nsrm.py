@@ -167,6 +167,7 @@ def test_plan_of_a_trained_model(model: nsrm.Model, scene: nsrm.Scene) -> None:
     assert plan.program == model.parse(SENTENCE)
     assert (step.object_id, step.reference_id) == (1, 2)
     assert 0 < step.confidence <= 1
+    assert plan.confidence == step.confidence
     assert step.location.shape == (5,) and len(step.position) == 3 and len(step.orientation) == 4
 
 
