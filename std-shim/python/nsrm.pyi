@@ -24,6 +24,8 @@ class Refused(NsrmError):
     """Why, in snake case: "unknown_word", "ambiguous", "no_such_object", ..."""
     details: dict[str, Any]
     """What the kind carries: words, steps from 0, candidates with scores, limits."""
+    suggestion: str | None
+    """The known word that may have been meant by an unknown one."""
 
 class ModelError(NsrmError):
     """A model file can't be used."""
@@ -123,7 +125,7 @@ class PlannedStep:
         """How well the reference fits its words: the least cosine."""
     @property
     def confidence(self) -> float:
-        """Probability of the whole step."""
+        """Probability that every choice of the step is right."""
     @property
     def position(self) -> tuple[float, float, float]:
         """Of the moved object's centre, world frame, metres."""
@@ -144,11 +146,11 @@ class Plan:
     def program(self) -> Program: ...
     @property
     def steps(self) -> list[PlannedStep]: ...
-
-@final
     @property
     def confidence(self) -> float:
         """Probability that every choice of the plan is right: its steps' multiplied."""
+
+@final
 class Model:
     """A trained model: the one that is built in, or one from a file."""
 

@@ -63,7 +63,10 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
         |span: &Span| json!({"text": span.of(sentence), "start": span.start, "end": span.end});
     let details = match refusal {
         Refusal::NoWords | Refusal::InvalidModel => json!({}),
-        Refusal::UnknownWord { span } => json!({"words": words(span)}),
+        Refusal::UnknownWord { span } => json!({
+            "words": words(span),
+            "suggestion": refusal.suggestion(model, sentence),
+        }),
         Refusal::SentenceTooLong { limit, unit } => {
             let unit = match unit {
                 LengthUnit::Bytes => "bytes",

@@ -104,6 +104,14 @@ fn refuses_sentences() {
         details["words"],
         json!({"text": "sofa", "start": 8, "end": 12})
     );
+    assert_eq!(details["suggestion"], Value::Null);
+    let details = refusal(
+        &bench,
+        "put the gren block on the red block",
+        "unknown_word",
+        &["\"gren\"", "did you mean \"green\"?"],
+    );
+    assert_eq!(details["suggestion"], "green");
     let details = refusal(
         &bench,
         &"put ".repeat(2000),
