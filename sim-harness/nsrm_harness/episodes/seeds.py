@@ -20,6 +20,8 @@ STREAMS = {
     "steps_3": 13,
     "steps_4": 14,
     "steps_5": 15,
+    "refusals_validation": 31,
+    "refusals_test": 32,
 }
 
 
