@@ -121,15 +121,21 @@ def evaluate(model: nsrm.Model, path: Path, quiet: bool = False) -> Metrics:
 
 def plan_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Plan:
     """The core's plan for an episode; raises `nsrm.Refused`."""
+    return model.plan(
+        observe_episode(model, demonstrations, index), demonstrations.sentences[index]
+    )
+
+
+def observe_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Scene:
+    """The initial scene of an episode as the core sees it."""
     count = int(demonstrations.object_count[index])
-    scene = model.observe(
+    return model.observe(
         demonstrations.initial_image(index),
         list(range(1, count + 1)),
         demonstrations.initial_boxes[index, :count],
         demonstrations.initial_depths[index, :count],
         _camera(demonstrations.camera(index)),
     )
-    return model.plan(scene, demonstrations.sentences[index])
 
 
 def judge_plan(

@@ -24,6 +24,8 @@ class Refused(NsrmError):
     """Why, in snake case: "unknown_word", "ambiguous", "no_such_object", ..."""
     details: dict[str, Any]
     """What the kind carries: words, steps from 0, candidates with scores, limits."""
+    suggestion: str | None
+    """The known word that may have been meant by an unknown one."""
 
 class ModelError(NsrmError):
     """A model file can't be used."""
@@ -139,7 +141,7 @@ class PlannedStep:
         """How well the reference fits its words: the least cosine."""
     @property
     def confidence(self) -> float:
-        """Probability of the whole step."""
+        """Probability that every choice of the step is right."""
     @property
     def position(self) -> tuple[float, float, float]:
         """Of the moved object's centre, world frame, metres."""
@@ -160,6 +162,9 @@ class Plan:
     def program(self) -> Program: ...
     @property
     def steps(self) -> list[PlannedStep]: ...
+    @property
+    def confidence(self) -> float:
+        """Probability that every choice of the plan is right: its steps' multiplied."""
 
 @final
 class Model:

@@ -25,6 +25,8 @@ STREAMS = {
     "steps_6": 16,
     "paraphrase": 17,
     "steps_8": 18,
+    "refusals_validation": 31,
+    "refusals_test": 32,
 }
 
 

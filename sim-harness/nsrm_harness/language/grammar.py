@@ -7,7 +7,7 @@ is moved can't be read off their order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,22 @@ class Sentence:
     ends: tuple[int, ...]
 
 
+@dataclass(frozen=True)
+class Command:
+    """One step as it is said, its parts still apart."""
+
+    #: What joins it to the command before; empty for the first.
+    connective: str
+    #: One of the grammar's ``commands``.
+    template: str
+    #: Words for each field of the template.
+    fields: Mapping[str, str]
+
+    def words(self) -> list[str]:
+        """The words in order."""
+        return [*self.connective.split(), *_fill(self.template, self.fields)]
+
+
 class Grammar:
     """Makes sentences about one domain.
 
@@ -61,12 +77,17 @@ class Grammar:
         """One way to say `program`, drawn from `rng`."""
         words: list[str] = []
         ends: list[int] = []
-        for index, step in enumerate(program):
-            if index > 0:
-                words += _choose(rng, self._words.connectives).split()
-            words += self._command(rng, step, first=index == 0)
+        for command in self.commands(rng, program):
+            words += command.words()
             ends.append(len(_joined(words)))
-        return Sentence(self._spell(rng, words), tuple(ends))
+        return Sentence(self.spell(rng, words), tuple(ends))
+
+    def commands(self, rng: np.random.Generator, program: Program) -> list[Command]:
+        """One way to say each step of `program`, drawn from `rng`."""
+        return [
+            self._command(rng, step, _choose(rng, self._words.connectives) if index > 0 else None)
+            for index, step in enumerate(program)
+        ]
 
     def plain(self, program: Program) -> str:
         """The plainest way to say `program`: the first wording of each list, in lower
@@ -93,19 +114,21 @@ class Grammar:
         fields = {"values": " ".join(spoken), "noun": self._words.nouns[0]}
         return " ".join(_fill(self._words.descriptions[0], fields))
 
-    def _command(self, rng: np.random.Generator, step: Step, first: bool) -> list[str]:
-        return _fill(
+    def _command(self, rng: np.random.Generator, step: Step, connective: str | None) -> Command:
+        return Command(
+            connective or "",
             _choose(rng, self._commands),
             {
-                "opening": _choose(rng, self._words.openings) if first else "",
+                "opening": _choose(rng, self._words.openings) if connective is None else "",
                 "verb": _choose(rng, self._words.verbs),
-                "moved": self._description(rng, step.object),
+                "moved": self.description(rng, step.object),
                 "relation": _choose(rng, self._phrases[step.action]),
-                "reference": self._description(rng, step.reference),
+                "reference": self.description(rng, step.reference),
             },
         )
 
-    def _description(self, rng: np.random.Generator, concepts: Sequence[str]) -> str:
+    def description(self, rng: np.random.Generator, concepts: Sequence[str]) -> str:
+        """One way to name an object by these attribute values."""
         values = [_choose(rng, self._domain.concept(name).words) for name in concepts]
         filled = _fill(
             _choose(rng, self._words.descriptions),
@@ -116,7 +139,8 @@ class Grammar:
         )
         return " ".join(filled)
 
-    def _spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
+    def spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
+        """The words as a sentence, in one of the spellings of the grammar's style."""
         text = _joined(words)
         draw = rng.random()
         style = self._style
@@ -136,7 +160,7 @@ def _joined(words: Sequence[str]) -> str:
     return " ".join(words).replace(" ,", ",")
 
 
-def _fill(template: str, fields: dict[str, str]) -> list[str]:
+def _fill(template: str, fields: Mapping[str, str]) -> list[str]:
     """The template's words, a field replaced by its words."""
     words: list[str] = []
     for word in template.split():

@@ -167,6 +167,7 @@ def test_plan_of_a_trained_model(model: nsrm.Model, scene: nsrm.Scene) -> None:
     assert plan.program == model.parse(SENTENCE)
     assert (step.object_id, step.reference_id) == (1, 2)
     assert 0 < step.confidence <= 1
+    assert plan.confidence == step.confidence
     assert step.location.shape == (5,) and len(step.position) == 3 and len(step.orientation) == 4
 
 
@@ -174,18 +175,30 @@ def test_refusals_say_why(model: nsrm.Model, scene: nsrm.Scene) -> None:
     with pytest.raises(nsrm.Refused, match='"sofa" is not a word') as caught:
         model.plan(scene, "put the sofa on the blue block")
     assert caught.value.kind == "unknown_word"
-    assert caught.value.details == {"words": {"text": "sofa", "start": 8, "end": 12}}
+    words = {"text": "sofa", "start": 8, "end": 12}
+    assert caught.value.details == {"words": words, "suggestion": None}
+    assert caught.value.suggestion is None
     assert isinstance(caught.value, nsrm.NsrmError) and isinstance(caught.value, ValueError)
     with pytest.raises(nsrm.Refused) as caught:
         model.parse("put " * 2000)
-    assert (caught.value.kind, caught.value.details) == (
+    assert (caught.value.kind, caught.value.details, caught.value.suggestion) == (
         "sentence_too_long",
         {"limit": 4096, "unit": "bytes"},
+        None,
     )
     with pytest.raises(nsrm.Refused) as caught:
         model.parse("red green blue small lego")
     assert caught.value.kind == "too_many_concepts"
     assert caught.value.details["limit"] == 4
+
+
+def test_refusals_offer_the_word_that_may_have_been_meant(model: nsrm.Model) -> None:
+    with pytest.raises(nsrm.Refused, match='did you mean "green"') as caught:
+        model.parse("put the gren block on the red block")
+    assert caught.value.suggestion == caught.value.details["suggestion"] == "green"
+    with pytest.raises(nsrm.Refused, match="use another one") as caught:
+        model.parse("put the red block under the blue block")
+    assert caught.value.suggestion is None
 
 
 def test_models_that_are_none(tmp_path: Path) -> None:
