@@ -70,7 +70,7 @@ class Stage(NamedTuple):
     config: StageConfig
     sets: tuple[Any, ...]
     """Trees of arrays; a batch takes as many rows of each."""
-    loss: Callable[[Model, Array, tuple[Any, ...], Array, Array], Array]
+    loss: Callable[[Any, Array, tuple[Any, ...], Array, Array], Array]
     """From model, all crops, a batch of each set, a key and the share of the stage that is done to
     the batch's mean loss."""
 
