@@ -12,7 +12,8 @@ use crate::model::WorkSpace;
 pub enum Refusal {
     /// The sentence has no words.
     NoWords,
-    /// A word that the model was not trained on.
+    /// A word that the model was not trained on; [`Refusal::suggestion`] may know
+    /// which one was meant.
     UnknownWord {
         /// Where it stands.
         span: Span,

@@ -216,7 +216,7 @@ impl PlanReply {
                 action: step.action.into(),
                 object_id: step.object.object,
                 reference_id: step.reference.object,
-                confidence: step.confidence.product(),
+                confidence: step.confidence.joint(),
                 position: pose.translation.vector.into(),
                 orientation: pose.rotation.coords.into(),
                 location: step.location,

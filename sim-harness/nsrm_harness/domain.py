@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -90,6 +90,16 @@ class Grammar:
 
 
 @dataclass(frozen=True)
+class HeldOut:
+    """Wordings that training never hears, made of words that it knows."""
+
+    #: Templates like the grammar's.
+    commands: tuple[str, ...]
+    #: Phrases of each action, by its name.
+    phrases: Mapping[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
 class Domain:
     """A domain file, checked."""
 
@@ -97,6 +107,7 @@ class Domain:
     attributes: tuple[Attribute, ...]
     actions: tuple[Action, ...]
     grammar: Grammar
+    held_out: HeldOut | None
     #: :meth:`as_json`'s text, kept so that the file's content travels unchanged.
     document: str
 
@@ -160,12 +171,15 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
     attributes = tuple(_attribute(table) for table in root.tables("attribute"))
     actions = tuple(_action(table) for table in root.tables("action"))
     grammar = _grammar(root.table("grammar"))
+    held_out = _held_out(root.table("held_out"), actions) if "held_out" in document else None
     name = root.identifier("name")
     root.no_other_keys()
-    domain = Domain(name, attributes, actions, grammar, json.dumps(document, ensure_ascii=False))
+    text = json.dumps(document, ensure_ascii=False)
+    domain = Domain(name, attributes, actions, grammar, held_out, text)
     _check_names(root, domain)
     _check_appearance(root, domain)
     _check_words(root, domain)
+    _check_held_out(root, domain)
     return domain
 
 
@@ -220,24 +234,36 @@ def _grammar(table: Table) -> Grammar:
         verbs=table.phrases("verbs"),
         nouns=table.phrases("nouns"),
         descriptions=table.templates("descriptions", required=("values",), optional=("noun",)),
-        commands=table.templates(
-            "commands",
-            required=("verb", "moved", "relation", "reference"),
-            optional=("opening",),
-        ),
+        commands=_commands(table),
         connectives=table.phrases("connectives"),
     )
     for key in ("verbs", "nouns"):
         if "" in getattr(grammar, key):
             raise table.error(key, "an empty word would let two descriptions run together")
-    for template in grammar.commands:
+    table.no_other_keys()
+    return grammar
+
+
+def _commands(table: Table) -> tuple[str, ...]:
+    commands = table.templates(
+        "commands", required=("verb", "moved", "relation", "reference"), optional=("opening",)
+    )
+    for template in commands:
         fields = [word for word in template.split() if word != "{opening}"]
         if abs(fields.index("{moved}") - fields.index("{reference}")) == 1:
             raise table.error("commands", f"no word between the two objects in {template!r}")
         if fields[0] in ("{moved}", "{reference}"):
             raise table.error("commands", f"a command can't begin with an object: {template!r}")
+    return commands
+
+
+def _held_out(table: Table, actions: Sequence[Action]) -> HeldOut:
+    named = table.table("phrases")
+    phrases = {action.name: named.phrases(action.name) for action in actions}
+    named.no_other_keys()
+    held_out = HeldOut(_commands(table), phrases)
     table.no_other_keys()
-    return grammar
+    return held_out
 
 
 def _check_names(root: Table, domain: Domain) -> None:
@@ -289,6 +315,21 @@ def _check_words(root: Table, domain: Domain) -> None:
         raise root.error(
             "grammar", f"{word!r} names the concept {seen[word]!r} and can't be another word too"
         )
+
+
+def _check_held_out(root: Table, domain: Domain) -> None:
+    """Nothing of it may stand in the grammar, and no word may be a new one."""
+    if domain.held_out is None:
+        return
+    known = {*domain.vocabulary(), *domain.lexicon()}
+    said = {*domain.grammar.commands, *(p for a in domain.actions for p in a.phrases)}
+    held_out = domain.held_out
+    for text in (*held_out.commands, *(p for each in held_out.phrases.values() for p in each)):
+        if text in said:
+            raise root.error("held_out", f"{text!r} is no new wording: training has it")
+        for word in text.split():
+            if not word.startswith("{") and word not in known:
+                raise root.error("held_out", f"{word!r} in {text!r} is a word of no other wording")
 
 
 def _grammar_words(grammar: Grammar, actions: Iterable[Action]) -> set[str]:

@@ -72,7 +72,8 @@ class Metrics:
     """Means over the episodes of a file."""
 
     episodes: int
-    program: float
+    program: float | None
+    """None for a model without programs."""
     object: float
     reference: float
     iou_2d: float
@@ -88,8 +89,9 @@ class Metrics:
 
     def __str__(self) -> str:
         refused = ", ".join(f"{kind} {count}" for kind, count in self.refused.items()) or "none"
+        program = "-" if self.program is None else f"{self.program:.1%}"
         return (
-            f"{self.episodes} episodes: program {self.program:.1%}, O1 {self.object:.1%}, "
+            f"{self.episodes} episodes: program {program}, O1 {self.object:.1%}, "
             f"O2 {self.reference:.1%}, IoU-2D {self.iou_2d:.1%}, IoU-3D {self.iou_3d:.1%}, "
             f"world error median {self.error_median_m * 1e3:.1f} mm, "
             f"p95 {self.error_p95_m * 1e3:.1f} mm; refused: {refused}"
@@ -119,17 +121,34 @@ def evaluate(model: nsrm.Model, path: Path, quiet: bool = False) -> Metrics:
     return summarize(scores, refused)
 
 
+def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
+    """Judge a plan for each episode of a file."""
+    with Judge(path) as judge:
+        truths = [judge.truth(index) for index in range(len(judge))]
+    scores = [
+        judge_plan(steps, truth.steps, truth.edges_m)
+        for steps, truth in zip(plans, truths, strict=True)
+    ]
+    return summarize(scores, Counter())
+
+
 def plan_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Plan:
     """The core's plan for an episode; raises `nsrm.Refused`."""
+    return model.plan(
+        observe_episode(model, demonstrations, index), demonstrations.sentences[index]
+    )
+
+
+def observe_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Scene:
+    """The initial scene of an episode as the core sees it."""
     count = int(demonstrations.object_count[index])
-    scene = model.observe(
+    return model.observe(
         demonstrations.initial_image(index),
         list(range(1, count + 1)),
         demonstrations.initial_boxes[index, :count],
         demonstrations.initial_depths[index, :count],
         _camera(demonstrations.camera(index)),
     )
-    return model.plan(scene, demonstrations.sentences[index])
 
 
 def judge_plan(

@@ -26,6 +26,8 @@ class StepTruth:
     step: Step
     object_id: int
     reference_id: int
+    #: Where the step's words end in the sentence, in characters.
+    end: int
     #: Pose of the moved block at rest after the step, in the world.
     sub_goal: Pose
     #: Its box corners (fractions) and mean depth (metres) as seen then, float32 ``[5]``.
@@ -96,6 +98,7 @@ class Judge:
                     Step.from_json(step),
                     int(step["object_id"]),
                     int(step["reference_id"]),
+                    int(step["end"]),
                     _pose(goals[number, 1:]),
                     boxes[number],
                 )

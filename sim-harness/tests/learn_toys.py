@@ -57,7 +57,7 @@ def make_toys(domain: Domain, count: int, steps: int, seed: int, attributes: int
             located[moved] = _location(places[moved], edges[moved], 1.0)
         after.append(located)
         crops.extend(_crop(rng, domain, value) for value in values)
-        sentences.append(tokenizer(grammar.sentence(rng, program)))
+        sentences.append(tokenizer(grammar.sentence(rng, program).text))
         programs.append(program)
         objects.append(chosen)
     data = TrainingSet(

@@ -44,7 +44,7 @@ def test_a_predicted_scene_has_each_object_at_its_new_place_the_nearest_in_front
         mask[10:20, column : column + 10] = object_id
         rgb[10:20, column : column + 10] = color
     mask[10, 0] = 0  # A corner of the box that is not the object's.
-    frame = Frame(rgb, np.ones((60, 80), np.float32), mask)
+    frame = Frame(np.ones((60, 80), np.float32), mask, rgb)
     boxes = {
         1: np.array([0, 10 / 60, 10 / 80, 20 / 60, 1.0], np.float32),
         2: np.array([40 / 80, 10 / 60, 50 / 80, 20 / 60, 0.9], np.float32),

@@ -77,10 +77,19 @@ def test_the_camera_sees_what_is_where(demonstrator: Demonstrator) -> None:
 
 def test_the_sentence_says_the_program(demonstrator: Demonstrator) -> None:
     episode = make(demonstrator, 2)
-    groups = Tokenizer(DOMAIN)(episode.sentence).groups
+    groups = Tokenizer(DOMAIN)(episode.sentence.text).groups
     named = sorted(sorted(DOMAIN.concepts[index].name for index in group) for group in groups)
     meant = [sorted(each) for step in episode.program for each in (step.object, step.reference)]
     assert named == sorted(meant)
+
+
+def test_novel_combinations_are_in_the_scene_and_named(demonstrator: Demonstrator) -> None:
+    pairs = (frozenset(("cyan", "lego")), frozenset(("green", "small")))
+    for index in range(4):
+        episode = make(demonstrator, index, replace(WANTED, novel=pairs))
+        assert any(pair <= set(block.values.values()) for pair in pairs for block in episode.blocks)
+        named = [set(said) for step in episode.program for said in (step.object, step.reference)]
+        assert any(pair <= said for pair in pairs for said in named)
 
 
 def test_the_same_draws_give_the_same_episode_after_any_other(demonstrator: Demonstrator) -> None:

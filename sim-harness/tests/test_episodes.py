@@ -193,7 +193,11 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
                 names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
             for name in importers.keys() & set(names):
                 importers[name].add(str(path.relative_to(PACKAGE)))
-    assert importers["nsrm_harness.judge"] <= {"commands/look.py", "evaluate.py"}
+    assert importers["nsrm_harness.judge"] <= {
+        "commands/look.py",
+        "evaluate.py",
+        "refusals/measure.py",
+    }
     assert importers["h5py"] == {
         "episodes/calibration.py",
         "episodes/file.py",

@@ -11,6 +11,7 @@ import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.domain import GROUP_TOKEN, Domain
+from nsrm_harness.errors import DomainError
 from nsrm_harness.language.grammar import Grammar, Style
 from nsrm_harness.language.program import Program, Step, canonical
 from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
@@ -41,7 +42,7 @@ def test_every_sentence_reads_back(domain: Domain) -> None:
     both_orders = set()
     for _ in range(1500):
         program = random_program(rng, domain)
-        sentence = grammar.sentence(rng, program)
+        sentence = grammar.sentence(rng, program).text
         tokens = tokenizer(sentence)
         named = [{domain.concepts[index].name for index in group} for group in tokens.groups]
         expected = [[set(step.object), set(step.reference)] for step in program]
@@ -60,14 +61,14 @@ def test_every_word_of_the_vocabulary_is_said(domain: Domain) -> None:
     rng = np.random.default_rng(12)
     said = set()
     for _ in range(1500):
-        said |= set(tokenizer(grammar.sentence(rng, random_program(rng, domain))).words)
+        said |= set(tokenizer(grammar.sentence(rng, random_program(rng, domain)).text).words)
     assert said == set(domain.vocabulary())
 
 
 def test_sentences_are_natural_text(domain: Domain) -> None:
     grammar = Grammar(domain)
     rng = np.random.default_rng(13)
-    sentences = [grammar.sentence(rng, random_program(rng, domain)) for _ in range(1500)]
+    sentences = [grammar.sentence(rng, random_program(rng, domain)).text for _ in range(1500)]
     for sentence in sentences:
         assert not re.search(r"  | ,|,\S|^\W|\s$|\.\.", sentence), sentence
     text = " ".join(sentences)
@@ -86,7 +87,7 @@ def test_openings_stand_at_the_beginning_only() -> None:
     grammar = Grammar(domain, Style(capital=0, shouted=0, mixed=0))
     rng = np.random.default_rng(14)
     for _ in range(300):
-        words = grammar.sentence(rng, random_program(rng, domain)).split()
+        words = grammar.sentence(rng, random_program(rng, domain)).text.split()
         assert not {"please", "now", "first"} & set(words[1:])
 
 
@@ -94,6 +95,41 @@ def test_the_same_draws_give_the_same_sentence(domain: Domain) -> None:
     program = random_program(np.random.default_rng(3), domain)
     first, again = (Grammar(domain).sentence(np.random.default_rng(5), program) for _ in range(2))
     assert first == again
+
+
+def test_each_step_ends_where_its_words_end(domain: Domain) -> None:
+    grammar, tokenizer = Grammar(domain), Tokenizer(domain)
+    rng = np.random.default_rng(15)
+    for _ in range(300):
+        program = random_program(rng, domain)
+        said = grammar.sentence(rng, program)
+        assert len(said.ends) == len(program)
+        first = 0
+        for end in said.ends:
+            assert len(tokenizer(said.text[first:end]).groups) == 2, said
+            assert end == len(said.text) or said.text[end] in " ,.", said
+            first = end
+        assert said.text[first:] in ("", ".")
+
+
+def test_held_out_wordings_are_new_and_read_back() -> None:
+    domain = domains.load()
+    tokenizer = Tokenizer(domain)
+    rng = np.random.default_rng(16)
+    shapes: list[set[str]] = []
+    for grammar in (Grammar(domain), Grammar(domain, held_out=True)):
+        shapes.append(set())
+        for _ in range(3000):
+            said = grammar.sentence(rng, random_program(rng, domain)[:1]).text
+            tokens = tokenizer(said)
+            assert len(tokens.groups) == 2, said
+            shapes[-1].add(" ".join(tokens.words))
+    assert not shapes[0] & shapes[1]
+
+
+def test_a_domain_without_held_out_wordings_says_so() -> None:
+    with pytest.raises(DomainError, match=r"no \[held_out\] wordings"):
+        Grammar(domains.load(WORKSHOP), held_out=True)
 
 
 @pytest.mark.parametrize(

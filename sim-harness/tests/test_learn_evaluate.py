@@ -33,6 +33,7 @@ TRUTH = StepTruth(
     step=Step("MoveOn", ("small", "red"), ("blue",)),
     object_id=1,
     reference_id=2,
+    end=41,
     sub_goal=Pose((0.5, 0.1, 0.07), (0.0, 0.0, 0.0, 1.0)),
     location=np.array([0.1, 0.1, 0.2, 0.2, 1.0], np.float32),
 )

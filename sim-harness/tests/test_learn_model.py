@@ -103,10 +103,14 @@ def test_filter_takes_the_least_and_none_is_the_whole_scene() -> None:
     np.testing.assert_allclose(filter_scene(similarities, jnp.array([-1, -1])), [1.0, 1.0])
 
 
-def test_unique_gives_nothing_to_the_missing() -> None:
-    probability = jnp.exp(unique(jnp.array([0.5, 0.9, 1.0]), jnp.array([True, True, False])))
-    less = np.exp(-4) / (1 + np.exp(-4))
-    np.testing.assert_allclose(probability, [less, 1 - less, 0.0], rtol=1e-5)
+def test_unique_is_the_only_match() -> None:
+    scores, present = jnp.array([0.5, 0.9, 1.0]), jnp.array([True, True, False])
+    matches = 1 / (1 + np.exp(-10 * (np.array([0.5, 0.9]) - 0.5)))
+    only = [matches[0] * (1 - matches[1]), matches[1] * (1 - matches[0]), 0.0]
+    np.testing.assert_allclose(jnp.exp(unique(scores, present)), only, rtol=1e-5)
+    # Given that one matches, the softmax of ten times the scores.
+    given = jnp.exp(jax.nn.log_softmax(unique(scores, present)))
+    np.testing.assert_allclose(given[:2], jax.nn.softmax(10 * scores[:2]), rtol=1e-5)
 
 
 def test_corners_undo_center_size() -> None:

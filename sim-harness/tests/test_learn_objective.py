@@ -8,6 +8,7 @@ import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.learn.model import Dimensions, Model, Parse
+from nsrm_harness.learn.nonsense import nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
     LossWeights,
@@ -129,8 +130,10 @@ def test_grounding_sums_out_the_group() -> None:
     )
     similarities = jnp.array([[1.0, 0.0], [0.0, 1.0]])
     found = ground(parse, tokens, jnp.array([[0], [1]]), similarities, jnp.ones(2, bool))
-    sure = np.exp(10) / (1 + np.exp(10))
-    expected = [0.25 * sure + 0.75 * (1 - sure), 0.25 * (1 - sure) + 0.75 * sure]
+    # Scores 1 and 0 match with log odds of 5 and -5.
+    matches = 1 / (1 + np.exp(-5))
+    right, wrong = matches**2, (1 - matches) ** 2
+    expected = [0.25 * right + 0.75 * wrong, 0.25 * wrong + 0.75 * right]
     np.testing.assert_allclose(jnp.exp(found.object), expected, rtol=1e-4)
     assert int(jnp.argmax(found.reference)) == 0
 
@@ -160,6 +163,22 @@ def test_step_tokens_take_their_own_groups_along() -> None:
     np.testing.assert_array_equal(tokens[:4], [7, 0, 3, 0])
     assert int(valid.sum()) == 4
     np.testing.assert_array_equal(groups[:2], [[2], [3]])
+
+
+def test_nonsense_keeps_the_descriptions_and_changes_the_words() -> None:
+    tokens = jnp.array([4, 0, 6, 8, 0, 7, 0, 0, 0, 0])
+    command = Command(tokens, jnp.array(6), jnp.array([[0], [1]]), jnp.array(2))
+    heaps = jax.vmap(nonsense, (0, None, None))(
+        jax.random.split(jax.random.key(1), 300), command, 9
+    )
+    position = np.arange(10)
+    shapes = set()
+    for words, length in zip(np.asarray(heaps.tokens), np.asarray(heaps.length), strict=True):
+        assert np.count_nonzero(words[:length] == 0) == 2
+        assert (words[position >= length] == 0).all() and words.max() < 9
+        shapes.add(tuple(words[:length]))
+    assert len(shapes) > 100
+    assert {2, 3, 4, 6} <= {len(shape) for shape in shapes}
 
 
 def test_entropy_of_even_and_sure() -> None:

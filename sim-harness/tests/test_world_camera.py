@@ -15,10 +15,11 @@ from nsrm_harness.world.camera import (
     Camera,
     default_camera,
     linear_depth,
-    observation,
+    located,
 )
 from nsrm_harness.world.layout import PLACEMENT_SPACE, WORK_SPACE
 from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.render import Surfaces
 
 
 def test_the_image_has_the_world_the_right_way_round():
@@ -105,7 +106,7 @@ def test_boxes_and_depths_are_those_of_the_mask():
     depth = np.full(mask.shape, 2.0, dtype=np.float32)
     depth[mask == 3] = 0.5
     depth[10:15, 4:12] = 1.0
-    seen = observation(np.zeros((48, 64, 3), np.uint8), depth, mask)
+    seen = located(Surfaces(depth, mask))
     assert seen.ids == (3, 7), "9 is too small to be seen"
     np.testing.assert_array_equal(
         seen.boxes,
@@ -116,7 +117,7 @@ def test_boxes_and_depths_are_those_of_the_mask():
 
 def test_an_empty_table_gives_an_empty_observation():
     mask = np.zeros((4, 4), dtype=np.int32)
-    seen = observation(np.zeros((4, 4, 3), np.uint8), np.ones((4, 4), np.float32), mask)
+    seen = located(Surfaces(np.ones((4, 4), np.float32), mask))
     assert seen.ids == ()
     assert seen.boxes.shape == (0, 4) and seen.depths.shape == (0,)
 

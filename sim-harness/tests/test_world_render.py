@@ -94,7 +94,11 @@ def test_both_renderers_show_the_same(renderers: dict[str, Renderer], seed: int)
         build_scene(world, seed, tower=3 * (seed % 2))
         a = get(renderers, "gl").render(world, camera, light)
         b = get(renderers, "pybullet").render(world, camera, light)
-    seen, other = observation(a.rgb, a.depth, a.mask), observation(b.rgb, b.depth, b.mask)
+        alone = [get(renderers, kind).surfaces(world, camera) for kind in KINDS]
+    for surfaces, frame in zip(alone, (a, b), strict=True):
+        assert np.array_equal(surfaces.mask, frame.mask)
+        assert np.array_equal(surfaces.depth, frame.depth)
+    seen, other = observation(a), observation(b)
     assert seen.ids == other.ids and len(seen.ids) >= 4
     boxes = np.rint(seen.boxes * [640, 480, 640, 480]).astype(int)
     others = np.rint(other.boxes * [640, 480, 640, 480]).astype(int)

@@ -24,6 +24,8 @@ class Refused(NsrmError):
     """Why, in snake case: "unknown_word", "ambiguous", "no_such_object", ..."""
     details: dict[str, Any]
     """What the kind carries: words, steps from 0, candidates with scores, limits."""
+    suggestion: str | None
+    """The known word that may have been meant by an unknown one."""
 
 class ModelError(NsrmError):
     """A model file can't be used."""
@@ -81,6 +83,22 @@ class Scene:
     def __len__(self) -> int: ...
 
 @final
+class Observed:
+    """Crops and locations of the objects in one image: what every model sees of it."""
+
+    def __init__(
+        self,
+        image: NDArray[np.uint8],
+        ids: Sequence[int],
+        boxes: ArrayLike,
+        depths: ArrayLike,
+        camera: Camera,
+    ) -> None:
+        """As for `Model.observe`."""
+
+    def __len__(self) -> int: ...
+
+@final
 class Step:
     """One step of a program: names of the domain."""
 
@@ -123,7 +141,7 @@ class PlannedStep:
         """How well the reference fits its words: the least cosine."""
     @property
     def confidence(self) -> float:
-        """Probability of the whole step."""
+        """Probability that every choice of the step is right."""
     @property
     def position(self) -> tuple[float, float, float]:
         """Of the moved object's centre, world frame, metres."""
@@ -144,6 +162,9 @@ class Plan:
     def program(self) -> Program: ...
     @property
     def steps(self) -> list[PlannedStep]: ...
+    @property
+    def confidence(self) -> float:
+        """Probability that every choice of the plan is right: its steps' multiplied."""
 
 @final
 class Model:
@@ -188,6 +209,15 @@ class Model:
         camera: Camera,
     ) -> Scene:
         """A scene from embeddings [N, 64] that this model's encoder made before."""
+
+    def plan_all(
+        self, observed: Sequence[Observed], sentences: Sequence[str]
+    ) -> list[Plan | Refused]:
+        """A plan or a refusal, not raised, for each sentence in the observation beside it.
+
+        Works on all processors. Raises `SceneError`, with the index of the observation, where one
+        makes no scene.
+        """
 
     def encode_crop(self, crop: NDArray[np.float32]) -> NDArray[np.float32]:
         """The embedding of a crop [3, 32, 32]: float32 [64]"""

@@ -20,7 +20,8 @@ pub fn program(model: &Model<'_>, program: &Program) -> Value {
 /// The program's steps, each with `object_id`, `reference_id`, `confidence` (all
 /// parts multiplied), `confidences` (the parts), `sub_goal` (`position` in metres
 /// and `orientation` x, y, z, w, both in the world's frame), `location` (predicted
-/// box and depth) and `explanation`; and the program in the paper's `notation`.
+/// box and depth) and `explanation`; the program in the paper's `notation`; and the
+/// whole plan's `confidence`.
 pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
     let symbols = plan.program().steps().iter();
     let steps: Vec<Value> = symbols
@@ -37,7 +38,8 @@ pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
         })
         .collect();
     let notation = plan.program().notation(model).to_string();
-    json!({"steps": steps, "notation": notation})
+    let confidence = decimal(plan.confidence());
+    json!({"steps": steps, "notation": notation, "confidence": confidence})
 }
 
 /// `{"refused": {"kind": "ambiguous", "message": "…", …}}` with what
@@ -61,7 +63,10 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
         |span: &Span| json!({"text": span.of(sentence), "start": span.start, "end": span.end});
     let details = match refusal {
         Refusal::NoWords | Refusal::InvalidModel => json!({}),
-        Refusal::UnknownWord { span } => json!({"words": words(span)}),
+        Refusal::UnknownWord { span } => json!({
+            "words": words(span),
+            "suggestion": refusal.suggestion(model, sentence),
+        }),
         Refusal::SentenceTooLong { limit, unit } => {
             let unit = match unit {
                 LengthUnit::Bytes => "bytes",
@@ -191,10 +196,7 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
     let mut map = Map::new();
     map.insert("object_id".into(), step.object.object.into());
     map.insert("reference_id".into(), step.reference.object.into());
-    map.insert(
-        "confidence".into(),
-        decimal(step.confidence.product()).into(),
-    );
+    map.insert("confidence".into(), decimal(step.confidence.joint()).into());
     map.insert(
         "confidences".into(),
         json!({

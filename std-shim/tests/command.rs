@@ -47,6 +47,7 @@ fn plans_from_an_image() {
             .as_f64()
             .is_some_and(|sure| sure > 0.9 && sure <= 1.0)
     );
+    assert_eq!(plan["confidence"], step["confidence"]);
     // The reference's centre (496, 372) px deprojected at 0.5 m, the camera's axes
     // along the world's.
     let position: Vec<f64> =
@@ -103,6 +104,14 @@ fn refuses_sentences() {
         details["words"],
         json!({"text": "sofa", "start": 8, "end": 12})
     );
+    assert_eq!(details["suggestion"], Value::Null);
+    let details = refusal(
+        &bench,
+        "put the gren block on the red block",
+        "unknown_word",
+        &["\"gren\"", "did you mean \"green\"?"],
+    );
+    assert_eq!(details["suggestion"], "green");
     let details = refusal(
         &bench,
         &"put ".repeat(2000),

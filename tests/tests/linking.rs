@@ -52,15 +52,21 @@ fn without_allocator_and_panics_it_links_and_plans() {
         "put the small green block to the right of the lego blue block",
         "move the red block to the left of the green block, then put the yellow block on the red one",
         "fly to the moon",
+        "put the gren block on the red block",
         "",
     ] {
         let ran = run(&program, &input(&picture, sentence));
         let (code, bytes) = match on_the_host(&picture, sentence) {
             Ok(plan) => {
                 planned += 1;
-                (0, sub_goals(&plan))
+                let confidence = plan.confidence().to_le_bytes();
+                (0, [sub_goals(&plan), confidence.into()].concat())
             }
-            Err(refusal) => (2, refusal.kind().into()),
+            Err(refusal) => {
+                let word = refusal.suggestion(&TABLETOP, sentence);
+                let word = word.map_or(String::new(), |word| format!(" {word}"));
+                (2, format!("{}{word}", refusal.kind()).into())
+            }
         };
         assert_eq!(ran.status.code(), Some(code), "{sentence:?}");
         assert_eq!(ran.stdout, bytes, "{sentence:?}");

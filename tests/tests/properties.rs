@@ -38,9 +38,15 @@ fn check(model: &Model<'_>, scene: &Scene, plan: &Plan) {
             let object = &scene.objects()[usize::from(grounding.index)];
             assert_eq!(object.id, grounding.object);
         }
-        let confidence = step.confidence.product();
+        let confidence = step.confidence.joint();
         assert!((0.0..=1.0).contains(&confidence), "{confidence}");
     }
+    let confidence = plan.confidence();
+    let least = plan.steps().iter().map(|step| step.confidence.joint());
+    assert!(
+        (0.0..=least.fold(1.0, f32::min)).contains(&confidence),
+        "{confidence}"
+    );
     assert!(!plan.program().notation(model).to_string().is_empty());
 }
 

@@ -57,7 +57,7 @@ impl fmt::Display for StepExplanation<'_> {
         self.object(&symbols.object, &planned.object, f)?;
         write!(f, " {phrase} ")?;
         self.object(&symbols.reference, &planned.reference, f)?;
-        write!(f, "; confidence {:.2}.", planned.confidence.product())
+        write!(f, "; confidence {:.2}.", planned.confidence.joint())
     }
 }
 

@@ -1,11 +1,22 @@
 use core::fmt;
 
 use crate::dsl::{Argument, Description};
-use crate::language::Span;
+use crate::language::{Span, nearest_word};
 use crate::model::Model;
 use crate::refusal::{Candidate, Decision, LengthUnit, Quantity, Refusal};
 
 impl Refusal {
+    /// The known word that may have been meant by an unknown one; see
+    /// [`nearest_word`].
+    ///
+    /// * `model`, `sentence`: those that were refused
+    pub fn suggestion<'a>(&self, model: &Model<'a>, sentence: &str) -> Option<&'a str> {
+        match self {
+            Self::UnknownWord { span } => nearest_word(model, span.of(sentence)?),
+            _ => None,
+        }
+    }
+
     /// The refusal in full sentences: the words of the sentence and the names of
     /// the domain in place of spans and indices, and what may be done about it.
     ///
@@ -76,11 +87,17 @@ impl fmt::Display for Message<'_> {
             Refusal::NoWords => {
                 f.write_str("the sentence has no words; say what to move, and where to")
             }
-            Refusal::UnknownWord { span } => write!(
-                f,
-                "{} is not a word that the model knows; use another one",
-                self.quoted(*span)
-            ),
+            Refusal::UnknownWord { span } => {
+                let quoted = self.quoted(*span);
+                write!(f, "{quoted} is not a word that the model knows; ")?;
+                let suggestion = self
+                    .context
+                    .and_then(|(model, sentence)| self.refusal.suggestion(model, sentence));
+                match suggestion {
+                    Some(word) => write!(f, "did you mean \"{word}\"?"),
+                    None => f.write_str("use another one"),
+                }
+            }
             Refusal::SentenceTooLong { limit, unit } => write!(
                 f,
                 "the sentence is too long: at most {limit} {unit} are read; give it in parts"

@@ -6,6 +6,7 @@
 
 mod decoders;
 mod encoder;
+mod nearest;
 mod segments;
 mod splitter;
 mod task;
@@ -13,6 +14,7 @@ mod tokens;
 
 pub use decoders::{choose_action, choose_group};
 pub use encoder::Encoder;
+pub use nearest::nearest_word;
 pub use splitter::{SPLIT_HAZARD, Splitter};
 pub use task::{Parsed, ParsingTask, StepDecisions};
 pub use tokens::{Reader, Span, Token, TokenKind, Tokens};

@@ -45,8 +45,9 @@ pub struct Confidence {
 }
 
 impl Confidence {
-    /// All parts multiplied.
-    pub fn product(&self) -> f32 {
+    /// The probability that every choice of the step is right, each given those
+    /// before it: all parts multiplied.
+    pub fn joint(&self) -> f32 {
         self.split
             * self.action
             * self.object
@@ -92,6 +93,16 @@ impl Plan {
     /// program has.
     pub fn steps(&self) -> &[PlannedStep] {
         &self.steps
+    }
+
+    /// The probability that every choice of the plan is right, as far as the model
+    /// can tell: [`Confidence::joint`] of all steps multiplied. It says nothing
+    /// about what was never a choice, such as a sentence of another subject.
+    pub fn confidence(&self) -> f32 {
+        self.steps
+            .iter()
+            .map(|step| step.confidence.joint())
+            .product()
     }
 
     /// What a motion planner is to carry out, in order.

@@ -55,8 +55,9 @@ fn a_plan_names_objects_and_where_they_will_be() {
     // One of three fits: 1 / (1 + 2·e^-10), when the others' cosine is 0.
     assert!((step.object.probability - 0.999_909_2).abs() < 1e-6);
     assert_eq!(step.object.score, 1.0);
-    let product = step.confidence.product();
-    assert!(product > 0.999 && product < 1.0, "{product}");
+    let joint = step.confidence.joint();
+    assert!(joint > 0.999 && joint < 1.0, "{joint}");
+    assert_eq!(plan.confidence(), joint);
     assert_eq!(plan.sub_goals().len(), 1);
     assert_eq!(
         plan.explain(&model).to_string(),
@@ -74,6 +75,9 @@ fn later_steps_see_what_earlier_ones_have_moved() {
     assert!(close(&first.location, &[0.4375, 0.125, 0.5625, 0.25, 0.5]));
     assert_eq!((second.object.object, second.reference.object), (13, 11));
     assert!(close(&second.location, &[0.5625, 0.125, 0.6875, 0.25, 0.5]));
+    let both = first.confidence.joint() * second.confidence.joint();
+    assert!(both < first.confidence.joint());
+    assert_eq!(plan.confidence(), both);
 }
 
 #[test]

@@ -18,7 +18,13 @@ from nsrm_harness.demo.prediction import Location, cut_out, predicted_scene
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
-from nsrm_harness.world.camera import Camera, Observation, default_camera, observation
+from nsrm_harness.world.camera import (
+    Camera,
+    Observation,
+    default_camera,
+    located,
+    observation,
+)
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Frame, Light, Renderer
 from nsrm_harness.world.world import World
@@ -102,7 +108,7 @@ def show(domain: Domain, renderer: Renderer, seed: int, sentence: str | None, ou
 
 
 def _look(model: nsrm.Model, domain: Domain, frame: Frame, background: np.ndarray) -> Seen:
-    seen = observation(frame.rgb, frame.depth, frame.mask)
+    seen = observation(frame)
     names: dict[int, str] = {}
     colors: dict[int, tuple[float, float, float]] = {}
     for object_id, box in zip(seen.ids, seen.boxes, strict=True):
@@ -139,7 +145,7 @@ def _pictures(
         [_mark(seen, object_id, locations[object_id]) for object_id in sorted(moved)],
         caption="\n".join(step.explanation for step in plan.steps),
     )
-    reached = observation(result.rgb, result.depth, result.mask)
+    reached = located(result)
     boxes = dict(zip(reached.ids, reached.boxes, strict=True))
     final = annotate(
         result.rgb,

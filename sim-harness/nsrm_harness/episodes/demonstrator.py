@@ -16,6 +16,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,14 +24,23 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.moves import Arrangement, Move, target
 from nsrm_harness.episodes.programs import Descriptions, Task, sample_blocks, sample_task
 from nsrm_harness.errors import EpisodeSettingsError
-from nsrm_harness.language.grammar import Grammar
+from nsrm_harness.language.grammar import Grammar, Sentence
 from nsrm_harness.language.program import Program
 from nsrm_harness.world.blocks import Block
-from nsrm_harness.world.camera import Camera, Observation, default_camera, observe
+from nsrm_harness.world.camera import (
+    Camera,
+    Located,
+    Observation,
+    default_camera,
+    locate,
+    observe,
+)
 from nsrm_harness.world.layout import LayoutError, sample_layout
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
+
+Seen = TypeVar("Seen", bound=Located)
 
 MAX_SHIFT_M = 0.002
 MAX_MISS_M = 0.005
@@ -51,6 +61,10 @@ class Wanted:
     exclude: tuple[frozenset[str], ...] = ()
     #: Shares of the 1-step programs that may be drawn.
     shares: tuple[int, ...] | None = None
+    #: The program names a block that has all values of one of these, by all of them.
+    novel: tuple[frozenset[str], ...] = ()
+    #: Said in the domain's wordings that training never hears.
+    held_out_wordings: bool = False
     #: Whether the light differs between episodes.
     vary_light: bool = True
 
@@ -74,7 +88,7 @@ class Episode:
 
     initial: Observation
     final: Observation
-    sentence: str
+    sentence: Sentence
     camera: Camera
     program: Program
     blocks: tuple[Block, ...]
@@ -96,7 +110,9 @@ class Demonstrator:
         self._domain = domain
         self._world = world
         self._renderer = renderer
-        self._grammar = Grammar(domain)
+        self._grammars = {False: Grammar(domain)}
+        if domain.held_out is not None:
+            self._grammars[True] = Grammar(domain, held_out=True)
 
     def episode(self, rng: np.random.Generator, wanted: Wanted) -> Episode:
         """The next episode that `rng` gives and the rules accept.
@@ -116,7 +132,7 @@ class Demonstrator:
 
     def _attempt(self, rng: np.random.Generator, wanted: Wanted, rejected: Counter[str]) -> Episode:
         arrangement, task = self._draw(rng, wanted)
-        sentence = self._grammar.sentence(rng, task.program)
+        sentence = self._grammars[wanted.held_out_wordings].sentence(rng, task.program)
         light = Light.sample(rng) if wanted.vary_light else Light()
         camera = default_camera()
 
@@ -129,12 +145,12 @@ class Demonstrator:
         final = initial
         for number, move in enumerate(task.moves, start=1):
             pose = self._carry_out(arrangement.blocks, move)
-            last = number == len(task.moves)
-            needed = range(len(arrangement.blocks)) if last else [move.moved]
-            final = self._observe(camera, light, needed)
-            sub_goals.append(
-                SubGoal(move.moved, move.reference, pose, _location(final, move.moved))
-            )
+            if number == len(task.moves):
+                seen = final = self._observe(camera, light, range(len(arrangement.blocks)))
+            else:
+                seen = _all_seen(locate(self._renderer, self._world, camera), [move.moved])
+            location = seen.location(move.moved + 1)
+            sub_goals.append(SubGoal(move.moved, move.reference, pose, location))
         return Episode(
             initial,
             final,
@@ -151,14 +167,20 @@ class Demonstrator:
     def _draw(self, rng: np.random.Generator, wanted: Wanted) -> tuple[Arrangement, Task]:
         least, most = wanted.objects
         count = int(rng.integers(least, most + 1))
-        blocks = sample_blocks(rng, self._domain, count, wanted.exclude)
+        blocks = sample_blocks(rng, self._domain, count, wanted.exclude, wanted.novel)
         try:
             poses = sample_layout(rng, blocks)
         except LayoutError as error:
             raise RejectedError("no room") from error
         arrangement = Arrangement.on_table(blocks, poses)
         task = sample_task(
-            rng, self._domain, arrangement, wanted.steps, wanted.descriptions, wanted.shares
+            rng,
+            self._domain,
+            arrangement,
+            wanted.steps,
+            wanted.descriptions,
+            wanted.shares,
+            wanted.novel,
         )
         if task is None:
             raise RejectedError("no program")
@@ -189,18 +211,16 @@ class Demonstrator:
         return tuple(pose for _, pose in sorted(self._world.poses().items()))
 
     def _observe(self, camera: Camera, light: Light, needed: Sequence[int]) -> Observation:
-        seen = observe(self._renderer, self._world, camera, light)
-        if not {index + 1 for index in needed} <= set(seen.ids):
-            raise RejectedError("hidden")
-        return seen
+        return _all_seen(observe(self._renderer, self._world, camera, light), needed)
+
+
+def _all_seen(seen: Seen, needed: Sequence[int]) -> Seen:
+    if not {index + 1 for index in needed} <= set(seen.ids):
+        raise RejectedError("hidden")
+    return seen
 
 
 def describe(rejected: Counter[str]) -> str:
     """The counts in words: ``missed the target 3, no program 1``."""
     counts = [f"{reason} {count}" for reason, count in sorted(rejected.items())]
     return ", ".join(counts) if counts else "none"
-
-
-def _location(observation: Observation, index: int) -> np.ndarray:
-    row = observation.ids.index(index + 1)
-    return np.append(observation.boxes[row], observation.depths[row]).astype(np.float32)

@@ -56,6 +56,10 @@ class Settings:
     programs: str = "test"
     #: No block has all values of one of these sets.
     exclude: tuple[tuple[str, ...], ...] = ()
+    #: The program names a block that has all values of one of these sets, by all of them.
+    novel: tuple[tuple[str, ...], ...] = ()
+    #: Sentences in the domain's wordings that training never hears.
+    held_out_wordings: bool = False
     vary_light: bool = True
     renderer: str = "auto"
     seed: int = 0
@@ -86,23 +90,43 @@ class Settings:
         if self.renderer not in KINDS:
             raise EpisodeSettingsError(f"renderer: expected one of {', '.join(KINDS)}")
         names = {value.name for value in domain.concepts}
-        for values in self.exclude:
-            if unknown := set(values) - names:
-                raise EpisodeSettingsError(f"exclude: no attribute value {min(unknown)!r}")
+        for name, sets in (("exclude", self.exclude), ("novel", self.novel)):
+            for values in sets:
+                if unknown := set(values) - names:
+                    raise EpisodeSettingsError(f"{name}: no attribute value {min(unknown)!r}")
+        if self.held_out_wordings and domain.held_out is None:
+            raise EpisodeSettingsError(f"the domain {domain.name!r} has no [held_out] wordings")
         return replace(self, attributes=bound)
 
 
-#: The splits by name, each with its own random stream.
+#: Combinations of the default domain that `train_restricted` never shows: 4 of 14.
+NOVEL_PAIRS = (("green", "small"), ("magenta", "small"), ("red", "lego"), ("cyan", "lego"))
+
+#: The splits by name, each with its own random stream. The paper's tables: III train and
+#: test; IV novel_pairs; V steps_3; VI multi_attribute. IV and VI are about models that
+#: were trained on `train_restricted`: single attribute values, no novel pair.
 SPLITS = {
-    "train": Settings("train", 2500, programs="train"),
-    "validation": Settings("validation", 500, programs="validation"),
-    "test": Settings("test", 2000),
-    "sample": Settings("sample", 300, programs="train"),
-    "single_attribute": Settings("single_attribute", 500, attributes=(1, 1)),
-    "multi_attribute": Settings("multi_attribute", 500, attributes=(2, 2)),
-    "steps_3": Settings("steps_3", 500, steps=(3, 3)),
-    "steps_4": Settings("steps_4", 500, steps=(4, 4)),
-    "steps_5": Settings("steps_5", 500, steps=(5, 5)),
+    settings.split: settings
+    for settings in (
+        Settings("train", 2500, programs="train"),
+        Settings("validation", 500, programs="validation"),
+        Settings(
+            "train_restricted", 2500, attributes=(1, 1), programs="train", exclude=NOVEL_PAIRS
+        ),
+        Settings(
+            "validation_restricted",
+            500,
+            attributes=(1, 1),
+            programs="validation",
+            exclude=NOVEL_PAIRS,
+        ),
+        Settings("test", 2000),
+        Settings("novel_pairs", 2000, novel=NOVEL_PAIRS),
+        *(Settings(f"steps_{n}", 2000, steps=(n, n)) for n in (3, 4, 5, 6, 8)),
+        Settings("multi_attribute", 2000, attributes=(2, 2)),
+        Settings("objects_10", 2000, objects=(10, 10)),
+        Settings("paraphrase", 2000, held_out_wordings=True),
+    )
 }
 
 
@@ -211,6 +235,8 @@ def _wanted(settings: Settings, index: int) -> Wanted:
         objects=settings.objects,
         descriptions=Descriptions(*settings.attributes),
         exclude=tuple(frozenset(values) for values in settings.exclude),
+        novel=tuple(frozenset(values) for values in settings.novel),
+        held_out_wordings=settings.held_out_wordings,
         shares=SHARES_OF[settings.programs],
         vary_light=settings.vary_light,
     )

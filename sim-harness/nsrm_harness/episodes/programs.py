@@ -57,8 +57,10 @@ def sample_blocks(
     domain: Domain,
     count: int,
     exclude: Sequence[frozenset[str]] = (),
+    novel: Sequence[frozenset[str]] = (),
 ) -> tuple[Block, ...]:
-    """`count` blocks with random attribute values; none has all values of a set in `exclude`."""
+    """`count` blocks with random attribute values; none has all values of a set in `exclude`,
+    the first one those of a set in `novel`."""
     odd = rng.random() < ODD_ONE_OUT
     attribute = domain.attributes[int(rng.integers(len(domain.attributes)))]
     alone = attribute.values[int(rng.integers(len(attribute.values)))].name
@@ -70,7 +72,10 @@ def sample_blocks(
             each.name: each.values[int(rng.integers(len(each.values)))].name
             for each in domain.attributes
         }
-        if odd and (values[attribute.name] == alone) != (not blocks):
+        if novel and not blocks:
+            if not any(pair <= set(values.values()) for pair in novel):
+                continue
+        elif odd and (values[attribute.name] == alone) != (not blocks):
             continue
         if not any(pair <= set(values.values()) for pair in exclude):
             blocks.append(block_from_attributes(domain, values))
@@ -110,10 +115,12 @@ def sample_task(
     steps: int,
     descriptions: Descriptions,
     shares: Sequence[int] | None = None,
+    novel: Sequence[frozenset[str]] = (),
 ) -> Task | None:
     """A program of `steps` steps that can be carried out, or None if none was found.
 
     `shares`: of the 1-step programs, those that may be drawn; others are not bound.
+    `novel`: some description has all values of one of these.
     """
     # Half of the programs use the shortest descriptions only, so that there are
     # enough for the first stage of the curriculum (section IV-F).
@@ -122,9 +129,18 @@ def sample_task(
     first = _possible(domain, arrangement, unique)
     for _ in range(MAX_DRAWS):
         task = _sample_steps(rng, domain, arrangement, first, steps, unique)
-        if task is None or steps > 1 or shares is None or share(task.program) in shares:
+        if task is None:
+            return None
+        if novel and not any(pair <= set(said) for pair in novel for said in said_in(task.program)):
+            continue
+        if steps > 1 or shares is None or share(task.program) in shares:
             return task
     return None
+
+
+def said_in(program: Program) -> list[tuple[str, ...]]:
+    """Every description of a program."""
+    return [said for step in program for said in (step.object, step.reference)]
 
 
 def share(program: Program) -> int:

@@ -1,7 +1,8 @@
 """Writing of episode files: what can be learned from (see `file`), and beside it
 the truth for the judge under ``/evaluation``:
 
-* ``program [N]`` JSON: steps with action, object, reference, object_id, reference_id
+* ``program [N]`` JSON: steps with action, object, reference, object_id, reference_id and
+  end, the character of the sentence behind the step's words
 * ``attributes [N]`` JSON: for each block its value of each attribute type
 * ``initial_poses``, ``final_poses [N, M, 7]`` float64: x, y, z, quaternion x, y, z, w
 * ``edges_m [N, M, 3]`` float64
@@ -128,7 +129,7 @@ class EpisodeWriter:
         chunk = zlib.compress(_shuffled(depth_units(episode.initial.depth)), DEPTH_COMPRESSION)
         self._sets["initial/depth"].id.write_direct_chunk((row, 0, 0), chunk)
         self._sets["count"][row] = len(episode.blocks)
-        self._sets["sentence"][row] = episode.sentence
+        self._sets["sentence"][row] = episode.sentence.text
         self._sets["camera"][row] = camera_row(episode.camera)
 
     def _scene(self, row: int, when: str, seen: Observation) -> None:
@@ -167,8 +168,15 @@ def _shuffled(units: np.ndarray) -> bytes:
 
 def _steps(episode: Episode) -> list[dict[str, Any]]:
     return [
-        {**step.as_json(), "object_id": goal.moved + 1, "reference_id": goal.reference + 1}
-        for step, goal in zip(episode.program, episode.sub_goals, strict=True)
+        {
+            **step.as_json(),
+            "object_id": goal.moved + 1,
+            "reference_id": goal.reference + 1,
+            "end": end,
+        }
+        for step, goal, end in zip(
+            episode.program, episode.sub_goals, episode.sentence.ends, strict=True
+        )
     ]
 
 

@@ -7,12 +7,13 @@ is moved can't be read off their order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from nsrm_harness.domain import Domain
+from nsrm_harness.errors import DomainError
 from nsrm_harness.language.program import Program, Step
 
 
@@ -30,22 +31,63 @@ class Style:
     full_stop: float = 0.4
 
 
-class Grammar:
-    """Makes sentences about one domain."""
+@dataclass(frozen=True)
+class Sentence:
+    """A program as it was said."""
 
-    def __init__(self, domain: Domain, style: Style | None = None) -> None:
+    text: str
+    #: Where the words of each step end, in characters.
+    ends: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Command:
+    """One step as it is said, its parts still apart."""
+
+    #: What joins it to the command before; empty for the first.
+    connective: str
+    #: One of the grammar's ``commands``.
+    template: str
+    #: Words for each field of the template.
+    fields: Mapping[str, str]
+
+    def words(self) -> list[str]:
+        """The words in order."""
+        return [*self.connective.split(), *_fill(self.template, self.fields)]
+
+
+class Grammar:
+    """Makes sentences about one domain.
+
+    `held_out`: with the domain's wordings that training never hears, and no others.
+    """
+
+    def __init__(self, domain: Domain, style: Style | None = None, held_out: bool = False) -> None:
         self._domain = domain
         self._words = domain.grammar
         self._style = style or Style()
+        self._commands = domain.grammar.commands
+        self._phrases = {action.name: action.phrases for action in domain.actions}
+        if held_out:
+            if domain.held_out is None:
+                raise DomainError(f"the domain {domain.name!r} has no [held_out] wordings")
+            self._commands, self._phrases = domain.held_out.commands, domain.held_out.phrases
 
-    def sentence(self, rng: np.random.Generator, program: Program) -> str:
+    def sentence(self, rng: np.random.Generator, program: Program) -> Sentence:
         """One way to say `program`, drawn from `rng`."""
         words: list[str] = []
-        for index, step in enumerate(program):
-            if index > 0:
-                words += _choose(rng, self._words.connectives).split()
-            words += self._command(rng, step, first=index == 0)
-        return self._spell(rng, words)
+        ends: list[int] = []
+        for command in self.commands(rng, program):
+            words += command.words()
+            ends.append(len(_joined(words)))
+        return Sentence(self.spell(rng, words), tuple(ends))
+
+    def commands(self, rng: np.random.Generator, program: Program) -> list[Command]:
+        """One way to say each step of `program`, drawn from `rng`."""
+        return [
+            self._command(rng, step, _choose(rng, self._words.connectives) if index > 0 else None)
+            for index, step in enumerate(program)
+        ]
 
     def plain(self, program: Program) -> str:
         """The plainest way to say `program`: the first wording of each list, in lower
@@ -72,19 +114,21 @@ class Grammar:
         fields = {"values": " ".join(spoken), "noun": self._words.nouns[0]}
         return " ".join(_fill(self._words.descriptions[0], fields))
 
-    def _command(self, rng: np.random.Generator, step: Step, first: bool) -> list[str]:
-        return _fill(
-            _choose(rng, self._words.commands),
+    def _command(self, rng: np.random.Generator, step: Step, connective: str | None) -> Command:
+        return Command(
+            connective or "",
+            _choose(rng, self._commands),
             {
-                "opening": _choose(rng, self._words.openings) if first else "",
+                "opening": _choose(rng, self._words.openings) if connective is None else "",
                 "verb": _choose(rng, self._words.verbs),
-                "moved": self._description(rng, step.object),
-                "relation": _choose(rng, self._domain.action(step.action).phrases),
-                "reference": self._description(rng, step.reference),
+                "moved": self.description(rng, step.object),
+                "relation": _choose(rng, self._phrases[step.action]),
+                "reference": self.description(rng, step.reference),
             },
         )
 
-    def _description(self, rng: np.random.Generator, concepts: Sequence[str]) -> str:
+    def description(self, rng: np.random.Generator, concepts: Sequence[str]) -> str:
+        """One way to name an object by these attribute values."""
         values = [_choose(rng, self._domain.concept(name).words) for name in concepts]
         filled = _fill(
             _choose(rng, self._words.descriptions),
@@ -95,8 +139,9 @@ class Grammar:
         )
         return " ".join(filled)
 
-    def _spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
-        text = " ".join(words).replace(" ,", ",")
+    def spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
+        """The words as a sentence, in one of the spellings of the grammar's style."""
+        text = _joined(words)
         draw = rng.random()
         style = self._style
         if draw < style.capital:
@@ -111,7 +156,11 @@ class Grammar:
         return text + "." if rng.random() < style.full_stop else text
 
 
-def _fill(template: str, fields: dict[str, str]) -> list[str]:
+def _joined(words: Sequence[str]) -> str:
+    return " ".join(words).replace(" ,", ",")
+
+
+def _fill(template: str, fields: Mapping[str, str]) -> list[str]:
     """The template's words, a field replaced by its words."""
     words: list[str] = []
     for word in template.split():

@@ -17,7 +17,7 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
 from nsrm_harness.learn.dataset import TrainingSet
 from nsrm_harness.learn.export import Thresholds
-from nsrm_harness.learn.model import Model
+from nsrm_harness.learn.model import Model, Network
 from nsrm_harness.world.camera import Camera
 
 SCORES = np.linspace(-1.0, 1.0, 2001)
@@ -95,7 +95,7 @@ def fit_camera(calibration: Calibration) -> CameraFit:
     )
 
 
-def with_camera(model: Model, fit: CameraFit) -> Model:
+def with_camera(model: Network, fit: CameraFit) -> Network:
     """The model with the fitted map."""
     return eqx.tree_at(lambda m: m.camera.weight, model, jnp.asarray(fit.weight, jnp.float32))
 

@@ -53,6 +53,8 @@ class TrainingConfig:
     """Loss that each token of the first step adds. Of splits that do equally well the earliest is
     the safest: what a step needs has been said when its second object is named, and what follows
     belongs to the next."""
+    nonsense: float = 0.01
+    """Weight of sentences that say nothing, of which the parser is to be sure of no action."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
@@ -65,7 +67,7 @@ class TrainingConfig:
     """(c) The splitter alone, on a table of losses of every split."""
     joint: StageConfig = StageConfig(epochs=12, learning_rate=3e-4, batch=32)
     """(d) Everything, on one and two steps."""
-    simulator: StageConfig = StageConfig(epochs=400, learning_rate=5e-3, batch=256)
+    simulator: StageConfig = StageConfig(epochs=1200, learning_rate=5e-3, batch=256)
     """(e) The simulator alone, on the model's own choices."""
 
 

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import equinox as eqx
 import jax
 import numpy as np
 from safetensors import SafetensorError, safe_open
@@ -21,7 +22,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.domain import Domain
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import model as network
-from nsrm_harness.learn.model import Dimensions, Model
+from nsrm_harness.learn.model import Dimensions, Model, Network
 
 SCHEMA = 1
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
@@ -76,7 +77,7 @@ def tensor_hash(tensors: Mapping[str, np.ndarray]) -> str:
     return digest.hexdigest()
 
 
-def arrays_of(model: Model) -> dict[str, np.ndarray]:
+def arrays_of(model: eqx.Module) -> dict[str, np.ndarray]:
     """Every tensor of the model as float32; raises where one is not finite."""
     arrays = {name: np.asarray(a, np.float32) for name, a in network.tensors(model).items()}
     for name, array in arrays.items():
@@ -137,31 +138,22 @@ def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, s
 
 def write_model(path: Path, file: ModelFile) -> None:
     """Write the model file, all of it or nothing."""
+    write_whole(path, model_bytes(file))
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file, all of it or nothing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".part")
-    partial.write_bytes(model_bytes(file))
+    partial.write_bytes(content)
     partial.replace(path)
 
 
 def read_model(path: Path) -> ModelFile:
     """Read a model file back; `ModelFileError` says what does not fit."""
-    try:
-        with safe_open(path, framework="numpy") as reader:
-            metadata = dict(reader.metadata() or {})
-            arrays = {name: reader.get_tensor(name) for name in reader.keys()}  # noqa: SIM118
-    except (OSError, SafetensorError) as error:
-        raise ModelFileError(f"{path}: can't read the model file: {error}") from error
-    if metadata.get("schema") != str(SCHEMA):
-        found = metadata.get("schema")
-        raise ModelFileError(f"{path}: expected a model file of schema {SCHEMA}, got {found}")
-    if metadata.get("hash") != tensor_hash(arrays):
-        raise ModelFileError(f"{path}: the tensors don't have the hash that the file names")
+    arrays, metadata = read_checked(path, str(SCHEMA))
     domain = domains.from_json(metadata["domain"], str(path))
-    empty = Model(Dimensions.of(domain), jax.random.key(0))
-    try:
-        model = network.with_tensors(empty, {k: jax.numpy.asarray(a) for k, a in arrays.items()})
-    except ValueError as error:
-        raise ModelFileError(f"{path}: {error}") from error
+    model = filled(Model(Dimensions.of(domain), jax.random.key(0)), arrays, path)
     space = json.loads(metadata["work_space"])
     return ModelFile(
         model=model,
@@ -172,6 +164,31 @@ def read_model(path: Path) -> ModelFile:
         training=json.loads(metadata["training"]),
         metrics=json.loads(metadata["metrics"]),
     )
+
+
+def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Tensors and metadata of a file of that schema whose tensors have the hash that it names."""
+    try:
+        with safe_open(path, framework="numpy") as reader:
+            metadata = dict(reader.metadata() or {})
+            arrays = {name: reader.get_tensor(name) for name in reader.keys()}  # noqa: SIM118
+    except (OSError, SafetensorError) as error:
+        raise ModelFileError(f"{path}: can't read the model file: {error}") from error
+    if metadata.get("schema") != schema:
+        found = metadata.get("schema")
+        raise ModelFileError(f"{path}: expected a model file of schema {schema}, got {found}")
+    if metadata.get("hash") != tensor_hash(arrays):
+        raise ModelFileError(f"{path}: the tensors don't have the hash that the file names")
+    return arrays, metadata
+
+
+def filled(empty: Network, arrays: Mapping[str, np.ndarray], path: Path) -> Network:
+    """The network with the tensors of a file; names and shapes must be its own."""
+    try:
+        values = {name: jax.numpy.asarray(array) for name, array in arrays.items()}
+        return network.with_tensors(empty, values)
+    except ValueError as error:
+        raise ModelFileError(f"{path}: {error}") from error
 
 
 def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:

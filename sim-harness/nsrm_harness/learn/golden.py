@@ -148,7 +148,8 @@ def simulator(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Ge
         "simulator.reference": beside,
         "simulator.output": result,
         "camera.position": np.array(
-            [reference.locate(file.model, location, camera) for location in result], np.float32
+            [reference.locate(file.model.camera, location, camera) for location in result],
+            np.float32,
         ),
     }
 

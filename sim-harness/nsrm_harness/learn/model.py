@@ -7,7 +7,7 @@ The order of gates in recurrent cells is reset, update, new, as in `equinox.nn.G
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
@@ -37,12 +37,17 @@ GROUP_TOKEN = 0
 """Row of the embeddings that stands for a group of concept words, `[[X]]`."""
 UNIQUE_SCALE = 10.0
 """Factor from cosine to logit in `Unique` (section IV-C)."""
+MATCH_SCORE = 0.5
+"""Score at which an object is as likely to match a description as not, in training."""
 SIMULATOR_SCALE = 0.1
 """Factor on the simulator's output; keeps the first predictions near the reference."""
 NORM_EPSILON = 1e-6
 """Least norm in a cosine."""
 MISSING = -1e9
 """Logit of what is not there: padding, a missing object."""
+
+Network = TypeVar("Network", bound=eqx.Module)
+"""The model, or another network of the same parts."""
 
 
 @dataclass(frozen=True)
@@ -229,6 +234,11 @@ class ViewEncoder(eqx.Module):
         return jax.nn.relu(self.dense(hidden.reshape(-1)))
 
 
+def encode_views(color: ViewEncoder, gray: ViewEncoder, crop: Array) -> Array:
+    """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`: colour, then brightness."""
+    return jnp.concatenate([color(crop - 0.5), gray(brightness(crop))])
+
+
 class Operator(eqx.Module):
     """From a view's embedding into the concept space of one attribute type."""
 
@@ -278,8 +288,8 @@ class Vision(eqx.Module):
         }
 
     def encode(self, crop: Array) -> Array:
-        """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`: colour, then brightness."""
-        return jnp.concatenate([self.color(crop - 0.5), self.brightness(brightness(crop))])
+        """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`; see `encode_views`."""
+        return encode_views(self.color, self.brightness, crop)
 
     def similarities(self, embedding: Array) -> Array:
         """Embedding `[64]` -> cosine with every concept `[C]`."""
@@ -300,8 +310,15 @@ def filter_scene(similarities: Array, concepts: Array) -> Array:
 
 
 def unique(scores: Array, present: Array) -> Array:
-    """Log probability of being the object that is meant: scores `[M]` -> `[M]`."""
-    return jax.nn.log_softmax(jnp.where(present, UNIQUE_SCALE * scores, MISSING))
+    """Log probability of being the only object that matches: scores `[M]` -> `[M]`.
+
+    An object matches with the log odds `UNIQUE_SCALE · (score - MATCH_SCORE)`. Given that
+    exactly one matches, which one it is has the probability `softmax(UNIQUE_SCALE · score)`;
+    what the `[M]` lack to 1 is the probability that none or several match.
+    """
+    odds = jnp.where(present, UNIQUE_SCALE * (scores - MATCH_SCORE), MISSING)
+    none = jnp.where(present, jax.nn.log_sigmoid(-odds), 0.0)
+    return none.sum() + odds
 
 
 def center_size(location: Array) -> Array:
@@ -375,14 +392,14 @@ class Model(eqx.Module):
         self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
 
 
-def tensors(model: Model) -> dict[str, Array]:
+def tensors(model: eqx.Module) -> dict[str, Array]:
     """Every array of the model by its name, sorted."""
     leaves = jax.tree_util.tree_flatten_with_path(eqx.filter(model, eqx.is_array))[0]
     named = {jax.tree_util.keystr(path, simple=True, separator="."): leaf for path, leaf in leaves}
     return dict(sorted(named.items()))
 
 
-def with_tensors(model: Model, values: dict[str, Array]) -> Model:
+def with_tensors(model: Network, values: dict[str, Array]) -> Network:
     """The model with its arrays replaced; names and shapes must be the model's own."""
     expected = tensors(model)
     if expected.keys() != values.keys():

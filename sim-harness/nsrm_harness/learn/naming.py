@@ -36,7 +36,7 @@ def learned_actions(model: Model, domain: Domain) -> np.ndarray:
     # Which objects are named does not matter: all names are the same token.
     concept = (domain.concepts[0].name,)
     sentences = [
-        tokenizer(grammar.sentence(rng, (Step(action.name, concept, concept),)))
+        tokenizer(grammar.sentence(rng, (Step(action.name, concept, concept),)).text)
         for action, _ in itertools.product(domain.actions, range(SENTENCES))
     ]
     padded = Sentences.of(tokenizer, sentences)

@@ -49,7 +49,10 @@ class Scene(NamedTuple):
 
 
 class Grounding(NamedTuple):
-    """Log probabilities of one step: of actions `[A]`, of both objects `[M]`."""
+    """Log probabilities of one step: of actions `[A]`, of both objects `[M]`.
+
+    Those of the objects add up to the probability that a description has exactly one match.
+    """
 
     action: Array
     object: Array
@@ -181,6 +184,8 @@ def sampled_steps(
         run = jax.vmap(run, (None, None, None, None, 0))
         after = run(simulator, actions, chosen, reference, locations)
         locations = after.reshape(-1, *scene.before.shape)
-        log_probability = (log_probability[:, None] + step.action[None]).reshape(-1)
+        # A demonstration's descriptions have one match each.
+        matched = jax.nn.logsumexp(step.object) + jax.nn.logsumexp(step.reference)
+        log_probability = (log_probability[:, None] + step.action[None] + matched).reshape(-1)
     losses = jax.vmap(scene_loss, (0, None, None))(locations, scene, weights)
     return soft_minimum(log_probability, losses, temperature)

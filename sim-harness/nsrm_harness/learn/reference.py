@@ -14,7 +14,7 @@ import numpy as np
 
 from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn.calibrate import terms
-from nsrm_harness.learn.model import GROUP_TOKEN, Model, Parse, filter_scene
+from nsrm_harness.learn.model import GROUP_TOKEN, Model, Parse, PixelToCamera, filter_scene
 from nsrm_harness.world.camera import Camera
 
 MAX_TOKENS = 128
@@ -159,16 +159,16 @@ def plan(
         simulator = model.action.simulator
         placed = np.asarray(simulator(one_hot, locations[moved], locations[reference]))
         locations[moved] = placed
-        position = locate(model, placed, camera)
+        position = locate(model.camera, placed, camera)
         planned.append(
             PlannedStep(action, object_scores, reference_scores, moved, reference, placed, position)
         )
     return planned
 
 
-def locate(model: Model, location: np.ndarray, camera: Camera) -> np.ndarray:
+def locate(fitted: PixelToCamera, location: np.ndarray, camera: Camera) -> np.ndarray:
     """The object's centre in the world `[3]`, computed in f64 from the model's f32 map."""
-    in_camera = np.asarray(model.camera.weight, np.float64) @ terms(location, camera)
+    in_camera = np.asarray(fitted.weight, np.float64) @ terms(location, camera)
     return camera.pose.rotation() @ in_camera + np.asarray(camera.position)
 
 

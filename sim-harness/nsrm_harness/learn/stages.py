@@ -21,6 +21,7 @@ from nsrm_harness.learn.config import StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model
+from nsrm_harness.learn.nonsense import nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
     Scene,
@@ -69,7 +70,7 @@ class Stage(NamedTuple):
     config: StageConfig
     sets: tuple[Any, ...]
     """Trees of arrays; a batch takes as many rows of each."""
-    loss: Callable[[Model, Array, tuple[Any, ...], Array, Array], Array]
+    loss: Callable[[Any, Array, tuple[Any, ...], Array, Array], Array]
     """From model, all crops, a batch of each set, a key and the share of the stage that is done to
     the batch's mean loss."""
 
@@ -126,6 +127,14 @@ def one_step_loss(
         simulator = model.action.simulator
         return exact_step(simulator, step, scene, config.loss, config.temperature, exploration)
     return sampled_steps(key, model, [step], scene, config.loss, config.temperature)
+
+
+def nonsense_loss(key: Array, model: Model, command: Command) -> Array:
+    """How far a meaningless sentence's actions are from being equally likely, in nats."""
+    heap = nonsense(key, command, model.language.embedding.weight.shape[0])
+    tokens, valid, _ = step_tokens(heap, jnp.array(0), heap.length)
+    actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
+    return -actions.mean() - jnp.log(actions.shape[0])
 
 
 def two_step_loss(
@@ -187,7 +196,12 @@ def one_step_stage(
             explore = exploration * jnp.maximum(1.0 - 2.0 * done, 0.0)
 
         def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
-            return one_step_loss(key, model, demonstration, similarities, config, explore)
+            choosing, saying = jax.random.split(key)
+            loss = one_step_loss(choosing, model, demonstration, similarities, config, explore)
+            if exploration:
+                # First it must find out what there is to be sure of.
+                return loss
+            return loss + config.nonsense * nonsense_loss(saying, model, demonstration.command)
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
 
@@ -227,7 +241,9 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
         keys = jax.random.split(choosing, 2 * half)
 
         def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
-            loss = one_step_loss(key, model, demonstration, similarities, config)
+            choosing, saying = jax.random.split(key)
+            loss = one_step_loss(choosing, model, demonstration, similarities, config)
+            loss += config.nonsense * nonsense_loss(saying, model, demonstration.command)
             # Any split of a command of one step fails: only the whole counts.
             command = demonstration.command
             whole = split_log_probability(model.language.splitter, command, jnp.array(0))

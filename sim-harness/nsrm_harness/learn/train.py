@@ -51,7 +51,8 @@ NEXT_ATTEMPT = 1_000_003
 class State(NamedTuple):
     """What changes during a stage."""
 
-    model: Model
+    model: Any
+    """`Model`, or another network of the same parts."""
     optimizer: optax.OptState
 
 
@@ -190,7 +191,7 @@ class Fit:
             )
             trained, kept = eqx.partition(state.model, trainable(state.model, trains))
 
-            def loss(trained: Model) -> Array:
+            def loss(trained: Any) -> Array:
                 return stage.loss(eqx.combine(trained, kept), crops, batch, key, done)
 
             value, gradient = eqx.filter_value_and_grad(loss)(trained)
@@ -199,7 +200,7 @@ class Fit:
 
         self._step = step
 
-    def start(self, model: Model) -> State:
+    def start(self, model: eqx.Module) -> State:
         """The state before the first epoch."""
         trained = eqx.filter(model, trainable(model, self._trains))
         return State(model, self._optimizer.init(trained))
@@ -229,7 +230,7 @@ def optimizer(learning_rate: float, steps: int) -> optax.GradientTransformation:
     return optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.adam(schedule))
 
 
-def trainable(model: Model, trains: tuple[str, ...]) -> Any:
+def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
     """The model's tree with true at the arrays whose names begin with one of `trains`."""
 
     def is_trained(path: Any, leaf: Any) -> bool:

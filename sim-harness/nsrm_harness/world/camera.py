@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from nsrm_harness.world.pose import Pose, Quaternion, Vector3
 
 if TYPE_CHECKING:
-    from nsrm_harness.world.render import Light, Renderer
+    from nsrm_harness.world.render import Frame, Light, Renderer, Surfaces
     from nsrm_harness.world.world import World
 
 NEAR_M = 0.3
@@ -161,33 +161,55 @@ def _quaternion(rotation: NDArray[np.float64]) -> Quaternion:
 
 
 @dataclass(frozen=True, eq=False)
-class Observation:
-    """What a camera with a detector gives: no simulator truth beyond the boxes' ids.
+class Located:
+    """Where a detector finds the blocks.
 
-    * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
     * `ids`: of the blocks seen, rising; a hidden block is missing
     * `boxes`: `float32 [N, 4]`, x1, y1, x2, y2 as fractions of width and height
     * `depths`: `float32 [N]`, mean depth over the block's visible pixels, metres
     """
 
-    rgb: NDArray[np.uint8]
-    depth: NDArray[np.float32]
     ids: tuple[int, ...]
     boxes: NDArray[np.float32]
     depths: NDArray[np.float32]
+
+    def location(self, block_id: int) -> NDArray[np.float32]:
+        """Box corners and mean depth `[5]` of a block that is seen."""
+        row = self.ids.index(block_id)
+        return np.append(self.boxes[row], self.depths[row])
+
+
+@dataclass(frozen=True, eq=False)
+class Observation(Located):
+    """What a camera with a detector gives: no simulator truth beyond the boxes' ids.
+
+    * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
 
 
 def observe(renderer: Renderer, world: World, camera: Camera, light: Light) -> Observation:
     """Takes a picture and reads boxes and depths off the segmentation mask, which
     stands in for a detector."""
-    frame = renderer.render(world, camera, light)
-    return observation(frame.rgb, frame.depth, frame.mask)
+    return observation(renderer.render(world, camera, light))
 
 
-def observation(
-    rgb: NDArray[np.uint8], depth: NDArray[np.float32], mask: NDArray[np.int32]
-) -> Observation:
-    """Boxes and mean depths of the ids in `mask` (`[H, W]`, 0 where no block is)."""
+def observation(frame: Frame) -> Observation:
+    """What is seen in a picture that was taken."""
+    found = located(frame)
+    return Observation(found.ids, found.boxes, found.depths, frame.rgb, frame.depth)
+
+
+def locate(renderer: Renderer, world: World, camera: Camera) -> Located:
+    """As `observe`, without the picture's colours."""
+    return located(renderer.surfaces(world, camera))
+
+
+def located(seen: Surfaces) -> Located:
+    """Boxes and mean depths of the ids in the mask."""
+    depth, mask = seen.depth, seen.mask
     height, width = mask.shape
     rows, columns = np.nonzero(mask)
     found = mask[rows, columns]
@@ -203,9 +225,7 @@ def observation(
             (x.min() / width, y.min() / height, (x.max() + 1) / width, (y.max() + 1) / height)
         )
         depths.append(values[own].mean())
-    return Observation(
-        rgb,
-        depth,
+    return Located(
         tuple(ids),
         np.array(boxes, dtype=np.float32).reshape(-1, 4),
         np.array(depths, dtype=np.float32),

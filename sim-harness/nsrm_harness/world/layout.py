@@ -83,9 +83,10 @@ def sample_layout(
     *,
     space: Space = PLACEMENT_SPACE,
     clearance_m: float = CLEARANCE_M,
+    max_yaw_rad: float = MAX_YAW_RAD,
 ) -> list[Pose]:
     """A place on the table for each block, in order: uniform in `space`, yaw within
-    `MAX_YAW_RAD`, at least `clearance_m` between any two.
+    `max_yaw_rad`, at least `clearance_m` between any two.
 
     Raises `LayoutError` after `MAX_TRIES` draws.
     """
@@ -104,7 +105,7 @@ def sample_layout(
             float(rng.uniform(space.min[0], space.max[0])),
             float(rng.uniform(space.min[1], space.max[1])),
             block.edges_m[2] / 2,
-            float(rng.uniform(-MAX_YAW_RAD, MAX_YAW_RAD)),
+            float(rng.uniform(-max_yaw_rad, max_yaw_rad)),
         )
         corners = footprint(block, pose)
         if all(apart(corners, other, clearance_m) for other in taken):

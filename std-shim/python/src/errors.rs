@@ -20,7 +20,7 @@ create_exception!(
     nsrm,
     Refused,
     NsrmError,
-    "The sentence is not obeyed; `kind` and `details` say why."
+    "The sentence is not obeyed; `kind` and `details` say why, `suggestion` what to say instead."
 );
 create_exception!(nsrm, ModelError, NsrmError, "A model file can't be used.");
 create_exception!(
@@ -45,7 +45,7 @@ pub(crate) fn load(error: LoadError) -> PyErr {
     ModelError::new_err(error.to_string())
 }
 
-/// A refusal with `kind`, `details` and the message for a person.
+/// A refusal with `kind`, `details`, `suggestion` and the message for a person.
 pub(crate) fn refused(
     py: Python<'_>,
     model: &nsrm_core::Model<'_>,
@@ -57,6 +57,7 @@ pub(crate) fn refused(
     let set = |error: &PyErr| -> PyResult<()> {
         let value = error.value(py);
         value.setattr("kind", refusal.kind())?;
+        value.setattr("suggestion", refusal.suggestion(model, sentence))?;
         value.setattr("details", to_python(py, &details)?)
     };
     match set(&error) {

@@ -7,6 +7,7 @@ mod arrays;
 mod camera;
 mod errors;
 mod model;
+mod observed;
 mod plan;
 mod scene;
 mod values;
@@ -20,6 +21,8 @@ mod module {
     use crate::errors::{ModelError, NsrmError, Refused, SceneError};
     #[pymodule_export]
     use crate::model::Model;
+    #[pymodule_export]
+    use crate::observed::Observed;
     #[pymodule_export]
     use crate::plan::{Plan, PlannedStep, Program, Step};
     #[pymodule_export]

@@ -3,17 +3,18 @@
 use std::path::PathBuf;
 
 use nsrm::{AnyModel, info_json};
+use nsrm_core::Planner;
 use nsrm_core::model::OBJECT_EMBEDDING;
 use nsrm_core::scene::ObservedObject;
-use nsrm_core::vision::{self, Detection, ObservationTask, Stamp};
-use nsrm_core::{MAX_OBJECTS, Planner, RawScene, SceneError};
-use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods, ndarray};
+use nsrm_core::vision::{self, ObservationTask, Stamp};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, ndarray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{self, Image, Numbers, location, numbers, rows};
+use crate::arrays::{self, Image, Numbers, detections, location, numbers, rows};
 use crate::camera::Camera;
 use crate::errors::{self, argument};
+use crate::observed::{Observed, checked_scene, plan_all};
 use crate::plan::{Plan, Program};
 use crate::scene::Scene;
 use crate::values::to_python;
@@ -103,21 +104,46 @@ impl Model {
         let model = self.inner.model();
         let embeddings = rows::<OBJECT_EMBEDDING>("embeddings", &embeddings, ids.len())?;
         let detections = detections(ids, &boxes, &depths)?;
-        let mut scene = RawScene::empty(&model, camera.inner);
-        for (detection, embedding) in detections.iter().zip(embeddings) {
-            let object = ObservedObject {
-                id: detection.id,
-                location: detection.location,
-                embedding,
-            };
-            if scene.push(object).is_err() {
-                let count = detections.len().try_into().unwrap_or(u32::MAX);
-                return Err(errors::scene(SceneError::TooManyObjects { count }));
-            }
-        }
-        let scene = nsrm_core::Scene::new(scene, &model).map_err(errors::scene)?;
-        let inner = Box::new(scene);
+        let objects = detections.iter().zip(embeddings);
+        let objects = objects.map(|(detection, embedding)| ObservedObject {
+            id: detection.id,
+            location: detection.location,
+            embedding,
+        });
+        let inner = checked_scene(&model, camera.inner, objects).map_err(errors::scene)?;
         Ok(Scene { inner })
+    }
+
+    /// A plan or a refusal for each sentence in the observation beside it; on all processors.
+    fn plan_all<'py>(
+        &self,
+        py: Python<'py>,
+        observed: Vec<PyRef<'py, Observed>>,
+        sentences: Vec<String>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        if observed.len() != sentences.len() {
+            let (scenes, got) = (observed.len(), sentences.len());
+            let problem = format!("expected one for each of {scenes} observations, got {got}");
+            return Err(argument("sentences", problem));
+        }
+        let model = self.inner.model();
+        let seen = observed.iter().map(|one| &**one);
+        let jobs: Vec<(&Observed, String)> = seen.zip(sentences).collect();
+        let outcomes = py.detach(|| plan_all(&model, &jobs));
+        let outcomes = outcomes.map_err(|(index, error)| {
+            errors::SceneError::new_err(format!("observed[{index}]: {error}"))
+        })?;
+        let results = outcomes.iter().zip(&jobs);
+        results
+            .map(|(outcome, (_, sentence))| match outcome {
+                Ok(plan) => Ok(Py::new(py, Plan::new(py, &model, plan)?)?.into_any()),
+                Err(refusal) => {
+                    let error = errors::refused(py, &model, refusal, sentence);
+                    Ok(error.into_value(py).into_any())
+                }
+            })
+            .map(|result: PyResult<Py<PyAny>>| result.map(|value| value.into_bound(py)))
+            .collect()
     }
 
     /// The embedding of a crop: float32 [64].
@@ -190,31 +216,4 @@ impl Model {
             model.tag()
         )
     }
-}
-
-/// Boxes and depths put together, one for each id.
-fn detections(
-    ids: Vec<u32>,
-    boxes: &Numbers<'_, ndarray::Ix2>,
-    depths: &PyArrayLike1<'_, f32, AllowTypeChange>,
-) -> PyResult<Vec<Detection>> {
-    let count = ids.len();
-    if count > MAX_OBJECTS {
-        let count = count.try_into().unwrap_or(u32::MAX);
-        return Err(errors::scene(SceneError::TooManyObjects { count }));
-    }
-    let boxes = rows::<4>("boxes", boxes, count)?;
-    let depths = depths.to_vec().map_err(|error| argument("depths", error))?;
-    if depths.len() != count {
-        let got = depths.len();
-        let problem = format!("expected {count} numbers for {count} ids, got {got}");
-        return Err(argument("depths", problem));
-    }
-    let detections = ids.into_iter().zip(boxes).zip(depths);
-    Ok(detections
-        .map(|((id, [x1, y1, x2, y2]), depth)| Detection {
-            id,
-            location: [x1, y1, x2, y2, depth],
-        })
-        .collect())
 }

@@ -97,6 +97,7 @@ impl PlannedStep {
 pub(crate) struct Plan {
     program: Py<Program>,
     steps: Vec<Py<PlannedStep>>,
+    confidence: f32,
 }
 
 impl Plan {
@@ -119,7 +120,7 @@ impl Plan {
                 reference_id: planned.reference.object,
                 object_score: planned.object.score,
                 reference_score: planned.reference.score,
-                confidence: planned.confidence.product(),
+                confidence: planned.confidence.joint(),
                 position: position.into(),
                 orientation: orientation.into(),
                 location: PyArray1::from_slice(py, &planned.location).unbind(),
@@ -129,6 +130,7 @@ impl Plan {
         });
         Ok(Self {
             steps: steps.collect::<PyResult<_>>()?,
+            confidence: plan.confidence(),
             program: Py::new(py, program)?,
         })
     }

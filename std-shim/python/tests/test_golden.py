@@ -42,7 +42,7 @@ class Golden:
         return model.scene_from_embeddings(
             self.cases["scenes"][number]["ids"],
             locations[:, :4],
-            np.ascontiguousarray(locations[:, 4]),
+            locations[:, 4],
             embeddings.reshape(len(crops), 64),
             self.camera(number),
         )

@@ -4,9 +4,11 @@
 //! Reads from its standard input what [`input`] describes, writes the plan to its
 //! standard output and exits with
 //!
-//! * 0: planned; a step is the object's id, position and orientation
+//! * 0: planned; a step is the object's id, position and orientation; behind them
+//!   how sure the plan is
 //! * 1: `plan` and `poll` came to different results
-//! * 2: refused; the text is [`nsrm_core::Refusal::kind`]
+//! * 2: refused; the text is [`nsrm_core::Refusal::kind`] and, behind a blank, the
+//!   word that may have been meant, if there is one
 //! * 3: the scene was refused
 //! * 4: the input is not as described
 //!
@@ -84,14 +86,19 @@ fn run() -> i32 {
                     linux::write(&number.to_le_bytes());
                 }
             }
+            linux::write(&plan.confidence().to_le_bytes());
             0
         }
-        Err(refusal) => refused(&refusal),
+        Err(refusal) => refused(&refusal, input.sentence()),
     }
 }
 
-fn refused(refusal: &Refusal) -> i32 {
+fn refused(refusal: &Refusal, sentence: &str) -> i32 {
     linux::write(refusal.kind().as_bytes());
+    if let Some(word) = refusal.suggestion(&TABLETOP, sentence) {
+        linux::write(b" ");
+        linux::write(word.as_bytes());
+    }
     2
 }
 

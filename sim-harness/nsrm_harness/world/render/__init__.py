@@ -11,7 +11,7 @@ from typing import Literal, Protocol
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.world.camera import Camera
-from nsrm_harness.world.render.frame import Frame
+from nsrm_harness.world.render.frame import Frame, Surfaces
 from nsrm_harness.world.render.light import Light
 from nsrm_harness.world.world import World
 
@@ -20,7 +20,16 @@ KINDS: tuple[Kind, ...] = ("auto", "gl", "pybullet")
 VARIABLE = "NSRM_RENDERER"
 """Environment variable that overrides "auto"."""
 
-__all__ = ["KINDS", "VARIABLE", "Frame", "Light", "Renderer", "RendererError", "open_renderer"]
+__all__ = [
+    "KINDS",
+    "VARIABLE",
+    "Frame",
+    "Light",
+    "Renderer",
+    "RendererError",
+    "Surfaces",
+    "open_renderer",
+]
 
 
 class RendererError(HarnessError):
@@ -42,6 +51,10 @@ class Renderer(Protocol):
 
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
         """A picture of the world as it stands now."""
+        ...
+
+    def surfaces(self, world: World, camera: Camera) -> Surfaces:
+        """The same picture without its colours, for less than half of the work."""
         ...
 
     def close(self) -> None:

@@ -9,14 +9,22 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
-    """One picture, three ways; row 0 is the top.
+class Surfaces:
+    """What is seen where, without colours; row 0 is the top.
 
-    * `rgb`: `uint8 [H, W, 3]`, anti-aliased
     * `depth`: `float32 [H, W]`, metres along the optical axis, at the pixels' centres
     * `mask`: `int32 [H, W]`, id of the block at the pixel's centre, 0 for none
     """
 
-    rgb: NDArray[np.uint8]
     depth: NDArray[np.float32]
     mask: NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame(Surfaces):
+    """One picture, three ways; row 0 is the top.
+
+    * `rgb`: `uint8 [H, W, 3]`, anti-aliased
+    """
+
+    rgb: NDArray[np.uint8]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from nsrm_harness.world.blocks import block_mesh
 from nsrm_harness.world.camera import Camera, linear_depth
 from nsrm_harness.world.mesh import Mesh
-from nsrm_harness.world.render.frame import Frame
+from nsrm_harness.world.render.frame import Frame, Surfaces
 from nsrm_harness.world.render.light import Light
 from nsrm_harness.world.render.scene import Part, robot_parts, shadow_parts, surroundings
 from nsrm_harness.world.world import World
@@ -113,22 +113,12 @@ class GlRenderer:
 
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
         """A picture of the world as it stands now."""
-        blocks = world.placed()
-        shadows = list(shadow_parts(blocks, light))
-        # From front to back, so that the large faces fill only what is left.
-        standing = [(Part(block_mesh(b.block), b.pose), b.id) for b in blocks]
-        standing += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
-        behind = [(part, 0) for part in surroundings()]
-        size = (camera.width, camera.height)
-        if size not in self._targets:
-            self._targets[size] = _Targets(self._gl, *size)
-        targets = self._targets[size]
-        clip_from_world = camera.projection_matrix() @ camera.view_matrix()
-        self._gl.enable_only(self._gl.DEPTH_TEST | self._gl.CULL_FACE)
-
+        targets, clip_from_world = self._aim(camera)
+        shadows = list(shadow_parts(world.placed(), light))
+        standing, behind = _parts(world, camera)
         targets.multisampled.use()
         targets.multisampled.clear(0.0, 0.0, 0.0, 1.0)
-        self._color["clip_from_world"].write(_columns(clip_from_world))
+        self._color["clip_from_world"].write(clip_from_world)
         self._color["direction"].value = light.direction
         self._color["ambient"].value = light.ambient
         self._color["diffuse"].value = tuple(light.diffuse * c for c in light.color)
@@ -139,19 +129,33 @@ class GlRenderer:
             self._forget(part.mesh)
         self._gl.copy_framebuffer(targets.color, targets.multisampled)
         rgb = np.frombuffer(targets.color.read(components=3, alignment=1), np.uint8)
+        rgb = np.ascontiguousarray(rgb.reshape(camera.height, camera.width, 3)[::-1])
+        seen = self.surfaces(world, camera)
+        return Frame(seen.depth, seen.mask, rgb)
 
+    def surfaces(self, world: World, camera: Camera) -> Surfaces:
+        """The same picture without its colours: the second pass alone."""
+        targets, clip_from_world = self._aim(camera)
+        standing, behind = _parts(world, camera)
         targets.ids.use()
         targets.ids.clear(depth=1.0)
-        self._id["clip_from_world"].write(_columns(clip_from_world))
+        self._id["clip_from_world"].write(clip_from_world)
         self._draw_ids(standing + behind)
         mask = np.frombuffer(targets.ids.read(components=1, dtype="i4"), np.int32)
         depth = np.frombuffer(targets.depth_texture.read(alignment=4), np.float32)
         shape = (camera.height, camera.width)
-        return Frame(
-            np.ascontiguousarray(rgb.reshape(*shape, 3)[::-1]),
+        return Surfaces(
             linear_depth(np.ascontiguousarray(depth.reshape(shape)[::-1])),
             np.ascontiguousarray(mask.reshape(shape)[::-1]),
         )
+
+    def _aim(self, camera: Camera) -> tuple[_Targets, bytes]:
+        """Where to draw pictures of the camera's size, and its matrix."""
+        size = (camera.width, camera.height)
+        if size not in self._targets:
+            self._targets[size] = _Targets(self._gl, *size)
+        self._gl.enable_only(self._gl.DEPTH_TEST | self._gl.CULL_FACE)
+        return self._targets[size], _columns(camera.projection_matrix() @ camera.view_matrix())
 
     def close(self) -> None:
         """Frees framebuffers and meshes; the process's context stays."""
@@ -191,6 +195,14 @@ class GlRenderer:
                 index,
             )
         return self._meshes[mesh]
+
+
+def _parts(world: World, camera: Camera) -> tuple[list[tuple[Part, int]], list[tuple[Part, int]]]:
+    """Blocks and robot, then what is behind them, each with its id: from front to
+    back, so that the large faces fill only what is left."""
+    standing = [(Part(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
+    standing += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
+    return standing, [(part, 0) for part in surroundings()]
 
 
 def _columns(matrix: NDArray[np.float64]) -> bytes:

@@ -19,7 +19,7 @@ from nsrm_harness.world.camera import Camera, linear_depth
 from nsrm_harness.world.mesh import Mesh
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render.backdrop import backdrop
-from nsrm_harness.world.render.frame import Frame
+from nsrm_harness.world.render.frame import Frame, Surfaces
 from nsrm_harness.world.render.light import Light
 from nsrm_harness.world.render.scene import Part, robot_parts, shadow_parts
 from nsrm_harness.world.world import PlacedBlock, World
@@ -51,17 +51,22 @@ class TinyRenderer:
 
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
         """A picture of the world as it stands now."""
-        blocks = world.placed()
+        # Before the colours: it arranges the bodies.
+        seen = self.surfaces(world, camera)
+        return Frame(seen.depth, seen.mask, self._colors(world.placed(), camera, light))
+
+    def surfaces(self, world: World, camera: Camera) -> Surfaces:
+        """The same picture without its colours."""
         solid = [(part, 0) for part in robot_parts(world.arm_links(), camera)]
-        solid += [(Part(block_mesh(b.block), b.pose), b.id) for b in blocks]
+        solid += [(Part(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
         id_of_body = self._arrange(solid)
-        _, buffer, bodies = self._shoot(camera, light)
+        _, buffer, bodies = self._shoot(camera, Light())
         # Bodies are numbered from 0 by PyBullet; -1, the last entry, is none.
         ids = np.zeros(max(id_of_body, default=-1) + 2, dtype=np.int32)
         for body, block_id in id_of_body.items():
             ids[body] = block_id
         depth = np.where(bodies >= 0, linear_depth(buffer), backdrop(camera).depth)
-        return Frame(self._colors(blocks, camera, light), depth, ids[bodies])
+        return Surfaces(depth, ids[bodies])
 
     def close(self) -> None:
         """Ends the client."""

@@ -1,0 +1,159 @@
+//! The known word nearest to one that is not known.
+
+use heapless::Vec;
+
+use crate::model::Model;
+
+/// Letters of the longest word that is compared.
+const MAX_LETTERS: usize = 24;
+
+type Letters = Vec<char, MAX_LETTERS, u8>;
+/// Distances between a beginning of one word and every beginning of another.
+type Row = [u8; MAX_LETTERS + 1];
+
+/// The word of the model that `word` is likely to be a misspelling of: the nearest
+/// concept word or, where none is nearer, other word; of equally near ones the
+/// first. `None` where nothing is near: two words are near if one letter left out,
+/// added, changed or swapped with its neighbour makes one the other, or two where
+/// both have more than five letters. Words of one or two letters, and of more than
+/// 24, are near nothing.
+///
+/// Cost: at most 24² steps for each word of the model, of a few comparisons each.
+/// No allocation.
+pub fn nearest_word<'a>(model: &Model<'a>, word: &str) -> Option<&'a str> {
+    let letters = letters(word)?;
+    let concepts = model.lexicon.iter().map(|entry| entry.text);
+    let others = model.words.iter().map(|word| word.text);
+    let mut nearest = None;
+    for text in concepts.chain(others) {
+        let Some(known) = self::letters(text) else {
+            continue;
+        };
+        if letters.len().abs_diff(known.len()) > MOST_EDITS {
+            continue;
+        }
+        let edits = distance(&letters, &known);
+        let is_nearer = nearest.is_none_or(|(least, _)| edits < least);
+        if is_nearer && edits <= edits_allowed(letters.len().min(known.len())) {
+            nearest = Some((edits, text));
+        }
+    }
+    nearest.map(|(_, text)| text)
+}
+
+/// The most that [`edits_allowed`] gives.
+const MOST_EDITS: usize = 2;
+
+/// How far apart near words may be, by the letters of the shorter one.
+const fn edits_allowed(letters: usize) -> u8 {
+    match letters {
+        0..=2 => 0,
+        3..=5 => 1,
+        _ => MOST_EDITS as u8,
+    }
+}
+
+/// In lower case; `None` for a word that is too long.
+fn letters(word: &str) -> Option<Letters> {
+    let mut letters = Letters::new();
+    for letter in word.chars().flat_map(char::to_lowercase) {
+        letters.push(letter).ok()?;
+    }
+    Some(letters)
+}
+
+/// Least number of letters left out, added, changed or swapped with their
+/// neighbour, none touched twice (optimal string alignment).
+fn distance(left: &[char], right: &[char]) -> u8 {
+    // `above[j]`: from the letters of `left` so far to the first j of `right`.
+    let mut above: Row = core::array::from_fn(|column| column as u8);
+    let mut before = above;
+    let mut previous = None;
+    for (&letter, row_number) in left.iter().zip(1..) {
+        let mut row = [row_number; MAX_LETTERS + 1];
+        for (column, &other) in right.iter().enumerate() {
+            let changed = at(&above, column).saturating_add(u8::from(letter != other));
+            let left_out = at(&above, column.saturating_add(1)).saturating_add(1);
+            let added = at(&row, column).saturating_add(1);
+            let mut least = changed.min(left_out).min(added);
+            if let Some(behind) = column.checked_sub(1)
+                && previous == Some(other)
+                && right.get(behind) == Some(&letter)
+            {
+                least = least.min(at(&before, behind).saturating_add(1));
+            }
+            if let Some(place) = row.get_mut(column.saturating_add(1)) {
+                *place = least;
+            }
+        }
+        before = above;
+        above = row;
+        previous = Some(letter);
+    }
+    at(&above, right.len())
+}
+
+/// An entry; what is not there is far.
+fn at(row: &Row, column: usize) -> u8 {
+    row.get(column).copied().unwrap_or(u8::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    fn between(left: &str, right: &str) -> u8 {
+        distance(&letters(left).unwrap(), &letters(right).unwrap())
+    }
+
+    #[test]
+    fn distances_by_hand() {
+        for (left, right, edits) in [
+            ("green", "green", 0),
+            ("gren", "green", 1),
+            ("greeen", "green", 1),
+            ("grean", "green", 1),
+            ("rgeen", "green", 1),
+            ("geren", "green", 1),
+            ("magneta", "magenta", 1),
+            ("mganeta", "magenta", 2),
+            ("ca", "abc", 3),
+            ("abcd", "badc", 2),
+            ("", "red", 3),
+            ("red", "blue", 4),
+            ("größe", "grösse", 2),
+        ] {
+            assert_eq!(between(left, right), edits, "{left} {right}");
+            assert_eq!(between(right, left), edits, "{right} {left}");
+        }
+        let longest = "x".repeat(MAX_LETTERS);
+        assert_eq!(between(&longest, ""), MAX_LETTERS as u8);
+        assert_eq!(between(&longest, &longest), 0);
+    }
+
+    #[test]
+    fn the_nearest_word_is_offered_if_it_is_near() {
+        let model = fixture::model();
+        for (word, expected) in [
+            ("gren", Some("green")),
+            ("GREN", Some("green")),
+            ("gerene", None),
+            ("samll", Some("small")),
+            ("lgo", Some("lego")),
+            ("rad", Some("red")),
+            ("rigth", Some("right")),
+            ("thn", Some("the")),
+            ("thenn", Some("then")),
+            ("pur", Some("put")),
+            ("on", Some("on")),
+            ("in", None),
+            ("sofa", None),
+            (";", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest_word(&model, word), expected, "{word}");
+        }
+        assert_eq!(nearest_word(&model, &"red".repeat(1000)), None);
+    }
+}

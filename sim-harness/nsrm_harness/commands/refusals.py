@@ -1,0 +1,72 @@
+"""``harness refusals``: how much of what must be refused a model refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+
+@click.command("refusals")
+@click.option(
+    "--model",
+    "model_path",
+    type=click.Path(path_type=Path),
+    show_default="the one that is built in",
+    help="Model file.",
+)
+@click.option(
+    "--set",
+    "which",
+    type=click.Choice(["validation", "test"]),
+    default="test",
+    show_default=True,
+    help="Which sentences; the episode file is of the split of that name.",
+)
+@click.option(
+    "--data",
+    type=click.Path(path_type=Path),
+    show_default="data/tabletop/SET.h5",
+    help="Episode file that gives scenes and good sentences.",
+)
+@click.option(
+    "--count",
+    type=click.IntRange(1),
+    show_default="160",
+    help="Sentences of each kind.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("out/refusals"),
+    show_default=True,
+    help="Folder for refusals.csv and refusals.png.",
+)
+def command(
+    model_path: Path | None,
+    which: str,
+    data: Path | None,
+    count: int | None,
+    as_json: bool,
+    out: Path,
+) -> None:
+    """Plan sentences that must be refused, and those of a file, with the core."""
+    import nsrm
+
+    from nsrm_harness.evaluate import EvaluationError
+    from nsrm_harness.refusals.figure import draw_report
+    from nsrm_harness.refusals.measure import measure
+    from nsrm_harness.refusals.sentences import COUNT
+
+    try:
+        model = nsrm.Model.load(model_path) if model_path else nsrm.Model.pretrained()
+    except nsrm.ModelError as error:
+        raise EvaluationError(str(error)) from error
+    path = data or Path("data/tabletop") / f"{which}.h5"
+    report = measure(model, path, which, count or COUNT, quiet=as_json)
+    out.mkdir(parents=True, exist_ok=True)
+    report.write_csv(out / "refusals.csv")
+    draw_report(report, out / "refusals.png")
+    click.echo(json.dumps(report.as_json(), indent=2) if as_json else str(report))

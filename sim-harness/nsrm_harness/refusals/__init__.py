@@ -1,0 +1,1 @@
+"""What must be refused: sentences made to be refused, and how many are not."""

@@ -1,0 +1,321 @@
+"""Sentences that must be refused: how they are made, what is counted, what is drawn."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import nsrm
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.cli import main
+from nsrm_harness.domain import Domain
+from nsrm_harness.episodes.moves import Arrangement
+from nsrm_harness.episodes.programs import Descriptions, sample_blocks, sample_task
+from nsrm_harness.language.grammar import Grammar
+from nsrm_harness.language.program import Step
+from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
+from nsrm_harness.refusals import topics
+from nsrm_harness.refusals.certainty import bins, calibration_error, risk_curve
+from nsrm_harness.refusals.figure import draw_report
+from nsrm_harness.refusals.measure import COLUMNS, GOOD, Outcome, Report, report
+from nsrm_harness.refusals.reading import Reading
+from nsrm_harness.refusals.sentences import (
+    KINDS,
+    SETS,
+    Item,
+    RefusalSetError,
+    Situation,
+    make_items,
+    set_of,
+)
+from nsrm_harness.world.layout import sample_layout
+
+TABLETOP = domains.load()
+WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")
+COUNT = 12
+
+
+def make_situations(domain: Domain, count: int = 60) -> list[Situation]:
+    """Scenes with programs of one and two steps."""
+    situations: list[Situation] = []
+    for index in range(4 * count):
+        rng = np.random.default_rng([17, index])
+        blocks = sample_blocks(rng, domain, 5)
+        arrangement = Arrangement.on_table(blocks, sample_layout(rng, blocks))
+        task = sample_task(rng, domain, arrangement, 1 + index % 2, Descriptions(1, 2))
+        if task is not None:
+            attributes = tuple(block.values for block in blocks)
+            situations.append(Situation(len(situations), attributes, task.program))
+    return situations[:count]
+
+
+SITUATIONS = make_situations(TABLETOP)
+ITEMS = {which: make_items(TABLETOP, SITUATIONS, which, COUNT) for which in SETS}
+
+
+def of_kind(kind: str) -> list[Item]:
+    """Those of both sets."""
+    return [item for which in SETS for item in ITEMS[which] if item.kind == kind]
+
+
+def groups(item: Item) -> list[list[int]]:
+    """For each description of a sentence, the blocks that it fits."""
+    tokens = Tokenizer(TABLETOP)(item.sentence)
+    names = [[TABLETOP.concepts[index].name for index in group] for group in tokens.groups]
+    return [SITUATIONS[item.scene].fitting(each) for each in names]
+
+
+@pytest.mark.parametrize("domain", [TABLETOP, WORKSHOP], ids=["tabletop", "workshop"])
+def test_each_kind_has_as_many_different_sentences_as_asked_for(domain: Domain) -> None:
+    situations = make_situations(domain)
+    items = make_items(domain, situations, "test", COUNT)
+    assert items == make_items(domain, situations, "test", COUNT)
+    assert items != make_items(domain, situations, "test", COUNT, seed=1)
+    reads = Reading(domain)
+    for kind in KINDS:
+        own = [item for item in items if item.kind == kind]
+        assert len({tuple(split(item.sentence)) for item in own}) == len(own) == COUNT, kind
+        assert all(0 <= item.scene < len(situations) for item in own)
+        if kind not in {"absent_object", "ambiguous", "too_many_steps", "same_object"}:
+            for item in own:
+                assert not reads(item.sentence), (kind, item.sentence)
+
+
+def test_no_sentence_is_in_both_sets() -> None:
+    spoken = {which: {tuple(split(item.sentence)) for item in ITEMS[which]} for which in SETS}
+    assert not spoken["validation"] & spoken["test"]
+    assert set_of("Put the red block.") == set_of("put THE red block") in SETS
+
+
+def test_scenes_that_do_not_allow_a_kind_are_told() -> None:
+    step = Step("MoveOn", ("red",), ("blue",))
+    plain = ({"color": "red", "size": "lego"}, {"color": "blue", "size": "small"})
+    with pytest.raises(RefusalSetError, match="ambiguous: 0 sentences found in 1 scenes, 2"):
+        make_items(TABLETOP, [Situation(0, plain, (step,))], "test", 2)
+
+
+def test_one_word_is_unknown_and_a_misspelling_is_one_edit_away() -> None:
+    known = {*TABLETOP.lexicon(), *TABLETOP.vocabulary()}
+    for kind in ("unknown_word", "misspelt"):
+        for item in of_kind(kind):
+            (word,) = [word for word in split(item.sentence) if word not in known]
+            if kind == "misspelt":
+                assert item.meant in known
+                assert abs(len(word) - len(item.meant or "")) <= 1
+            else:
+                assert item.meant is None
+            with pytest.raises(UnknownWordError):
+                Tokenizer(TABLETOP)(item.sentence)
+
+
+def test_what_is_left_out_is_missing() -> None:
+    count = {item: len(SITUATIONS[item.scene].program) for item in of_kind("incomplete")}
+    for item, steps in count.items():
+        assert len(groups(item)) < 2 * steps, item.sentence
+    relations = {word for action in TABLETOP.actions for p in action.phrases for word in p.split()}
+    relations -= {"the", "side"}
+    for kind in ("no_action", "no_reference"):
+        for item in of_kind(kind):
+            if len(SITUATIONS[item.scene].program) == 1:
+                assert not relations & set(split(item.sentence)), item.sentence
+    for item in of_kind("no_reference"):
+        assert len(groups(item)) == 2 * len(SITUATIONS[item.scene].program) - 1
+
+
+def test_descriptions_are_wrong_in_the_scene_as_their_kind_says() -> None:
+    for item in of_kind("absent_object"):
+        assert sum(not fitting for fitting in groups(item)) == 1, item.sentence
+    for item in of_kind("ambiguous"):
+        assert any(len(fitting) > 1 for fitting in groups(item)), item.sentence
+    for item in of_kind("same_object"):
+        fitting = groups(item)
+        pairs = zip(fitting[::2], fitting[1::2], strict=True)
+        assert any(left == right and len(left) == 1 for left, right in pairs), item.sentence
+    for item in of_kind("too_many_steps"):
+        assert len(groups(item)) >= 18
+        assert Reading(TABLETOP)(item.sentence)
+
+
+def test_actions_that_the_domain_has_are_not_missing() -> None:
+    phrases = {phrase for action in WORKSHOP.actions for phrase in action.phrases}
+    assert "in front of" in phrases & set(topics.RELATIONS)
+    items = make_items(WORKSHOP, make_situations(WORKSHOP), "test", 40)
+    spoken = [" ".join(split(item.sentence)) for item in items if item.kind == "missing_action"]
+    assert any("behind" in text for text in spoken)
+    for text in spoken:
+        assert sum(f" {phrase} " in f" {text} " for phrase in topics.RELATIONS) >= 1 or (
+            topics.BETWEEN in text
+        )
+
+
+def test_other_subjects_are_many_and_different() -> None:
+    sentences = list(topics.other_subjects())
+    assert len(topics.SENTENCES) >= 100
+    assert len({tuple(split(each)) for each in sentences}) == len(sentences)
+    for which in SETS:
+        assert sum(set_of(each) == which for each in sentences) >= 150
+
+
+@pytest.mark.parametrize("domain", [TABLETOP, WORKSHOP], ids=["tabletop", "workshop"])
+def test_good_sentences_are_read(domain: Domain) -> None:
+    grammar, reads = Grammar(domain), Reading(domain)
+    rng = np.random.default_rng(3)
+    for situation in make_situations(domain, 30):
+        sentence = grammar.sentence(rng, situation.program).text
+        assert reads(sentence), sentence
+
+
+def test_what_has_the_order_of_a_command_is_read() -> None:
+    reads = Reading(TABLETOP)
+    for sentence in (
+        "put red on blue",
+        "on white now set the red please",
+        "put the block red on the the blue",
+        "put the red small block right of the blue, on the red put the green.",
+    ):
+        assert reads(sentence), sentence
+    for sentence in (
+        "put the red block the blue block",
+        "put the red block",
+        "the red block on the blue block",
+        "put the red block on the blue block and",
+        "put the red block under the blue block",
+        "the red put block on the blue block",
+        "",
+    ):
+        assert not reads(sentence), sentence
+
+
+def test_the_command_of_a_step_is_said_as_before() -> None:
+    """Its parts are apart now; a change of the draws would change every episode file."""
+    program = (Step("MoveOn", ("red",), ("small", "blue")), Step("MoveLeft", ("red",), ("lego",)))
+    grammar = Grammar(TABLETOP)
+    commands = grammar.commands(np.random.default_rng(5), program)
+    words = [word for command in commands for word in command.words()]
+    sentence = grammar.sentence(np.random.default_rng(5), program).text
+    assert split(sentence) == words
+    assert (commands[0].connective, commands[1].fields["opening"]) == ("", "")
+
+
+def test_an_action_that_is_not_there_is_never_another_one() -> None:
+    model = nsrm.Model.pretrained()
+    for relation in ("under", "behind", "in front of", "inside", "between", "next to"):
+        with pytest.raises(nsrm.Refused) as refused:
+            model.parse(f"put the red block {relation} the blue block")
+        assert refused.value.kind == "unknown_word"
+        assert refused.value.suggestion is None
+    for sentence in (
+        "don't put the red block on the blue block",
+        "never put the red block on the blue block",
+        "put the red block not on the blue block",
+    ):
+        with pytest.raises(nsrm.Refused):
+            model.parse(sentence)
+
+
+def test_bins_have_equal_mass_and_their_error_is_the_mean_distance() -> None:
+    parts = bins([0.9, 0.5, 0.6, 0.8], [1, 0, 1, 1], [1, 1, 1, 1], 2)
+    assert [part.mass for part in parts] == [0.5, 0.5]
+    assert [part.confidence for part in parts] == pytest.approx([0.55, 0.85])
+    assert [part.right for part in parts] == [0.5, 1.0]
+    assert calibration_error(parts) == pytest.approx(0.5 * 0.05 + 0.5 * 0.15)
+    (heavy, light) = bins([0.5, 0.9, 1.0], [0, 1, 0], [2, 1, 1], 2)
+    assert (heavy.mass, heavy.right, light.right) == (0.5, 0.0, 0.5)
+    assert bins([], [], []) == [] and calibration_error([]) == 0.0
+
+
+def test_risk_by_hand() -> None:
+    nan = float("nan")
+    curve = risk_curve([0.9, nan, 0.8, 0.8, 0.4], [1, 0, 0, 1, 0], [1, 1, 1, 1, 1])
+    assert curve.thresholds.tolist() == [0.9, 0.8, 0.4]
+    assert curve.coverage == pytest.approx([0.2, 0.6, 0.8])
+    assert curve.risk == pytest.approx([0.0, 1 / 3, 0.5])
+    assert curve.at(0.95) == (0.0, 0.0)
+    assert curve.at(0.8) == pytest.approx((0.6, 1 / 3))
+    assert curve.at(0.0) == pytest.approx((0.8, 0.5))
+    weighted = risk_curve([0.9, 0.8], [1, 0], [3, 1])
+    assert weighted.risk == pytest.approx([0.0, 0.25])
+    assert risk_curve([nan], [0], [1]).at(0.0) == (0.0, 0.0)
+
+
+def small_report() -> Report:
+    """Three good sentences, one refused; four bad ones, one accepted."""
+    outcomes = [
+        Outcome(GOOD, 0, "a", None, 0.99, "…", True),
+        Outcome(GOOD, 1, "b", None, 0.9, "…", False),
+        Outcome(GOOD, 2, "c", "ambiguous"),
+        Outcome("no_action", 0, "d", "unsure"),
+        Outcome("no_action", 1, "e", None, 0.95, "…"),
+        Outcome("misspelt", 1, "f", "unknown_word", suggestion="red"),
+        Outcome("misspelt", 2, "g", "unknown_word"),
+    ]
+    return report(outcomes, "test", {"d": None, "e": None, "f": "red", "g": "blue"})
+
+
+def test_counts_by_hand(tmp_path: Path) -> None:
+    counted = small_report()
+    kinds = {kind.kind: kind for kind in counted.kinds}
+    assert list(kinds) == list(KINDS)
+    no_action = kinds["no_action"]
+    assert (no_action.count, no_action.refused, no_action.wrongly_accepted) == (2, 1, 1)
+    assert no_action.reasons == {"unsure": 1}
+    assert [each.sentence for each in no_action.examples] == ["e"]
+    assert (counted.good, counted.right, counted.refused) == (3, 1, {"ambiguous": 1})
+    assert counted.suggested == 0.5
+    # A good sentence weighs 1/3, a bad one 1/4; both halves together 2.
+    assert counted.curve.at(0.0) == pytest.approx(
+        ((2 / 3 + 1 / 4) / 2, (1 / 3 + 1 / 4) / (2 / 3 + 1 / 4))
+    )
+    assert "no_action" in str(counted) and "0.9500  e" in str(counted)
+    assert json.loads(json.dumps(counted.as_json(), allow_nan=False))["good"]["right"] == 1
+
+    counted.write_csv(tmp_path / "refusals.csv")
+    lines = (tmp_path / "refusals.csv").read_text("utf-8").splitlines()
+    assert lines[0] == "kind,set,count,refused,wrongly_accepted"
+    assert len(lines) == 1 + len(KINDS)
+    assert "no_action,test,2,1,1" in lines
+
+
+def test_the_picture_shows_both_diagrams(tmp_path: Path) -> None:
+    from PIL import Image
+
+    draw_report(small_report(), tmp_path / "refusals.png")
+    with Image.open(tmp_path / "refusals.png") as image:
+        assert image.width > 900
+        assert len(image.convert("RGB").getcolors(1 << 24) or []) > 20
+
+
+def test_the_command_counts_what_the_core_refuses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def run(*arguments: str | Path) -> int:
+        with pytest.raises(SystemExit) as caught:
+            main([str(argument) for argument in arguments])
+        return caught.value.code if isinstance(caught.value.code, int) else 0
+
+    episodes = tmp_path / "few.h5"
+    make = ("--split", "test", "--count", "12", "--jobs", "1", "--renderer", "pybullet")
+    assert run("episodes", *make, "--out", episodes) == 0
+    capsys.readouterr()
+    options = ("--data", episodes, "--count", "3", "--out", tmp_path)
+    assert run("refusals", *options, "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["good"]["count"] == 12
+    with (tmp_path / "refusals.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == COLUMNS
+    for row in rows:
+        assert row["set"] == "test"
+        assert int(row["refused"]) + int(row["wrongly_accepted"]) == int(row["count"]) == 3
+        if row["kind"] in {"unknown_word", "misspelt", "negation", "no_reference"}:
+            assert row["wrongly_accepted"] == "0"
+    assert (tmp_path / "refusals.png").exists()
+
+    assert run("refusals", *options, "--set", "validation") == 2
+    assert "has the split 'test', the set 'validation'" in capsys.readouterr().err
+    assert run("refusals", *options, "--model", tmp_path / "none.safetensors") == 2
+    assert "can't read" in capsys.readouterr().err
