@@ -1,29 +1,28 @@
 """The paper's metrics (section V-C), computed with the core through the `nsrm` module alone.
 
 The core sees what a camera gives: image, boxes, depths and calibration. The truth comes from
-`judge`. A refusal counts as wrong in every metric. A sequence counts as right only when each of
-its steps is right.
+`judge`. A refusal counts as wrong in every metric, and so does a scene that the
+detector can't use. A sequence counts as right only when each of its steps is right.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import nsrm
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from tqdm import tqdm
 
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.judge import Judge, StepTruth
-
-if TYPE_CHECKING:
-    from nsrm_harness.world.camera import Camera
+from nsrm_harness.observing import Boxes, Objects, chunks, objects_of, observe_episode
+from nsrm_harness.perception.match import match
+from nsrm_harness.perception.relief import PerceptionError
 
 
 class EvaluationError(HarnessError):
@@ -67,6 +66,10 @@ class Score:
     """Distance from the true sub-goal of each step whose moved object is right."""
 
 
+WRONG = Score(False, False, False, 0.0, 0.0, ())
+"""Of an episode without a plan."""
+
+
 @dataclass(frozen=True)
 class Metrics:
     """Means over the episodes of a file."""
@@ -81,7 +84,7 @@ class Metrics:
     error_median_m: float
     error_p95_m: float
     refused: dict[str, int]
-    """Refusals by kind."""
+    """Refusals by kind; "perception": the detector can't use the picture."""
 
     def as_json(self) -> dict[str, Any]:
         """For the model file and for `--json`."""
@@ -98,7 +101,7 @@ class Metrics:
         )
 
 
-def evaluate(model: nsrm.Model, path: Path, quiet: bool = False) -> Metrics:
+def evaluate(model: nsrm.Model, path: Path, boxes: Boxes = "mask", quiet: bool = False) -> Metrics:
     """Plan every episode of a file and judge the plans."""
     scores: list[Score] = []
     refused: Counter[str] = Counter()
@@ -109,15 +112,29 @@ def evaluate(model: nsrm.Model, path: Path, quiet: bool = False) -> Metrics:
                 f"{path}: has episodes of the domain {demonstrations.domain.name!r}, "
                 f"the model knows {domain!r}"
             )
-        for index in tqdm(range(len(demonstrations)), desc="  evaluate", disable=quiet):
-            truth = judge.truth(index)
-            try:
-                plan = plan_episode(model, demonstrations, index)
-            except nsrm.Refused as refusal:
-                refused[refusal.kind] += 1
-                scores.append(Score(False, False, False, 0.0, 0.0, ()))
-                continue
-            scores.append(judge_plan(plan.steps, truth.steps, truth.edges_m))
+        for chunk in chunks(demonstrations, "evaluate", quiet):
+            found: dict[int, Objects] = {}
+            for index in chunk:
+                try:
+                    found[index] = objects_of(demonstrations, index, boxes)
+                except PerceptionError:
+                    refused["perception"] += 1
+                    scores.append(WRONG)
+            outcomes = model.plan_all(
+                [observe_episode(demonstrations, *each) for each in found.items()],
+                [demonstrations.sentences[index] for index in found],
+            )
+            for (index, objects), outcome in zip(found.items(), outcomes, strict=True):
+                if isinstance(outcome, nsrm.Refused):
+                    refused[outcome.kind] += 1
+                    scores.append(WRONG)
+                    continue
+                truth = judge.truth(index)
+                true_ids = None
+                if boxes == "detector":
+                    own = objects_of(demonstrations, index, "mask")
+                    true_ids = matched_ids(objects.boxes, own.boxes)
+                scores.append(judge_plan(outcome.steps, truth.steps, truth.edges_m, true_ids))
     return summarize(scores, refused)
 
 
@@ -132,35 +149,35 @@ def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
     return summarize(scores, Counter())
 
 
-def plan_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Plan:
-    """The core's plan for an episode; raises `nsrm.Refused`."""
-    return model.plan(
-        observe_episode(model, demonstrations, index), demonstrations.sentences[index]
-    )
-
-
-def observe_episode(model: nsrm.Model, demonstrations: Demonstrations, index: int) -> nsrm.Scene:
-    """The initial scene of an episode as the core sees it."""
-    count = int(demonstrations.object_count[index])
-    return model.observe(
-        demonstrations.initial_image(index),
-        list(range(1, count + 1)),
-        demonstrations.initial_boxes[index, :count],
-        demonstrations.initial_depths[index, :count],
-        _camera(demonstrations.camera(index)),
-    )
+def matched_ids(found: NDArray[np.float32], true: NDArray[np.float32]) -> dict[int, int]:
+    """For the id of each box found `[n, 4]` that of the true one `[m, 4]` that it shows, row
+    i having id i + 1; without those that show none."""
+    rows = enumerate(match(found, true))
+    return {row + 1: int(own) + 1 for row, own in rows if own >= 0}
 
 
 def judge_plan(
-    steps: Sequence[StepPlan], truth: Sequence[StepTruth], edges_m: NDArray[np.float64]
+    steps: Sequence[StepPlan],
+    truth: Sequence[StepTruth],
+    edges_m: NDArray[np.float64],
+    true_ids: Mapping[int, int] | None = None,
 ) -> Score:
-    """Compare a plan with the truth; `edges_m` `[n, 3]` by object, id i + 1 in row i."""
+    """Compare a plan with the truth.
+
+    * `edges_m`: `[n, 3]` by object, id i + 1 in row i
+    * `true_ids`: the true object of each of the plan's ids, for which one that is not there
+      is no true object; None: the plan has the true ids
+    """
+
+    def right(planned_id: int, true_id: int) -> bool:
+        return true_id == (planned_id if true_ids is None else true_ids.get(planned_id))
+
     same_length = len(steps) == len(truth)
     pairs = list(zip(steps, truth, strict=False))
     longest = max(len(steps), len(truth))
     overlaps, volumes, errors = 0.0, 0.0, []
     for planned, true in pairs:
-        if planned.object_id != true.object_id:
+        if not right(planned.object_id, true.object_id):
             continue
         overlaps += box_iou(planned.location, true.location)
         edges = edges_m[true.object_id - 1]
@@ -168,8 +185,8 @@ def judge_plan(
         errors.append(float(np.linalg.norm(np.subtract(planned.position, true.sub_goal.position))))
     return Score(
         program=same_length and all(_same_program(planned, true) for planned, true in pairs),
-        object=same_length and all(p.object_id == t.object_id for p, t in pairs),
-        reference=same_length and all(p.reference_id == t.reference_id for p, t in pairs),
+        object=same_length and all(right(p.object_id, t.object_id) for p, t in pairs),
+        reference=same_length and all(right(p.reference_id, t.reference_id) for p, t in pairs),
         iou_2d=overlaps / longest,
         iou_3d=volumes / longest,
         errors_m=tuple(errors),
@@ -220,17 +237,4 @@ def _same_program(planned: StepPlan, true: StepTruth) -> bool:
         planned.action == true.step.action
         and sorted(planned.object) == sorted(true.step.object)
         and sorted(planned.reference) == sorted(true.step.reference)
-    )
-
-
-def _camera(camera: Camera) -> nsrm.Camera:
-    return nsrm.Camera(
-        camera.width,
-        camera.height,
-        camera.fx,
-        camera.fy,
-        camera.cx,
-        camera.cy,
-        camera.position,
-        camera.orientation,
     )

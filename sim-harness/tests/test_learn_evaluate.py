@@ -8,7 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from nsrm_harness.evaluate import Score, block_iou, box_iou, judge_plan, summarize
+from nsrm_harness.evaluate import (
+    Score,
+    block_iou,
+    box_iou,
+    judge_plan,
+    matched_ids,
+    summarize,
+)
 from nsrm_harness.judge import StepTruth
 from nsrm_harness.language.program import Step
 from nsrm_harness.world.pose import Pose
@@ -60,6 +67,25 @@ def test_a_missing_step_halves_the_plan() -> None:
     score = judge_plan([Planned()], [TRUTH, second], EDGES)
     assert not (score.program or score.object or score.reference)
     assert score.iou_2d == pytest.approx(0.5)
+
+
+def test_a_detectors_ids_are_judged_as_the_objects_that_they_show() -> None:
+    planned = Planned(object_id=7, reference_id=1)
+    assert judge_plan([planned], [TRUTH], EDGES, {7: 1, 1: 2}) == judge_plan(
+        [Planned()], [TRUTH], EDGES
+    )
+    # The same number is another object, and what shows no object is none.
+    assert not judge_plan([Planned()], [TRUTH], EDGES, {1: 2, 2: 1}).object
+    missed = judge_plan([planned], [TRUTH], EDGES, {1: 2})
+    assert (missed.program, missed.object, missed.reference) == (True, False, True)
+    assert (missed.iou_2d, missed.iou_3d, missed.errors_m) == (0.0, 0.0, ())
+
+
+def test_boxes_found_get_the_ids_of_the_true_ones_that_they_show() -> None:
+    true = np.array([[0.1, 0.1, 0.3, 0.3], [0.5, 0.5, 0.7, 0.7]], np.float32)
+    found = np.stack([true[1] + 0.01, true[0] + 0.15, true[1]])
+    assert matched_ids(found, true) == {3: 2}
+    assert matched_ids(true[:0], true) == {}
 
 
 def test_overlaps_by_hand() -> None:

@@ -64,7 +64,7 @@ def look(renderer: Renderer, world: World, light: Light | None = None) -> Observ
 
 def side_errors_px(found: Detections, seen: Observation) -> np.ndarray:
     """Largest distance of a side from the mask's, for each detection, all matched."""
-    rows = match(found, seen.boxes)
+    rows = match(found.boxes, seen.boxes)
     assert sorted(rows) == list(range(len(seen.boxes))), f"{len(found)} found: {rows}"
     errors = np.abs(found.boxes - seen.boxes[rows]) * (640, 480, 640, 480)
     return errors.max(axis=1)
@@ -76,7 +76,7 @@ def check(renderer: Renderer, world: World, light: Light | None = None) -> None:
     found = detect(seen.rgb, seen.depth, CAMERA)
     errors = side_errors_px(found, seen)
     assert errors.max() <= SIDE_PX, errors
-    depths = seen.depths[match(found, seen.boxes)]
+    depths = seen.depths[match(found.boxes, seen.boxes)]
     np.testing.assert_allclose(found.depths, depths, atol=DEPTH_M)
 
 
@@ -185,7 +185,7 @@ def test_nothing_is_found_on_an_empty_table(renderer: Renderer, robot: bool) -> 
         assert len(found) == 0
         assert found.boxes.shape == (0, 4)
         assert not found.labels.any()
-        assert len(match(found, np.zeros((2, 4), np.float32))) == 0
+        assert len(match(found.boxes, np.zeros((2, 4), np.float32))) == 0
         noisy = next(
             with_noise([Picture(seen.rgb, seen.depth, CAMERA, *empty_truth())], 0.002, 0.01, 0)
         )
@@ -261,11 +261,11 @@ def test_matching_takes_each_object_once_and_nothing_far() -> None:
     shifted = true[0] + np.float32(0.02)
     boxes = np.stack([shifted, true[0], [0.8, 0.8, 0.9, 0.9], true[1]]).astype(np.float32)
     found = Detections(boxes, np.ones(4, np.float32), np.zeros((4, 4), np.int32))
-    assert match(found, true).tolist() == [-1, 0, -1, 1]
+    assert match(found.boxes, true).tolist() == [-1, 0, -1, 1]
     assert overlaps(boxes[:1], true)[0, 0] == pytest.approx(
         0.18**2 / (2 * 0.2**2 - 0.18**2), rel=1e-4
     )
-    assert match(found, np.zeros((3, 4), np.float32)).tolist() == [-1] * 4
+    assert match(found.boxes, np.zeros((3, 4), np.float32)).tolist() == [-1] * 4
 
 
 def test_the_detector_imports_nothing_of_the_simulator() -> None:

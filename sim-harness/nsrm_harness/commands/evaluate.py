@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from nsrm_harness.observing import Boxes
 
 
 @click.command("evaluate")
@@ -23,8 +27,15 @@ import click
     show_default=True,
     help="Episode file.",
 )
+@click.option(
+    "--boxes",
+    type=click.Choice(["mask", "detector"]),
+    default="mask",
+    show_default=True,
+    help="What finds the objects: the simulator's mask, or the detector on colour and depth.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as JSON.")
-def command(model_path: Path | None, data: Path, as_json: bool) -> None:
+def command(model_path: Path | None, data: Path, boxes: Boxes, as_json: bool) -> None:
     """Plan every episode of a file with the core and judge the plans."""
     import nsrm
 
@@ -34,5 +45,5 @@ def command(model_path: Path | None, data: Path, as_json: bool) -> None:
         model = nsrm.Model.load(model_path) if model_path else nsrm.Model.pretrained()
     except nsrm.ModelError as error:
         raise EvaluationError(str(error)) from error
-    metrics = evaluate(model, data, quiet=as_json)
+    metrics = evaluate(model, data, boxes, quiet=as_json)
     click.echo(json.dumps(metrics.as_json(), indent=2) if as_json else str(metrics))

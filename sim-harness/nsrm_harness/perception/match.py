@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nsrm_harness.perception.detector import Detections
-
 #: Least intersection over union of a detection with the object that it is.
 MATCH_IOU = 0.5
 
@@ -25,17 +23,17 @@ def overlaps(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float
 
 
 def match(
-    detections: Detections, boxes: NDArray[np.float32], least: float = MATCH_IOU
+    found: NDArray[np.float32], true: NDArray[np.float32], least: float = MATCH_IOU
 ) -> NDArray[np.int64]:
-    """For each detection the row of `boxes` `[m, 4]` that it shows, -1 for none.
+    """For each box found `[n, 4]` the row of the true ones `[m, 4]` that it shows, -1 for none.
 
     Greedy: pairs by falling overlap, each row at most once, while it is at least `least`.
     """
-    found = np.full(len(detections), -1, dtype=np.int64)
-    overlap = overlaps(detections.boxes, np.asarray(boxes).reshape(-1, 4))
+    rows = np.full(len(found), -1, dtype=np.int64)
+    overlap = overlaps(found, true)
     while overlap.size and overlap.max() >= max(least, np.finfo(np.float64).tiny):
         row, column = np.unravel_index(np.argmax(overlap), overlap.shape)
-        found[row] = column
+        rows[row] = column
         overlap[row, :] = -1.0
         overlap[:, column] = -1.0
-    return found
+    return rows

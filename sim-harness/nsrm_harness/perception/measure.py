@@ -100,8 +100,8 @@ def _measure(pictures: Iterable[Picture]) -> tuple[Measure, list[Judged]]:
         objects += len(picture.boxes)
         detections += len(found)
         overlap = overlaps(found.boxes, picture.boxes)
-        strict += int(np.count_nonzero(match(found, picture.boxes, IOU_STRICT) >= 0))
-        for row, true in enumerate(match(found, picture.boxes, IOU_LOOSE)):
+        strict += int(np.count_nonzero(match(found.boxes, picture.boxes, IOU_STRICT) >= 0))
+        for row, true in enumerate(match(found.boxes, picture.boxes, IOU_LOOSE)):
             if true < 0:
                 continue
             ious.append(float(overlap[row, true]))

@@ -16,12 +16,12 @@ from typing import Any
 import nsrm
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.errors import EpisodeFileError
-from nsrm_harness.evaluate import EvaluationError, judge_plan, observe_episode
+from nsrm_harness.evaluate import EvaluationError, judge_plan
 from nsrm_harness.judge import Judge, Truth
+from nsrm_harness.observing import chunks, objects_of, observe_episode
 from nsrm_harness.refusals.certainty import Bin, Curve, bins, calibration_error, risk_curve
 from nsrm_harness.refusals.sentences import COUNT, KINDS, Item, Situation, make_items
 
@@ -149,11 +149,20 @@ def measure(
             by_scene.setdefault(item.scene, []).append(item)
         outcomes: list[Outcome] = []
         meant: dict[str, str | None] = {item.sentence: item.meant for item in items}
-        for index, truth in enumerate(tqdm(truths, desc="  refusals", disable=quiet)):
-            scene = observe_episode(model, demonstrations, index)
-            good = Item(index, demonstrations.sentences[index], GOOD)
-            outcomes.append(plan_item(model, scene, good, truth))
-            outcomes += [plan_item(model, scene, item) for item in by_scene.get(index, [])]
+        for chunk in chunks(demonstrations, "refusals", quiet):
+            planned: list[Item] = []
+            observed: list[nsrm.Observed] = []
+            for index in chunk:
+                good = Item(index, demonstrations.sentences[index], GOOD)
+                own = [good, *by_scene.get(index, [])]
+                objects = objects_of(demonstrations, index, "mask")
+                planned += own
+                observed += [observe_episode(demonstrations, index, objects)] * len(own)
+            plans = model.plan_all(observed, [item.sentence for item in planned])
+            outcomes += [
+                outcome_of(item, plan, truths[item.scene] if item.kind == GOOD else None)
+                for item, plan in zip(planned, plans, strict=True)
+            ]
     return report(outcomes, which, meant)
 
 
@@ -162,16 +171,10 @@ def situations(truths: Sequence[Truth]) -> list[Situation]:
     return [Situation(index, truth.attributes, truth.program) for index, truth in enumerate(truths)]
 
 
-def plan_item(
-    model: nsrm.Model, scene: nsrm.Scene, item: Item, truth: Truth | None = None
-) -> Outcome:
-    """What comes of a sentence; `truth`: what it means, where it means anything."""
-    try:
-        plan = model.plan(scene, item.sentence)
-    except nsrm.Refused as refusal:
-        return Outcome(
-            item.kind, item.scene, item.sentence, refusal.kind, suggestion=refusal.suggestion
-        )
+def outcome_of(item: Item, plan: nsrm.Plan | nsrm.Refused, truth: Truth | None) -> Outcome:
+    """What came of a sentence; `truth`: what it means, where it means anything."""
+    if isinstance(plan, nsrm.Refused):
+        return Outcome(item.kind, item.scene, item.sentence, plan.kind, suggestion=plan.suggestion)
     right = False
     if truth is not None:
         score = judge_plan(plan.steps, truth.steps, truth.edges_m)
