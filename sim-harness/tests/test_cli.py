@@ -101,19 +101,24 @@ def test_calibration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
 def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
     path = tmp_path / "many.h5"
     arguments = ["episodes", "--split", "test", "--count", "5000", "--jobs", "1"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "nsrm_harness.cli", *arguments, "--renderer", "pybullet",
-         "--out", path],
-        cwd=ROOT, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    with process:
+    arguments += ["--renderer", "pybullet", "--out", str(path)]
+    # What runs in the background of a script is born deaf to Ctrl-C.
+    hearing = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+    program = f"import signal; {hearing}; from nsrm_harness.cli import main; main({arguments})"
+    with subprocess.Popen(
+        [sys.executable, "-c", program], cwd=ROOT, stderr=subprocess.PIPE, text=True
+    ) as process:
         work = tmp_path / "many.h5.part"
         for _ in range(600):
             if process.poll() is not None or any(work.glob("*.h5")):
                 break
             time.sleep(0.1)
         process.send_signal(signal.SIGINT)
-        _, message = process.communicate(timeout=60)
+        try:
+            _, message = process.communicate(timeout=60)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
     assert process.returncode == 130, message
     assert "of 5000 episodes finished; the same command goes on" in message
     assert any(work.glob("*.h5"))
