@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.errors import HarnessError
-from nsrm_harness.judge import Judge, StepTruth
-from nsrm_harness.observing import Boxes, Objects, chunks, objects_of, observe_episode
+from nsrm_harness.judge import Judge, StepTruth, Truth
+from nsrm_harness.observing import Boxes, chunks, objects_of, observe_episode
 from nsrm_harness.perception.match import match
 from nsrm_harness.perception.relief import PerceptionError
 
@@ -103,39 +103,79 @@ class Metrics:
 
 def evaluate(model: nsrm.Model, path: Path, boxes: Boxes = "mask", quiet: bool = False) -> Metrics:
     """Plan every episode of a file and judge the plans."""
-    scores: list[Score] = []
-    refused: Counter[str] = Counter()
+    return evaluate_models([model], path, boxes, quiet=quiet)[0]
+
+
+def evaluate_models(
+    models: Sequence[nsrm.Model],
+    path: Path,
+    boxes: Boxes = "mask",
+    name: str = "evaluate",
+    quiet: bool = False,
+) -> list[Metrics]:
+    """The same for several models, for which every scene is looked at once."""
+    scores: list[list[Score]] = [[] for _ in models]
+    refused: list[Counter[str]] = [Counter() for _ in models]
     with Demonstrations(path) as demonstrations, Judge(path) as judge:
-        domain = model.info()["domain"]
-        if demonstrations.domain.name != domain:
-            raise EvaluationError(
-                f"{path}: has episodes of the domain {demonstrations.domain.name!r}, "
-                f"the model knows {domain!r}"
-            )
-        for chunk in chunks(demonstrations, "evaluate", quiet):
-            found: dict[int, Objects] = {}
-            for index in chunk:
-                try:
-                    found[index] = objects_of(demonstrations, index, boxes)
-                except PerceptionError:
-                    refused["perception"] += 1
-                    scores.append(WRONG)
-            outcomes = model.plan_all(
-                [observe_episode(demonstrations, *each) for each in found.items()],
-                [demonstrations.sentences[index] for index in found],
-            )
-            for (index, objects), outcome in zip(found.items(), outcomes, strict=True):
-                if isinstance(outcome, nsrm.Refused):
-                    refused[outcome.kind] += 1
-                    scores.append(WRONG)
-                    continue
-                truth = judge.truth(index)
-                true_ids = None
-                if boxes == "detector":
-                    own = objects_of(demonstrations, index, "mask")
-                    true_ids = matched_ids(objects.boxes, own.boxes)
-                scores.append(judge_plan(outcome.steps, truth.steps, truth.edges_m, true_ids))
-    return summarize(scores, refused)
+        for model in models:
+            _check(model, demonstrations, path)
+        for chunk in chunks(demonstrations, name, quiet):
+            scenes = [_scene(demonstrations, judge, index, boxes) for index in chunk]
+            seen = [scene for scene in scenes if scene is not None]
+            observed = [scene.observed for scene in seen]
+            sentences = [scene.sentence for scene in seen]
+            for own_scores, own_refused, model in zip(scores, refused, models, strict=True):
+                own_refused["perception"] += len(scenes) - len(seen)
+                own_scores += [WRONG] * (len(scenes) - len(seen))
+                outcomes = model.plan_all(observed, sentences)
+                for scene, outcome in zip(seen, outcomes, strict=True):
+                    if isinstance(outcome, nsrm.Refused):
+                        own_refused[outcome.kind] += 1
+                        own_scores.append(WRONG)
+                        continue
+                    truth = scene.truth
+                    own_scores.append(
+                        judge_plan(outcome.steps, truth.steps, truth.edges_m, scene.true_ids)
+                    )
+    return [summarize(*each) for each in zip(scores, refused, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Scene:
+    """What a model sees of an episode, and what it is judged by."""
+
+    observed: nsrm.Observed
+    sentence: str
+    truth: Truth
+    true_ids: dict[int, int] | None
+    """See `judge_plan`."""
+
+
+def _scene(demonstrations: Demonstrations, judge: Judge, index: int, boxes: Boxes) -> _Scene | None:
+    """None where the detector can't use the picture."""
+    try:
+        objects = objects_of(demonstrations, index, boxes)
+    except PerceptionError:
+        return None
+    true_ids = None
+    if boxes == "detector":
+        own = objects_of(demonstrations, index, "mask")
+        true_ids = matched_ids(objects.boxes, own.boxes)
+    return _Scene(
+        observe_episode(demonstrations, index, objects),
+        demonstrations.sentences[index],
+        judge.truth(index),
+        true_ids,
+    )
+
+
+def _check(model: nsrm.Model, demonstrations: Demonstrations, path: Path) -> None:
+    domain = model.info()["domain"]
+    if demonstrations.domain.name != domain:
+        raise EvaluationError(
+            f"{path}: has episodes of the domain {demonstrations.domain.name!r}, "
+            f"the model knows {domain!r}"
+        )
 
 
 def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
@@ -211,7 +251,7 @@ def summarize(scores: Sequence[Score], refused: Counter[str]) -> Metrics:
         iou_3d=mean(score.iou_3d for score in scores),
         error_median_m=float(np.median(errors)),
         error_p95_m=float(np.quantile(errors, 0.95)),
-        refused=dict(sorted(refused.items())),
+        refused=dict(sorted((+refused).items())),
     )
 
 
