@@ -31,6 +31,7 @@ FEW_STEPS = TrainingConfig(
     splitter=NONE,
     joint=NONE,
     simulator=NONE,
+    parser=NONE,
 )
 
 

@@ -166,19 +166,27 @@ def test_step_tokens_take_their_own_groups_along() -> None:
 
 
 def test_nonsense_keeps_the_descriptions_and_changes_the_words() -> None:
-    tokens = jnp.array([4, 0, 6, 8, 0, 7, 0, 0, 0, 0])
-    command = Command(tokens, jnp.array(6), jnp.array([[0], [1]]), jnp.array(2))
-    heaps = jax.vmap(nonsense, (0, None, None))(
-        jax.random.split(jax.random.key(1), 300), command, 9
-    )
-    position = np.arange(10)
-    shapes = set()
-    for words, length in zip(np.asarray(heaps.tokens), np.asarray(heaps.length), strict=True):
-        assert np.count_nonzero(words[:length] == 0) == 2
-        assert (words[position >= length] == 0).all() and words.max() < 9
-        shapes.add(tuple(words[:length]))
-    assert len(shapes) > 100
-    assert {2, 3, 4, 6} <= {len(shape) for shape in shapes}
+    # put . on the . now
+    step = jnp.array([4, 0, 6, 8, 0, 7, 0, 0, 0, 0])
+    valid = jnp.arange(10) < 6
+    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, 9)))
+    tokens, still = heap(jax.random.split(jax.random.key(1), 400))
+    rows, kepts = np.asarray(tokens), np.asarray(still)
+    heaps = [tuple(row[kept].tolist()) for row, kept in zip(rows, kepts, strict=True)]
+    for row, kept, heap in zip(rows, kepts, heaps, strict=True):
+        assert heap.count(0) == 2
+        assert kept[: len(heap)].all() and not kept[len(heap) :].any()
+        assert not row[len(heap) :].any() and row.max() < 9
+    assert len(set(heaps)) > 100
+    # What is left out is all of a short gap; the last word is in none.
+    assert {heap for heap in heaps if len(heap) < 6} == {(0, 6, 8, 0, 7), (4, 0, 0, 7)}
+
+
+def test_nonsense_of_a_step_without_words_is_itself() -> None:
+    step, valid = jnp.array([0, 0, 0, 0]), jnp.arange(4) < 2
+    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, 9)))
+    tokens, still = heap(jax.random.split(jax.random.key(2), 20))
+    assert not tokens.any() and (still == valid).all()
 
 
 def test_entropy_of_even_and_sure() -> None:

@@ -28,9 +28,11 @@ from nsrm_harness.learn.export import (
     read_model,
     write_model,
 )
-from nsrm_harness.learn.model import Dimensions, Model, tensors
+from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, tensors
+from nsrm_harness.learn.nonsense import nonsense
+from nsrm_harness.learn.splits import step_tokens
 from nsrm_harness.learn.stages import TrainingError
-from nsrm_harness.learn.train import Result, train
+from nsrm_harness.learn.train import TRAINS, Fit, Result, make_stage, train
 
 WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
 BRIEF = StageConfig(epochs=2, learning_rate=1e-3, batch=8)
@@ -44,6 +46,9 @@ FEW_STEPS = TrainingConfig(
     splitter=BRIEF,
     joint=BRIEF,
     simulator=BRIEF,
+    parser=BRIEF,
+    # So little training explains no final scene.
+    explained=1e9,
 )
 
 
@@ -120,7 +125,7 @@ def test_another_domain_trains_and_exports(tmp_path: Path) -> None:
     domain = domains.load(WORKSHOP)
     one, two = make_toys(domain, 16, 1, 3, attributes=1), make_toys(domain, 16, 2, 4, attributes=3)
     data = concatenate([one.data, two.data])
-    config = dataclasses.replace(FEW_STEPS, joint=NONE, simulator=NONE)
+    config = dataclasses.replace(FEW_STEPS, joint=NONE, simulator=NONE, parser=NONE)
     result = train(domain, data, config, 0, tmp_path, quiet=True)
     fit = fit_thresholds(result.model, data)
     file = ModelFile(result.model, domain, fit.thresholds, WorkSpace((0, 0, 0), (1, 1, 1)))
@@ -147,6 +152,7 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
         splitter=NONE,
         joint=NONE,
         simulator=NONE,
+        parser=NONE,
     )
     result = train(domain, data, config, 1, tmp_path, quiet=True)
     losses = result.progress.losses["actions"]
@@ -180,6 +186,56 @@ def test_a_model_that_carries_out_nothing_is_not_polished(
     similarities = decode.see_all(hasty, few)
     with pytest.raises(decode.NothingPlannedError, match="of 48 commands"):
         decode.own_choices(hasty, few, similarities)
+
+
+def test_only_steps_that_final_scenes_confirm_teach_the_parser(
+    few: TrainingSet, whole: Result
+) -> None:
+    similarities = decode.see_all(whole.model, few)
+    every = decode.own_steps(whole.model, few, similarities, FEW_STEPS)
+    groups = few.sentences.group_count[decode.own_cuts(whole.model, few)[0]]
+    assert len(every.first) == groups.sum() // 2
+    for argument in every.meant[1:]:
+        at = np.asarray(every.first + argument)
+        assert (np.asarray(every.command.tokens)[np.arange(len(at)), at] == GROUP_TOKEN).all()
+    assert (every.end > every.first).all()
+    strict = dataclasses.replace(FEW_STEPS, explained=0.0)
+    with pytest.raises(TrainingError, match="no command that the model carries out right"):
+        make_stage("parser", whole.model, few, strict)
+
+
+def test_the_parser_learns_to_doubt_what_says_nothing(
+    domain: domains.Domain, few: TrainingSet, whole: Result
+) -> None:
+    """The last stage alone, longer: sure of its own steps, in doubt about their words shuffled."""
+    longer = StageConfig(epochs=60, learning_rate=3e-3, batch=16)
+    config = dataclasses.replace(FEW_STEPS, parser=longer)
+    stage = make_stage("parser", whole.model, few, config)
+    fit, crops = Fit(stage, TRAINS["parser"], 0, 6), jax.numpy.asarray(few.crops)
+    state = fit.start(whole.model)
+    for epoch in range(longer.epochs):
+        state, _ = fit.epoch(state, epoch, crops)
+    steps = stage.sets[0]
+    keys = jax.random.split(jax.random.key(0), len(steps.first))
+
+    @eqx.filter_jit
+    def sure(model: Model, said: bool) -> np.ndarray:
+        def one(key, command, first, end):
+            tokens, valid, _ = step_tokens(command, first, end)
+            if not said:
+                tokens, valid = nonsense(key, tokens, valid, len(domain.vocabulary()))
+            return jax.nn.softmax(model.language.parse(tokens, valid).action).max()
+
+        return jax.vmap(one)(keys, steps.command, steps.first, steps.end)
+
+    before = float(np.mean(sure(whole.model, True)) - np.mean(sure(whole.model, False)))
+    after = float(np.mean(sure(state.model, True)) - np.mean(sure(state.model, False)))
+    assert after > before + 0.2, (before, after)
+    frozen = set(tensors(whole.model)) - {
+        name for name in tensors(whole.model) if name.startswith(TRAINS["parser"])
+    }
+    for name in frozen:
+        np.testing.assert_array_equal(tensors(state.model)[name], tensors(whole.model)[name], name)
 
 
 def test_names_follow_the_domains_order(domain: domains.Domain, whole: Result) -> None:

@@ -26,8 +26,8 @@ PLATEAU = 0.002
 """Shares of references that differ by less than this count as the same."""
 QUANTILE = 0.001
 """Share of the confidences on validation that may lie below the decision threshold."""
-DECISION_RANGE = (0.5, 0.9)
-"""A decision below one half is outvoted by the alternatives together; above 0.9 the quantile only
+DECISION_RANGE = (0.5, 0.75)
+"""A decision below one half is outvoted by the alternatives together; above 0.75 the quantile only
 says that validation had no hard case."""
 LEAST_ROWS = 100
 ROUNDS = 5

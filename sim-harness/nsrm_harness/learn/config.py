@@ -53,8 +53,9 @@ class TrainingConfig:
     """Loss that each token of the first step adds. Of splits that do equally well the earliest is
     the safest: what a step needs has been said when its second object is named, and what follows
     belongs to the next."""
-    nonsense: float = 0.01
-    """Weight of sentences that say nothing, of which the parser is to be sure of no action."""
+    nonsense: float = 0.05
+    """Weight of steps that say nothing, of which the parser is to be sure of no action. The soft
+    minimum weighs what a sentence says with τ: the same for both."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
@@ -69,6 +70,13 @@ class TrainingConfig:
     """(d) Everything, on one and two steps."""
     simulator: StageConfig = StageConfig(epochs=1200, learning_rate=5e-3, batch=256)
     """(e) The simulator alone, on the model's own choices."""
+    parser: StageConfig = StageConfig(epochs=50, learning_rate=1e-3, batch=128)
+    """(f) The parser alone, on its own choices as far as final scenes confirm them, and on steps
+    that say nothing."""
+    explained: float = 0.1
+    """Greatest loss of a final scene that confirms the choices."""
+    nonsense_parser: float = 0.5
+    """`nonsense` there."""
 
 
 def read_config(path: Path | None) -> TrainingConfig:

@@ -16,7 +16,7 @@ from jax import Array
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
-from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, filter_scene
+from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Parse, filter_scene
 from nsrm_harness.learn.objective import Scene, move, scene_loss
 from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
 
@@ -178,6 +178,16 @@ def split_table(
     return SplitTable(commands(data, rows), jnp.asarray(first), jnp.asarray(every))
 
 
+class StepTable(NamedTuple):
+    """Steps that the model understands: tokens `first..end` of a command, and its own choices."""
+
+    command: Command
+    first: Array
+    end: Array
+    meant: Parse
+    """Index of the action, and of the group token of each argument in the step."""
+
+
 class Decisions(NamedTuple):
     """The decisions about one step of each command: where it ends, and how sure each is."""
 
@@ -236,6 +246,43 @@ def own_choices(
 
     Their indices, the choices in each step, and the predicted final locations `[R, M, 5]`.
     """
+    episodes, bounds = own_cuts(model, data)
+    choices, locations = carry_out(model, data, similarities, episodes, bounds)
+    return episodes, choices, locations
+
+
+def own_steps(
+    model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
+) -> StepTable:
+    """The steps of the commands that the model carries out as the final scene shows."""
+    episodes, bounds = own_cuts(model, data)
+    _, locations = carry_out(model, data, similarities, episodes, bounds)
+    losses = np.asarray(_losses(jnp.asarray(locations), scenes(data, episodes), config))
+    right = losses <= config.explained
+    episodes, bounds = episodes[right], bounds[right]
+    second = bounds[:, 2] > bounds[:, 1]
+    rows = np.concatenate([episodes, episodes[second]])
+    first = np.concatenate([bounds[:, 0], bounds[second, 1]])
+    end = np.concatenate([bounds[:, 1], bounds[second, 2]])
+    command = commands(data, rows)
+    meant = _meant(model, command, jnp.asarray(first), jnp.asarray(end))
+    return StepTable(command, jnp.asarray(first), jnp.asarray(end), meant)
+
+
+@eqx.filter_jit
+def _meant(model: Model, command: Command, first: Array, end: Array) -> Parse:
+    def one(command: Command, first: Array, end: Array) -> Parse:
+        tokens, valid, _ = step_tokens(command, first, end)
+        return Parse(*(jnp.argmax(logits) for logits in model.language.parse(tokens, valid)))
+
+    return jax.vmap(one)(command, first, end)
+
+
+def own_cuts(model: Model, data: TrainingSet) -> tuple[np.ndarray, np.ndarray]:
+    """Episodes `[R]` of one and two steps that the model cuts into steps of two groups each.
+
+    With the bounds `[R, 3]` of the steps; see `_carry_out`.
+    """
     episodes = np.concatenate([data.select(1), data.select(2)])
     end = np.asarray(decide(model, data, episodes, np.zeros(len(episodes), np.int32)).end)
     tokens, length = data.sentences.tokens[episodes], data.sentences.length[episodes]
@@ -249,6 +296,4 @@ def own_choices(
             f"of {len(episodes)} commands the model cuts none into steps of two objects each: "
             "train the stages before for longer, or with more episodes"
         )
-    bounds = np.stack([np.zeros_like(end), end, length], axis=1)[kept]
-    choices, locations = carry_out(model, data, similarities, episodes[kept], bounds)
-    return episodes[kept], choices, locations
+    return episodes[kept], np.stack([np.zeros_like(end), end, length], axis=1)[kept]

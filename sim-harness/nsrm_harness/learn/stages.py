@@ -19,7 +19,7 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
-from nsrm_harness.learn.decode import Choices, SplitTable
+from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model
 from nsrm_harness.learn.nonsense import nonsense
 from nsrm_harness.learn.objective import (
@@ -35,14 +35,14 @@ from nsrm_harness.learn.objective import (
 )
 from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
 
-PERCEPTION_AND_PARSER = (
-    "vision",
+PARSER = (
     "language.embedding",
     "language.encoder",
     "language.action_decoder",
     "language.object_decoder",
     "language.reference_decoder",
 )
+PERCEPTION_AND_PARSER = ("vision", *PARSER)
 SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
 SPLITTER = ("language.splitter",)
 SHIFT = 2
@@ -129,10 +129,10 @@ def one_step_loss(
     return sampled_steps(key, model, [step], scene, config.loss, config.temperature)
 
 
-def nonsense_loss(key: Array, model: Model, command: Command) -> Array:
-    """How far a meaningless sentence's actions are from being equally likely, in nats."""
-    heap = nonsense(key, command, model.language.embedding.weight.shape[0])
-    tokens, valid, _ = step_tokens(heap, jnp.array(0), heap.length)
+def nonsense_loss(key: Array, model: Model, command: Command, first: Array, end: Array) -> Array:
+    """How far the actions of a step made meaningless are from being equally likely, in nats."""
+    tokens, valid, _ = step_tokens(command, first, end)
+    tokens, valid = nonsense(key, tokens, valid, model.language.embedding.weight.shape[0])
     actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
     return -actions.mean() - jnp.log(actions.shape[0])
 
@@ -146,6 +146,7 @@ def two_step_loss(
 ) -> Array:
     """Loss of a command of two steps over its likeliest splits."""
     command, scene, _ = demonstration
+    key, saying = jax.random.split(key)
     log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
     position = jnp.arange(log_probability.shape[0])
     is_group = (command.tokens == GROUP_TOKEN) & (position < command.length)
@@ -169,7 +170,9 @@ def two_step_loss(
     likeliest += jax.vmap(kept_whole)(positions)
     losses = jax.vmap(carry_out)(positions) + config.late_split * positions
     loss = soft_minimum(likeliest, losses, config.temperature)
-    return loss + config.indecision * entropy(log_probability)
+    # What joins two steps begins the second one: so do heaps that follow on a step.
+    heap = nonsense_loss(saying, model, command, positions[0] + 1, command.length)
+    return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
 
 
 def one_step_stage(
@@ -201,7 +204,9 @@ def one_step_stage(
             if exploration:
                 # First it must find out what there is to be sure of.
                 return loss
-            return loss + config.nonsense * nonsense_loss(saying, model, demonstration.command)
+            command = demonstration.command
+            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length)
+            return loss + config.nonsense * heap
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
 
@@ -243,9 +248,10 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
         def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
             choosing, saying = jax.random.split(key)
             loss = one_step_loss(choosing, model, demonstration, similarities, config)
-            loss += config.nonsense * nonsense_loss(saying, model, demonstration.command)
-            # Any split of a command of one step fails: only the whole counts.
             command = demonstration.command
+            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length)
+            loss += config.nonsense * heap
+            # Any split of a command of one step fails: only the whole counts.
             whole = split_log_probability(model.language.splitter, command, jnp.array(0))
             return loss - config.temperature * whole[command.length - 1]
 
@@ -286,6 +292,29 @@ def simulator_stage(
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
 
     return Stage("simulator", config.simulator, ((scenes, choices),), loss)
+
+
+def parser_stage(config: TrainingConfig, table: StepTable) -> Stage:
+    """(f): the parser on steps whose meaning the final scene has confirmed, and on nonsense."""
+    _some(np.arange(len(table.first)), "parser: no command that the model carries out right")
+
+    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        table: StepTable = batch[0]
+
+        def one(key: Array, row: StepTable) -> Array:
+            tokens, valid, _ = step_tokens(row.command, row.first, row.end)
+            parse = model.language.parse(tokens, valid)
+            said = sum(
+                -jax.nn.log_softmax(logits)[meant]
+                for logits, meant in zip(parse, row.meant, strict=True)
+            )
+            heap = nonsense_loss(key, model, row.command, row.first, row.end)
+            return said + config.nonsense_parser * heap
+
+        keys = jax.random.split(key, len(table.first))
+        return jax.vmap(one)(keys, table).mean()
+
+    return Stage("parser", config.parser, (table,), loss)
 
 
 def _some(chosen: np.ndarray, problem: str) -> None:

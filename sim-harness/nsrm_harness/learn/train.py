@@ -28,7 +28,7 @@ from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.dataset import TrainingSet
 from nsrm_harness.learn.model import Dimensions, Model
 from nsrm_harness.learn.naming import name_actions
-from nsrm_harness.learn.stages import PERCEPTION_AND_PARSER, SIMULATOR, SPLITTER, Stage
+from nsrm_harness.learn.stages import PARSER, PERCEPTION_AND_PARSER, SIMULATOR, SPLITTER, Stage
 
 TRAINS = {
     "actions": PERCEPTION_AND_PARSER + SIMULATOR,
@@ -37,6 +37,7 @@ TRAINS = {
     "splitter": SPLITTER,
     "joint": PERCEPTION_AND_PARSER + SIMULATOR + SPLITTER,
     "simulator": SIMULATOR,
+    "parser": PARSER,
 }
 """The stages in their order, with the beginnings of the names of the tensors that each trains."""
 FINAL_RATE = 0.05
@@ -164,6 +165,8 @@ def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfi
     if name == "splitter":
         table = decode.split_table(model, data, similarities, config)
         return stages.splitter_stage(config, table)
+    if name == "parser":
+        return stages.parser_stage(config, decode.own_steps(model, data, similarities, config))
     episodes, choices, _ = decode.own_choices(model, data, similarities)
     return stages.simulator_stage(config, data, episodes, choices)
 
