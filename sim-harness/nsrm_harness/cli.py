@@ -23,6 +23,7 @@ COMMANDS = {
     "look": "Draw an episode: before, after, boxes and sentence.",
     "train": "Learn a model from demonstrations.",
     "evaluate": "The paper's metrics of a model on an episode file.",
+    "baseline": "Train and measure the paper's baseline, a network without programs.",
     "refusals": "How much of what must be refused a model refuses.",
     "golden": "Write the golden vectors of a model file.",
 }
