@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -36,8 +37,8 @@ from nsrm_harness.learn.config import StageConfig
 from nsrm_harness.learn.export import ModelFile, ModelFileError, Thresholds, WorkSpace, write_model
 from nsrm_harness.learn.model import Dimensions, Model, tensors
 from nsrm_harness.learn.objective import scene_loss
-from nsrm_harness.learn.stages import TrainingError
-from nsrm_harness.learn.train import trainable
+from nsrm_harness.learn.stages import Stage, TrainingError
+from nsrm_harness.learn.train import NEXT_ATTEMPT, trainable
 from nsrm_harness.world.camera import default_camera
 
 DOMAIN = domains.load()
@@ -173,6 +174,7 @@ def test_learns_from_the_outcome_alone() -> None:
         config,
         single=dataclasses.replace(config.single, epochs=20),
         joint=NONE,
+        attempts=1,
         simulator=dataclasses.replace(config.simulator, epochs=20),
     )
     model = train(WORDS, toys.data, said(toys, 5), config, 0, quiet=True)
@@ -181,6 +183,32 @@ def test_learns_from_the_outcome_alone() -> None:
     chosen = np.array([(p[0].object_id - 1, p[0].reference_id - 1) for p in planned])
     right = np.mean(chosen == unseen.objects[:, 0], axis=0)
     assert np.all(right > 0.6), f"seed 0: {right}"
+
+
+@pytest.mark.parametrize(
+    ("joint_losses", "kept"),
+    [([0.05], 0), ([0.3, 0.05], 1), ([0.3, 0.2, 0.4], 1)],
+)
+def test_it_begins_again_until_it_has_learned(
+    monkeypatch: pytest.MonkeyPatch, joint_losses: list[float], kept: int
+) -> None:
+    """And of attempts that all failed it keeps the one with the least loss."""
+    one, ran = make_toys(DOMAIN, 12, 1, 2), []
+    losses = iter([*(loss for joint in joint_losses for loss in (0.04, joint)), 0.1])
+
+    def fit(
+        stage: Stage, _: tuple[str, ...], model: Baseline, *rest: Any
+    ) -> tuple[Baseline, float]:
+        ran.append((stage.name, rest[1]))
+        return model, next(losses)
+
+    monkeypatch.setattr("nsrm_harness.baseline.train._fit", fit)
+    model = train(WORDS, one.data, said(one, 2), BaselineConfig(), 3, quiet=True)
+    seeds = [3 + NEXT_ATTEMPT * attempt for attempt in range(len(joint_losses))]
+    begun = [(name, seed) for seed in seeds for name in ("single", "joint")]
+    assert ran == [*begun, ("simulator", 3)]
+    expected = Baseline(WORDS, jax.random.key(seeds[kept]))
+    np.testing.assert_array_equal(model.embedding.weight, expected.embedding.weight)
 
 
 def test_its_file_is_read_back(tmp_path: Path) -> None:
