@@ -24,6 +24,7 @@ COMMANDS = {
     "train": "Learn a model from demonstrations.",
     "detect": "Measure the detector, which needs no mask.",
     "evaluate": "The paper's metrics of a model on an episode file.",
+    "baseline": "Train and measure the paper's baseline, a network without programs.",
     "refusals": "How much of what must be refused a model refuses.",
     "golden": "Write the golden vectors of a model file.",
 }

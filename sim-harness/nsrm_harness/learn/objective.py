@@ -12,6 +12,7 @@ straight-through Gumbel samples merge them in most.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -117,7 +118,7 @@ def ground(parse: Parse, tokens: Array, groups: Array, similarities: Array, pres
 
 
 def exact_step(
-    simulator: Simulator,
+    simulator: Callable[[Array, Array, Array], Array],
     grounding: Grounding,
     scene: Scene,
     weights: LossWeights,

@@ -1,0 +1,64 @@
+"""The baseline's file, `baseline.safetensors`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import jax
+
+from nsrm_harness import domain as domains
+from nsrm_harness.baseline.model import Baseline
+from nsrm_harness.baseline.words import vocabulary
+from nsrm_harness.domain import Domain
+from nsrm_harness.learn.export import (
+    arrays_of,
+    filled,
+    read_checked,
+    safetensors_bytes,
+    tensor_hash,
+    write_whole,
+)
+
+SCHEMA = "baseline 1"
+"""Not a number, so that it is not taken for a model file, nor a model file for it."""
+
+
+@dataclass(frozen=True)
+class BaselineFile:
+    """A baseline with what its file says of it."""
+
+    model: Baseline
+    domain: Domain
+    training: Mapping[str, Any] = field(default_factory=dict)
+    """Seed, number of episodes, hash of the data, configuration."""
+    metrics: Mapping[str, Any] = field(default_factory=dict)
+    """On test; empty until evaluated."""
+
+
+def write_baseline(path: Path, file: BaselineFile) -> None:
+    """Write the file, all of it or nothing; the same baseline gives the same bytes."""
+    arrays = arrays_of(file.model)
+    metadata = {
+        "schema": SCHEMA,
+        "hash": tensor_hash(arrays),
+        "domain": file.domain.as_json(),
+        "training": json.dumps(file.training),
+        "metrics": json.dumps(file.metrics),
+    }
+    write_whole(path, safetensors_bytes(arrays, metadata))
+
+
+def read_baseline(path: Path) -> BaselineFile:
+    """Read it back; `ModelFileError` says what does not fit."""
+    arrays, metadata = read_checked(path, SCHEMA)
+    domain = domains.from_json(metadata["domain"], str(path))
+    return BaselineFile(
+        model=filled(Baseline(vocabulary(domain), jax.random.key(0)), arrays, path),
+        domain=domain,
+        training=json.loads(metadata["training"]),
+        metrics=json.loads(metadata["metrics"]),
+    )
