@@ -101,6 +101,14 @@ class Metrics:
         )
 
 
+def load_model(path: Path | None) -> nsrm.Model:
+    """A model file, or the model that is built in; raises `EvaluationError`."""
+    try:
+        return nsrm.Model.load(path) if path else nsrm.Model.pretrained()
+    except nsrm.ModelError as error:
+        raise EvaluationError(str(error)) from error
+
+
 def evaluate(model: nsrm.Model, path: Path, boxes: Boxes = "mask", quiet: bool = False) -> Metrics:
     """Plan every episode of a file and judge the plans."""
     return evaluate_models([model], path, boxes, quiet=quiet)[0]
@@ -118,7 +126,7 @@ def evaluate_models(
     refused: list[Counter[str]] = [Counter() for _ in models]
     with Demonstrations(path) as demonstrations, Judge(path) as judge:
         for model in models:
-            _check(model, demonstrations, path)
+            check_domain(model, demonstrations)
         for chunk in chunks(demonstrations, name, quiet):
             scenes = [_scene(demonstrations, judge, index, boxes) for index in chunk]
             seen = [scene for scene in scenes if scene is not None]
@@ -169,11 +177,12 @@ def _scene(demonstrations: Demonstrations, judge: Judge, index: int, boxes: Boxe
     )
 
 
-def _check(model: nsrm.Model, demonstrations: Demonstrations, path: Path) -> None:
+def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
+    """Raises `EvaluationError` where a model knows another domain than a file is of."""
     domain = model.info()["domain"]
     if demonstrations.domain.name != domain:
         raise EvaluationError(
-            f"{path}: has episodes of the domain {demonstrations.domain.name!r}, "
+            f"{demonstrations.path}: has episodes of the domain {demonstrations.domain.name!r}, "
             f"the model knows {domain!r}"
         )
 

@@ -8,18 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from nsrm_harness.commands.options import model_option
+
 if TYPE_CHECKING:
     from nsrm_harness.observing import Boxes
 
 
 @click.command("evaluate")
-@click.option(
-    "--model",
-    "model_path",
-    type=click.Path(path_type=Path),
-    show_default="the one that is built in",
-    help="Model file.",
-)
+@model_option
 @click.option(
     "--data",
     type=click.Path(path_type=Path),
@@ -37,13 +33,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as JSON.")
 def command(model_path: Path | None, data: Path, boxes: Boxes, as_json: bool) -> None:
     """Plan every episode of a file with the core and judge the plans."""
-    import nsrm
+    from nsrm_harness.evaluate import evaluate, load_model
 
-    from nsrm_harness.evaluate import EvaluationError, evaluate
-
-    try:
-        model = nsrm.Model.load(model_path) if model_path else nsrm.Model.pretrained()
-    except nsrm.ModelError as error:
-        raise EvaluationError(str(error)) from error
-    metrics = evaluate(model, data, boxes, quiet=as_json)
+    metrics = evaluate(load_model(model_path), data, boxes, quiet=as_json)
     click.echo(json.dumps(metrics.as_json(), indent=2) if as_json else str(metrics))

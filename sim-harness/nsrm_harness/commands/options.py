@@ -46,3 +46,10 @@ domain_option = click.option(
     help="Domain file.",
 )
 seed_option = click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+model_option = click.option(
+    "--model",
+    "model_path",
+    type=click.Path(path_type=Path),
+    show_default="the one that is built in",
+    help="Model file.",
+)

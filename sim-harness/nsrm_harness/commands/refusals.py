@@ -7,15 +7,11 @@ from pathlib import Path
 
 import click
 
+from nsrm_harness.commands.options import model_option
+
 
 @click.command("refusals")
-@click.option(
-    "--model",
-    "model_path",
-    type=click.Path(path_type=Path),
-    show_default="the one that is built in",
-    help="Model file.",
-)
+@model_option
 @click.option(
     "--set",
     "which",
@@ -53,19 +49,13 @@ def command(
     out: Path,
 ) -> None:
     """Plan sentences that must be refused, and those of a file, with the core."""
-    import nsrm
-
-    from nsrm_harness.evaluate import EvaluationError
+    from nsrm_harness.evaluate import load_model
     from nsrm_harness.refusals.figure import draw_report
     from nsrm_harness.refusals.measure import measure
     from nsrm_harness.refusals.sentences import COUNT
 
-    try:
-        model = nsrm.Model.load(model_path) if model_path else nsrm.Model.pretrained()
-    except nsrm.ModelError as error:
-        raise EvaluationError(str(error)) from error
     path = data or Path("data/tabletop") / f"{which}.h5"
-    report = measure(model, path, which, count or COUNT, quiet=as_json)
+    report = measure(load_model(model_path), path, which, count or COUNT, quiet=as_json)
     out.mkdir(parents=True, exist_ok=True)
     report.write_csv(out / "refusals.csv")
     draw_report(report, out / "refusals.png")

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.errors import EpisodeFileError
-from nsrm_harness.evaluate import EvaluationError, judge_plan
+from nsrm_harness.evaluate import EvaluationError, check_domain, judge_plan
 from nsrm_harness.judge import Judge, Truth
 from nsrm_harness.observing import chunks, objects_of, observe_episode
 from nsrm_harness.refusals.certainty import Bin, Curve, bins, calibration_error, risk_curve
@@ -235,12 +235,7 @@ def _reasons(outcomes: Sequence[Outcome]) -> dict[str, int]:
 
 
 def _check(model: nsrm.Model, demonstrations: Demonstrations, which: str) -> None:
-    domain = model.info()["domain"]
-    if demonstrations.domain.name != domain:
-        raise EvaluationError(
-            f"{demonstrations.path}: has episodes of the domain {demonstrations.domain.name!r}, "
-            f"the model knows {domain!r}"
-        )
+    check_domain(model, demonstrations)
     if demonstrations.split != which:
         raise EpisodeFileError(
             f"{demonstrations.path}: has the split {demonstrations.split!r}, the set {which!r} "
