@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from nsrm_harness import domain as domains
+from nsrm_harness.learn.dataset import Sentences
 from nsrm_harness.learn.model import Dimensions, Model, Parse
-from nsrm_harness.learn.nonsense import nonsense
+from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
     LossWeights,
@@ -169,7 +170,12 @@ def test_nonsense_keeps_the_descriptions_and_changes_the_words() -> None:
     # put . on the . now
     step = jnp.array([4, 0, 6, 8, 0, 7, 0, 0, 0, 0])
     valid = jnp.arange(10) < 6
-    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, 9)))
+    # Somewhere "on" stands alone before a description: what leaves it is no nonsense.
+    alone = np.array([[4, 0, 6, 0, 7, 0, 0, 0, 0, 0]], np.int32)
+    groups = np.zeros((1, 2, 1), np.int32)
+    known = known_gaps(Sentences(alone, np.array([5]), groups, np.array([2])))
+    assert len(known) == 2
+    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, known, 9)))
     tokens, still = heap(jax.random.split(jax.random.key(1), 400))
     rows, kepts = np.asarray(tokens), np.asarray(still)
     heaps = [tuple(row[kept].tolist()) for row, kept in zip(rows, kepts, strict=True)]
@@ -178,13 +184,28 @@ def test_nonsense_keeps_the_descriptions_and_changes_the_words() -> None:
         assert kept[: len(heap)].all() and not kept[len(heap) :].any()
         assert not row[len(heap) :].any() and row.max() < 9
     assert len(set(heaps)) > 100
-    # What is left out is all of a short gap; the last word is in none.
+    # All words of a gap are left out, or more than half of them; the last word is in none.
     assert {heap for heap in heaps if len(heap) < 6} == {(0, 6, 8, 0, 7), (4, 0, 0, 7)}
+
+
+def test_what_is_left_of_a_gap_is_said_nowhere() -> None:
+    # now on the . put .: "on" and "on the" are known, "now", "the", "now the" and "now on" not.
+    step = jnp.array([3, 6, 8, 0, 4, 0, 0, 0])
+    valid = jnp.arange(8) < 6
+    tokens = np.array([[6, 0, 4, 0, 0, 0], [6, 8, 0, 4, 0, 0]], np.int32)
+    groups = np.zeros((2, 2, 1), np.int32)
+    known = known_gaps(Sentences(tokens, np.array([4, 5]), groups, np.array([2, 2])))
+    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, known, 9)))
+    rows, kepts = map(np.asarray, heap(jax.random.split(jax.random.key(3), 400)))
+    short = {tuple(row[kept].tolist()) for row, kept in zip(rows, kepts, strict=True)}
+    gaps = {heap[: heap.index(0)] for heap in short if len(heap) < 6 and heap[-2:] == (4, 0)}
+    assert gaps == {(), (3,), (8,)}
 
 
 def test_nonsense_of_a_step_without_words_is_itself() -> None:
     step, valid = jnp.array([0, 0, 0, 0]), jnp.arange(4) < 2
-    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, 9)))
+    known = jnp.zeros(1, jnp.uint32)
+    heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, known, 9)))
     tokens, still = heap(jax.random.split(jax.random.key(2), 20))
     assert not tokens.any() and (still == valid).all()
 

@@ -29,7 +29,7 @@ from nsrm_harness.learn.export import (
     write_model,
 )
 from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, tensors
-from nsrm_harness.learn.nonsense import nonsense
+from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.splits import step_tokens
 from nsrm_harness.learn.stages import TrainingError
 from nsrm_harness.learn.train import TRAINS, Fit, Result, make_stage, train
@@ -215,7 +215,7 @@ def test_the_parser_learns_to_doubt_what_says_nothing(
     state = fit.start(whole.model)
     for epoch in range(longer.epochs):
         state, _ = fit.epoch(state, epoch, crops)
-    steps = stage.sets[0]
+    steps, known = stage.sets[0], known_gaps(few.sentences)
     keys = jax.random.split(jax.random.key(0), len(steps.first))
 
     @eqx.filter_jit
@@ -223,7 +223,7 @@ def test_the_parser_learns_to_doubt_what_says_nothing(
         def one(key, command, first, end):
             tokens, valid, _ = step_tokens(command, first, end)
             if not said:
-                tokens, valid = nonsense(key, tokens, valid, len(domain.vocabulary()))
+                tokens, valid = nonsense(key, tokens, valid, known, len(domain.vocabulary()))
             return jax.nn.softmax(model.language.parse(tokens, valid).action).max()
 
         return jax.vmap(one)(keys, steps.command, steps.first, steps.end)

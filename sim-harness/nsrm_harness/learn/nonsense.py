@@ -6,8 +6,8 @@ that it has and asks for an even distribution over actions, which the planner re
 
 A heap that means something after all teaches doubt about good sentences: "on top of" without
 its last words is "on", a word for another may be its synonym, and two words shuffled are often
-as they were. So words are left out only all at once, the words before a description, and more
-than half of them are exchanged, at least two; short steps are not shuffled.
+as they were. So what is left before a description is never what some sentence has there, at
+least two words are exchanged, more than half, and short steps are not shuffled.
 """
 
 from __future__ import annotations
@@ -16,39 +16,71 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from nsrm_harness.learn.dataset import Sentences
 from nsrm_harness.learn.model import GROUP_TOKEN
 
 LEAST_SHUFFLED = 7
 """Tokens of a step that is shuffled, at least."""
 LEAST_EXCHANGED = 2
+HASH_BASE = 2_654_435_761
 
 
-def nonsense(key: Array, tokens: Array, valid: Array, words: int) -> tuple[Array, Array]:
+def nonsense(
+    key: Array, tokens: Array, valid: Array, known: Array, words: int
+) -> tuple[Array, Array]:
     """A step without a meaning, with the same descriptions: tokens `[T]`, valid `[T]`.
 
-    With equal chances all tokens are shuffled, the words before a description left out, more than
-    half of those exchanged, or more than half of all words. `words`: rows of the embedding.
+    With equal chances all tokens are shuffled, words before a description left out, more than half
+    of those exchanged, or more than half of all words.
+
+    * `known`: what stands before descriptions in sentences; see `known_gaps`
+    * `words`: rows of the embedding
     """
-    kind, draw, other, place, first, second = jax.random.split(key, 6)
+    kind, draw, other, place, first, second, some = jax.random.split(key, 7)
     is_group = valid & (tokens == GROUP_TOKEN)
     is_word = valid & ~is_group
     draws = jax.random.uniform(draw, tokens.shape)
     foreign = jax.random.randint(other, tokens.shape, 1, words)
     gap_of = jnp.cumsum(is_group)
     gap = is_word & (gap_of == jax.random.randint(place, (), 0, gap_of[-1]))
+    part = _most(some, gap)
+    left_out = jnp.where(jnp.isin(gap_hash(tokens, gap & ~part), known), gap, part)
     chosen = jax.random.randint(kind, (), 0, 4)
     chosen = jnp.where((chosen == 0) & (valid.sum() < LEAST_SHUFFLED), 2, chosen)
     chosen = jnp.where((chosen == 2) & (gap.sum() < LEAST_EXCHANGED), 1, chosen)
     result = jnp.stack(
         [
             tokens[jnp.argsort(jnp.where(valid, draws, 2.0))],
-            tokens[jnp.argsort(~(valid & ~gap), stable=True)],
+            tokens[jnp.argsort(~(valid & ~left_out), stable=True)],
             jnp.where(_most(first, gap), foreign, tokens),
             jnp.where(_most(second, is_word), foreign, tokens),
         ]
     )[chosen]
-    left = jnp.arange(tokens.shape[0]) < valid.sum() - jnp.where(chosen == 1, gap.sum(), 0)
+    left = jnp.arange(tokens.shape[0]) < valid.sum() - jnp.where(chosen == 1, left_out.sum(), 0)
     return jnp.where(left, result, 0), left
+
+
+def gap_hash(tokens: Array, among: Array) -> Array:
+    """A number for the chosen words in their order, uint32; 0 for none. Equal by chance once in
+    four thousand millions."""
+    order = jnp.cumsum(among) - 1
+    powers = jnp.cumprod(jnp.full(tokens.shape, HASH_BASE, jnp.uint32))
+    return jnp.sum(jnp.where(among, tokens.astype(jnp.uint32) * powers[order], 0), dtype=jnp.uint32)
+
+
+def known_gaps(sentences: Sentences) -> Array:
+    """What stands before descriptions in them: every `gap_hash`, sorted, uint32 `[K]`."""
+    count = sentences.groups.shape[1]
+    valid = jnp.arange(sentences.tokens.shape[1]) < sentences.length[:, None]
+
+    def one(tokens: Array, valid: Array, groups: Array) -> Array:
+        is_group = valid & (tokens == GROUP_TOKEN)
+        gap_of = jnp.where(valid & ~is_group, jnp.cumsum(is_group), -1)
+        hashes = jax.vmap(lambda gap: gap_hash(tokens, gap_of == gap))(jnp.arange(count))
+        return jnp.where(jnp.arange(count) < groups, hashes, 0)
+
+    found = jax.vmap(one)(jnp.asarray(sentences.tokens), valid, jnp.asarray(sentences.group_count))
+    return jnp.unique(found)
 
 
 def _most(key: Array, among: Array) -> Array:

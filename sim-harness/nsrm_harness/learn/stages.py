@@ -21,7 +21,7 @@ from nsrm_harness.learn.config import StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model
-from nsrm_harness.learn.nonsense import nonsense
+from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
     Scene,
@@ -129,10 +129,12 @@ def one_step_loss(
     return sampled_steps(key, model, [step], scene, config.loss, config.temperature)
 
 
-def nonsense_loss(key: Array, model: Model, command: Command, first: Array, end: Array) -> Array:
+def nonsense_loss(
+    key: Array, model: Model, command: Command, first: Array, end: Array, known: Array
+) -> Array:
     """How far the actions of a step made meaningless are from being equally likely, in nats."""
     tokens, valid, _ = step_tokens(command, first, end)
-    tokens, valid = nonsense(key, tokens, valid, model.language.embedding.weight.shape[0])
+    tokens, valid = nonsense(key, tokens, valid, known, model.language.embedding.weight.shape[0])
     actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
     return -actions.mean() - jnp.log(actions.shape[0])
 
@@ -143,8 +145,9 @@ def two_step_loss(
     demonstration: Demonstration,
     similarities: Array,
     config: TrainingConfig,
+    known: Array,
 ) -> Array:
-    """Loss of a command of two steps over its likeliest splits."""
+    """Loss of a command of two steps over its likeliest splits; `known`: see `nonsense`."""
     command, scene, _ = demonstration
     key, saying = jax.random.split(key)
     log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
@@ -171,7 +174,7 @@ def two_step_loss(
     losses = jax.vmap(carry_out)(positions) + config.late_split * positions
     loss = soft_minimum(likeliest, losses, config.temperature)
     # What joins two steps begins the second one: so do heaps that follow on a step.
-    heap = nonsense_loss(saying, model, command, positions[0] + 1, command.length)
+    heap = nonsense_loss(saying, model, command, positions[0] + 1, command.length, known)
     return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
 
 
@@ -188,6 +191,7 @@ def one_step_stage(
     `exploration` falls to nothing in the first half of the stage.
     """
     _some(chosen, f"{name}: no command of one step")
+    known = known_gaps(data.sentences)
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         (demonstration,) = batch
@@ -205,7 +209,7 @@ def one_step_stage(
                 # First it must find out what there is to be sure of.
                 return loss
             command = demonstration.command
-            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length)
+            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length, known)
             return loss + config.nonsense * heap
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
@@ -236,6 +240,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
     one, two = data.select(1), data.select(2)
     _some(one, "joint: no command of one step")
     _some(two, "joint: no command of two steps")
+    known = known_gaps(data.sentences)
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         single, double = batch
@@ -249,14 +254,14 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
             choosing, saying = jax.random.split(key)
             loss = one_step_loss(choosing, model, demonstration, similarities, config)
             command = demonstration.command
-            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length)
+            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length, known)
             loss += config.nonsense * heap
             # Any split of a command of one step fails: only the whole counts.
             whole = split_log_probability(model.language.splitter, command, jnp.array(0))
             return loss - config.temperature * whole[command.length - 1]
 
         def two(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
-            return two_step_loss(key, model, demonstration, similarities, config)
+            return two_step_loss(key, model, demonstration, similarities, config, known)
 
         first = jax.vmap(one)(keys[:half], single, similarities[:half])
         second = jax.vmap(two)(keys[half:], double, similarities[half:])
@@ -294,8 +299,9 @@ def simulator_stage(
     return Stage("simulator", config.simulator, ((scenes, choices),), loss)
 
 
-def parser_stage(config: TrainingConfig, table: StepTable) -> Stage:
+def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable) -> Stage:
     """(f): the parser on steps whose meaning the final scene has confirmed, and on nonsense."""
+    known = known_gaps(data.sentences)
     _some(np.arange(len(table.first)), "parser: no command that the model carries out right")
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
@@ -308,7 +314,7 @@ def parser_stage(config: TrainingConfig, table: StepTable) -> Stage:
                 -jax.nn.log_softmax(logits)[meant]
                 for logits, meant in zip(parse, row.meant, strict=True)
             )
-            heap = nonsense_loss(key, model, row.command, row.first, row.end)
+            heap = nonsense_loss(key, model, row.command, row.first, row.end, known)
             return said + config.nonsense_parser * heap
 
         keys = jax.random.split(key, len(table.first))

@@ -166,7 +166,8 @@ def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfi
         table = decode.split_table(model, data, similarities, config)
         return stages.splitter_stage(config, table)
     if name == "parser":
-        return stages.parser_stage(config, decode.own_steps(model, data, similarities, config))
+        table = decode.own_steps(model, data, similarities, config)
+        return stages.parser_stage(config, data, table)
     episodes, choices, _ = decode.own_choices(model, data, similarities)
     return stages.simulator_stage(config, data, episodes, choices)
 
