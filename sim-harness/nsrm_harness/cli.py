@@ -26,6 +26,8 @@ COMMANDS = {
     "evaluate": "The paper's metrics of a model on an episode file.",
     "baseline": "Train and measure the paper's baseline, a network without programs.",
     "refusals": "How much of what must be refused a model refuses.",
+    "tables": "The paper's tables, from nothing to a report.",
+    "publish": "A finished report and its model into the project.",
     "golden": "Write the golden vectors of a model file.",
 }
 

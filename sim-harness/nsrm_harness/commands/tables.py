@@ -1,0 +1,51 @@
+"""``harness tables``: the paper's tables, from nothing to a report."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import click
+
+from nsrm_harness.commands.options import domain_option
+
+
+@click.command("tables")
+@click.option("--quick", is_flag=True, help="One seed on a tenth of the data.")
+@domain_option
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    show_default="runs/tables, with --quick runs/tables-quick",
+    help="Folder for data, models, figures and the report.",
+)
+@click.option(
+    "--data-seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Seed of all episodes.",
+)
+@click.option(
+    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
+)
+def command(quick: bool, domain_path: Path, out: Path | None, data_seed: int, jobs: int) -> None:
+    """Make data, models and baselines, judge them on all splits, write OUT/report/.
+
+    After Ctrl-C the same command goes on.
+    """
+    from nsrm_harness import domain as domains
+    from nsrm_harness.tables.report import REPORT, write_report
+    from nsrm_harness.tables.run import Tables
+    from nsrm_harness.tables.study import full_study, quick_study
+
+    study = quick_study(data_seed) if quick else full_study(data_seed)
+    folder = out or Path("runs") / ("tables-quick" if quick else "tables")
+    try:
+        outcome = Tables(study, domains.load(domain_path), folder, jobs, say=click.echo).make()
+    except KeyboardInterrupt:
+        click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
+        sys.exit(130)
+    write_report(outcome, study, folder / "report")
+    click.echo(f"report: {folder / 'report' / REPORT}")

@@ -1,0 +1,93 @@
+"""What of a report goes into the project: the report itself, the model, the README's figures."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.refusals.measure import COLUMNS
+from nsrm_harness.tables.paper import ROWS, TABLES
+from nsrm_harness.tables.report import HEADINGS, REFUSALS, TITLES
+from nsrm_harness.tables.report import TABLES as TABLES_FILE
+from nsrm_harness.tables.results import MEASURES, Row, read_rows, select, summarize
+from nsrm_harness.tables.study import JUDGED
+
+BEGIN = "<!-- figures: from docs/report by `cargo harness publish` -->"
+END = "<!-- end of figures -->"
+REPORT_FOLDER = Path("docs/report")
+README = Path("README.md")
+MODEL = Path("core/pretrained/tabletop.safetensors")
+
+
+class PublishError(HarnessError):
+    """A report or a README from which nothing can be published."""
+
+
+def publish(report: Path, model: Path, root: Path) -> None:
+    """Copy the report's files and the model into the checkout at `root`; update its README."""
+    for needed in (report / TABLES_FILE, report / REFUSALS, model):
+        if not needed.exists():
+            raise PublishError(f"{needed}: not there: 'harness tables' makes it")
+    text = with_figures((root / README).read_text(encoding="utf-8"), report)
+    target = root / REPORT_FOLDER
+    if target.exists():
+        shutil.rmtree(target)
+    shutil.copytree(report, target)
+    shutil.copyfile(model, root / MODEL)
+    (root / README).write_text(text, encoding="utf-8")
+
+
+def with_figures(readme: str, report: Path) -> str:
+    """The README with the figures of a report between its two marks."""
+    before, begin, rest = readme.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise PublishError(f"README: has no figures' marks: {BEGIN!r} and {END!r}")
+    block = figures(read_rows(report / TABLES_FILE), _refusals(report / REFUSALS))
+    return f"{before}{BEGIN}\n{block}\n{END}{after}"
+
+
+def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
+    """The README's table, means over the seeds with the paper's beside them, and a sentence."""
+    lines = [f"| | {' | '.join(HEADINGS)} |", "|---|" + "---:|" * len(HEADINGS)]
+    for split in JUDGED:
+        if split == "train":
+            continue
+        chosen = select(rows, split, "nsrm", "mask")
+        cells = [_cell(split, measure, chosen) for measure in MEASURES]
+        table = f" (Table {TABLES[split].split(',')[0]})" if split in TABLES else ""
+        lines.append(f"| {TITLES[split]}{table} | {' | '.join(cells)} |")
+    seeds = len({row.seed for row in rows})
+    least = min(row.episodes for row in rows)
+    of_test = [row for row in refusals if row["set"] == "test"]
+    count, refused = (sum(int(row[name]) for row in of_test) for name in ("count", "refused"))
+    return "\n".join(
+        [
+            *lines,
+            "",
+            f"Percent, mean of {seeds} {'seed' if seeds == 1 else 'seeds'}, at least {least} "
+            "episodes a row; in brackets the paper's, on its own data.",
+            f"Of {count} sentences that must be refused, of {len(of_test)} kinds, {refused} are.",
+        ]
+    )
+
+
+def _cell(split: str, measure: str, rows: Sequence[Row]) -> str:
+    summary = summarize(rows, measure)
+    if summary is None:
+        return "-"
+    told = ROWS.get((split, "nsrm"))
+    paper = f" ({getattr(told, measure):.1f})" if told else ""
+    return f"{summary.mean:.1f}{paper}"
+
+
+def _refusals(path: Path) -> list[dict[str, Any]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        if tuple(reader.fieldnames or ()) != COLUMNS:
+            raise PublishError(f"{path}: expected the columns {','.join(COLUMNS)}")
+        return list(reader)

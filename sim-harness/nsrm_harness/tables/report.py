@@ -1,0 +1,157 @@
+"""The report: Markdown with its plots and CSV files beside it."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from nsrm_harness.refusals.figure import draw_report
+from nsrm_harness.refusals.measure import COLUMNS, KindCount, Report
+from nsrm_harness.tables import paper
+from nsrm_harness.tables.figures import draw_steps
+from nsrm_harness.tables.results import MEASURES, Row, select, summarize, write_rows
+from nsrm_harness.tables.run import Outcome
+from nsrm_harness.tables.study import FAMILIES, JUDGED, Study
+
+REPORT = "README.md"
+TABLES = "tables.csv"
+REFUSALS = "refusals.csv"
+HEADINGS = ("program", "O1", "O2", "IoU-2D", "IoU-3D")
+TITLES = {
+    "train": "training episodes, 1-2 steps",
+    "test": "test, 1-2 steps",
+    "novel_pairs": "attribute pairs never seen in training",
+    "steps_3": "3 steps, trained on 1-2",
+    "steps_4": "4 steps",
+    "steps_5": "5 steps",
+    "steps_6": "6 steps",
+    "steps_8": "8 steps",
+    "multi_attribute": "two attributes in each description, trained on one",
+    "objects_10": "10 objects, trained on 4-6",
+    "paraphrase": "wordings never heard in training",
+}
+
+
+def write_report(outcome: Outcome, study: Study, folder: Path) -> None:
+    """`README.md`, its plots, `tables.csv` and `refusals.csv`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_rows(folder / TABLES, outcome.rows)
+    _write_refusals(folder / REFUSALS, outcome.refusals)
+    draw_steps(outcome.rows, folder / "steps.png")
+    for report in outcome.refusals:
+        draw_report(report, folder / f"refusals-{report.set}.png")
+    (folder / REPORT).write_text(markdown(outcome, study), encoding="utf-8")
+
+
+def markdown(outcome: Outcome, study: Study) -> str:
+    """The text of the report."""
+    rows = outcome.rows
+    sections = [
+        "# Report",
+        _origin(outcome, study),
+        "## The paper's tables",
+        "Percent, mean over the seeds, in brackets the least and the greatest. The paper's own "
+        "figures are for its own data.",
+        *(_paper_table(rows, split) for split in JUDGED if split in paper.TABLES),
+        "## Beyond them",
+        _table(rows, [split for split in JUDGED if split not in paper.TABLES], "mask"),
+        "![accuracy against steps](steps.png)",
+        "## Boxes from the detector",
+        "The same models and episodes; boxes and depths come from the detector on colour and "
+        "depth in place of the simulator's mask.",
+        _table(rows, JUDGED, "detector"),
+        "## Refusals",
+        *(part for report in outcome.refusals for part in _refusals(report)),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def _origin(outcome: Outcome, study: Study) -> str:
+    seeds = ", ".join(map(str, study.seeds))
+    families = "; ".join(
+        f"{family.train}: {study.settings(family.train).count}" for family in FAMILIES
+    )
+    return (
+        f"Written by `cargo harness tables{' --quick' if study.name == 'quick' else ''}` at "
+        f"{_commits(outcome.commits)}; seeds of the models {seeds}, of the data {study.data_seed}; "
+        f"episodes for training: {families}. Models are judged through the Rust core alone; a "
+        "refused sentence counts as wrong in every measure. The baseline is told where the "
+        "steps of a sentence end."
+    )
+
+
+def _commits(commits: Sequence[str]) -> str:
+    return f"commit{'s' if len(commits) > 1 else ''} {', '.join(commits)}"
+
+
+def _paper_table(rows: Sequence[Row], split: str) -> str:
+    lines = [f"### Table {paper.TABLES[split]}", "", _header("")]
+    for model, name in (("baseline", "baseline"), ("nsrm", "model")):
+        figures = paper.ROWS[split, model]
+        cells = [_number(getattr(figures, measure)) for measure in MEASURES]
+        lines.append(_line(f"paper, {name}", cells))
+    for model, name in (("baseline", "baseline"), ("nsrm", "**NSRM**")):
+        lines.append(_line(f"ours, {name}", _cells(select(rows, split, model, "mask"))))
+    return "\n".join(lines)
+
+
+def _table(rows: Sequence[Row], splits: Iterable[str], boxes: str) -> str:
+    lines = [_header("split")]
+    for split in splits:
+        for model, name in (("nsrm", ""), ("baseline", ", baseline")):
+            if chosen := select(rows, split, model, boxes):
+                lines.append(_line(TITLES[split] + name, _cells(chosen)))
+    return "\n".join(lines)
+
+
+def _cells(rows: Sequence[Row]) -> list[str]:
+    cells = []
+    for measure in MEASURES:
+        summary = summarize(rows, measure)
+        if summary is None:
+            cells.append("-")
+        elif len(rows) == 1:
+            cells.append(_number(summary.mean))
+        else:
+            cells.append(f"{summary.mean:.1f} ({summary.least:.1f}-{summary.greatest:.1f})")
+    return cells
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}"
+
+
+def _header(first: str) -> str:
+    return _line(first, HEADINGS) + "\n|---|" + "---:|" * len(HEADINGS)
+
+
+def _line(first: str, cells: Iterable[str]) -> str:
+    return f"| {first} | " + " | ".join(cells) + " |"
+
+
+def _refusals(report: Report) -> list[str]:
+    lines = ["| what is wrong | sentences | refused | accepted |", "|---|---:|---:|---:|"]
+    for kind in report.kinds:
+        name = kind.kind.replace("_", " ")
+        lines.append(f"| {name} | {kind.count} | {kind.refused} | {kind.wrongly_accepted} |")
+    bad = sum(kind.count for kind in report.kinds)
+    refused = sum(kind.refused for kind in report.kinds)
+    good = sum(report.refused.values())
+    lines.append(f"| all | {bad} | {refused} | {bad - refused} |")
+    return [
+        f"### On {report.set}",
+        "\n".join(lines),
+        f"Of what must be refused {refused / bad:.2%} was. Of {report.good} good sentences "
+        f"{report.right / report.good:.2%} were planned rightly and {good / report.good:.2%} "
+        f"refused.",
+        f"![risk against coverage, and calibration](refusals-{report.set}.png)",
+    ]
+
+
+def _write_refusals(path: Path, reports: Sequence[Report]) -> None:
+    kinds: list[KindCount] = [kind for report in reports for kind in report.kinds]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows([getattr(kind, name) for name in COLUMNS] for kind in kinds)

@@ -1,0 +1,220 @@
+"""From nothing to figures: data, models, baselines, metrics. What is done is not done again.
+
+Everything lies in one folder, which belongs to one study: figures of different ones are never
+mixed. It keeps every commit at which something in it was made, for the report to tell.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, get_args
+
+import nsrm
+from tqdm import tqdm
+
+from nsrm_harness.baseline.evaluate import evaluate_baseline
+from nsrm_harness.baseline.file import read_baseline
+from nsrm_harness.baseline.run import run as run_baseline
+from nsrm_harness.domain import Domain
+from nsrm_harness.episodes.calibration import make_calibration
+from nsrm_harness.episodes.generate import Progress, generate
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.evaluate import evaluate_models
+from nsrm_harness.learn.run import Files
+from nsrm_harness.learn.run import run as run_training
+from nsrm_harness.observing import Boxes
+from nsrm_harness.refusals.measure import Report, measure
+from nsrm_harness.tables.results import Row
+from nsrm_harness.tables.study import FAMILIES, Family, Study
+
+REFUSAL_SETS = ("validation", "test")
+PUBLISHED = Path("runs") / f"nsrm-{FAMILIES[0].name}-0" / "model.safetensors"
+"""The model that the project carries: the first seed's, in a study's folder."""
+
+
+class StudyError(HarnessError):
+    """A folder with another study in it."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All that the report tells."""
+
+    rows: tuple[Row, ...]
+    refusals: tuple[Report, ...]
+    """Of the first seed's model: on validation, where thresholds are chosen, and on test."""
+    commits: tuple[str, ...]
+    """States of the project at which it was made."""
+
+
+class Tables:
+    """The making of one study in one folder."""
+
+    def __init__(
+        self,
+        study: Study,
+        domain: Domain,
+        folder: Path,
+        jobs: int = os.cpu_count() or 1,
+        say: Callable[[str], None] = print,
+    ) -> None:
+        """Raises `StudyError` where the folder has another study in it."""
+        self._study, self._domain, self._folder = study, domain, folder
+        self._jobs, self._say = jobs, say
+        self._commits = self._claim()
+
+    def make(self) -> Outcome:
+        """Everything; broken off, a further call goes on."""
+        for split in self._study.splits():
+            self._make_episodes(split)
+        self._make_calibration()
+        for family in FAMILIES:
+            for seed in self._study.seeds:
+                self._train(family, seed)
+                self._train_baseline(family, seed)
+        rows = [row for family in FAMILIES for row in self._judge(family)]
+        refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
+        return Outcome(tuple(rows), refusals, self._commits)
+
+    def model(self, family: Family, seed: int) -> Path:
+        """The model file of a family and a seed."""
+        return self._run_of("nsrm", family, seed) / "model.safetensors"
+
+    def _claim(self) -> tuple[str, ...]:
+        content = {
+            "study": json.loads(json.dumps(asdict(self._study))),
+            "domain": json.loads(self._domain.as_json()),
+        }
+        note = self._folder / "study.json"
+        commits: list[str] = []
+        if note.exists():
+            found = json.loads(note.read_text(encoding="utf-8"))
+            commits = found["commits"]
+            for what, own in content.items():
+                if found[what] != own:
+                    raise StudyError(
+                        f"{note}: the folder was begun with another {what}: give another --out, "
+                        "or remove the folder to begin anew"
+                    )
+        commits = list(dict.fromkeys([*commits, commit()]))
+        self._folder.mkdir(parents=True, exist_ok=True)
+        _write(note, content | {"commits": commits})
+        return tuple(commits)
+
+    def _data(self, split: str) -> Path:
+        return self._folder / "data" / f"{split}.h5"
+
+    def _run_of(self, kind: str, family: Family, seed: int) -> Path:
+        return self._folder / "runs" / f"{kind}-{family.name}-{seed}"
+
+    def _files(self, family: Family) -> Files:
+        return Files(
+            train=self._data(family.train),
+            validation=self._data(family.validation),
+            test=self._data("test" if "test" in family.judged else family.judged[0]),
+            calibration=self._data("calibration"),
+        )
+
+    def _make_episodes(self, split: str) -> None:
+        settings, path = self._study.settings(split), self._data(split)
+        with tqdm(total=settings.count, unit="episode", desc=f"{split:>22}") as bar:
+
+            def report(progress: Progress) -> None:
+                bar.update(progress.done - bar.n)
+
+            generate(settings, self._domain, path, self._jobs, report)
+
+    def _make_calibration(self) -> None:
+        path, scenes = self._data("calibration"), self._study.calibration_scenes
+        if path.exists():
+            return
+        with tqdm(total=scenes, unit="scene", desc=f"{'calibration':>22}") as bar:
+            make_calibration(
+                self._domain, path, scenes=scenes, seed=self._study.data_seed, report=bar.update
+            )
+
+    def _train(self, family: Family, seed: int) -> None:
+        out, done = self._run_of("nsrm", family, seed), "trained.json"
+        if (out / done).exists():
+            return
+        self._say(f"training: {family.name}, seed {seed}")
+        metrics = run_training(
+            self._files(family), self._study.config, seed, out, resume=True, say=self._say
+        )
+        _write(out / done, metrics.as_json())
+
+    def _train_baseline(self, family: Family, seed: int) -> None:
+        out = self._run_of("baseline", family, seed)
+        if (out / "baseline.safetensors").exists():
+            return
+        self._say(f"baseline: {family.name}, seed {seed}")
+        run_baseline(self._files(family), self._study.baseline, seed, out, say=self._say)
+
+    def _judge(self, family: Family) -> list[Row]:
+        rows: list[Row] = []
+        for split in family.judged:
+            for boxes in get_args(Boxes):
+                rows += self._cached(f"{split}-{boxes}", partial(self._plan, family, split, boxes))
+            rows += self._cached(f"{split}-baseline", partial(self._attend, family, split))
+        return rows
+
+    def _plan(self, family: Family, split: str, boxes: Boxes) -> list[Row]:
+        models = [nsrm.Model.load(self.model(family, seed)) for seed in self._study.seeds]
+        metrics = evaluate_models(models, self._data(split), boxes, f"{split}, {boxes}")
+        return [
+            Row.of(split, "nsrm", seed, boxes, of)
+            for seed, of in zip(self._study.seeds, metrics, strict=True)
+        ]
+
+    def _attend(self, family: Family, split: str) -> list[Row]:
+        rows = []
+        for seed in self._study.seeds:
+            path = self._run_of("baseline", family, seed) / "baseline.safetensors"
+            metrics = evaluate_baseline(read_baseline(path).model, self._data(split))
+            rows.append(Row.of(split, "baseline", seed, "mask", metrics))
+        return rows
+
+    def _cached(self, name: str, make: Callable[[], list[Row]]) -> list[Row]:
+        path = self._folder / "figures" / f"{name}.json"
+        if path.exists():
+            return [Row(**row) for row in json.loads(path.read_text(encoding="utf-8"))]
+        rows = make()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _write(path, [asdict(row) for row in rows])
+        return rows
+
+    def _refusals(self, which: str) -> Report:
+        model = nsrm.Model.load(self.model(FAMILIES[0], self._study.seeds[0]))
+        return measure(model, self._data(which), which, self._study.refusals)
+
+
+def commit() -> str:
+    """The state of the project: its commit, with a hash of what differs from it."""
+    here = Path(__file__).resolve().parent
+    try:
+        name = _git(here, "rev-parse", "--short=12", "HEAD").strip()
+        changes = _git(here, "diff", "HEAD")
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    if not changes:
+        return name
+    return f"{name} with changes {hashlib.sha256(changes.encode()).hexdigest()[:8]}"
+
+
+def _git(where: Path, *arguments: str) -> str:
+    return subprocess.run(
+        ["git", *arguments], cwd=where, capture_output=True, text=True, check=True
+    ).stdout
+
+
+def _write(path: Path, content: Any) -> None:
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    partial.replace(path)

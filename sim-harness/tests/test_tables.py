@@ -1,0 +1,135 @@
+"""The tables: figures to files and back, the report's text, what goes into the README."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.evaluate import Metrics
+from nsrm_harness.tables.publish import (
+    BEGIN,
+    END,
+    README,
+    PublishError,
+    publish,
+    with_figures,
+)
+from nsrm_harness.tables.report import REFUSALS, TABLES, TITLES, markdown
+from nsrm_harness.tables.results import (
+    ResultsError,
+    Row,
+    Summary,
+    read_rows,
+    select,
+    summarize,
+    write_rows,
+)
+from nsrm_harness.tables.run import Outcome, StudyError, Tables
+from nsrm_harness.tables.study import JUDGED, full_study, quick_study
+
+WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
+ROWS = tuple(
+    Row(split, model, seed, boxes, 2000, program, 99.0 + seed / 10, 98.0, 96.0, 95.0)
+    for split in JUDGED
+    for model, boxes, program in (
+        ("nsrm", "mask", 97.0),
+        ("nsrm", "detector", 96.0),
+        ("baseline", "mask", None),
+    )
+    for seed in range(3)
+)
+REFUSED = (
+    "kind,set,count,refused,wrongly_accepted\nnegation,validation,9,1,8\nnegation,test,8,7,1\n"
+)
+
+
+@pytest.fixture
+def report(tmp_path: Path) -> Path:
+    folder = tmp_path / "report"
+    folder.mkdir()
+    write_rows(folder / TABLES, ROWS)
+    (folder / REFUSALS).write_text(REFUSED, encoding="utf-8")
+    return folder
+
+
+def test_shares_become_percentages() -> None:
+    metrics = Metrics(7, None, 0.5, 0.25, 0.123456, 1.0, 0.001, 0.002, {})
+    row = Row.of("test", "baseline", 1, "mask", metrics)
+    assert row == Row("test", "baseline", 1, "mask", 7, None, 50.0, 25.0, 12.35, 100.0)
+
+
+def test_rows_are_read_back(report: Path) -> None:
+    assert tuple(read_rows(report / TABLES)) == ROWS
+    header = (report / TABLES).read_text(encoding="utf-8").splitlines()[0]
+    assert header == "split,model,seed,boxes,episodes,program,o1,o2,iou_2d,iou_3d"
+
+
+@pytest.mark.parametrize(
+    "content", ["", "split,model\n", "a,b,c,d,e,f,g,h,i,j\n1,2,3,4,5,6,7,8,9,10\n"]
+)
+def test_what_are_no_figures_is_refused(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "tables.csv"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(ResultsError, match="expected the columns"):
+        read_rows(path)
+
+
+def test_damaged_figures_are_refused(report: Path) -> None:
+    path = report / TABLES
+    path.write_text(path.read_text(encoding="utf-8") + "test,nsrm,x\n", encoding="utf-8")
+    with pytest.raises(ResultsError, match=r"tables\.csv: can't read the figures"):
+        read_rows(path)
+
+
+def test_seeds_are_summed_up() -> None:
+    chosen = select(ROWS, "test", "nsrm", "mask")
+    assert summarize(chosen, "o2") == Summary(98.0, 98.0, 98.0)
+    summary = summarize(chosen, "o1")
+    assert summary is not None and summary.mean == pytest.approx(99.1)
+    assert (summary.least, summary.greatest) == (99.0, 99.2)
+    assert summarize(select(ROWS, "test", "baseline", "mask"), "program") is None
+    assert summarize([], "o1") is None
+
+
+def test_the_report_tells_every_split_and_the_papers_figures() -> None:
+    text = markdown(Outcome(ROWS, (), ("abc", "def")), full_study(5))
+    assert all(title in text for title in TITLES.values())
+    assert "| paper, model | 56.8 | 54.7 | 53.6 | 27.2 | 12.9 |" in text
+    assert "| ours, baseline | - | 99.1 (99.0-99.2) |" in text
+    assert "at commits abc, def; seeds of the models 0, 1, 2, of the data 5" in text
+
+
+def test_the_readme_gets_the_figures_between_its_marks(report: Path) -> None:
+    readme = f"above\n{BEGIN}\nold\n{END}\nbelow\n"
+    written = with_figures(readme, report)
+    assert written.startswith(f"above\n{BEGIN}\n| |") and written.endswith(f"{END}\nbelow\n")
+    assert "old" not in written
+    assert "(Table V) | 97.0 (56.8) | 99.1 (54.7) | 98.0 (53.6) |" in written
+    assert "Of 8 sentences that must be refused, of 1 kinds, 7 are." in written
+    assert with_figures(written, report) == written
+
+
+def test_a_readme_without_marks_is_refused(report: Path) -> None:
+    with pytest.raises(PublishError, match="no figures' marks"):
+        with_figures("nothing\n", report)
+
+
+def test_nothing_is_published_without_a_model(report: Path, tmp_path: Path) -> None:
+    root = tmp_path / "checkout"
+    root.mkdir()
+    (root / README).write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
+    with pytest.raises(PublishError, match=r"model\.safetensors: not there"):
+        publish(report, tmp_path / "model.safetensors", root)
+    assert [path.name for path in root.iterdir()] == ["README.md"]
+
+
+def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
+    domain = domains.load()
+    Tables(quick_study(1), domain, tmp_path)
+    Tables(quick_study(1), domain, tmp_path)
+    with pytest.raises(StudyError, match="begun with another study"):
+        Tables(quick_study(2), domain, tmp_path)
+    with pytest.raises(StudyError, match="begun with another domain"):
+        Tables(quick_study(1), domains.load(WORKSHOP), tmp_path)
