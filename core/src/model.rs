@@ -46,8 +46,9 @@ pub const CONCEPT: usize = 16;
 pub const SIMULATOR_HIDDEN: usize = 64;
 /// Numbers in a location: box corners x1, y1, x2, y2 and mean depth.
 pub const LOCATION: usize = 5;
-/// Version of the model file and of these structs; others are refused.
-pub const SCHEMA: u32 = 1;
+/// Version of the model file, of these structs and of the inputs that they were trained on (2:
+/// brightness is the greatest of the three colours); others are refused.
+pub const SCHEMA: u32 = 2;
 
 /// A trained model: what [`crate::Planner`] reads and never writes.
 #[derive(Debug, Clone, Copy)]

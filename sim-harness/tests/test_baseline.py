@@ -34,7 +34,14 @@ from nsrm_harness.baseline.words import StepWords, parts, vocabulary
 from nsrm_harness.language.grammar import Grammar, Style
 from nsrm_harness.language.tokens import UnknownWordError, split
 from nsrm_harness.learn.config import StageConfig
-from nsrm_harness.learn.export import ModelFile, ModelFileError, Thresholds, WorkSpace, write_model
+from nsrm_harness.learn.export import (
+    SCHEMA,
+    ModelFile,
+    ModelFileError,
+    Thresholds,
+    WorkSpace,
+    write_model,
+)
 from nsrm_harness.learn.model import Dimensions, Model, tensors
 from nsrm_harness.learn.objective import scene_loss
 from nsrm_harness.learn.stages import Stage, TrainingError
@@ -227,7 +234,7 @@ def test_what_is_no_baseline_is_refused(toys: Toys, words: StepWords, tmp_path: 
     model = Model(Dimensions.of(DOMAIN), jax.random.key(0))
     space = WorkSpace((0, 0, 0), (1, 1, 1))
     write_model(path, ModelFile(model, DOMAIN, Thresholds(0.4, 0.6), space))
-    with pytest.raises(ModelFileError, match="expected a model file of schema baseline 1, got 1"):
+    with pytest.raises(ModelFileError, match=f"schema baseline 1, got {SCHEMA}"):
         read_baseline(path)
     with pytest.raises(TrainingError, match="no command of one step"):
         train(WORDS, toys.data, words, BaselineConfig(), 0, quiet=True)

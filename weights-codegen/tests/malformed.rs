@@ -100,11 +100,11 @@ fn missing_hash() {
 #[test]
 fn another_schema() {
     let error = refused(
-        |file| file.set("schema", json!(2)),
-        &["`schema`", "expected 1", "\"2\""],
+        |file| file.set("schema", json!(1)),
+        &["`schema`", "expected 2", "\"1\""],
     );
-    let got = "2".into();
-    assert_eq!(error, ModelError::Schema { expected: 1, got });
+    let got = "1".into();
+    assert_eq!(error, ModelError::Schema { expected: 2, got });
 }
 
 #[test]

@@ -24,7 +24,7 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import model as network
 from nsrm_harness.learn.model import Dimensions, Model, Network
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
 
 

@@ -192,7 +192,7 @@ impl ModelFile {
             metadata: BTreeMap::new(),
             tensors,
         };
-        file.set("schema", json!(1));
+        file.set("schema", json!(nsrm_core::model::SCHEMA));
         file.set("domain", domain());
         file.set("vocabulary", json!(words));
         file.set("dimensions", json!({"word": 32, "encoder_hidden": 48}));
