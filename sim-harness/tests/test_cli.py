@@ -57,7 +57,8 @@ def test_episodes_then_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     make = ["episodes", "--split", "test", "--count", "2", "--out", path, "--jobs", "1"]
     make += ["--renderer", "pybullet"]
     assert run(*make) == 0
-    assert "2 episodes in" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "2 episodes, " in printed and "; 2 made in " in printed
     assert run(*make) == 0
     assert "is there already" in capsys.readouterr().out
     assert run(*make, "--seed", "1") == 2

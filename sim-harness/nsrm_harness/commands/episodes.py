@@ -83,11 +83,13 @@ def command(
 def _generate(settings: Settings, domain: domains.Domain, path: Path, jobs: int) -> None:
     begun = time.monotonic()
     last = Progress(0, Counter())
+    there: int | None = None
     with tqdm(total=settings.count, unit="episode", disable=None) as bar:
 
         def report(progress: Progress) -> None:
-            nonlocal last
+            nonlocal last, there
             last = progress
+            there = progress.done if there is None else there
             bar.set_postfix_str(f"left out: {describe(progress.rejected)}")
             bar.update(progress.done - bar.n)
 
@@ -104,7 +106,10 @@ def _generate(settings: Settings, domain: domains.Domain, path: Path, jobs: int)
         click.echo(f"{path}: is there already, made with these settings")
         return
     seconds = time.monotonic() - begun
+    made_now = settings.count - (there or 0)
+    rate = made_now / seconds / jobs
     click.echo(
-        f"{path}: {settings.count} episodes in {seconds:.0f} s, "
-        f"{path.stat().st_size / 1e6:.1f} MB; attempts left out: {describe(last.rejected)}"
+        f"{path}: {settings.count} episodes, {path.stat().st_size / 1e6:.1f} MB; "
+        f"{made_now} made in {seconds:.0f} s, {rate:.1f} a second and process; "
+        f"attempts left out: {describe(last.rejected)}"
     )

@@ -33,8 +33,8 @@ from nsrm_harness.world.pose import Pose
 
 #: Steps for which there is room: the core's capacity.
 MAX_STEPS = 8
-#: zlib's level for images: 12 KB for one at 640×480, 5 ms; level 1 gives 18 KB in 2 ms.
-COMPRESSION = 4
+#: zlib's level for images: 18 KB for one at 640×480, 2 ms; level 4 gives 12 KB in 5 ms.
+COMPRESSION = 1
 #: For depth, bytes shuffled before: 27 KB for one at 640×480, 1.5 ms; without the shuffle
 #: 32 KB in 1.7 ms, LZF with it 32 KB in 1.8 ms.
 DEPTH_COMPRESSION = 1
@@ -45,15 +45,18 @@ _TEXTS = ("sentence", "evaluation/program", "evaluation/attributes", "evaluation
 
 
 class EpisodeWriter:
-    """Writes an episode file of a known number of episodes. A context manager."""
+    """Writes an episode file of a known number of episodes. A context manager.
+
+    Images are written as they come, everything else at the end.
+    """
 
     def __init__(self, path: Path, count: int, objects: int, image: tuple[int, int]) -> None:
         """`objects`: the most blocks of an episode; `image`: height and width, pixels."""
         self._file = h5py.File(path, "w", libver=("v110", "v110"))
-        self._sets: dict[str, Any] = {}
+        self._images: dict[str, Any] = {}
         height, width = image
         for name in _COLORS:
-            self._sets[name] = self._file.create_dataset(
+            self._images[name] = self._file.create_dataset(
                 name,
                 (count, height, width, 3),
                 np.uint8,
@@ -62,7 +65,7 @@ class EpisodeWriter:
                 compression_opts=COMPRESSION,
             )
         for name in _DEPTHS:
-            self._sets[name] = self._file.create_dataset(
+            self._images[name] = self._file.create_dataset(
                 name,
                 (count, height, width),
                 np.uint16,
@@ -71,22 +74,23 @@ class EpisodeWriter:
                 compression="gzip",
                 compression_opts=DEPTH_COMPRESSION,
             )
-        for name in _TEXTS:
-            self._sets[name] = self._file.create_dataset(name, (count,), h5py.string_dtype("utf-8"))
-        for name, shape, kind in (
-            ("initial/boxes", (objects, 4), np.float32),
-            ("initial/depths", (objects,), np.float32),
-            ("final/boxes", (objects, 4), np.float32),
-            ("final/depths", (objects,), np.float32),
-            ("count", (), np.uint8),
-            ("camera", (11,), np.float32),
-            ("evaluation/initial_poses", (objects, 7), np.float64),
-            ("evaluation/final_poses", (objects, 7), np.float64),
-            ("evaluation/edges_m", (objects, 3), np.float64),
-            ("evaluation/sub_goals", (MAX_STEPS, 8), np.float64),
-            ("evaluation/sub_goal_boxes", (MAX_STEPS, 5), np.float32),
-        ):
-            self._sets[name] = self._file.create_dataset(name, (count, *shape), kind)
+        self._texts = {name: [""] * count for name in _TEXTS}
+        self._tables: dict[str, np.ndarray] = {
+            name: np.zeros((count, *shape), kind)
+            for name, shape, kind in (
+                ("initial/boxes", (objects, 4), np.float32),
+                ("initial/depths", (objects,), np.float32),
+                ("final/boxes", (objects, 4), np.float32),
+                ("final/depths", (objects,), np.float32),
+                ("count", (), np.uint8),
+                ("camera", (11,), np.float32),
+                ("evaluation/initial_poses", (objects, 7), np.float64),
+                ("evaluation/final_poses", (objects, 7), np.float64),
+                ("evaluation/edges_m", (objects, 3), np.float64),
+                ("evaluation/sub_goals", (MAX_STEPS, 8), np.float64),
+                ("evaluation/sub_goal_boxes", (MAX_STEPS, 5), np.float32),
+            )
+        }
 
     def __enter__(self) -> EpisodeWriter:
         return self
@@ -97,7 +101,12 @@ class EpisodeWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._file.close()
+        with self._file as file:
+            if error is None:
+                for name, table in self._tables.items():
+                    file.create_dataset(name, data=table)
+                for name, texts in self._texts.items():
+                    file.create_dataset(name, data=texts, dtype=h5py.string_dtype("utf-8"))
 
     def attributes(self, values: Mapping[str, Any]) -> None:
         """What the file says of itself."""
@@ -113,52 +122,52 @@ class EpisodeWriter:
         """Puts all episodes of another file of the same shape into the rows from `row`
         on, images as they are compressed; returns the row after them."""
         end = row + len(source["count"])
-        for name, dataset in self._sets.items():
-            if name in _COLORS + _DEPTHS:
-                origin = (0,) * (dataset.ndim - 1)
-                for offset in range(end - row):
-                    _, chunk = source[name].id.read_direct_chunk((offset, *origin))
-                    dataset.id.write_direct_chunk((row + offset, *origin), chunk)
-            else:
-                dataset[row:end] = source[name][:]
+        for name, images in self._images.items():
+            origin = (0,) * (images.ndim - 1)
+            for offset in range(end - row):
+                _, chunk = source[name].id.read_direct_chunk((offset, *origin))
+                images.id.write_direct_chunk((row + offset, *origin), chunk)
+        for name, table in self._tables.items():
+            table[row:end] = source[name][:]
+        for name, texts in self._texts.items():
+            texts[row:end] = source[name].asstr()[:]
         return end
 
     def _observed(self, row: int, episode: Episode) -> None:
         self._scene(row, "initial", episode.initial)
         self._scene(row, "final", episode.final)
         chunk = zlib.compress(_shuffled(depth_units(episode.initial.depth)), DEPTH_COMPRESSION)
-        self._sets["initial/depth"].id.write_direct_chunk((row, 0, 0), chunk)
-        self._sets["count"][row] = len(episode.blocks)
-        self._sets["sentence"][row] = episode.sentence.text
-        self._sets["camera"][row] = camera_row(episode.camera)
+        self._images["initial/depth"].id.write_direct_chunk((row, 0, 0), chunk)
+        self._tables["count"][row] = len(episode.blocks)
+        self._tables["camera"][row] = camera_row(episode.camera)
+        self._texts["sentence"][row] = episode.sentence.text
 
     def _scene(self, row: int, when: str, seen: Observation) -> None:
         chunk = zlib.compress(seen.rgb.tobytes(), COMPRESSION)
-        self._sets[f"{when}/rgb"].id.write_direct_chunk((row, 0, 0, 0), chunk)
-        for index, block_id in enumerate(seen.ids):
-            self._sets[f"{when}/boxes"][row, block_id - 1] = seen.boxes[index]
-            self._sets[f"{when}/depths"][row, block_id - 1] = seen.depths[index]
+        self._images[f"{when}/rgb"].id.write_direct_chunk((row, 0, 0, 0), chunk)
+        blocks = np.array(seen.ids) - 1
+        self._tables[f"{when}/boxes"][row, blocks] = seen.boxes
+        self._tables[f"{when}/depths"][row, blocks] = seen.depths
 
     def _truth(self, row: int, episode: Episode) -> None:
-        self._sets["evaluation/program"][row] = json.dumps(
-            {"steps": _steps(episode)}, ensure_ascii=False
-        )
-        self._sets["evaluation/attributes"][row] = json.dumps(
-            [block.values for block in episode.blocks], ensure_ascii=False
-        )
-        self._sets["evaluation/rejected"][row] = json.dumps(dict(sorted(episode.rejected.items())))
+        for name, value in (
+            ("program", {"steps": _steps(episode)}),
+            ("attributes", [block.values for block in episode.blocks]),
+            ("rejected", dict(sorted(episode.rejected.items()))),
+        ):
+            self._texts[f"evaluation/{name}"][row] = json.dumps(value, ensure_ascii=False)
         count = len(episode.blocks)
-        self._sets["evaluation/initial_poses"][row, :count] = _pose_rows(episode.initial_poses)
-        self._sets["evaluation/final_poses"][row, :count] = _pose_rows(episode.final_poses)
-        self._sets["evaluation/edges_m"][row, :count] = [block.edges_m for block in episode.blocks]
-        self._sets["evaluation/sub_goals"][row, :, 0] = -1.0
+        for name, rows in (
+            ("initial_poses", _pose_rows(episode.initial_poses)),
+            ("final_poses", _pose_rows(episode.final_poses)),
+            ("edges_m", [block.edges_m for block in episode.blocks]),
+        ):
+            self._tables[f"evaluation/{name}"][row, :count] = rows
+        goals = self._tables["evaluation/sub_goals"][row]
+        goals[:, 0] = -1.0
         for step, goal in enumerate(episode.sub_goals):
-            self._sets["evaluation/sub_goals"][row, step] = [
-                goal.moved,
-                *goal.pose.position,
-                *goal.pose.orientation,
-            ]
-            self._sets["evaluation/sub_goal_boxes"][row, step] = goal.location
+            goals[step] = [goal.moved, *goal.pose.position, *goal.pose.orientation]
+            self._tables["evaluation/sub_goal_boxes"][row, step] = goal.location
 
 
 def _shuffled(units: np.ndarray) -> bytes:

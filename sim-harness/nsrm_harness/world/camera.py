@@ -211,9 +211,10 @@ def located(seen: Surfaces) -> Located:
     """Boxes and mean depths of the ids in the mask."""
     depth, mask = seen.depth, seen.mask
     height, width = mask.shape
-    rows, columns = np.nonzero(mask)
-    found = mask[rows, columns]
-    values = depth[rows, columns].astype(np.float64)
+    pixels = np.flatnonzero(mask)
+    rows, columns = np.divmod(pixels, width)
+    found = mask.ravel()[pixels]
+    values = depth.ravel()[pixels].astype(np.float64)
     ids, boxes, depths = [], [], []
     for block_id in np.unique(found):
         own = found == block_id

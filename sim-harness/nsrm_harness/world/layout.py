@@ -67,14 +67,13 @@ def apart(a: np.ndarray, b: np.ndarray, gap_m: float) -> bool:
     Separating axes of the edges only: two corners that face each other count as
     closer than they are, never as farther.
     """
-    for corners in (a, b):
-        edges = np.roll(corners, -1, axis=0) - corners
-        for edge in edges:
-            normal = np.array([edge[1], -edge[0]]) / math.hypot(edge[0], edge[1])
-            along_a, along_b = a @ normal, b @ normal
-            if along_b.min() - along_a.max() >= gap_m or along_a.min() - along_b.max() >= gap_m:
-                return True
-    return False
+    edges = np.concatenate([a - np.roll(a, 1, axis=0), b - np.roll(b, 1, axis=0)])
+    normals = np.stack([edges[:, 1], -edges[:, 0]]) / np.hypot(edges[:, 0], edges[:, 1])
+    along_a, along_b = a @ normals, b @ normals
+    gaps = np.maximum(
+        along_b.min(axis=0) - along_a.max(axis=0), along_a.min(axis=0) - along_b.max(axis=0)
+    )
+    return bool(gaps.max() >= gap_m)
 
 
 def sample_layout(

@@ -63,12 +63,22 @@ class _Builder:
         )
 
 
-def flat_polygons(polygons: Sequence[NDArray[np.float64]], rgb: Vector3) -> Mesh:
-    """Convex polygons `[n, 3]`, counter-clockwise, each flat."""
-    builder = _Builder()
-    for corners in polygons:
-        builder.polygon(corners)
-    return builder.build(rgb)
+def level_polygons(
+    outlines: Sequence[Sequence[Sequence[float]]], height_m: float, rgb: Vector3
+) -> Mesh:
+    """Convex polygons of corners x, y, counter-clockwise, all at one height, facing up."""
+    corners = [(x, y, height_m) for outline in outlines for x, y in outline]
+    triangles: list[tuple[int, int, int]] = []
+    first = 0
+    for outline in outlines:
+        triangles += [(first, first + i, first + i + 1) for i in range(1, len(outline) - 1)]
+        first += len(outline)
+    return Mesh(
+        np.array(corners, dtype=np.float32),
+        np.tile(np.array((0.0, 0.0, 1.0), dtype=np.float32), (len(corners), 1)),
+        np.array(triangles, dtype=np.int32),
+        rgb,
+    )
 
 
 def _add_box(builder: _Builder, low: Vector3, high: Vector3) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nsrm_harness.world import arm
 from nsrm_harness.world.camera import NEAR_M, Camera
-from nsrm_harness.world.mesh import Mesh, box, flat_polygons
+from nsrm_harness.world.mesh import Mesh, box, level_polygons
 from nsrm_harness.world.pose import Pose, Vector3
 from nsrm_harness.world.render.light import Light
 from nsrm_harness.world.world import TABLE_HIGH, TABLE_LOW, PlacedBlock
@@ -40,14 +40,15 @@ class Part:
 
 
 _ORIGIN = Pose((0.0, 0.0, 0.0))
+_CORNER_SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
 
 @lru_cache(maxsize=1)
 def surroundings() -> tuple[Part, ...]:
     """Table and floor, the nearer first."""
     (x0, y0, _), (x1, y1, _) = TABLE_LOW, TABLE_HIGH
-    floor = np.array([(-6.0, -6.0), (3.0, -6.0), (3.0, 6.0), (-6.0, 6.0)])
-    floor_mesh = flat_polygons([np.column_stack([floor, np.full(4, FLOOR_Z_M)])], FLOOR_RGB)
+    floor = [(-6.0, -6.0), (3.0, -6.0), (3.0, 6.0), (-6.0, 6.0)]
+    floor_mesh = level_polygons([floor], FLOOR_Z_M, FLOOR_RGB)
     table = box((x0, y0, TABLE_LOW[2]), (x1, y1, 0.0), TABLE_RGB)
     return (Part(table, _ORIGIN), Part(floor_mesh, _ORIGIN))
 
@@ -89,51 +90,50 @@ def shadow_parts(blocks: Sequence[PlacedBlock], light: Light) -> Iterator[Part]:
     if not blocks or light.direction[2] <= 0.05:
         return
     full = np.array(light.shade((0.0, 0.0, 1.0)))
+    ground, away, widths = _cast(blocks, light)
     for layer in range(SHADOW_LAYERS):
         spread = 1.0 - 2.0 * layer / (SHADOW_LAYERS - 1)
         hidden = SHADOW_DEPTH * (layer + 1) / SHADOW_LAYERS
         kept = light.ambient + (1.0 - hidden) * (full - light.ambient)
         red, green, blue = (float(v) for v in np.array(TABLE_RGB) * kept / full)
+        outlines = [_convex_hull(points) for points in (ground + away * spread * widths).tolist()]
         height = (layer + 1) * LAYER_STEP_M
-        outlines = [_outline(block, light, spread, height) for block in blocks]
-        yield Part(flat_polygons(outlines, (red, green, blue)), _ORIGIN)
+        yield Part(level_polygons(outlines, height, (red, green, blue)), _ORIGIN)
 
 
-def _outline(
-    placed: PlacedBlock, light: Light, spread: float, height: float
-) -> NDArray[np.float64]:
-    """The convex shadow `[n, 3]` of a block on the table, widened by `spread` (-1..1)
-    times the half-shadow's width."""
-    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    half = np.array(placed.block.edges_m) / 2
-    corners = (signs * half) @ placed.pose.rotation().T + np.array(placed.pose.position)
-    heights = np.maximum(corners[:, 2:], 0.0)
+def _cast(
+    blocks: Sequence[PlacedBlock], light: Light
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """The shadows `[B, 8, 2]` of the blocks' corners on the table, the directions
+    `[B, 8, 2]` away from the blocks' axes and the half-shadows' widths `[B, 8, 1]`, metres."""
+    half = np.array([placed.block.edges_m for placed in blocks]) / 2
+    rotation = np.array([placed.pose.rotation() for placed in blocks])
+    center = np.array([placed.pose.position for placed in blocks])[:, None]
+    corners = (_CORNER_SIGNS * half[:, None]) @ rotation.swapaxes(1, 2) + center
+    heights = np.maximum(corners[..., 2:], 0.0)
     slope = np.array(light.direction[:2]) / light.direction[2]
-    ground = corners[:, :2] - heights * slope
+    ground = corners[..., :2] - heights * slope
     # Away from the block's own axis at that height, by the lamp's apparent size.
-    axis = np.array(placed.pose.position[:2]) - heights * slope
-    away = ground - axis
-    away /= np.linalg.norm(away, axis=1, keepdims=True)
-    ground = ground + away * spread * (SHADOW_RIM_M + LAMP_RADIUS * heights)
-    hull = _convex_hull(ground)
-    return np.column_stack([hull, np.full(len(hull), height)])
+    away = ground - (center[..., :2] - heights * slope)
+    away /= np.linalg.norm(away, axis=-1, keepdims=True)
+    return ground, away, SHADOW_RIM_M + LAMP_RADIUS * heights
 
 
-def _convex_hull(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Andrew's monotone chain: corners `[n, 2]`, counter-clockwise."""
-    ordered = sorted(map(tuple, points))
+def _convex_hull(points: list[list[float]]) -> list[list[float]]:
+    """Andrew's monotone chain: corners x, y, counter-clockwise."""
+    ordered = sorted(points)
 
-    def chain(sequence: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
-        kept: list[tuple[float, ...]] = []
+    def chain(sequence: list[list[float]]) -> list[list[float]]:
+        kept: list[list[float]] = []
         for point in sequence:
             while len(kept) >= 2 and _turn(kept[-2], kept[-1], point) <= 1e-12:
                 kept.pop()
             kept.append(point)
         return kept[:-1]
 
-    return np.array(chain(ordered) + chain(ordered[::-1]))
+    return chain(ordered) + chain(ordered[::-1])
 
 
-def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
+def _turn(a: Sequence[float], b: Sequence[float], c: Sequence[float]) -> float:
     """Twice the triangle's area, positive if a, b, c turn to the left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
