@@ -12,7 +12,7 @@ from nsrm_harness.commands.options import domain_option
 
 
 @click.command("tables")
-@click.option("--quick", is_flag=True, help="One seed on a tenth of the data.")
+@click.option("--quick", is_flag=True, help="One seed on a fifth of the data.")
 @domain_option
 @click.option(
     "--out",
@@ -43,7 +43,7 @@ def command(quick: bool, domain_path: Path, out: Path | None, data_seed: int, jo
     study = quick_study(data_seed) if quick else full_study(data_seed)
     folder = out or Path("runs") / ("tables-quick" if quick else "tables")
     try:
-        outcome = Tables(study, domains.load(domain_path), folder, jobs, say=click.echo).make()
+        outcome = Tables(study, domains.load(domain_path), folder, jobs).make()
     except KeyboardInterrupt:
         click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
         sys.exit(130)

@@ -96,9 +96,9 @@ def full_study(data_seed: int = 1) -> Study:
 
 
 def quick_study(data_seed: int = 1) -> Study:
-    """One seed on a tenth of the data: shows that everything hangs together."""
+    """One seed on a fifth of the data: shows that everything hangs together."""
     counts = dict.fromkeys(SPLITS, 40)
-    counts |= {"train": 300, "train_restricted": 300, "test": 60}
+    counts |= {"train": 500, "train_restricted": 500, "test": 60}
     few = StageConfig(epochs=3, learning_rate=3e-3, batch=32)
     return Study(
         name="quick",
