@@ -8,7 +8,7 @@ detector can't use. A sequence counts as right only when each of its steps is ri
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -124,57 +124,81 @@ def evaluate_models(
     """The same for several models, for which every scene is looked at once."""
     scores: list[list[Score]] = [[] for _ in models]
     refused: list[Counter[str]] = [Counter() for _ in models]
+    for each in judge_episodes(models, path, boxes, name, quiet):
+        for own_scores, own_refused, judged in zip(scores, refused, each, strict=True):
+            own_scores.append(judged.score)
+            if judged.outcome is None:
+                own_refused["perception"] += 1
+            elif isinstance(judged.outcome, nsrm.Refused):
+                own_refused[judged.outcome.kind] += 1
+    return [summarize(*each) for each in zip(scores, refused, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """What a model makes of an episode, and how well."""
+
+    index: int
+    truth: Truth
+    outcome: nsrm.Plan | nsrm.Refused | None
+    """None: the detector can't use the picture."""
+    score: Score
+
+
+def judge_episodes(
+    models: Sequence[nsrm.Model],
+    path: Path,
+    boxes: Boxes = "mask",
+    name: str = "evaluate",
+    quiet: bool = False,
+) -> Iterator[list[Judged]]:
+    """Each episode of a file as each model plans it, in the models' order."""
     with Demonstrations(path) as demonstrations, Judge(path) as judge:
         for model in models:
             check_domain(model, demonstrations)
         for chunk in chunks(demonstrations, name, quiet):
             scenes = [_scene(demonstrations, judge, index, boxes) for index in chunk]
-            seen = [scene for scene in scenes if scene is not None]
-            observed = [scene.observed for scene in seen]
+            seen = [scene for scene in scenes if scene.observed is not None]
+            observed = [scene.observed for scene in seen if scene.observed is not None]
             sentences = [scene.sentence for scene in seen]
-            for own_scores, own_refused, model in zip(scores, refused, models, strict=True):
-                own_refused["perception"] += len(scenes) - len(seen)
-                own_scores += [WRONG] * (len(scenes) - len(seen))
-                outcomes = model.plan_all(observed, sentences)
-                for scene, outcome in zip(seen, outcomes, strict=True):
-                    if isinstance(outcome, nsrm.Refused):
-                        own_refused[outcome.kind] += 1
-                        own_scores.append(WRONG)
-                        continue
-                    truth = scene.truth
-                    own_scores.append(
-                        judge_plan(outcome.steps, truth.steps, truth.edges_m, scene.true_ids)
-                    )
-    return [summarize(*each) for each in zip(scores, refused, strict=True)]
+            plans = [iter(model.plan_all(observed, sentences)) for model in models]
+            for scene in scenes:
+                yield [_judged(scene, None if scene.observed is None else next(p)) for p in plans]
 
 
 @dataclass(frozen=True, eq=False)
 class _Scene:
     """What a model sees of an episode, and what it is judged by."""
 
-    observed: nsrm.Observed
+    index: int
+    observed: nsrm.Observed | None
+    """None where the detector can't use the picture."""
     sentence: str
     truth: Truth
     true_ids: dict[int, int] | None
     """See `judge_plan`."""
 
 
-def _scene(demonstrations: Demonstrations, judge: Judge, index: int, boxes: Boxes) -> _Scene | None:
-    """None where the detector can't use the picture."""
+def _scene(demonstrations: Demonstrations, judge: Judge, index: int, boxes: Boxes) -> _Scene:
+    sentence, truth = demonstrations.sentences[index], judge.truth(index)
     try:
         objects = objects_of(demonstrations, index, boxes)
     except PerceptionError:
-        return None
+        return _Scene(index, None, sentence, truth, None)
     true_ids = None
     if boxes == "detector":
         own = objects_of(demonstrations, index, "mask")
         true_ids = matched_ids(objects.boxes, own.boxes)
-    return _Scene(
-        observe_episode(demonstrations, index, objects),
-        demonstrations.sentences[index],
-        judge.truth(index),
-        true_ids,
-    )
+    observed = observe_episode(demonstrations, index, objects)
+    return _Scene(index, observed, sentence, truth, true_ids)
+
+
+def _judged(scene: _Scene, outcome: nsrm.Plan | nsrm.Refused | None) -> Judged:
+    score = WRONG
+    if isinstance(outcome, nsrm.Plan):
+        truth = scene.truth
+        score = judge_plan(outcome.steps, truth.steps, truth.edges_m, scene.true_ids)
+    return Judged(scene.index, scene.truth, outcome, score)
 
 
 def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:

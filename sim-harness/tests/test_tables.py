@@ -94,7 +94,7 @@ def test_seeds_are_summed_up() -> None:
 
 
 def test_the_report_tells_every_split_and_the_papers_figures() -> None:
-    text = markdown(Outcome(ROWS, (), ("abc", "def")), full_study(5))
+    text = markdown(Outcome(ROWS, (), ("abc", "def"), Path("m"), Path("e")), full_study(5))
     assert all(title in text for title in TITLES.values())
     assert "| paper, model | 56.8 | 54.7 | 53.6 | 27.2 | 12.9 |" in text
     assert "| ours, baseline | - | 99.1 (99.0-99.2) |" in text

@@ -40,12 +40,13 @@ def command(quick: bool, domain_path: Path, out: Path | None, data_seed: int, jo
     from nsrm_harness.tables.run import Tables
     from nsrm_harness.tables.study import full_study, quick_study
 
+    domain = domains.load(domain_path)
     study = quick_study(data_seed) if quick else full_study(data_seed)
     folder = out or Path("runs") / ("tables-quick" if quick else "tables")
     try:
-        outcome = Tables(study, domains.load(domain_path), folder, jobs).make()
+        outcome = Tables(study, domain, folder, jobs).make()
     except KeyboardInterrupt:
         click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
         sys.exit(130)
-    write_report(outcome, study, folder / "report")
+    write_report(outcome, study, domain, folder / "report")
     click.echo(f"report: {folder / 'report' / REPORT}")

@@ -6,9 +6,15 @@ import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import nsrm
+
+from nsrm_harness.domain import Domain
 from nsrm_harness.refusals.figure import draw_report
 from nsrm_harness.refusals.measure import COLUMNS, KindCount, Report
 from nsrm_harness.tables import paper
+from nsrm_harness.tables.actions import draw_actions
+from nsrm_harness.tables.concepts import draw_concepts
+from nsrm_harness.tables.failures import draw_failures, worst_episodes
 from nsrm_harness.tables.figures import draw_steps
 from nsrm_harness.tables.results import MEASURES, Row, select, summarize, write_rows
 from nsrm_harness.tables.run import Outcome
@@ -33,12 +39,17 @@ TITLES = {
 }
 
 
-def write_report(outcome: Outcome, study: Study, folder: Path) -> None:
-    """`README.md`, its plots, `tables.csv` and `refusals.csv`."""
+def write_report(outcome: Outcome, study: Study, domain: Domain, folder: Path) -> None:
+    """`README.md`, its pictures, `tables.csv` and `refusals.csv`."""
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / TABLES, outcome.rows)
     _write_refusals(folder / REFUSALS, outcome.refusals)
     draw_steps(outcome.rows, folder / "steps.png")
+    model = nsrm.Model.load(outcome.model)
+    draw_actions(model, domain, folder / "actions.png")
+    draw_concepts(outcome.model, outcome.episodes, folder / "concepts.png")
+    worst = worst_episodes(model, outcome.episodes)
+    draw_failures(worst, outcome.episodes, folder / "failures.png")
     for report in outcome.refusals:
         draw_report(report, folder / f"refusals-{report.set}.png")
     (folder / REPORT).write_text(markdown(outcome, study), encoding="utf-8")
@@ -63,6 +74,17 @@ def markdown(outcome: Outcome, study: Study) -> str:
         _table(rows, JUDGED, "detector"),
         "## Refusals",
         *(part for report in outcome.refusals for part in _refusals(report)),
+        "## What was learned",
+        f"The model of seed {study.seeds[0]}. Each action, over a grid of references (grey): where "
+        "the block comes to stand (dot, its height in colour), and the mean and deviation of the "
+        "way from the reference's centre. The scenes never said which action is which.",
+        "![each action on a grid](actions.png)",
+        "Concepts of different attribute types are in different spaces: only cosines between the "
+        "black lines mean something.",
+        "![concepts and blocks](concepts.png)",
+        "## The worst episodes",
+        "Of the test episodes with the boxes of the mask, the worst first.",
+        "![the worst episodes](failures.png)",
     ]
     return "\n\n".join(sections) + "\n"
 

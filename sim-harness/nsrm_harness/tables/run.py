@@ -58,6 +58,10 @@ class Outcome:
     """Of the first seed's model: on validation, where thresholds are chosen, and on test."""
     commits: tuple[str, ...]
     """States of the project at which it was made."""
+    model: Path
+    """The first seed's model file, of which there are pictures."""
+    episodes: Path
+    """The test episodes that they show."""
 
 
 class Tables:
@@ -83,7 +87,8 @@ class Tables:
         run_all(self._trainings(), self._jobs, "models and baselines")
         rows = [row for family in FAMILIES for row in self._judge(family)]
         refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
-        return Outcome(tuple(rows), refusals, self._commits)
+        first = self.model(FAMILIES[0], self._study.seeds[0])
+        return Outcome(tuple(rows), refusals, self._commits, first, self._data("test"))
 
     def model(self, family: Family, seed: int) -> Path:
         """The model file of a family and a seed."""
