@@ -26,6 +26,7 @@ from nsrm_harness.episodes.moves import Move, target
 from nsrm_harness.episodes.programs import SHARES_OF, share
 from nsrm_harness.errors import EpisodeFileError, EpisodeSettingsError
 from nsrm_harness.judge import Judge
+from nsrm_harness.workers import Processes
 
 DOMAIN = domains.load()
 WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")
@@ -37,7 +38,7 @@ PACKAGE = Path(module.__file__).parent.parent
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Eleven episodes, made by two processes."""
     path = tmp_path_factory.mktemp("episodes") / "train.h5"
-    assert generate(SETTINGS, DOMAIN, path, jobs=2)
+    assert generate(SETTINGS, DOMAIN, path, Processes(2))
     return path
 
 
@@ -245,7 +246,7 @@ def test_sub_goals_are_where_the_program_says(episodes: Path) -> None:
 def test_another_domain_needs_another_file_only(tmp_path: Path) -> None:
     path = tmp_path / "workshop.h5"
     settings = Settings("test", 4, renderer="pybullet", attributes=(1, 3))
-    generate(settings, WORKSHOP, path, jobs=1)
+    generate(settings, WORKSHOP, path)
     with Demonstrations(path) as demonstrations, Judge(path) as judge:
         assert demonstrations.domain == WORKSHOP
         actions = {action.name for action in WORKSHOP.actions}

@@ -19,6 +19,7 @@ from nsrm_harness.learn.config import StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import TrainingSet, training_set
 from nsrm_harness.learn.model import tensors
 from nsrm_harness.learn.train import train
+from nsrm_harness.workers import Processes
 
 DOMAIN = domains.load()
 SETTINGS = replace(SPLITS["train"], count=12, seed=3, attributes=(1, 1), renderer="pybullet")
@@ -38,7 +39,7 @@ FEW_STEPS = TrainingConfig(
 @pytest.fixture(scope="module")
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("episodes") / "train.h5"
-    assert generate(SETTINGS, DOMAIN, path, jobs=2)
+    assert generate(SETTINGS, DOMAIN, path, Processes(2))
     return path
 
 

@@ -28,6 +28,7 @@ from nsrm_harness.tables.results import (
 )
 from nsrm_harness.tables.run import Outcome, StudyError, Tables
 from nsrm_harness.tables.study import JUDGED, full_study, quick_study
+from nsrm_harness.workers import Processes
 
 WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
 ROWS = tuple(
@@ -127,9 +128,9 @@ def test_nothing_is_published_without_a_model(report: Path, tmp_path: Path) -> N
 
 def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
     domain = domains.load()
-    Tables(quick_study(1), domain, tmp_path)
-    Tables(quick_study(1), domain, tmp_path)
+    Tables(quick_study(1), domain, tmp_path, Processes(1))
+    Tables(quick_study(1), domain, tmp_path, Processes(1))
     with pytest.raises(StudyError, match="begun with another study"):
-        Tables(quick_study(2), domain, tmp_path)
+        Tables(quick_study(2), domain, tmp_path, Processes(1))
     with pytest.raises(StudyError, match="begun with another domain"):
-        Tables(quick_study(1), domains.load(WORKSHOP), tmp_path)
+        Tables(quick_study(1), domains.load(WORKSHOP), tmp_path, Processes(1))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections import Counter
@@ -13,9 +12,18 @@ import click
 from tqdm import tqdm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.commands.options import Span, Values, domain_option, seed_option
+from nsrm_harness.commands.options import (
+    Span,
+    Values,
+    domain_option,
+    jobs_option,
+    ray_option,
+    seed_option,
+    workers_of,
+)
 from nsrm_harness.episodes.demonstrator import describe
 from nsrm_harness.episodes.generate import SPLITS, Progress, Settings, generate
+from nsrm_harness.workers import Workers
 from nsrm_harness.world.render import KINDS
 
 
@@ -30,9 +38,8 @@ from nsrm_harness.world.render import KINDS
     help="The file to make.",
 )
 @seed_option
-@click.option(
-    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
-)
+@jobs_option
+@ray_option
 @click.option("--steps", type=Span(), help="Number of steps; each occurs equally often.")
 @click.option("--objects", type=Span(), help="Number of blocks.")
 @click.option("--attributes", type=Span(), help="Number of attribute values in a description.")
@@ -51,6 +58,7 @@ def command(
     out: Path | None,
     seed: int,
     jobs: int,
+    ray: str | None,
     steps: tuple[int, int] | None,
     objects: tuple[int, int] | None,
     attributes: tuple[int, int] | None,
@@ -77,10 +85,11 @@ def command(
         seed=seed,
     )
     path = out or Path("data") / domain.name / f"{split}.h5"
-    _generate(settings, domain, path, jobs)
+    with workers_of(jobs, ray) as workers:
+        _generate(settings, domain, path, workers)
 
 
-def _generate(settings: Settings, domain: domains.Domain, path: Path, jobs: int) -> None:
+def _generate(settings: Settings, domain: domains.Domain, path: Path, workers: Workers) -> None:
     begun = time.monotonic()
     last = Progress(0, Counter())
     there: int | None = None
@@ -94,7 +103,7 @@ def _generate(settings: Settings, domain: domains.Domain, path: Path, jobs: int)
             bar.update(progress.done - bar.n)
 
         try:
-            made = generate(settings, domain, path, jobs, report)
+            made = generate(settings, domain, path, workers, report)
         except KeyboardInterrupt:
             click.echo(
                 f"{path}: interrupted with {last.done} of {settings.count} episodes finished; "
@@ -107,7 +116,7 @@ def _generate(settings: Settings, domain: domains.Domain, path: Path, jobs: int)
         return
     seconds = time.monotonic() - begun
     made_now = settings.count - (there or 0)
-    rate = made_now / seconds / jobs
+    rate = made_now / seconds / workers.count
     click.echo(
         f"{path}: {settings.count} episodes, {path.stat().st_size / 1e6:.1f} MB; "
         f"{made_now} made in {seconds:.0f} s, {rate:.1f} a second and process; "

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
 
 from nsrm_harness import domain as domains
+from nsrm_harness.workers import Processes, RayCluster, Workers
 
 
 class Span(click.ParamType):
@@ -53,3 +57,21 @@ model_option = click.option(
     show_default="the one that is built in",
     help="Model file.",
 )
+jobs_option = click.option(
+    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
+)
+ray_option = click.option(
+    "--ray",
+    metavar="ADDRESS",
+    help="Work on a Ray cluster: 'auto', 'HOST:PORT', or 'local' for one of --jobs processors.",
+)
+
+
+@contextmanager
+def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
+    """Who works under `jobs_option` and `ray_option`."""
+    if ray is None:
+        yield Processes(jobs)
+        return
+    with RayCluster(ray, jobs) as cluster:
+        yield cluster

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
 import click
 
-from nsrm_harness.commands.options import domain_option
+from nsrm_harness.commands.options import domain_option, jobs_option, ray_option, workers_of
 
 
 @click.command("tables")
@@ -27,10 +26,11 @@ from nsrm_harness.commands.options import domain_option
     show_default=True,
     help="Seed of all episodes.",
 )
-@click.option(
-    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
-)
-def command(quick: bool, domain_path: Path, out: Path | None, data_seed: int, jobs: int) -> None:
+@jobs_option
+@ray_option
+def command(
+    quick: bool, domain_path: Path, out: Path | None, data_seed: int, jobs: int, ray: str | None
+) -> None:
     """Make data, models and baselines, judge them on all splits, write OUT/report/.
 
     After Ctrl-C the same command goes on.
@@ -44,7 +44,8 @@ def command(quick: bool, domain_path: Path, out: Path | None, data_seed: int, jo
     study = quick_study(data_seed) if quick else full_study(data_seed)
     folder = out or Path("runs") / ("tables-quick" if quick else "tables")
     try:
-        outcome = Tables(study, domain, folder, jobs).make()
+        with workers_of(jobs, ray) as workers:
+            outcome = Tables(study, domain, folder, workers).make()
     except KeyboardInterrupt:
         click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
         sys.exit(130)

@@ -7,15 +7,12 @@ episodes wait in ``FILE.part/`` until all are there and are joined.
 
 from __future__ import annotations
 
+import io
 import json
-import multiprocessing
-import os
 import platform
 import shutil
-import signal
 from collections import Counter
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from importlib.metadata import version
@@ -30,6 +27,7 @@ from nsrm_harness.episodes.programs import SHARES_OF, Descriptions
 from nsrm_harness.episodes.seeds import STREAMS, generator
 from nsrm_harness.episodes.writer import MAX_STEPS, EpisodeWriter
 from nsrm_harness.errors import EpisodeFileError, EpisodeSettingsError
+from nsrm_harness.workers import Processes, Workers
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.render import KINDS, open_renderer
 from nsrm_harness.world.world import World
@@ -142,13 +140,15 @@ def generate(
     settings: Settings,
     domain: domains.Domain,
     path: Path,
-    jobs: int = 1,
+    workers: Workers | None = None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> bool:
     """Makes the file, or goes on with it; returns whether there was anything to do.
 
+    `workers`: who makes its parts; one process, if none are given.
+
     Raises `EpisodeFileError` where a file or a folder with other settings is in the
-    way. On ``KeyboardInterrupt`` the shards under way are finished and kept.
+    way. On ``KeyboardInterrupt`` the shards that are finished are kept.
     """
     settings = settings.checked(domain)
     if path.exists():
@@ -164,7 +164,10 @@ def generate(
         rejected += _rejected(_shard(work, start))
         done += min(SHARD, settings.count - start)
     report(Progress(done, rejected))
-    for start in _run(settings, domain, work, [s for s in starts if s not in ready], jobs):
+    missing = [start for start in starts if start not in ready]
+    tasks = [(start, (settings, domain.as_json(), start)) for start in missing]
+    for start, content in (workers or Processes(1)).each(make_shard, tasks):
+        _write_whole(_shard(work, start), content)
         rejected += _rejected(_shard(work, start))
         done += min(SHARD, settings.count - start)
         report(Progress(done, rejected))
@@ -173,42 +176,14 @@ def generate(
     return True
 
 
-def _run(
-    settings: Settings, domain: domains.Domain, work: Path, starts: list[int], jobs: int
-) -> Iterator[int]:
-    """Makes the shards in worker processes; yields each one's start when it is there."""
-    waiting = iter(starts)
-    running: dict[Future[None], int] = {}
-    # "spawn": a forked child would share the parent's OpenGL and PyBullet state.
-    with ProcessPoolExecutor(
-        min(jobs, max(1, len(starts))),
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    ) as pool:
-        while True:
-            # No more are handed out than can run, so that an interruption waits for
-            # at most one shard of each process.
-            while len(running) < jobs and (start := next(waiting, None)) is not None:
-                task = pool.submit(make_shard, settings, domain.as_json(), work, start)
-                running[task] = start
-            if not running:
-                return
-            finished, _ = wait(running, return_when=FIRST_COMPLETED)
-            for task in finished:
-                task.result()
-                yield running.pop(task)
-
-
-def make_shard(settings: Settings, domain_json: str, work: Path, start: int) -> None:
-    """Makes the episodes from `start` on, up to `SHARD`, as a file of their own."""
+def make_shard(settings: Settings, domain_json: str, start: int) -> bytes:
+    """The episodes from `start` on, up to `SHARD`, as a file of their own."""
     demonstrator, renderer = _demonstrator(domain_json, settings.renderer)
     camera = default_camera()
     count = min(SHARD, settings.count - start)
-    shard = _shard(work, start)
-    unfinished = shard.with_suffix(f".{os.getpid()}.unfinished")
+    content = io.BytesIO()
     with EpisodeWriter(
-        unfinished, count, settings.objects[1], (camera.height, camera.width)
+        content, count, settings.objects[1], (camera.height, camera.width)
     ) as writer:
         rejected: Counter[str] = Counter()
         for row in range(count):
@@ -217,7 +192,7 @@ def make_shard(settings: Settings, domain_json: str, work: Path, start: int) -> 
             writer.write(row, episode)
             rejected += episode.rejected
         writer.attributes({"renderer": renderer, "rejected": json.dumps(rejected)})
-    unfinished.replace(shard)
+    return content.getvalue()
 
 
 @lru_cache(maxsize=1)
@@ -253,9 +228,13 @@ def _prepare(work: Path, settings: Settings, domain: domains.Domain) -> None:
             )
         return
     work.mkdir(parents=True, exist_ok=True)
-    unfinished = note.with_suffix(".unfinished")
-    unfinished.write_text(content, encoding="utf-8")
-    unfinished.replace(note)
+    _write_whole(note, content.encode())
+
+
+def _write_whole(path: Path, content: bytes) -> None:
+    unfinished = path.with_suffix(".unfinished")
+    unfinished.write_bytes(content)
+    unfinished.replace(path)
 
 
 def _check_same(path: Path, settings: Settings, domain: domains.Domain) -> None:

@@ -19,6 +19,7 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -50,7 +51,9 @@ class EpisodeWriter:
     Images are written as they come, everything else at the end.
     """
 
-    def __init__(self, path: Path, count: int, objects: int, image: tuple[int, int]) -> None:
+    def __init__(
+        self, path: Path | BytesIO, count: int, objects: int, image: tuple[int, int]
+    ) -> None:
         """`objects`: the most blocks of an episode; `image`: height and width, pixels."""
         self._file = h5py.File(path, "w", libver=("v110", "v110"))
         self._images: dict[str, Any] = {}

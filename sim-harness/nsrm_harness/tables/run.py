@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import subprocess
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -16,31 +15,26 @@ from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
-import jax
 import nsrm
 from tqdm import tqdm
 
 from nsrm_harness.baseline.evaluate import evaluate_baseline
 from nsrm_harness.baseline.file import read_baseline
-from nsrm_harness.baseline.run import run as run_baseline
-from nsrm_harness.baseline.train import BaselineConfig
 from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.calibration import make_calibration
 from nsrm_harness.episodes.generate import Progress, generate
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.evaluate import evaluate_models
-from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.run import Files
-from nsrm_harness.learn.run import run as run_training
 from nsrm_harness.observing import Boxes
 from nsrm_harness.refusals.measure import Report, measure
 from nsrm_harness.tables.processes import Task, run_all
 from nsrm_harness.tables.results import Row
 from nsrm_harness.tables.study import FAMILIES, Family, Study
+from nsrm_harness.tables.trainings import Training, packed, train, train_elsewhere, unpack
+from nsrm_harness.workers import Processes, Workers
 
 REFUSAL_SETS = ("validation", "test")
-TRAINED = "trained.json"
-"""Metrics on test, in the folder of a run that has ended."""
 PUBLISHED = Path("runs") / f"nsrm-{FAMILIES[0].name}-0" / "model.safetensors"
 """The model that the project carries: the first seed's, in a study's folder."""
 
@@ -72,11 +66,11 @@ class Tables:
         study: Study,
         domain: Domain,
         folder: Path,
-        jobs: int = os.cpu_count() or 1,
+        workers: Workers,
     ) -> None:
         """Raises `StudyError` where the folder has another study in it."""
         self._study, self._domain, self._folder = study, domain, folder
-        self._jobs = jobs
+        self._workers = workers
         self._commits = self._claim()
 
     def make(self) -> Outcome:
@@ -84,7 +78,7 @@ class Tables:
         for split in self._study.splits():
             self._make_episodes(split)
         self._make_calibration()
-        run_all(self._trainings(), self._jobs, "models and baselines")
+        self._train()
         rows = [row for family in FAMILIES for row in self._judge(family)]
         refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
         first = self.model(FAMILIES[0], self._study.seeds[0])
@@ -136,7 +130,7 @@ class Tables:
             def report(progress: Progress) -> None:
                 bar.update(progress.done - bar.n)
 
-            generate(settings, self._domain, path, self._jobs, report)
+            generate(settings, self._domain, path, self._workers, report)
 
     def _make_calibration(self) -> None:
         path, scenes = self._data("calibration"), self._study.calibration_scenes
@@ -147,21 +141,24 @@ class Tables:
                 self._domain, path, scenes=scenes, seed=self._study.data_seed, report=bar.update
             )
 
-    def _trainings(self) -> list[Task]:
+    def _train(self) -> None:
         """What is not trained yet: all of a family's models, then its baselines."""
-        tasks = []
-        for family in FAMILIES:
-            files = self._files(family)
-            for kind, function, config in (
-                ("nsrm", _train, self._study.config),
-                ("baseline", _train_baseline, self._study.baseline),
-            ):
-                for seed in self._study.seeds:
-                    out = self._run_of(kind, family, seed)
-                    if not (out / TRAINED).exists():
-                        arguments = (files, config, seed, out)
-                        tasks.append(Task(out.name, function, arguments, out / "log.txt"))
-        return tasks
+        trainings = [
+            Training(self._files(family), config, seed, self._run_of(kind, family, seed))
+            for family in FAMILIES
+            for kind, config in (("nsrm", self._study.config), ("baseline", self._study.baseline))
+            for seed in self._study.seeds
+        ]
+        missing = [training for training in trainings if not training.is_done]
+        if isinstance(self._workers, Processes):
+            tasks = [Task(t.out.name, train, (t,), t.out / "log.txt") for t in missing]
+            run_all(tasks, self._workers.count, "models and baselines")
+            return
+        sent = ((training.out, packed(training)) for training in missing)
+        with tqdm(total=len(missing), desc=f"{'models and baselines':>22}") as bar:
+            for out, made in self._workers.each(train_elsewhere, sent):
+                unpack(made, out)
+                bar.update()
 
     def _judge(self, family: Family) -> list[Row]:
         rows: list[Row] = []
@@ -199,22 +196,6 @@ class Tables:
     def _refusals(self, which: str) -> Report:
         model = nsrm.Model.load(self.model(FAMILIES[0], self._study.seeds[0]))
         return measure(model, self._data(which), which, self._study.refusals)
-
-
-def _train(files: Files, config: TrainingConfig, seed: int, out: Path) -> None:
-    _keep_compiled(out.parent / "compiled")
-    _write(out / TRAINED, run_training(files, config, seed, out, resume=True).as_json())
-
-
-def _train_baseline(files: Files, config: BaselineConfig, seed: int, out: Path) -> None:
-    _keep_compiled(out.parent / "compiled")
-    _write(out / TRAINED, run_baseline(files, config, seed, out).as_json())
-
-
-def _keep_compiled(folder: Path) -> None:
-    """What XLA compiles, for further seeds on the same data: two of a run's eight minutes."""
-    jax.config.update("jax_compilation_cache_dir", str(folder))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
 
 
 def commit() -> str:
