@@ -70,9 +70,19 @@ def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
             *lines,
             "",
             f"Percent, mean of {seeds} {'seed' if seeds == 1 else 'seeds'}, at least {least} "
-            "episodes a row; in brackets the paper's, on its own data.",
+            "episodes a row; a refusal counts as wrong; in brackets the paper's, on its own data.",
+            _with_detector(rows),
             f"Of {count} sentences that must be refused, of {len(of_test)} kinds, {refused} are.",
         ]
+    )
+
+
+def _with_detector(rows: Sequence[Row]) -> str:
+    chosen = select(rows, "test", "nsrm", "detector")
+    told = [f"{name} {_cell('', m, chosen)}" for name, m in zip(HEADINGS, MEASURES, strict=True)]
+    return (
+        "With boxes and depths from the detector in place of the simulator's mask, on test: "
+        f"{', '.join(told)}."
     )
 
 

@@ -57,21 +57,21 @@ def write_report(outcome: Outcome, study: Study, domain: Domain, folder: Path) -
 
 def markdown(outcome: Outcome, study: Study) -> str:
     """The text of the report."""
-    rows = outcome.rows
+    *of_paper, beyond, with_detector = tables_of(outcome.rows)
     sections = [
         "# Report",
         _origin(outcome, study),
         "## The paper's tables",
         "Percent, mean over the seeds, in brackets the least and the greatest. The paper's own "
         "figures are for its own data.",
-        *(_paper_table(rows, split) for split in JUDGED if split in paper.TABLES),
+        *of_paper,
         "## Beyond them",
-        _table(rows, [split for split in JUDGED if split not in paper.TABLES], "mask"),
+        beyond,
         "![accuracy against steps](steps.png)",
         "## Boxes from the detector",
         "The same models and episodes; boxes and depths come from the detector on colour and "
         "depth in place of the simulator's mask.",
-        _table(rows, JUDGED, "detector"),
+        with_detector,
         "## Refusals",
         *(part for report in outcome.refusals for part in _refusals(report)),
         "## What was learned",
@@ -87,6 +87,15 @@ def markdown(outcome: Outcome, study: Study) -> str:
         "![the worst episodes](failures.png)",
     ]
     return "\n\n".join(sections) + "\n"
+
+
+def tables_of(rows: Sequence[Row]) -> list[str]:
+    """The paper's tables, those beyond them, and those with the detector's boxes."""
+    return [
+        *(_paper_table(rows, split) for split in JUDGED if split in paper.TABLES),
+        _table(rows, [split for split in JUDGED if split not in paper.TABLES], "mask"),
+        _table(rows, JUDGED, "detector"),
+    ]
 
 
 def _origin(outcome: Outcome, study: Study) -> str:
