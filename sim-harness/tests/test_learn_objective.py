@@ -20,6 +20,7 @@ from nsrm_harness.learn.objective import (
     intersection_over_union,
     location_loss,
     move,
+    reinforce,
     scene_loss,
     soft_minimum,
     straight_through,
@@ -60,6 +61,29 @@ def test_soft_minimum_credits_the_choice_that_explains() -> None:
         jnp.zeros(3)
     )
     assert gradient[0] < 0 < gradient[1]
+
+
+def test_reinforce_has_the_gradient_of_the_expectation() -> None:
+    logits, scale = jnp.array([0.3, -0.2, 0.9]), jnp.array(1.5)
+    losses = jnp.array([0.1, 0.7, 0.4])
+
+    def expected(logits: jax.Array, scale: jax.Array) -> jax.Array:
+        return jnp.sum(jax.nn.softmax(logits) * scale * losses)
+
+    def sampled(logits: jax.Array, scale: jax.Array, key: jax.Array) -> jax.Array:
+        log_probability = jax.nn.log_softmax(logits)
+        return reinforce(key, log_probability, lambda at: scale * losses[at], 2, 0.0)
+
+    keys = jax.random.split(jax.random.key(0), 40_000)
+    gradients = jax.vmap(jax.grad(sampled, (0, 1)), (None, None, 0))(logits, scale, keys)
+    for found, exact in zip(gradients, jax.grad(expected, (0, 1))(logits, scale), strict=True):
+        error = found.std(axis=0) / np.sqrt(len(keys))
+        assert np.all(np.abs(found.mean(axis=0) - exact) < 5 * error)
+    # Equal losses leave the entropy alone: it pulls towards the even distribution.
+    flat = jax.grad(
+        lambda x: reinforce(keys[0], jax.nn.log_softmax(x), lambda at: 0.0 * losses[at], 2, 1.0)
+    )(logits)
+    assert flat[1] < 0 < flat[2]
 
 
 def test_exact_step_is_the_sum_over_every_choice() -> None:

@@ -11,6 +11,10 @@ from typing import Any
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.objective import LossWeights
 
+EXACT, REINFORCE = "exact", "reinforce"
+CHOICES = {"split_gradient": (EXACT, REINFORCE)}
+"""Keys whose values are words, and which."""
+
 
 class ConfigError(HarnessError):
     """A configuration that can't be read or does not make sense."""
@@ -56,6 +60,14 @@ class TrainingConfig:
     nonsense: float = 0.05
     """Weight of steps that say nothing, of which the parser is to be sure of no action. The soft
     minimum weighs what a sentence says with τ: the same for both."""
+    split_gradient: str = EXACT
+    """How the splitter learns: "exact", from the soft minimum over splits, or "reinforce", from
+    splits that it draws itself (section IV-E)."""
+    split_samples: int = 8
+    """With "reinforce": how many it draws of a command."""
+    split_spread: float = 0.3
+    """With "reinforce": weight of the entropy at the start; it falls to nothing in the first half
+    of the splitter's stage."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
@@ -102,6 +114,12 @@ def _filled(default: Any, values: dict[str, Any], where: str) -> Any:
             if not isinstance(value, dict):
                 raise ConfigError(f"{where}{key}: expected a table, got {value!r}")
             changes[key] = _filled(old, value, f"{where}{key}.")
+            continue
+        if isinstance(old, str):
+            if value not in CHOICES[key]:
+                expected = " or ".join(map(repr, CHOICES[key]))
+                raise ConfigError(f"{where}{key}: expected {expected}, got {value!r}")
+            changes[key] = value
             continue
         kinds = (int,) if isinstance(old, int) else (int, float)
         if not isinstance(value, kinds) or isinstance(value, bool):

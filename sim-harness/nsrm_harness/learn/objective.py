@@ -93,6 +93,32 @@ def entropy(log_probability: Array) -> Array:
     return -jnp.sum(probability * jnp.where(probability > 0.0, log_probability, 0.0))
 
 
+def reinforce(
+    key: Array,
+    log_probability: Array,
+    losses_of: Callable[[Array], Array],
+    samples: int,
+    spread: Array | float,
+) -> Array:
+    """The expected loss by samples, with REINFORCE's gradient (section IV-E) for what is sampled.
+
+    * `log_probability` `[T]`: of each choice
+    * `losses_of`: indices of choices `[samples]` to their losses, whose own gradients count too
+    * `samples`: at least two; each is compared with the mean of the others, which has the same
+      expectation and is independent of it, so that the gradient is unbiased
+    * `spread`: weight of the entropy, which keeps choices alive
+
+    The value is the samples' mean loss less the entropy's share.
+    """
+    chosen = jax.random.categorical(key, log_probability, shape=(samples,))
+    losses = losses_of(chosen)
+    fixed = jax.lax.stop_gradient(losses)
+    advantage = fixed - (fixed.sum() - fixed) / (samples - 1)
+    score = jnp.mean(advantage * log_probability[chosen])
+    loss = losses.mean() + score - jax.lax.stop_gradient(score)
+    return loss - spread * entropy(log_probability)
+
+
 def ground(parse: Parse, tokens: Array, groups: Array, similarities: Array, present: Array):
     """From a parsed step to log probabilities of actions and objects.
 

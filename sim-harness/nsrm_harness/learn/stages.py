@@ -17,7 +17,7 @@ from jax import Array
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
-from nsrm_harness.learn.config import StageConfig, TrainingConfig
+from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model
@@ -30,6 +30,7 @@ from nsrm_harness.learn.objective import (
     ground,
     location_loss,
     move,
+    reinforce,
     sampled_steps,
     soft_minimum,
 )
@@ -169,10 +170,21 @@ def two_step_loss(
         remainder = split_log_probability(model.language.splitter, command, split + 1)
         return remainder[command.length - 1]
 
-    # What is left after a split must not be split again: a split that makes that hard is a bad one.
-    likeliest += jax.vmap(kept_whole)(positions)
-    losses = jax.vmap(carry_out)(positions) + config.late_split * positions
-    loss = soft_minimum(likeliest, losses, config.temperature)
+    if config.split_gradient == REINFORCE:
+        sampling, key = jax.random.split(key)
+
+        def losses_of(sampled: Array) -> Array:
+            losses = jax.vmap(carry_out)(sampled) + config.late_split * sampled
+            return jnp.where(possible[sampled] > MISSING / 2, losses, config.failed_split)
+
+        loss = reinforce(sampling, log_probability, losses_of, config.split_samples, 0.0)
+        loss -= config.temperature * kept_whole(positions[0])
+    else:
+        # What is left after a split must not be split again: a split that makes that hard is a
+        # bad one.
+        likeliest += jax.vmap(kept_whole)(positions)
+        losses = jax.vmap(carry_out)(positions) + config.late_split * positions
+        loss = soft_minimum(likeliest, losses, config.temperature)
     # What joins two steps begins the second one: so do heaps that follow on a step.
     heap = nonsense_loss(saying, model, command, positions[0] + 1, command.length, known)
     return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
@@ -223,14 +235,20 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         table: SplitTable = batch[0]
 
-        def one(command: Command, first: Array, losses: Array) -> Array:
+        def one(key: Array, command: Command, first: Array, losses: Array) -> Array:
             log_probability = split_log_probability(model.language.splitter, command, first)
-            loss = soft_minimum(log_probability, losses, config.temperature)
+            if config.split_gradient == REINFORCE:
+                spread = config.split_spread * jnp.maximum(1.0 - 2.0 * done, 0.0)
+                samples = config.split_samples
+                loss = reinforce(key, log_probability, losses.__getitem__, samples, spread)
+            else:
+                loss = soft_minimum(log_probability, losses, config.temperature)
             # First what is possible, then what is preferred: from the start it would settle on
             # splits that some commands can't have.
             return loss + done * config.indecision * entropy(log_probability)
 
-        return jax.vmap(one)(*table).mean()
+        keys = jax.random.split(key, len(table.first))
+        return jax.vmap(one)(keys, *table).mean()
 
     return Stage("splitter", config.splitter, (table,), loss)
 
