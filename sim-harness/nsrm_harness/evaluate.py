@@ -7,6 +7,7 @@ detector can't use. A sequence counts as right only when each of its steps is ri
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -109,9 +110,26 @@ def load_model(path: Path | None) -> nsrm.Model:
         raise EvaluationError(str(error)) from error
 
 
-def evaluate(model: nsrm.Model, path: Path, boxes: Boxes = "mask", quiet: bool = False) -> Metrics:
-    """Plan every episode of a file and judge the plans."""
-    return evaluate_models([model], path, boxes, quiet=quiet)[0]
+@dataclass
+class Pace:
+    """How fast the core plans from crops; looking and judging are not counted."""
+
+    plans: int = 0
+    seconds: float = 0.0
+
+    def __str__(self) -> str:
+        return f"planned from crops: {self.plans}, {self.plans / self.seconds:.0f} a second"
+
+
+def evaluate(
+    model: nsrm.Model,
+    path: Path,
+    boxes: Boxes = "mask",
+    quiet: bool = False,
+    pace: Pace | None = None,
+) -> Metrics:
+    """Plan every episode of a file and judge the plans; `pace` is added to."""
+    return evaluate_models([model], path, boxes, quiet=quiet, pace=pace)[0]
 
 
 def evaluate_models(
@@ -120,11 +138,12 @@ def evaluate_models(
     boxes: Boxes = "mask",
     name: str = "evaluate",
     quiet: bool = False,
+    pace: Pace | None = None,
 ) -> list[Metrics]:
     """The same for several models, for which every scene is looked at once."""
     scores: list[list[Score]] = [[] for _ in models]
     refused: list[Counter[str]] = [Counter() for _ in models]
-    for each in judge_episodes(models, path, boxes, name, quiet):
+    for each in judge_episodes(models, path, boxes, name, quiet, pace):
         for own_scores, own_refused, judged in zip(scores, refused, each, strict=True):
             own_scores.append(judged.score)
             if judged.outcome is None:
@@ -151,6 +170,7 @@ def judge_episodes(
     boxes: Boxes = "mask",
     name: str = "evaluate",
     quiet: bool = False,
+    pace: Pace | None = None,
 ) -> Iterator[list[Judged]]:
     """Each episode of a file as each model plans it, in the models' order."""
     with Demonstrations(path) as demonstrations, Judge(path) as judge:
@@ -161,7 +181,11 @@ def judge_episodes(
             seen = [scene for scene in scenes if scene.observed is not None]
             observed = [scene.observed for scene in seen if scene.observed is not None]
             sentences = [scene.sentence for scene in seen]
+            began = time.perf_counter()
             plans = [iter(model.plan_all(observed, sentences)) for model in models]
+            if pace is not None:
+                pace.plans += len(models) * len(observed)
+                pace.seconds += time.perf_counter() - began
             for scene in scenes:
                 yield [_judged(scene, None if scene.observed is None else next(p)) for p in plans]
 

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as JSON.")
 def command(model_path: Path | None, data: Path, boxes: Boxes, as_json: bool) -> None:
     """Plan every episode of a file with the core and judge the plans."""
-    from nsrm_harness.evaluate import evaluate, load_model
+    from nsrm_harness.evaluate import Pace, evaluate, load_model
 
-    metrics = evaluate(load_model(model_path), data, boxes, quiet=as_json)
-    click.echo(json.dumps(metrics.as_json(), indent=2) if as_json else str(metrics))
+    pace = Pace()
+    metrics = evaluate(load_model(model_path), data, boxes, quiet=as_json, pace=pace)
+    click.echo(json.dumps(metrics.as_json(), indent=2) if as_json else f"{metrics}\n{pace}")
