@@ -119,11 +119,16 @@ def test_poses_turn_and_compare():
 
 
 def test_apart_measures_the_gap_between_turned_squares():
-    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * 0.02
-    beside = square + np.array([0.05, 0.0])
-    assert apart(square, beside, 0.0099)
-    assert not apart(square, beside, 0.0101)
-    assert not apart(square, square * 0.1, 0.0)
+    square = ((-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02))
+    beside = tuple((x + 0.05, y) for x, y in square)
+    within = tuple((x * 0.1, y * 0.1) for x, y in square)
+    turned = tuple((x - y + 0.09, x + y) for x, y in square)
+    for first, second in ((square, beside), (beside, square)):
+        assert apart(first, second, 0.0099)
+        assert not apart(first, second, 0.0101)
+    assert not apart(square, within, 0.0) and not apart(within, square, 0.0)
+    assert apart(square, turned, 0.0299) and apart(turned, square, 0.0299)
+    assert not apart(square, turned, 0.0301)
 
 
 @pytest.mark.parametrize("seed", range(40))
