@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,9 +15,9 @@ from nsrm_harness.episodes.moves import Move, target
 from nsrm_harness.episodes.programs import Descriptions
 from nsrm_harness.errors import EpisodeSettingsError
 from nsrm_harness.language.tokens import Tokenizer
-from nsrm_harness.world.camera import Observation, observe
+from nsrm_harness.world.camera import Observation, observation
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import open_renderer
+from nsrm_harness.world.render import Frame, open_renderer
 from nsrm_harness.world.world import Settled, World
 
 DOMAIN = domains.load()
@@ -150,13 +149,13 @@ def test_a_block_that_the_camera_does_not_see_is_left_out(
 ) -> None:
     calls = 0
 
-    def observe_less(*arguments: Any) -> Observation:
+    def observe_less(frame: Frame) -> Observation:
         nonlocal calls
         calls += 1
-        seen = observe(*arguments)
+        seen = observation(frame)
         return replace(seen, ids=seen.ids[:-1]) if calls <= 2 else seen
 
-    monkeypatch.setattr(module, "observe", observe_less)
+    monkeypatch.setattr(module, "observation", observe_less)
     assert make(demonstrator, 6).rejected["hidden"] == 2
 
 

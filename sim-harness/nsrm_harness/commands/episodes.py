@@ -13,6 +13,7 @@ from tqdm import tqdm
 
 from nsrm_harness import domain as domains
 from nsrm_harness.commands.options import (
+    Sizes,
     Span,
     Values,
     domain_option,
@@ -22,6 +23,7 @@ from nsrm_harness.commands.options import (
     workers_of,
 )
 from nsrm_harness.episodes.demonstrator import describe
+from nsrm_harness.episodes.disturbance import Disturbance
 from nsrm_harness.episodes.generate import SPLITS, Progress, Settings, generate
 from nsrm_harness.workers import Workers
 from nsrm_harness.world.render import KINDS
@@ -50,6 +52,12 @@ from nsrm_harness.world.render import KINDS
     help="No block has all of these attribute values; may be given several times.",
 )
 @click.option("--renderer", type=click.Choice(KINDS), default="auto", show_default=True)
+@click.option(
+    "--disturbance",
+    type=Sizes(),
+    help="What is unlike training, such as camera_m=0.01,camera_deg=1,light=0.1,color=0.1,"
+    "depth_m=0.001; of the same scenes, whatever the sizes.",
+)
 @click.option("--fixed-light", is_flag=True, help="The same light in all episodes.")
 def command(
     split: str,
@@ -64,6 +72,7 @@ def command(
     attributes: tuple[int, int] | None,
     exclude: tuple[tuple[str, ...], ...],
     renderer: str,
+    disturbance: Disturbance | None,
     fixed_light: bool,
 ) -> None:
     """Make a file of demonstrations: initial scene, sentence, final scene.
@@ -81,6 +90,7 @@ def command(
         attributes=attributes or default.attributes,
         exclude=exclude,
         vary_light=not fixed_light,
+        disturbance=disturbance or default.disturbance,
         renderer=renderer,
         seed=seed,
     )

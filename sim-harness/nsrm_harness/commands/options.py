@@ -6,11 +6,13 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from pathlib import Path
 
 import click
 
 from nsrm_harness import domain as domains
+from nsrm_harness.episodes.disturbance import Disturbance
 from nsrm_harness.workers import Processes, RayCluster, Workers
 
 
@@ -39,6 +41,28 @@ class Values(click.ParamType):
     ) -> tuple[str, ...]:
         """The names."""
         return tuple(part.strip() for part in str(value).split(","))
+
+
+class Sizes(click.ParamType):
+    """``camera_m=0.01,depth_m=0.001``: sizes of a disturbance."""
+
+    name = "NAME=SIZE,..."
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Disturbance:
+        """The disturbance."""
+        known = [field.name for field in fields(Disturbance)]
+        sizes: dict[str, float] = {}
+        for part in str(value).split(","):
+            name, _, size = part.strip().partition("=")
+            if name not in known:
+                self.fail(f"{name!r}: expected some of {', '.join(known)}", param, ctx)
+            try:
+                sizes[name] = float(size)
+            except ValueError:
+                self.fail(f"{name}: expected a number, got {size!r}", param, ctx)
+        return Disturbance(**sizes)
 
 
 domain_option = click.option(

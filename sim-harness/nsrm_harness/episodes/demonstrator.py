@@ -21,6 +21,7 @@ from typing import TypeVar
 import numpy as np
 
 from nsrm_harness.domain import Domain
+from nsrm_harness.episodes.disturbance import UNDISTURBED, Disturbance
 from nsrm_harness.episodes.moves import Arrangement, Move, target
 from nsrm_harness.episodes.programs import Descriptions, Task, sample_blocks, sample_task
 from nsrm_harness.errors import EpisodeSettingsError
@@ -33,7 +34,7 @@ from nsrm_harness.world.camera import (
     Observation,
     default_camera,
     locate,
-    observe,
+    observation,
 )
 from nsrm_harness.world.layout import LayoutError, sample_layout
 from nsrm_harness.world.pose import Pose
@@ -67,6 +68,7 @@ class Wanted:
     held_out_wordings: bool = False
     #: Whether the light differs between episodes.
     vary_light: bool = True
+    disturbance: Disturbance = UNDISTURBED
 
 
 @dataclass(frozen=True)
@@ -133,20 +135,29 @@ class Demonstrator:
     def _attempt(self, rng: np.random.Generator, wanted: Wanted, rejected: Counter[str]) -> Episode:
         arrangement, task = self._draw(rng, wanted)
         sentence = self._grammars[wanted.held_out_wordings].sentence(rng, task.program)
+        # A generator of its own: however large the disturbance, it is the same scene and program.
+        (disturbing,) = rng.spawn(1)
+        disturbance = wanted.disturbance
         light = Light.sample(rng) if wanted.vary_light else Light()
-        camera = default_camera()
+        light = disturbance.lit(light, disturbing)
+        camera = disturbance.moved(default_camera(), disturbing)
+
+        def observe() -> Observation:
+            frame = self._renderer.render(self._world, camera, light)
+            seen = observation(disturbance.measured(frame, disturbing))
+            return _all_seen(seen, range(len(arrangement.blocks)))
 
         self._world.reset()
-        self._world.spawn(arrangement.blocks, arrangement.poses)
+        self._world.spawn(disturbance.painted(arrangement.blocks, disturbing), arrangement.poses)
         self._settle()
         initial_poses = self._poses()
-        initial = self._observe(camera, light, range(len(arrangement.blocks)))
+        initial = observe()
         sub_goals: list[SubGoal] = []
         final = initial
         for number, move in enumerate(task.moves, start=1):
             pose = self._carry_out(arrangement.blocks, move)
             if number == len(task.moves):
-                seen = final = self._observe(camera, light, range(len(arrangement.blocks)))
+                seen = final = observe()
             else:
                 seen = _all_seen(locate(self._renderer, self._world, camera), [move.moved])
             location = seen.location(move.moved + 1)
@@ -209,9 +220,6 @@ class Demonstrator:
 
     def _poses(self) -> tuple[Pose, ...]:
         return tuple(pose for _, pose in sorted(self._world.poses().items()))
-
-    def _observe(self, camera: Camera, light: Light, needed: Sequence[int]) -> Observation:
-        return _all_seen(observe(self._renderer, self._world, camera, light), needed)
 
 
 def _all_seen(seen: Seen, needed: Sequence[int]) -> Seen:

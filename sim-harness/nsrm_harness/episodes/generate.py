@@ -22,6 +22,7 @@ import h5py
 
 from nsrm_harness import domain as domains
 from nsrm_harness.episodes.demonstrator import Demonstrator, Wanted
+from nsrm_harness.episodes.disturbance import UNDISTURBED, Disturbance
 from nsrm_harness.episodes.file import KIND, SCHEMA, open_checked
 from nsrm_harness.episodes.programs import SHARES_OF, Descriptions
 from nsrm_harness.episodes.seeds import STREAMS, generator
@@ -59,12 +60,17 @@ class Settings:
     #: Sentences in the domain's wordings that training never hears.
     held_out_wordings: bool = False
     vary_light: bool = True
+    disturbance: Disturbance = UNDISTURBED
     renderer: str = "auto"
     seed: int = 0
 
     def as_json(self) -> str:
-        """Equal text for equal settings."""
-        return json.dumps(asdict(self), sort_keys=True)
+        """Equal text for equal settings. What is not disturbed says nothing of disturbance, as
+        in files that are older than it."""
+        content = asdict(self)
+        if self.disturbance == UNDISTURBED:
+            del content["disturbance"]
+        return json.dumps(content, sort_keys=True)
 
     def checked(self, domain: domains.Domain) -> Settings:
         """The same settings, descriptions bound to the domain's attribute types;
@@ -85,6 +91,8 @@ class Settings:
             raise EpisodeSettingsError("count must be at least 1 and seed at least 0")
         if self.split not in SPLITS:
             raise EpisodeSettingsError(f"no split {self.split!r}; there are {', '.join(SPLITS)}")
+        if min(asdict(self.disturbance).values()) < 0.0:
+            raise EpisodeSettingsError(f"disturbance: sizes can't be negative: {self.disturbance}")
         if self.renderer not in KINDS:
             raise EpisodeSettingsError(f"renderer: expected one of {', '.join(KINDS)}")
         names = {value.name for value in domain.concepts}
@@ -124,6 +132,8 @@ SPLITS = {
         Settings("multi_attribute", 2000, attributes=(2, 2)),
         Settings("objects_10", 2000, objects=(10, 10)),
         Settings("paraphrase", 2000, held_out_wordings=True),
+        # The same scenes and programs whatever the disturbance.
+        Settings("disturbed", 500),
     )
 }
 
@@ -214,6 +224,7 @@ def _wanted(settings: Settings, index: int) -> Wanted:
         held_out_wordings=settings.held_out_wordings,
         shares=SHARES_OF[settings.programs],
         vary_light=settings.vary_light,
+        disturbance=settings.disturbance,
     )
 
 

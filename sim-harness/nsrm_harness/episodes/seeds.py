@@ -25,6 +25,7 @@ STREAMS = {
     "steps_6": 16,
     "paraphrase": 17,
     "steps_8": 18,
+    "disturbed": 19,
     "refusals_validation": 31,
     "refusals_test": 32,
     "perception": 41,

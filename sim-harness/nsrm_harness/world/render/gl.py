@@ -21,6 +21,8 @@ from nsrm_harness.world.render.scene import Part, robot_parts, shadow_parts, sur
 from nsrm_harness.world.world import World
 
 SAMPLES = 4
+MAX_MESHES = 256
+"""Meshes that are kept on the GPU's side; those not drawn for the longest go first."""
 
 _LIBRARY = "libEGL.so.1"
 
@@ -183,7 +185,12 @@ class GlRenderer:
             resource.release()
 
     def _arrays(self, mesh: Mesh) -> tuple[Any, ...]:
-        if mesh not in self._meshes:
+        if mesh in self._meshes:
+            # To the end: the order is that of their last use.
+            self._meshes[mesh] = self._meshes.pop(mesh)
+        else:
+            while len(self._meshes) >= MAX_MESHES:
+                self._forget(next(iter(self._meshes)))
             data = self._gl.buffer(
                 np.hstack([mesh.vertices, mesh.normals]).astype(np.float32).tobytes()
             )

@@ -25,6 +25,8 @@ from nsrm_harness.world.render.scene import Part, robot_parts, shadow_parts
 from nsrm_harness.world.world import PlacedBlock, World
 
 OVERSAMPLING = 2
+MAX_MESHES = 256
+"""Meshes whose bodies are kept; when there are more, those not in the picture go."""
 
 SAMPLE_SHIFT_PX = (-0.5, 0.5)
 """TinyRenderer looks through (i, j + 1) for pixel (i, j) where a camera looks through
@@ -103,10 +105,17 @@ class TinyRenderer:
                 body = self._body(part)
                 self._bodies[part.mesh].append(body)
             id_of_body[body] = block_id
-        for bodies in free.values():
+        too_many = len(self._bodies) > MAX_MESHES
+        for mesh, bodies in free.items():
             for body in bodies:
-                self._move(body, _AWAY)
-                id_of_body[body] = 0
+                if too_many:
+                    self._bodies[mesh].remove(body)
+                    pybullet.removeBody(body, physicsClientId=self._client)
+                else:
+                    self._move(body, _AWAY)
+                    id_of_body[body] = 0
+            if not self._bodies[mesh]:
+                del self._bodies[mesh]
         return id_of_body
 
     def _move(self, body: int, pose: Pose) -> None:
