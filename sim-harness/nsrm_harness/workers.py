@@ -138,12 +138,17 @@ class RayCluster:
                 return
             finished, _ = self._ray.wait(list(running))
             for reference in finished:
-                yield running.pop(reference), self._ray.get(reference)
+                try:
+                    result = self._ray.get(reference)
+                except self._ray.exceptions.RayTaskError as error:
+                    # The function's own error, as it would be raised here.
+                    raise error.cause from error
+                yield running.pop(reference), result
 
 
 def _check_answers(address: str) -> None:
     """Raises `WorkersError` where nobody listens: Ray itself would wait for minutes."""
-    host, _, port = address.rpartition(":")
+    host, _, port = address.removeprefix("ray://").rpartition(":")
     try:
         socket.create_connection((host, int(port)), SECONDS_TO_ANSWER).close()
     except (OSError, ValueError) as error:
