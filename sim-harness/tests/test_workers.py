@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import subprocess
+import sys
 from itertools import product
 from pathlib import Path
 
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.generate import SHARD, SPLITS, generate
-from nsrm_harness.errors import EpisodeSettingsError
 from nsrm_harness.workers import Processes, RayCluster, WorkersError
 
-SETTINGS = replace(SPLITS["train"], count=2 * SHARD + 1, seed=3, renderer="pybullet")
+
+def episodes(*options: str | Path) -> subprocess.CompletedProcess[str]:
+    """``harness episodes`` in a process of its own: a cluster is forked off the one that starts it,
+    and the tests' has JAX's threads."""
+    command = [sys.executable, "-m", "nsrm_harness.cli", "episodes", "--split", "train"]
+    command += ["--count", "21", "--seed", "3", "--renderer", "pybullet", "--jobs", "2"]
+    return subprocess.run(
+        [*command, *map(str, options)], capture_output=True, text=True, timeout=900, check=False
+    )
 
 
 def test_processes_tell_what_is_finished_by_key() -> None:
@@ -24,16 +31,20 @@ def test_processes_tell_what_is_finished_by_key() -> None:
 
 
 def test_a_cluster_of_two_makes_the_same_bytes(tmp_path: Path) -> None:
-    domain = domains.load()
-    with RayCluster("local", 2) as cluster:
-        assert cluster.count == 2
-        assert generate(SETTINGS, domain, tmp_path / "cluster.h5", cluster)
-        kinds = product(*([value.name for value in each.values] for each in domain.attributes))
-        nothing = replace(SETTINGS, exclude=tuple(kinds))
-        with pytest.raises(EpisodeSettingsError, match=r"every combination .* is excluded"):
-            generate(nothing, domain, tmp_path / "never.h5", cluster)
-    assert generate(SETTINGS, domain, tmp_path / "here.h5", Processes(2))
-    assert (tmp_path / "cluster.h5").read_bytes() == (tmp_path / "here.h5").read_bytes()
+    here, cluster = tmp_path / "here.h5", tmp_path / "cluster.h5"
+    for path, options in ((here, ()), (cluster, ("--ray", "local"))):
+        ran = episodes("--out", path, *options)
+        assert ran.returncode == 0, ran.stderr
+    assert here.read_bytes() == cluster.read_bytes()
+
+
+def test_an_error_on_the_cluster_is_told_as_if_it_were_here(tmp_path: Path) -> None:
+    values = ([value.name for value in each.values] for each in domains.load().attributes)
+    excluded = [option for kind in product(*values) for option in ("--exclude", ",".join(kind))]
+    ran = episodes("--out", tmp_path / "never.h5", "--ray", "local", *excluded)
+    assert ran.returncode == 2
+    problem = "almost every combination of attribute values is excluded"
+    assert ran.stderr.splitlines()[-1] == f"harness: {problem}"
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "nowhere"])

@@ -36,15 +36,17 @@ def command(
     After Ctrl-C the same command goes on.
     """
     from nsrm_harness import domain as domains
-    from nsrm_harness.tables.report import REPORT, write_report
-    from nsrm_harness.tables.run import Tables
-    from nsrm_harness.tables.study import full_study, quick_study
 
     domain = domains.load(domain_path)
-    study = quick_study(data_seed) if quick else full_study(data_seed)
     folder = out or Path("runs") / ("tables-quick" if quick else "tables")
     try:
+        # A cluster on this machine is forked off, which is to be done before JAX has threads.
         with workers_of(jobs, ray) as workers:
+            from nsrm_harness.tables.report import REPORT, write_report
+            from nsrm_harness.tables.run import Tables
+            from nsrm_harness.tables.study import full_study, quick_study
+
+            study = quick_study(data_seed) if quick else full_study(data_seed)
             outcome = Tables(study, domain, folder, workers).make()
     except KeyboardInterrupt:
         click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
