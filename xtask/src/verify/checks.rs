@@ -87,7 +87,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "python-tests",
         title: "tests of harness and Python module, golden vectors among them",
-        about: "5 min",
+        about: "9 min",
         steps: python_tests,
     },
     Check {
