@@ -118,7 +118,8 @@ class Pace:
     seconds: float = 0.0
 
     def __str__(self) -> str:
-        return f"planned from crops: {self.plans}, {self.plans / self.seconds:.0f} a second"
+        rate = f", {self.plans / self.seconds:.0f} a second" if self.plans else ""
+        return f"planned from crops: {self.plans}{rate}"
 
 
 def evaluate(

@@ -113,8 +113,9 @@ def test_many_colors_leave_pictures_as_they_were(kind: str) -> None:
 def test_sizes_that_make_no_sense_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(EpisodeSettingsError, match="can't be negative"):
-        make(tmp_path, light=-0.1)
+    for size in (-0.1, float("nan"), float("inf")):
+        with pytest.raises(EpisodeSettingsError, match=f"light: expected 0 or more, got {size}"):
+            make(tmp_path, light=size)
     for value, problem in (("fog=1", "'fog': expected some of camera_m"), ("light=x", "a number")):
         with pytest.raises(SystemExit) as caught:
             main(["episodes", "--split", "test", "--disturbance", value])

@@ -278,6 +278,7 @@ def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
         ("[joint]\nepochs = 1.5", "joint.epochs: expected a number like"),
         ("joint = 3", "joint: expected a table"),
         ("temperature = -1", "temperature: -1 is too small"),
+        ("split_samples = 1", "split_samples: 1 is too small"),
         ("split_gradient = 'best'", "split_gradient: expected 'exact' or 'reinforce', got 'best'"),
     ):
         path.write_text(text)

@@ -28,5 +28,5 @@ def command(folder: Path) -> None:
     click.echo(
         "published; now: cargo run --release -p nsrm-codegen -- "
         "core/pretrained/tabletop.safetensors --out core/src/pretrained.rs && "
-        "cargo harness golden"
+        f"cargo harness golden --data {folder / 'data' / 'validation.h5'}"
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import platform
 import shutil
 from collections import Counter
@@ -91,8 +92,9 @@ class Settings:
             raise EpisodeSettingsError("count must be at least 1 and seed at least 0")
         if self.split not in SPLITS:
             raise EpisodeSettingsError(f"no split {self.split!r}; there are {', '.join(SPLITS)}")
-        if min(asdict(self.disturbance).values()) < 0.0:
-            raise EpisodeSettingsError(f"disturbance: sizes can't be negative: {self.disturbance}")
+        for name, size in asdict(self.disturbance).items():
+            if not (math.isfinite(size) and size >= 0.0):
+                raise EpisodeSettingsError(f"disturbance: {name}: expected 0 or more, got {size}")
         if self.renderer not in KINDS:
             raise EpisodeSettingsError(f"renderer: expected one of {', '.join(KINDS)}")
         names = {value.name for value in domain.concepts}

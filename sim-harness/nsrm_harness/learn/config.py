@@ -14,6 +14,8 @@ from nsrm_harness.learn.objective import LossWeights
 EXACT, REINFORCE = "exact", "reinforce"
 CHOICES = {"split_gradient": (EXACT, REINFORCE)}
 """Keys whose values are words, and which."""
+LEAST = {"epochs": 0, "square": 0, "overlap": 0, "split_spread": 0, "split_samples": 2}
+"""Least values of numbers; all others are above 0. One sample has no other to be compared with."""
 
 
 class ConfigError(HarnessError):
@@ -124,7 +126,7 @@ def _filled(default: Any, values: dict[str, Any], where: str) -> Any:
         kinds = (int,) if isinstance(old, int) else (int, float)
         if not isinstance(value, kinds) or isinstance(value, bool):
             raise ConfigError(f"{where}{key}: expected a number like {old}, got {value!r}")
-        least = 0 if key in ("epochs", "square", "overlap") else 1e-9
+        least = LEAST.get(key, 1e-9)
         if value < least:
             raise ConfigError(f"{where}{key}: {value} is too small")
         changes[key] = type(old)(value)

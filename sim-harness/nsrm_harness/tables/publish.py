@@ -16,7 +16,7 @@ from nsrm_harness.tables.report import TABLES as TABLES_FILE
 from nsrm_harness.tables.results import MEASURES, Row, read_rows, select, summarize
 from nsrm_harness.tables.study import JUDGED
 
-BEGIN = "<!-- figures: from docs/report by `cargo harness publish` -->"
+BEGIN = "<!-- figures: `cargo harness publish` replaces them -->"
 END = "<!-- end of figures -->"
 REPORT_FOLDER = Path("docs/report")
 README = Path("README.md")

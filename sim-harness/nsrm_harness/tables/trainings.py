@@ -76,6 +76,6 @@ def unpack(made: dict[str, bytes], out: Path) -> None:
 
 
 def _keep_compiled(folder: Path) -> None:
-    """What XLA compiles, for further seeds on the same data: two of a run's eight minutes."""
+    """What XLA compiles, for further seeds on the same data."""
     jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
