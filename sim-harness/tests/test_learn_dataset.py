@@ -14,9 +14,10 @@ import pytest
 from nsrm_harness import domain as domains
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.episodes.generate import SPLITS, generate
+from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn import reference
 from nsrm_harness.learn.config import StageConfig, TrainingConfig
-from nsrm_harness.learn.dataset import TrainingSet, training_set
+from nsrm_harness.learn.dataset import Sentences, TrainingSet, training_set
 from nsrm_harness.learn.model import tensors
 from nsrm_harness.learn.train import train
 from nsrm_harness.workers import Processes
@@ -97,3 +98,20 @@ def test_arrays_are_what_the_file_shows(episodes: Path) -> None:
     assert ((words.tokens == 0).sum(axis=1) >= words.group_count).all()
     assert len(data.select(1)) + len(data.select(2)) == len(data)
     assert set(data.select(1, single_attribute=True)) == set(data.select(1))
+
+
+def test_steps_usually_end_as_sentences_do() -> None:
+    tokenizer = Tokenizer(DOMAIN)
+    sentences = [
+        "put the red block on the blue block",
+        "put the red block on the blue",
+        "put red on blue block, then put green on the red one",
+        "on blue put red put green on red",
+    ]
+    padded = Sentences.of(tokenizer, [tokenizer(sentence) for sentence in sentences])
+    words = [
+        " ".join(DOMAIN.vocabulary()[row] for row in tokens[: end + 1])
+        for tokens, end in zip(padded.tokens, padded.usual_ends(), strict=True)
+    ]
+    assert words[0].endswith("[[X]] block") and words[1].endswith("on the [[X]]")
+    assert words[2:] == ["put [[X]] on [[X]] block", "on [[X]] put [[X]]"]

@@ -8,6 +8,7 @@ import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.learn.dataset import Sentences
+from nsrm_harness.learn.decode import StepTable
 from nsrm_harness.learn.model import Dimensions, Model, Parse
 from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.objective import (
@@ -25,7 +26,13 @@ from nsrm_harness.learn.objective import (
     soft_minimum,
     straight_through,
 )
-from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
+from nsrm_harness.learn.splits import (
+    Command,
+    end_log_probability,
+    split_log_probability,
+    step_tokens,
+)
+from nsrm_harness.learn.stages import end_loss
 
 WEIGHTS = LossWeights(square=200.0, overlap=1.0)
 MODEL = Model(Dimensions.of(domains.load()), jax.random.key(0))
@@ -175,6 +182,25 @@ def test_split_probabilities_sum_to_one_from_any_first_token() -> None:
         np.testing.assert_allclose(jnp.exp(log_probability).sum(), 1.0, rtol=1e-5)
         assert float(jnp.exp(log_probability[:first]).sum()) == 0.0
         assert float(jnp.exp(log_probability[8:]).sum()) == 0.0
+
+
+def test_the_end_of_a_step_is_learned_with_and_without_another_behind_it() -> None:
+    """As the splitter sees "now . on . block" and the same with "then . on ." behind it."""
+
+    def step(*tokens: int) -> StepTable:
+        padded = jnp.array([*tokens, *[0] * (6 - len(tokens))])
+        index = jnp.array(0)
+        return StepTable(padded, jnp.array(len(tokens)), index > 0, Parse(index, index, index))
+
+    splitter = MODEL.language.splitter
+    first, following = step(7, 0, 6, 0, 3), step(8, 0, 6, 0)
+    both = jnp.array([7, 0, 6, 0, 3, 8, 0, 6, 0, 0, 0, 0])
+    expected = {float(-end_log_probability(splitter, both, jnp.array(n))[4]) for n in (5, 9)}
+    keys = jax.random.split(jax.random.key(0), 20)
+    found = jax.vmap(lambda key: end_loss(key, splitter, first, following))(keys)
+    np.testing.assert_allclose(
+        sorted(set(np.round(found, 5).tolist())), sorted(expected), rtol=1e-4
+    )
 
 
 def test_step_tokens_take_their_own_groups_along() -> None:

@@ -30,7 +30,6 @@ from nsrm_harness.learn.export import (
 )
 from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, tensors
 from nsrm_harness.learn.nonsense import known_gaps, nonsense
-from nsrm_harness.learn.splits import step_tokens
 from nsrm_harness.learn.stages import TrainingError
 from nsrm_harness.learn.train import TRAINS, Fit, Result, make_stage, train
 
@@ -188,27 +187,30 @@ def test_a_model_that_carries_out_nothing_is_not_polished(
         decode.own_choices(hasty, few, similarities)
 
 
-def test_only_steps_that_final_scenes_confirm_teach_the_parser(
+def test_only_steps_that_final_scenes_confirm_are_learned_from(
     few: TrainingSet, whole: Result
 ) -> None:
     similarities = decode.see_all(whole.model, few)
     every = decode.own_steps(whole.model, few, similarities, FEW_STEPS)
-    groups = few.sentences.group_count[decode.own_cuts(whole.model, few)[0]]
-    assert len(every.first) == groups.sum() // 2
+    assert len(every.length) == few.sentences.group_count.sum() // 2
+    assert int(every.follows.sum()) == len(few.select(2))
+    position = np.arange(every.tokens.shape[1])
+    assert (np.asarray(every.tokens)[position >= np.asarray(every.length)[:, None]] == 0).all()
     for argument in every.meant[1:]:
-        at = np.asarray(every.first + argument)
-        assert (np.asarray(every.command.tokens)[np.arange(len(at)), at] == GROUP_TOKEN).all()
-    assert (every.end > every.first).all()
+        at = np.asarray(argument)
+        assert (np.asarray(every.tokens)[np.arange(len(at)), at] == GROUP_TOKEN).all()
+        assert (at < np.asarray(every.length)).all()
     strict = dataclasses.replace(FEW_STEPS, explained=0.0)
     with pytest.raises(TrainingError, match="no command that the model carries out right"):
         make_stage("parser", whole.model, few, strict)
 
 
-def test_the_parser_learns_to_doubt_what_says_nothing(
+def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
     domain: domains.Domain, few: TrainingSet, whole: Result
 ) -> None:
-    """The last stage alone, longer: sure of its own steps, in doubt about their words shuffled."""
-    longer = StageConfig(epochs=60, learning_rate=3e-3, batch=16)
+    """Alone, longer: sure of its own steps, in doubt about their words shuffled; and commands of
+    three steps are cut, of which there is none in the data."""
+    longer = StageConfig(epochs=60, learning_rate=3e-3, batch=32)
     config = dataclasses.replace(FEW_STEPS, parser=longer)
     stage = make_stage("parser", whole.model, few, config)
     fit, crops = Fit(stage, TRAINS["parser"], 0, 6), jax.numpy.asarray(few.crops)
@@ -216,21 +218,27 @@ def test_the_parser_learns_to_doubt_what_says_nothing(
     for epoch in range(longer.epochs):
         state, _ = fit.epoch(state, epoch, crops)
     steps, known = stage.sets[0], known_gaps(few.sentences)
-    keys = jax.random.split(jax.random.key(0), len(steps.first))
+    keys = jax.random.split(jax.random.key(0), len(steps.length))
 
     @eqx.filter_jit
     def sure(model: Model, said: bool) -> jax.Array:
-        def one(key, command, first, end):
-            tokens, valid, _ = step_tokens(command, first, end)
+        def one(key, step):
+            tokens, valid = step.tokens, jax.numpy.arange(step.tokens.shape[0]) < step.length
             if not said:
                 tokens, valid = nonsense(key, tokens, valid, known, len(domain.vocabulary()))
             return jax.nn.softmax(model.language.parse(tokens, valid).action).max()
 
-        return jax.vmap(one)(keys, steps.command, steps.first, steps.end)
+        return jax.vmap(one)(keys, steps)
 
     before = float(np.mean(sure(whole.model, True)) - np.mean(sure(whole.model, False)))
     after = float(np.mean(sure(state.model, True)) - np.mean(sure(state.model, False)))
     assert after > before + 0.1, (before, after)
+    long = make_toys(domain, 24, 3, 2).data
+    first = np.zeros(24, np.int32)
+    for _ in range(2):
+        first = decode.decide(state.model, long, np.arange(24), first).end
+    groups = np.cumsum(long.sentences.tokens == GROUP_TOKEN, axis=1)[np.arange(24), first - 1]
+    assert np.mean(groups == 4) > 0.9, groups
     frozen = set(tensors(whole.model)) - {
         name for name in tensors(whole.model) if name.startswith(TRAINS["parser"])
     }

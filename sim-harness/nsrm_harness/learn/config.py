@@ -55,10 +55,10 @@ class TrainingConfig:
     """Loss of a split that leaves a step without two objects."""
     indecision: float = 0.02
     """Weight of the entropy over splits: of several that do equally well one is to be preferred."""
-    late_split: float = 0.01
-    """Loss that each token of the first step adds. Of splits that do equally well the earliest is
-    the safest: what a step needs has been said when its second object is named, and what follows
-    belongs to the next."""
+    unusual_end: float = 0.05
+    """Loss that a split has for each token between it and the end that the first step has if it
+    ends as sentences do. Many splits do equally well: a word that joins two steps may be either's,
+    and between two habits the splitter would be sure of neither."""
     nonsense: float = 0.05
     """Weight of steps that say nothing, of which the parser is to be sure of no action. The soft
     minimum weighs what a sentence says with τ: the same for both."""
@@ -84,9 +84,9 @@ class TrainingConfig:
     """(d) Everything, on one and two steps."""
     simulator: StageConfig = StageConfig(epochs=1200, learning_rate=5e-3, batch=256)
     """(e) The simulator alone, on the model's own choices."""
-    parser: StageConfig = StageConfig(epochs=50, learning_rate=1e-3, batch=128)
-    """(f) The parser alone, on its own choices as far as final scenes confirm them, and on steps
-    that say nothing."""
+    parser: StageConfig = StageConfig(epochs=50, learning_rate=1e-3, batch=256)
+    """(f) Parser and splitter, on their own choices as far as final scenes confirm them: alone, put
+    together, and on steps that say nothing. Of a batch half are steps that follow others."""
     explained: float = 0.1
     """Greatest loss of a final scene that confirms the choices."""
     nonsense_parser: float = 0.5

@@ -16,6 +16,7 @@ import numpy as np
 from tqdm import tqdm
 
 from nsrm_harness.language.tokens import Tokenizer, Tokens
+from nsrm_harness.learn.model import GROUP_TOKEN
 
 if TYPE_CHECKING:
     from nsrm_harness.episodes.file import Demonstrations
@@ -51,6 +52,31 @@ class Sentences:
             for number, group in enumerate(tokens.groups):
                 groups[index, number, : len(group)] = group
         return cls(rows, length, groups, group_count)
+
+    def usual_ends(self) -> np.ndarray:
+        """Where the first step of each ends, if it ends as sentences do: a token, int32 `[N]`.
+
+        Its second group and as much of what stands behind it as stands behind the last group of
+        some sentence: "red block, then put" has the end "red block" where a sentence ends so. Of a
+        sentence with one step it is the last token.
+        """
+        at = [
+            np.flatnonzero(row[:length] == GROUP_TOKEN)
+            for row, length in zip(self.tokens, self.length, strict=True)
+        ]
+        endings = {
+            self.tokens[n, groups[-1] + 1 : self.length[n]].tobytes()
+            for n, groups in enumerate(at)
+            if len(groups) > 0
+        }
+        ends = self.length - 1
+        for n, groups in enumerate(at):
+            if len(groups) > GROUPS_PER_STEP:
+                second, third = groups[GROUPS_PER_STEP - 1 : GROUPS_PER_STEP + 1]
+                between = self.tokens[n, second + 1 : third]
+                known = [k for k in range(len(between)) if between[:k].tobytes() in endings]
+                ends[n] = second + max(known, default=0)
+        return ends
 
 
 @dataclass(frozen=True)

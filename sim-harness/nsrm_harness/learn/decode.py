@@ -170,7 +170,8 @@ def split_table(
     remainders = losses.copy()
     least = np.full(len(data), np.inf)
     np.minimum.at(least, episodes, found)
-    losses[episodes, split] = found + config.late_split * split
+    unusual = np.abs(split - data.sentences.usual_ends()[episodes])
+    losses[episodes, split] = found + config.unusual_end * unusual
     good = (found <= least[episodes] + NEAR_BEST) & ~whole[episodes, split]
     rows = np.concatenate([one, two, episodes[good]])
     first = np.concatenate([np.zeros(len(one) + len(two), int), split[good] + 1])
@@ -179,11 +180,13 @@ def split_table(
 
 
 class StepTable(NamedTuple):
-    """Steps that the model understands: tokens `first..end` of a command, and its own choices."""
+    """Steps that the model understands, cut out of their commands, and its own choices."""
 
-    command: Command
-    first: Array
-    end: Array
+    tokens: Array
+    """Right-padded with row 0 to the longest step, `[T]`."""
+    length: Array
+    follows: Array
+    """Whether another step of its command came before it."""
     meant: Parse
     """Index of the action, and of the group token of each argument in the step."""
 
@@ -254,8 +257,13 @@ def own_choices(
 def own_steps(
     model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
 ) -> StepTable:
-    """The steps of the commands that the model carries out as the final scene shows."""
-    episodes, bounds = own_cuts(model, data)
+    """The steps of the commands that the model carries out as the final scene shows.
+
+    Cut where steps usually end, that all are cut alike.
+    """
+    episodes = np.concatenate([data.select(1), data.select(2)])
+    ends, length = data.sentences.usual_ends()[episodes] + 1, data.sentences.length[episodes]
+    bounds = np.stack([np.zeros_like(ends), ends, length], axis=1)
     _, locations = carry_out(model, data, similarities, episodes, bounds)
     losses = np.asarray(_losses(jnp.asarray(locations), scenes(data, episodes), config))
     right = losses <= config.explained
@@ -263,19 +271,22 @@ def own_steps(
     second = bounds[:, 2] > bounds[:, 1]
     rows = np.concatenate([episodes, episodes[second]])
     first = np.concatenate([bounds[:, 0], bounds[second, 1]])
-    end = np.concatenate([bounds[:, 1], bounds[second, 2]])
-    command = commands(data, rows)
-    meant = _meant(model, command, jnp.asarray(first), jnp.asarray(end))
-    return StepTable(command, jnp.asarray(first), jnp.asarray(end), meant)
+    length = np.concatenate([bounds[:, 1], bounds[second, 2]]) - first
+    position = np.arange(length.max(initial=1))
+    source = np.minimum(first[:, None] + position, data.sentences.tokens.shape[1] - 1)
+    tokens = data.sentences.tokens[rows[:, None], source]
+    tokens = jnp.asarray(np.where(position < length[:, None], tokens, 0))
+    meant = _meant(model, tokens, jnp.asarray(length))
+    return StepTable(tokens, jnp.asarray(length), jnp.asarray(first > 0), meant)
 
 
 @eqx.filter_jit
-def _meant(model: Model, command: Command, first: Array, end: Array) -> Parse:
-    def one(command: Command, first: Array, end: Array) -> Parse:
-        tokens, valid, _ = step_tokens(command, first, end)
+def _meant(model: Model, tokens: Array, length: Array) -> Parse:
+    def one(tokens: Array, length: Array) -> Parse:
+        valid = jnp.arange(tokens.shape[0]) < length
         return Parse(*(jnp.argmax(logits) for logits in model.language.parse(tokens, valid)))
 
-    return jax.vmap(one)(command, first, end)
+    return jax.vmap(one)(tokens, length)
 
 
 def own_cuts(model: Model, data: TrainingSet) -> tuple[np.ndarray, np.ndarray]:

@@ -35,16 +35,26 @@ def step_tokens(command: Command, first: Array, end: Array) -> tuple[Array, Arra
 def split_log_probability(splitter: Splitter, command: Command, first: Array) -> Array:
     """Log probability that the step which begins at `first` ends after each token `[T]`.
 
-    `h_t Π_{s<t} (1 - h_s)`; after the last token what remains, the probability of no split.
-    Counted from the command's first token; -1e9 outside.
+    Counted from the command's first token; see `end_log_probability`; -1e9 outside.
     """
     position = jnp.arange(command.tokens.shape[0])
-    tokens, valid, _ = step_tokens(command, first, command.length)
+    tokens, _, _ = step_tokens(command, first, command.length)
+    by_offset = end_log_probability(splitter, tokens, command.length - first)
+    source = position - first
+    return jnp.where(source >= 0, by_offset[jnp.clip(source, 0)], MISSING)
+
+
+def end_log_probability(splitter: Splitter, tokens: Array, length: Array) -> Array:
+    """Log probability that the first step of the tokens `[T]` ends after each of them `[T]`.
+
+    `h_t Π_{s<t} (1 - h_s)`; after the last token what remains, the probability of no split;
+    -1e9 behind it.
+    """
+    position = jnp.arange(tokens.shape[0])
+    valid = position < length
     logits = splitter(tokens, valid)
-    is_inner = position < command.length - first - 1
+    is_inner = position < length - 1
     kept = jnp.where(is_inner, jax.nn.log_sigmoid(-logits), 0.0)
     before = jnp.cumsum(kept) - kept
     here = before + jnp.where(is_inner, jax.nn.log_sigmoid(logits), 0.0)
-    by_offset = jnp.where(valid, here, MISSING)
-    source = position - first
-    return jnp.where(source >= 0, by_offset[jnp.clip(source, 0)], MISSING)
+    return jnp.where(valid, here, MISSING)

@@ -20,7 +20,7 @@ from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
-from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model
+from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter
 from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
@@ -34,7 +34,12 @@ from nsrm_harness.learn.objective import (
     sampled_steps,
     soft_minimum,
 )
-from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
+from nsrm_harness.learn.splits import (
+    Command,
+    end_log_probability,
+    split_log_probability,
+    step_tokens,
+)
 
 PARSER = (
     "language.embedding",
@@ -57,11 +62,13 @@ class TrainingError(HarnessError):
 
 
 class Demonstration(NamedTuple):
-    """One demonstration: its command, its scene, and where its crops are `[M]`."""
+    """One demonstration: its command, its scene, where its crops are `[M]`, and the token with
+    which its first step usually would end."""
 
     command: Command
     scene: Scene
     crop_of: Array
+    usual_end: Array
 
 
 class Stage(NamedTuple):
@@ -79,7 +86,10 @@ class Stage(NamedTuple):
 def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     """The chosen episodes as one tree with a leading axis."""
     crop_of = jnp.asarray(data.crop_of[chosen])
-    return Demonstration(decode.commands(data, chosen), decode.scenes(data, chosen), crop_of)
+    usual_end = jnp.asarray(data.sentences.usual_ends()[chosen])
+    return Demonstration(
+        decode.commands(data, chosen), decode.scenes(data, chosen), crop_of, usual_end
+    )
 
 
 def varied(key: Array, crop: Array) -> Array:
@@ -122,7 +132,7 @@ def one_step_loss(
     exploration: Array | None = None,
 ) -> Array:
     """Loss of a command of one step: objects sampled, or with `exploration` all summed out."""
-    command, scene, _ = demonstration
+    command, scene = demonstration.command, demonstration.scene
     step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
     if exploration is not None:
         simulator = model.action.simulator
@@ -130,11 +140,8 @@ def one_step_loss(
     return sampled_steps(key, model, [step], scene, config.loss, config.temperature)
 
 
-def nonsense_loss(
-    key: Array, model: Model, command: Command, first: Array, end: Array, known: Array
-) -> Array:
+def nonsense_loss(key: Array, model: Model, tokens: Array, valid: Array, known: Array) -> Array:
     """How far the actions of a step made meaningless are from being equally likely, in nats."""
-    tokens, valid, _ = step_tokens(command, first, end)
     tokens, valid = nonsense(key, tokens, valid, known, model.language.embedding.weight.shape[0])
     actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
     return -actions.mean() - jnp.log(actions.shape[0])
@@ -149,7 +156,7 @@ def two_step_loss(
     known: Array,
 ) -> Array:
     """Loss of a command of two steps over its likeliest splits; `known`: see `nonsense`."""
-    command, scene, _ = demonstration
+    command, scene = demonstration.command, demonstration.scene
     key, saying = jax.random.split(key)
     log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
     position = jnp.arange(log_probability.shape[0])
@@ -166,6 +173,9 @@ def two_step_loss(
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
         return sampled_steps(key, model, steps, scene, config.loss, config.temperature)
 
+    def unusual(split: Array) -> Array:
+        return config.unusual_end * jnp.abs(split - demonstration.usual_end)
+
     def kept_whole(split: Array) -> Array:
         remainder = split_log_probability(model.language.splitter, command, split + 1)
         return remainder[command.length - 1]
@@ -174,7 +184,7 @@ def two_step_loss(
         sampling, key = jax.random.split(key)
 
         def losses_of(sampled: Array) -> Array:
-            losses = jax.vmap(carry_out)(sampled) + config.late_split * sampled
+            losses = jax.vmap(carry_out)(sampled) + unusual(sampled)
             return jnp.where(possible[sampled] > MISSING / 2, losses, config.failed_split)
 
         loss = reinforce(sampling, log_probability, losses_of, config.split_samples, 0.0)
@@ -183,10 +193,11 @@ def two_step_loss(
         # What is left after a split must not be split again: a split that makes that hard is a
         # bad one.
         likeliest += jax.vmap(kept_whole)(positions)
-        losses = jax.vmap(carry_out)(positions) + config.late_split * positions
+        losses = jax.vmap(carry_out)(positions) + unusual(positions)
         loss = soft_minimum(likeliest, losses, config.temperature)
     # What joins two steps begins the second one: so do heaps that follow on a step.
-    heap = nonsense_loss(saying, model, command, positions[0] + 1, command.length, known)
+    second, valid, _ = step_tokens(command, positions[0] + 1, command.length)
+    heap = nonsense_loss(saying, model, second, valid, known)
     return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
 
 
@@ -221,7 +232,8 @@ def one_step_stage(
                 # First it must find out what there is to be sure of.
                 return loss
             command = demonstration.command
-            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length, known)
+            valid = jnp.arange(command.tokens.shape[0]) < command.length
+            heap = nonsense_loss(saying, model, command.tokens, valid, known)
             return loss + config.nonsense * heap
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
@@ -272,7 +284,8 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
             choosing, saying = jax.random.split(key)
             loss = one_step_loss(choosing, model, demonstration, similarities, config)
             command = demonstration.command
-            heap = nonsense_loss(saying, model, command, jnp.array(0), command.length, known)
+            valid = jnp.arange(command.tokens.shape[0]) < command.length
+            heap = nonsense_loss(saying, model, command.tokens, valid, known)
             loss += config.nonsense * heap
             # Any split of a command of one step fails: only the whole counts.
             whole = split_log_probability(model.language.splitter, command, jnp.array(0))
@@ -317,28 +330,51 @@ def simulator_stage(
     return Stage("simulator", config.simulator, ((scenes, choices),), loss)
 
 
+def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTable) -> Array:
+    """Surprise at the end of a step, with another one behind it or, half the time, none.
+
+    Demonstrations have two steps at most; commands may have more, and each step but the last then
+    has another one behind it.
+    """
+    width = step.tokens.shape[0]
+    position = jnp.arange(2 * width)
+    behind = jnp.where(jax.random.bernoulli(key), following.length, 0)
+    tokens = jnp.where(
+        position < step.length,
+        step.tokens[jnp.clip(position, 0, width - 1)],
+        following.tokens[jnp.clip(position - step.length, 0, width - 1)],
+    )
+    return -end_log_probability(splitter, tokens, step.length + behind)[step.length - 1]
+
+
 def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable) -> Stage:
-    """(f): the parser on steps whose meaning the final scene has confirmed, and on nonsense."""
+    """(f): parser and splitter on steps whose meaning the final scene has confirmed.
+
+    The parser hears nonsense too, the splitter commands put together from those steps.
+    """
     known = known_gaps(data.sentences)
-    _some(np.arange(len(table.first)), "parser: no command that the model carries out right")
+    following = jax.tree.map(lambda column: column[np.asarray(table.follows)], table)
+    _some(np.asarray(following.length), "parser: no command that the model carries out right")
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
-        table: StepTable = batch[0]
+        steps, following = batch
 
-        def one(key: Array, row: StepTable) -> Array:
-            tokens, valid, _ = step_tokens(row.command, row.first, row.end)
-            parse = model.language.parse(tokens, valid)
+        def one(key: Array, step: StepTable, following: StepTable) -> Array:
+            saying, joining = jax.random.split(key)
+            valid = jnp.arange(step.tokens.shape[0]) < step.length
+            parse = model.language.parse(step.tokens, valid)
             said = sum(
                 -jax.nn.log_softmax(logits)[meant]
-                for logits, meant in zip(parse, row.meant, strict=True)
+                for logits, meant in zip(parse, step.meant, strict=True)
             )
-            heap = nonsense_loss(key, model, row.command, row.first, row.end, known)
-            return said + config.nonsense_parser * heap
+            heap = nonsense_loss(saying, model, step.tokens, valid, known)
+            end = end_loss(joining, model.language.splitter, step, following)
+            return said + end + config.nonsense_parser * heap
 
-        keys = jax.random.split(key, len(table.first))
-        return jax.vmap(one)(keys, table).mean()
+        keys = jax.random.split(key, len(steps.length))
+        return jax.vmap(one)(keys, steps, following).mean()
 
-    return Stage("parser", config.parser, (table,), loss)
+    return Stage("parser", config.parser, (table, following), loss)
 
 
 def _some(chosen: np.ndarray, problem: str) -> None:

@@ -37,7 +37,7 @@ TRAINS = {
     "splitter": SPLITTER,
     "joint": PERCEPTION_AND_PARSER + SIMULATOR + SPLITTER,
     "simulator": SIMULATOR,
-    "parser": PARSER,
+    "parser": PARSER + SPLITTER,
 }
 """The stages in their order, with the beginnings of the names of the tensors that each trains."""
 FINAL_RATE = 0.05
