@@ -117,14 +117,23 @@ def test_held_out_wordings_are_new_and_read_back() -> None:
     tokenizer = Tokenizer(domain)
     rng = np.random.default_rng(16)
     shapes: list[set[str]] = []
-    for grammar in (Grammar(domain), Grammar(domain, held_out=True)):
+    phrases = {phrase for action in domain.actions for phrase in action.phrases}
+    for grammar in (
+        Grammar(domain),
+        Grammar(domain, held_out=True),
+        Grammar(domain, held_out=True, held_out_phrases=True),
+    ):
         shapes.append(set())
         for _ in range(3000):
-            said = grammar.sentence(rng, random_program(rng, domain)[:1]).text
+            program = random_program(rng, domain)[:1]
+            (command,) = grammar.commands(rng, program)
+            assert (command.fields["relation"] in phrases) == (len(shapes) < 3)
+            said = grammar.sentence(rng, program).text
             tokens = tokenizer(said)
             assert len(tokens.groups) == 2, said
             shapes[-1].add(" ".join(tokens.words))
     assert not shapes[0] & shapes[1]
+    assert not shapes[2] & (shapes[0] | shapes[1])
 
 
 def test_a_domain_without_held_out_wordings_says_so() -> None:

@@ -64,8 +64,10 @@ class Wanted:
     shares: tuple[int, ...] | None = None
     #: The program names a block that has all values of one of these, by all of them.
     novel: tuple[frozenset[str], ...] = ()
-    #: Said in the domain's wordings that training never hears.
+    #: Said in orders of words that training never hears.
     held_out_wordings: bool = False
+    #: With relations too that training never hears.
+    held_out_phrases: bool = False
     #: Whether the light differs between episodes.
     vary_light: bool = True
     disturbance: Disturbance = UNDISTURBED
@@ -112,9 +114,12 @@ class Demonstrator:
         self._domain = domain
         self._world = world
         self._renderer = renderer
-        self._grammars = {False: Grammar(domain)}
+        self._grammars = {(False, False): Grammar(domain)}
         if domain.held_out is not None:
-            self._grammars[True] = Grammar(domain, held_out=True)
+            for phrases in (False, True):
+                self._grammars[True, phrases] = Grammar(
+                    domain, held_out=True, held_out_phrases=phrases
+                )
 
     def episode(self, rng: np.random.Generator, wanted: Wanted) -> Episode:
         """The next episode that `rng` gives and the rules accept.
@@ -134,7 +139,8 @@ class Demonstrator:
 
     def _attempt(self, rng: np.random.Generator, wanted: Wanted, rejected: Counter[str]) -> Episode:
         arrangement, task = self._draw(rng, wanted)
-        sentence = self._grammars[wanted.held_out_wordings].sentence(rng, task.program)
+        grammar = self._grammars[wanted.held_out_wordings, wanted.held_out_phrases]
+        sentence = grammar.sentence(rng, task.program)
         # A generator of its own: however large the disturbance, it is the same scene and program.
         (disturbing,) = rng.spawn(1)
         disturbance = wanted.disturbance

@@ -58,19 +58,22 @@ class Settings:
     exclude: tuple[tuple[str, ...], ...] = ()
     #: The program names a block that has all values of one of these sets, by all of them.
     novel: tuple[tuple[str, ...], ...] = ()
-    #: Sentences in the domain's wordings that training never hears.
+    #: Sentences in the domain's orders of words that training never hears.
     held_out_wordings: bool = False
+    #: And with its relations that training never hears.
+    held_out_phrases: bool = False
     vary_light: bool = True
     disturbance: Disturbance = UNDISTURBED
     renderer: str = "auto"
     seed: int = 0
 
     def as_json(self) -> str:
-        """Equal text for equal settings. What is not disturbed says nothing of disturbance, as
-        in files that are older than it."""
+        """Equal text for equal settings. Settings that came later and say nothing are left out,
+        as in files that are older than they."""
         content = asdict(self)
-        if self.disturbance == UNDISTURBED:
-            del content["disturbance"]
+        for name, default in (("disturbance", UNDISTURBED), ("held_out_phrases", False)):
+            if getattr(self, name) == default:
+                del content[name]
         return json.dumps(content, sort_keys=True)
 
     def checked(self, domain: domains.Domain) -> Settings:
@@ -102,6 +105,8 @@ class Settings:
             for values in sets:
                 if unknown := set(values) - names:
                     raise EpisodeSettingsError(f"{name}: no attribute value {min(unknown)!r}")
+        if self.held_out_phrases and not self.held_out_wordings:
+            raise EpisodeSettingsError("held_out_phrases: only together with held_out_wordings")
         if self.held_out_wordings and domain.held_out is None:
             raise EpisodeSettingsError(f"the domain {domain.name!r} has no [held_out] wordings")
         return replace(self, attributes=bound)
@@ -134,6 +139,7 @@ SPLITS = {
         Settings("multi_attribute", 2000, attributes=(2, 2)),
         Settings("objects_10", 2000, objects=(10, 10)),
         Settings("paraphrase", 2000, held_out_wordings=True),
+        Settings("new_relations", 2000, held_out_wordings=True, held_out_phrases=True),
         # The same scenes and programs whatever the disturbance.
         Settings("disturbed", 500),
     )
@@ -224,6 +230,7 @@ def _wanted(settings: Settings, index: int) -> Wanted:
         exclude=tuple(frozenset(values) for values in settings.exclude),
         novel=tuple(frozenset(values) for values in settings.novel),
         held_out_wordings=settings.held_out_wordings,
+        held_out_phrases=settings.held_out_phrases,
         shares=SHARES_OF[settings.programs],
         vary_light=settings.vary_light,
         disturbance=settings.disturbance,

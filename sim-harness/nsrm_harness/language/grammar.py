@@ -59,19 +59,30 @@ class Command:
 class Grammar:
     """Makes sentences about one domain.
 
-    `held_out`: with the domain's wordings that training never hears, and no others.
+    Of the domain's wordings that training never hears, and of no others, are
+
+    * `held_out`: the orders of words
+    * `held_out_phrases`: the relations too
     """
 
-    def __init__(self, domain: Domain, style: Style | None = None, held_out: bool = False) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        style: Style | None = None,
+        held_out: bool = False,
+        held_out_phrases: bool = False,
+    ) -> None:
         self._domain = domain
         self._words = domain.grammar
         self._style = style or Style()
         self._commands = domain.grammar.commands
         self._phrases = {action.name: action.phrases for action in domain.actions}
-        if held_out:
+        if held_out or held_out_phrases:
             if domain.held_out is None:
                 raise DomainError(f"the domain {domain.name!r} has no [held_out] wordings")
-            self._commands, self._phrases = domain.held_out.commands, domain.held_out.phrases
+            self._commands = domain.held_out.commands
+            if held_out_phrases:
+                self._phrases = domain.held_out.phrases
 
     def sentence(self, rng: np.random.Generator, program: Program) -> Sentence:
         """One way to say `program`, drawn from `rng`."""

@@ -84,9 +84,9 @@ class TrainingConfig:
     """(d) Everything, on one and two steps."""
     simulator: StageConfig = StageConfig(epochs=1200, learning_rate=5e-3, batch=256)
     """(e) The simulator alone, on the model's own choices."""
-    parser: StageConfig = StageConfig(epochs=50, learning_rate=1e-3, batch=256)
+    parser: StageConfig = StageConfig(epochs=32, learning_rate=2e-3, batch=256)
     """(f) Parser and splitter, on their own choices as far as final scenes confirm them: alone, put
-    together, and on steps that say nothing. Of a batch half are steps that follow others."""
+    together, with fillers, and on steps that say nothing. Half of a batch are steps that follow."""
     explained: float = 0.1
     """Greatest loss of a final scene that confirms the choices."""
     nonsense_parser: float = 0.5

@@ -20,6 +20,7 @@ from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
+from nsrm_harness.learn.fillers import fillers, with_fillers
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter
 from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.objective import (
@@ -336,13 +337,13 @@ def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTab
     Demonstrations have two steps at most; commands may have more, and each step but the last then
     has another one behind it.
     """
-    width = step.tokens.shape[0]
-    position = jnp.arange(2 * width)
+    width, room = step.tokens.shape[0], following.tokens.shape[0]
+    position = jnp.arange(width + room)
     behind = jnp.where(jax.random.bernoulli(key), following.length, 0)
     tokens = jnp.where(
         position < step.length,
         step.tokens[jnp.clip(position, 0, width - 1)],
-        following.tokens[jnp.clip(position - step.length, 0, width - 1)],
+        following.tokens[jnp.clip(position - step.length, 0, room - 1)],
     )
     return -end_log_probability(splitter, tokens, step.length + behind)[step.length - 1]
 
@@ -350,9 +351,11 @@ def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTab
 def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable) -> Stage:
     """(f): parser and splitter on steps whose meaning the final scene has confirmed.
 
-    The parser hears nonsense too, the splitter commands put together from those steps.
+    Both hear them with fillers in between, the parser nonsense too, the splitter commands put
+    together from those steps.
     """
     known = known_gaps(data.sentences)
+    words = jnp.asarray(fillers(table))
     following = jax.tree.map(lambda column: column[np.asarray(table.follows)], table)
     _some(np.asarray(following.length), "parser: no command that the model carries out right")
 
@@ -360,15 +363,17 @@ def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable) ->
         steps, following = batch
 
         def one(key: Array, step: StepTable, following: StepTable) -> Array:
-            saying, joining = jax.random.split(key)
+            filling, saying, joining = jax.random.split(key, 3)
             valid = jnp.arange(step.tokens.shape[0]) < step.length
-            parse = model.language.parse(step.tokens, valid)
+            heap = nonsense_loss(saying, model, step.tokens, valid, known)
+            filled = with_fillers(filling, step, words)
+            valid = jnp.arange(filled.tokens.shape[0]) < filled.length
+            parse = model.language.parse(filled.tokens, valid)
             said = sum(
                 -jax.nn.log_softmax(logits)[meant]
-                for logits, meant in zip(parse, step.meant, strict=True)
+                for logits, meant in zip(parse, filled.meant, strict=True)
             )
-            heap = nonsense_loss(saying, model, step.tokens, valid, known)
-            end = end_loss(joining, model.language.splitter, step, following)
+            end = end_loss(joining, model.language.splitter, filled, following)
             return said + end + config.nonsense_parser * heap
 
         keys = jax.random.split(key, len(steps.length))

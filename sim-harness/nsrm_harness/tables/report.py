@@ -35,7 +35,7 @@ TITLES = {
     "steps_8": "8 steps",
     "multi_attribute": "two attributes in each description, trained on one",
     "objects_10": "10 objects, trained on 4-6",
-    "paraphrase": "wordings never heard in training",
+    "paraphrase": "orders of words never heard in training",
 }
 
 
