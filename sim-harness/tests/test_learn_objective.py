@@ -22,6 +22,7 @@ from nsrm_harness.learn.objective import (
     location_loss,
     move,
     reinforce,
+    sampled_steps,
     scene_loss,
     soft_minimum,
     straight_through,
@@ -153,6 +154,26 @@ def test_straight_through_is_hard_forward_and_soft_backward() -> None:
     weights = jnp.array([1.0, 2.0, 3.0])
     gradient = jax.grad(lambda logits: straight_through(key, logits) @ weights)(log_probability)
     assert float(jnp.abs(gradient).max()) > 1e-3
+
+
+def test_actions_are_sampled_where_wanted() -> None:
+    """Each sample's loss is that of one action; over samples the actions have their shares."""
+    action = jnp.log(jnp.array([0.7, 0.2, 0.1]))
+    sure = jnp.log(jnp.array([1.0, 1e-9]))
+    step = Grounding(action, sure, sure[::-1])
+    before = jnp.array([[0.1, 0.1, 0.2, 0.2, 1.0], [0.5, 0.5, 0.7, 0.7, 1.1]])
+    scene = Scene(before, before[::-1], jnp.ones(2, bool))
+    weights = LossWeights(1.0, 0.1)
+
+    def loss(key: jax.Array, actions: jax.Array, sample: bool) -> jax.Array:
+        each = step._replace(action=actions)
+        return sampled_steps(key, MODEL, [each], scene, weights, 0.05, sample)
+
+    keys = jax.random.split(jax.random.key(3), 400)
+    sampled = jax.vmap(lambda key: loss(key, action, True))(keys)
+    each = [float(loss(keys[0], jnp.log(one + 1e-30), False)) for one in jnp.eye(3)]
+    shares = [float(jnp.mean(jnp.abs(sampled - value) < 1e-5)) for value in each]
+    np.testing.assert_allclose(shares, [0.7, 0.2, 0.1], atol=0.08)
 
 
 def test_grounding_sums_out_the_group() -> None:

@@ -275,6 +275,25 @@ def test_model_file_is_the_same_for_the_same_model_and_read_back(
         read_model(path)
 
 
+def test_a_simulator_without_residual_is_not_exported(domain: domains.Domain) -> None:
+    """It says where a block comes to stand, whatever the reference; the core adds that."""
+    model = Model(Dimensions.of(domain), jax.random.key(0), residual=False)
+    simulator = eqx.tree_at(
+        lambda s: (s.output.weight, s.output.bias, s.location_mean),
+        model.action.simulator,
+        replace_fn=lambda array: 0.0 * array,
+    )
+    simulator = eqx.tree_at(
+        lambda s: s.location_mean, simulator, np.array([0.4, 0.6, 0.2, 0.1, 0.9], np.float32)
+    )
+    at = np.array([0.1, 0.1, 0.2, 0.2, 1.0], np.float32)
+    found = simulator(np.array([1.0, 0.0, 0.0], np.float32), at, at)
+    np.testing.assert_allclose(found, [0.3, 0.55, 0.5, 0.65, 0.9], rtol=1e-6)
+    space = WorkSpace((0.3, -0.2, 0.0), (0.6, 0.2, 0.2))
+    with pytest.raises(ModelFileError, match="no residual"):
+        model_bytes(ModelFile(model, domain, Thresholds(0.4, 0.6), space, training={}))
+
+
 def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
     path = tmp_path / "config.toml"
     path.write_text("temperature = 0.1\n[joint]\nepochs = 3\n")
@@ -284,6 +303,8 @@ def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
     for text, problem in (
         ("temprature = 0.1", "temprature: unknown key"),
         ("[joint]\nepochs = 1.5", "joint.epochs: expected a number like"),
+        ("residual = 1", "residual: expected true or false"),
+        ('action_gradient = "soft"', "action_gradient: expected 'exact' or 'gumbel'"),
         ("joint = 3", "joint: expected a table"),
         ("temperature = -1", "temperature: -1 is too small"),
         ("split_samples = 1", "split_samples: 1 is too small"),

@@ -11,8 +11,8 @@ from typing import Any
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.objective import LossWeights
 
-EXACT, REINFORCE = "exact", "reinforce"
-CHOICES = {"split_gradient": (EXACT, REINFORCE)}
+EXACT, REINFORCE, GUMBEL = "exact", "reinforce", "gumbel"
+CHOICES = {"split_gradient": (EXACT, REINFORCE), "action_gradient": (EXACT, GUMBEL)}
 """Keys whose values are words, and which."""
 LEAST = {"epochs": 0, "square": 0, "overlap": 0, "split_spread": 0, "split_samples": 2}
 """Least values of numbers; all others are above 0. One sample has no other to be compared with."""
@@ -70,6 +70,12 @@ class TrainingConfig:
     split_spread: float = 0.3
     """With "reinforce": weight of the entropy at the start; it falls to nothing in the first half
     of the splitter's stage."""
+    action_gradient: str = EXACT
+    """How actions learn what they are: "exact", from the soft minimum over them, or "gumbel", from
+    straight-through samples as objects do."""
+    residual: bool = True
+    """Whether the simulator's output is added to where the reference is. A model without can't be
+    exported."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
@@ -116,6 +122,11 @@ def _filled(default: Any, values: dict[str, Any], where: str) -> Any:
             if not isinstance(value, dict):
                 raise ConfigError(f"{where}{key}: expected a table, got {value!r}")
             changes[key] = _filled(old, value, f"{where}{key}.")
+            continue
+        if isinstance(old, bool):
+            if not isinstance(value, bool):
+                raise ConfigError(f"{where}{key}: expected true or false, got {value!r}")
+            changes[key] = value
             continue
         if isinstance(old, str):
             if value not in CHOICES[key]:

@@ -87,7 +87,10 @@ def arrays_of(model: eqx.Module) -> dict[str, np.ndarray]:
 
 
 def model_bytes(file: ModelFile) -> bytes:
-    """The file's content; the same model gives the same bytes."""
+    """The file's content; the same model gives the same bytes. Raises `ModelFileError` for a
+    simulator that the core does not know."""
+    if not file.model.action.simulator.residual:
+        raise ModelFileError("a model whose simulator has no residual can't be exported")
     arrays = arrays_of(file.model)
     sizes = {
         "word": network.WORD,

@@ -346,8 +346,11 @@ class Simulator(eqx.Module):
     output: eqx.nn.Linear
     location_mean: Array
     location_scale: Array
+    residual: bool = eqx.field(static=True)
+    """Whether the output is added to where the reference is; the core knows nothing else."""
 
-    def __init__(self, actions: int, key: Array):
+    def __init__(self, actions: int, key: Array, residual: bool = True):
+        self.residual = residual
         keys = jax.random.split(key, 3)
         self.input = eqx.nn.Linear(actions + 2 * LOCATION, SIMULATOR_HIDDEN, key=keys[0])
         self.hidden = eqx.nn.Linear(SIMULATOR_HIDDEN, SIMULATOR_HIDDEN, key=keys[1])
@@ -361,9 +364,11 @@ class Simulator(eqx.Module):
         moved, reference = center_size(moved), center_size(reference)
         seen = [action, (moved - mean) / scale, (reference - mean) / scale]
         hidden = jnp.tanh(self.input(jnp.concatenate(seen)))
-        change = SIMULATOR_SCALE * self.output(jnp.tanh(self.hidden(hidden)))
+        change = self.output(jnp.tanh(self.hidden(hidden)))
+        if not self.residual:
+            return corners(mean + scale * change)
         base = jnp.concatenate([reference[:2], moved[2:4], reference[4:]])
-        return corners(base + change)
+        return corners(base + SIMULATOR_SCALE * change)
 
 
 class Action(eqx.Module):
@@ -386,11 +391,11 @@ class Model(eqx.Module):
     action: Action
     camera: PixelToCamera
 
-    def __init__(self, dimensions: Dimensions, key: Array):
+    def __init__(self, dimensions: Dimensions, key: Array, residual: bool = True):
         language, vision, action = jax.random.split(key, 3)
         self.language = Language(dimensions, language)
         self.vision = Vision(dimensions, vision)
-        self.action = Action(Simulator(dimensions.actions, action))
+        self.action = Action(Simulator(dimensions.actions, action, residual))
         # The centre of the visible surface, until it is fitted (calibrate.py).
         self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
 

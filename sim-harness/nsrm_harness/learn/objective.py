@@ -197,14 +197,19 @@ def sampled_steps(
     scene: Scene,
     weights: LossWeights,
     temperature: float,
+    sample_actions: bool = False,
 ) -> Array:
-    """Objects by straight-through Gumbel samples, actions of all steps summed exactly."""
+    """Objects by straight-through Gumbel samples, actions of all steps summed exactly, or sampled
+    like the objects."""
     simulator = model.action.simulator
-    actions = jnp.eye(steps[0].action.shape[0])
     locations = scene.before[None]
     log_probability = jnp.zeros(1)
     for at, step in zip(jax.random.split(key, len(steps)), steps, strict=True):
         first, second = jax.random.split(at)
+        actions, action = jnp.eye(step.action.shape[0]), step.action
+        if sample_actions:
+            sampled = straight_through(jax.random.fold_in(at, 2), step.action)
+            actions, action = sampled[None], jnp.zeros(1)
         chosen = straight_through(first, step.object)
         reference = straight_through(second, step.reference)
         run = jax.vmap(move, (None, 0, None, None, None))
@@ -213,6 +218,6 @@ def sampled_steps(
         locations = after.reshape(-1, *scene.before.shape)
         # A demonstration's descriptions have one match each.
         matched = jax.nn.logsumexp(step.object) + jax.nn.logsumexp(step.reference)
-        log_probability = (log_probability[:, None] + step.action[None] + matched).reshape(-1)
+        log_probability = (log_probability[:, None] + action[None] + matched).reshape(-1)
     losses = jax.vmap(scene_loss, (0, None, None))(locations, scene, weights)
     return soft_minimum(log_probability, losses, temperature)

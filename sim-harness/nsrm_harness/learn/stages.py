@@ -17,7 +17,7 @@ from jax import Array
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
-from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
+from nsrm_harness.learn.config import GUMBEL, REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.fillers import fillers, with_fillers
@@ -135,10 +135,11 @@ def one_step_loss(
     """Loss of a command of one step: objects sampled, or with `exploration` all summed out."""
     command, scene = demonstration.command, demonstration.scene
     step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
-    if exploration is not None:
+    sample_actions = config.action_gradient == GUMBEL
+    if exploration is not None and not sample_actions:
         simulator = model.action.simulator
         return exact_step(simulator, step, scene, config.loss, config.temperature, exploration)
-    return sampled_steps(key, model, [step], scene, config.loss, config.temperature)
+    return sampled_steps(key, model, [step], scene, config.loss, config.temperature, sample_actions)
 
 
 def nonsense_loss(key: Array, model: Model, tokens: Array, valid: Array, known: Array) -> Array:
@@ -166,13 +167,17 @@ def two_step_loss(
     possible = jnp.where(groups_before == GROUPS_PER_STEP, log_probability, MISSING)
     likeliest, positions = jax.lax.top_k(possible, config.splits)
 
+    sample_actions = config.action_gradient == GUMBEL
+
     def carry_out(split: Array) -> Array:
         ends = jnp.stack([split + 1, command.length])
         both = jax.vmap(
             lambda first, end: ground_step(model, command, similarities, scene.present, first, end)
         )(jnp.stack([0, split + 1]), ends)
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
-        return sampled_steps(key, model, steps, scene, config.loss, config.temperature)
+        return sampled_steps(
+            key, model, steps, scene, config.loss, config.temperature, sample_actions
+        )
 
     def unusual(split: Array) -> Array:
         return config.unusual_end * jnp.abs(split - demonstration.usual_end)

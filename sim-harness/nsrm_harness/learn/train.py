@@ -66,9 +66,9 @@ class Result(NamedTuple):
     progress: Progress
 
 
-def untrained(domain: Domain, data: TrainingSet, seed: int) -> Model:
+def untrained(domain: Domain, data: TrainingSet, seed: int, residual: bool = True) -> Model:
     """A random model that knows the scale of the data's locations."""
-    model = Model(Dimensions.of(domain), jax.random.key(seed))
+    model = Model(Dimensions.of(domain), jax.random.key(seed), residual)
     mean, scale = data.location_statistics()
     return eqx.tree_at(
         lambda m: (m.action.simulator.location_mean, m.action.simulator.location_scale),
@@ -94,7 +94,7 @@ def train(
     run = json.dumps([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or Progress()
-    model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt)
+    model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual)
     crops = jnp.asarray(data.crops)
     state = None
     if progress.epoch > 0 or progress.stage > 0:
@@ -138,7 +138,9 @@ def train(
                 progress.attempt += 1
                 progress.epoch = 0
                 progress.losses.pop(name, None)
-                model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt)
+                model = untrained(
+                    domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual
+                )
                 continue
         progress.stage, progress.epoch = progress.stage + 1, 0
     named, clear = name_actions(model, domain)
