@@ -31,8 +31,8 @@ def table_of(sentences: Sentences, actions: list[int], moved_first: list[bool]) 
     first = np.array(moved_first)
     arguments = np.where(first[:, None], at, at[:, ::-1])
     meant = Parse(*map(jnp.asarray, (np.array(actions), *arguments.T)))
-    arrays = map(jnp.asarray, (sentences.tokens, sentences.length, np.zeros(len(at), bool)))
-    return StepTable(*arrays, meant)
+    follows = jnp.zeros(len(at), bool)
+    return StepTable(jnp.asarray(sentences.tokens), jnp.asarray(sentences.length), follows, meant)
 
 
 @pytest.fixture(scope="module")

@@ -236,7 +236,7 @@ def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
     long = make_toys(domain, 24, 3, 2).data
     first = np.zeros(24, np.int32)
     for _ in range(2):
-        first = decode.decide(state.model, long, np.arange(24), first).end
+        first = np.asarray(decode.decide(state.model, long, np.arange(24), first).end)
     groups = np.cumsum(long.sentences.tokens == GROUP_TOKEN, axis=1)[np.arange(24), first - 1]
     assert np.mean(groups == 4) > 0.9, groups
     frozen = set(tensors(whole.model)) - {
