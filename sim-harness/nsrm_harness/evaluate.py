@@ -50,6 +50,21 @@ class StepPlan(Protocol):
 
 
 @dataclass(frozen=True)
+class PlainStep:
+    """A step that was not planned by the core, a `StepPlan`."""
+
+    object_id: int
+    reference_id: int
+    location: NDArray[np.float32]
+    """Sub-goal in the image `[5]`."""
+    position: NDArray[np.float64]
+    """The same in the world `[3]`, metres."""
+    action: str = ""
+    object: tuple[str, ...] = ()
+    reference: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Score:
     """How one plan does against the truth; shares in 0..1."""
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
+from nsrm_harness.episodes.generate import SPLITS
 from nsrm_harness.episodes.moves import Arrangement
 from nsrm_harness.episodes.programs import (
     SHARES,
@@ -141,6 +142,7 @@ def test_excluded_combinations_do_not_occur() -> None:
 
 def test_streams_and_indices_have_their_own_draws() -> None:
     assert len(set(STREAMS.values())) == len(STREAMS)
+    assert STREAMS.keys() >= SPLITS.keys()
     draws = {
         tuple(generator(seed, stream, index).integers(2**60, size=3))
         for seed in (0, 1)

@@ -106,7 +106,19 @@ def test_the_model_file_is_valid_and_says_how_it_was_made(run: Run) -> None:
     assert len(training["data_hash"]) == 64
 
 
-def test_a_second_run_has_nothing_to_do(run: Run) -> None:
+def test_variants_are_compared_by_a_second_run_that_makes_nothing_again(run: Run) -> None:
     made = run.model.stat().st_mtime_ns
-    cargo("tables", "--quick", "--out", str(run.folder))
+    cargo("tables", "--quick", "--variants", "--out", str(run.folder))
     assert run.model.stat().st_mtime_ns == made
+    report = run.folder / "report"
+    assert "![accuracy against disturbance and data](comparison.png)" in (
+        report / "README.md"
+    ).read_text(encoding="utf-8")
+    with (report / "comparison.csv").open(encoding="utf-8", newline="") as file:
+        found = {(row["split"], row["model"]) for row in csv.DictReader(file)}
+    assert found == {
+        ("test", "no residual"),
+        ("steps_3", "no residual"),
+        ("disturbed_none_0", "nsrm"),
+        ("disturbed_camera_1", "nsrm"),
+    }

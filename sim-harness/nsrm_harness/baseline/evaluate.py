@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import equinox as eqx
@@ -15,25 +15,10 @@ from nsrm_harness.baseline.model import Baseline, Meaning, carry_out
 from nsrm_harness.baseline.train import understand
 from nsrm_harness.baseline.words import StepWords, read_ends, vocabulary
 from nsrm_harness.episodes.file import Demonstrations
-from nsrm_harness.evaluate import EvaluationError, Metrics, judge_plans
+from nsrm_harness.evaluate import EvaluationError, Metrics, PlainStep, judge_plans
 from nsrm_harness.learn.dataset import TrainingSet, training_set
 from nsrm_harness.learn.reference import locate
 from nsrm_harness.world.camera import Camera
-
-
-@dataclass(frozen=True)
-class DenseStep:
-    """A step of the baseline's plan, an `evaluate.StepPlan`."""
-
-    object_id: int
-    reference_id: int
-    location: np.ndarray
-    """Sub-goal in the image `[5]`."""
-    position: np.ndarray
-    """The same in the world `[3]`, metres."""
-    action: str = ""
-    object: tuple[str, ...] = ()
-    reference: tuple[str, ...] = ()
 
 
 def evaluate_baseline(model: Baseline, path: Path, quiet: bool = False) -> Metrics:
@@ -49,14 +34,14 @@ def evaluate_baseline(model: Baseline, path: Path, quiet: bool = False) -> Metri
 
 def plans(
     model: Baseline, data: TrainingSet, words: StepWords, cameras: list[Camera]
-) -> list[list[DenseStep]]:
+) -> list[list[PlainStep]]:
     """The steps of each command of the data."""
     meaning = understand(model, data, words)
     goals = np.asarray(_goals(model, meaning, jnp.asarray(data.before), jnp.asarray(words.count)))
     moved, references = (np.argmax(a, axis=-1) for a in (meaning.object, meaning.reference))
     return [
         [
-            DenseStep(
+            PlainStep(
                 int(moved[index, step]) + 1,
                 int(references[index, step]) + 1,
                 goals[index, step],

@@ -12,6 +12,12 @@ from nsrm_harness.commands.options import domain_option, jobs_option, ray_option
 
 @click.command("tables")
 @click.option("--quick", is_flag=True, help="One seed on a fifth of the data.")
+@click.option(
+    "--variants",
+    "with_variants",
+    is_flag=True,
+    help="Afterwards train and judge what the models are compared with; takes much longer.",
+)
 @domain_option
 @click.option(
     "--out",
@@ -29,7 +35,13 @@ from nsrm_harness.commands.options import domain_option, jobs_option, ray_option
 @jobs_option
 @ray_option
 def command(
-    quick: bool, domain_path: Path, out: Path | None, data_seed: int, jobs: int, ray: str | None
+    quick: bool,
+    with_variants: bool,
+    domain_path: Path,
+    out: Path | None,
+    data_seed: int,
+    jobs: int,
+    ray: str | None,
 ) -> None:
     """Make data, models and baselines, judge them on all splits, write OUT/report/.
 
@@ -42,14 +54,19 @@ def command(
     try:
         # A cluster on this machine is forked off, which is to be done before JAX has threads.
         with workers_of(jobs, ray) as workers:
+            from nsrm_harness.tables.compare import compare
             from nsrm_harness.tables.report import REPORT, write_report
             from nsrm_harness.tables.run import Tables
             from nsrm_harness.tables.study import full_study, quick_study
+            from nsrm_harness.tables.variants import disturbed_sets, variants
 
             study = quick_study(data_seed) if quick else full_study(data_seed)
-            outcome = Tables(study, domain, folder, workers).make()
+            tables = Tables(study, domain, folder, workers)
+            outcome, comparison = tables.make(), None
+            if with_variants:
+                comparison = compare(tables, variants(study), disturbed_sets(study))
     except KeyboardInterrupt:
         click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
         sys.exit(130)
-    write_report(outcome, study, domain, folder / "report")
+    write_report(outcome, study, domain, folder / "report", comparison)
     click.echo(f"report: {folder / 'report' / REPORT}")

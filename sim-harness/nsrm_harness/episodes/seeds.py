@@ -26,6 +26,7 @@ STREAMS = {
     "paraphrase": 17,
     "steps_8": 18,
     "disturbed": 19,
+    "new_relations": 20,
     "refusals_validation": 31,
     "refusals_test": 32,
     "perception": 41,

@@ -15,9 +15,14 @@ from nsrm_harness.learn import calibrate, curves
 from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.dataset import training_set
 from nsrm_harness.learn.export import ModelFile, WorkSpace, write_metrics, write_model
+from nsrm_harness.learn.model import Model
+from nsrm_harness.learn.naming import name_actions
 from nsrm_harness.learn.stages import TrainingError
 from nsrm_harness.learn.train import TRAINS, train
 from nsrm_harness.world.layout import WORK_SPACE
+
+Fitting = Callable[[], ModelFile]
+"""Makes a model file of a model in training."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,17 @@ class Files:
         return cls(*(folder / f"{name}.h5" for name in names))
 
 
+@dataclass(frozen=True)
+class Fitted:
+    """A model with its camera map and thresholds, and how it came about."""
+
+    file: ModelFile
+    named: bool
+    """Whether each action was learned as one of its own."""
+    seconds: dict[str, float]
+    """Time spent, by stage."""
+
+
 def run(
     files: Files,
     config: TrainingConfig,
@@ -47,47 +63,65 @@ def run(
     """Leaves `model.safetensors` and `curves.png` in `out`; returns the metrics on test."""
     import nsrm
 
-    with Demonstrations(files.train) as demonstrations:
-        domain, data = demonstrations.domain, training_set(demonstrations)
-    with Demonstrations(files.validation) as demonstrations:
-        validation = training_set(demonstrations)
-    result = train(domain, data, config, seed, out, resume)
-    curves.draw_curves(result.progress, out / "curves.png")
-    if not result.named:
+    fitted = fit(files, config, seed, out, resume, say)
+    if not fitted.named:
         raise TrainingError(
             f"seed {seed}: two actions were learned as one (see {out / 'curves.png'}); "
             "train with more episodes or with another --seed"
         )
-    camera = calibrate.fit_camera(Calibration.load(files.calibration))
-    say(f"camera map: {camera.median_m * 1e3:.2f} mm median, {camera.p95_m * 1e3:.2f} mm p95")
-    model = calibrate.with_camera(result.model, camera)
-    fit = calibrate.fit_thresholds(model, validation)
-    say(
-        f"match score {fit.thresholds.match_score:.3f}: between {fit.plateau[0]:.3f} and "
-        f"{fit.plateau[1]:.3f} a share of {fit.share:.1%} of the references has one match; "
-        f"decision {fit.thresholds.decision:.2f} (lowest on validation "
-        f"{fit.lowest_confidence:.4f})"
-    )
     path = out / "model.safetensors"
-    write_model(
-        path,
-        ModelFile(
-            model,
-            domain,
-            fit.thresholds,
-            WorkSpace(WORK_SPACE.min, WORK_SPACE.max),
-            training={
-                "seed": seed,
-                "attempt": result.progress.attempt,
-                "episodes": len(data),
-                "data_hash": data.hash(),
-                "stages": {name: asdict(getattr(config, name)) for name in TRAINS},
-                "jax": jax.__version__,
-            },
-        ),
-    )
+    write_model(path, fitted.file)
     metrics = evaluate.evaluate(nsrm.Model.load(path), files.test)
     write_metrics(path, metrics.as_json())
     say(str(metrics))
     say(f"model: {path}")
     return metrics
+
+
+def fit(
+    files: Files,
+    config: TrainingConfig,
+    seed: int,
+    out: Path,
+    resume: bool = False,
+    say: Callable[[str], None] = print,
+    after_stage: Callable[[str, Fitting], None] = lambda name, fitting: None,
+) -> Fitted:
+    """Train, then fit camera and thresholds; leaves `curves.png` and a checkpoint in `out`.
+
+    `after_stage` is given what makes a model file of the model as it stands then.
+    """
+    with Demonstrations(files.train) as demonstrations:
+        domain, data = demonstrations.domain, training_set(demonstrations)
+    with Demonstrations(files.validation) as demonstrations:
+        validation = training_set(demonstrations)
+    camera = calibrate.fit_camera(Calibration.load(files.calibration))
+    say(f"camera map: {camera.median_m * 1e3:.2f} mm median, {camera.p95_m * 1e3:.2f} mm p95")
+
+    def fitted(model: Model, attempt: int) -> ModelFile:
+        model = calibrate.with_camera(model, camera)
+        found = calibrate.fit_thresholds(model, validation)
+        say(
+            f"match score {found.thresholds.match_score:.3f}: between {found.plateau[0]:.3f} and "
+            f"{found.plateau[1]:.3f} a share of {found.share:.1%} of the references has one match; "
+            f"decision {found.thresholds.decision:.2f} (lowest on validation "
+            f"{found.lowest_confidence:.4f})"
+        )
+        training = {
+            "seed": seed,
+            "attempt": attempt,
+            "episodes": len(data),
+            "data_hash": data.hash(),
+            "stages": {name: asdict(getattr(config, name)) for name in TRAINS},
+            "jax": jax.__version__,
+        }
+        space = WorkSpace(WORK_SPACE.min, WORK_SPACE.max)
+        return ModelFile(model, domain, found.thresholds, space, training=training)
+
+    def stage_done(name: str, model: Model) -> None:
+        after_stage(name, lambda: fitted(name_actions(model, domain)[0], 0))
+
+    result = train(domain, data, config, seed, out, resume, after_stage=stage_done)
+    curves.draw_curves(result.progress, out / "curves.png")
+    file = fitted(result.model, result.progress.attempt)
+    return Fitted(file, result.named, result.progress.seconds)

@@ -86,10 +86,12 @@ def train(
     resume: bool = False,
     quiet: bool = False,
     after_epoch: Callable[[Progress], None] = lambda progress: None,
+    after_stage: Callable[[str, Model], None] = lambda name, model: None,
 ) -> Result:
     """Train from the start, or go on from the checkpoint in `folder`.
 
-    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind.
+    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind. What
+    `after_stage` is told of a stage it may be told again after that.
     """
     run = json.dumps([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
@@ -142,6 +144,7 @@ def train(
                     domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual
                 )
                 continue
+        after_stage(name, model)
         progress.stage, progress.epoch = progress.stage + 1, 0
     named, clear = name_actions(model, domain)
     return Result(named, clear, progress)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from pathlib import Path
+from statistics import fmean, pstdev
 
 import nsrm
 
@@ -13,16 +14,22 @@ from nsrm_harness.refusals.figure import draw_report
 from nsrm_harness.refusals.measure import COLUMNS, KindCount, Report
 from nsrm_harness.tables import paper
 from nsrm_harness.tables.actions import draw_actions
+from nsrm_harness.tables.compare import BEFORE, Comparison, Cost
 from nsrm_harness.tables.concepts import draw_concepts
 from nsrm_harness.tables.failures import draw_failures, worst_episodes
-from nsrm_harness.tables.figures import draw_steps
-from nsrm_harness.tables.results import MEASURES, Row, select, summarize, write_rows
+from nsrm_harness.tables.figures import draw_comparison, draw_steps
+from nsrm_harness.tables.results import MEASURES, Row, select, summarize, write_records, write_rows
 from nsrm_harness.tables.run import Outcome
-from nsrm_harness.tables.study import FAMILIES, JUDGED, Study
+from nsrm_harness.tables.study import FAMILIES, JUDGED, QUICK, Study
+from nsrm_harness.tables.variants import DISTURBED, EXACT, SAMPLED, VARIED
+from nsrm_harness.tables.variants import JUDGED as COMPARED
 
 REPORT = "README.md"
 TABLES = "tables.csv"
 REFUSALS = "refusals.csv"
+COMPARISON = "comparison.csv"
+"""Variants and disturbed scenes, with the columns of the tables."""
+COSTS = "costs.csv"
 HEADINGS = ("program", "O1", "O2", "IoU-2D", "IoU-3D")
 TITLES = {
     "train": "training episodes, 1-2 steps",
@@ -39,8 +46,14 @@ TITLES = {
 }
 
 
-def write_report(outcome: Outcome, study: Study, domain: Domain, folder: Path) -> None:
-    """`README.md`, its pictures, `tables.csv` and `refusals.csv`."""
+def write_report(
+    outcome: Outcome,
+    study: Study,
+    domain: Domain,
+    folder: Path,
+    comparison: Comparison | None = None,
+) -> None:
+    """`README.md`, its pictures, `tables.csv` and `refusals.csv`; with a comparison its files."""
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / TABLES, outcome.rows)
     _write_refusals(folder / REFUSALS, outcome.refusals)
@@ -52,10 +65,15 @@ def write_report(outcome: Outcome, study: Study, domain: Domain, folder: Path) -
     draw_failures(worst, outcome.episodes, folder / "failures.png")
     for report in outcome.refusals:
         draw_report(report, folder / f"refusals-{report.set}.png")
-    (folder / REPORT).write_text(markdown(outcome, study), encoding="utf-8")
+    if comparison is not None:
+        disturbed = [row for _, rows in comparison.disturbed for row in rows]
+        write_rows(folder / COMPARISON, [*comparison.rows, *disturbed])
+        write_records(folder / COSTS, [field.name for field in fields(Cost)], comparison.costs)
+        draw_comparison(comparison, outcome.rows, study, folder / "comparison.png")
+    (folder / REPORT).write_text(markdown(outcome, study, comparison), encoding="utf-8")
 
 
-def markdown(outcome: Outcome, study: Study) -> str:
+def markdown(outcome: Outcome, study: Study, comparison: Comparison | None = None) -> str:
     """The text of the report."""
     *of_paper, beyond, with_detector = tables_of(outcome.rows)
     sections = [
@@ -74,6 +92,7 @@ def markdown(outcome: Outcome, study: Study) -> str:
         with_detector,
         "## Refusals",
         *(part for report in outcome.refusals for part in _refusals(report)),
+        *(_comparison(comparison) if comparison is not None else []),
         "## What was learned",
         f"The model of seed {study.seeds[0]}. Each action, over a grid of references (grey): where "
         "the block comes to stand (dot, its height in colour), and the mean and deviation of the "
@@ -104,7 +123,7 @@ def _origin(outcome: Outcome, study: Study) -> str:
         f"{family.train}: {study.settings(family.train).count}" for family in FAMILIES
     )
     return (
-        f"Written by `cargo harness tables{' --quick' if study.name == 'quick' else ''}` at "
+        f"Written by `cargo harness tables{' --quick' if study.name == QUICK else ''}` at "
         f"{_commits(outcome.commits)}; seeds of the models {seeds}, of the data {study.data_seed}; "
         f"episodes for training: {families}. Models are judged through the Rust core alone; a "
         "refused sentence counts as wrong in every measure. The baseline is told where the "
@@ -180,9 +199,95 @@ def _refusals(report: Report) -> list[str]:
     ]
 
 
+def _comparison(comparison: Comparison) -> list[str]:
+    models = list(dict.fromkeys(row.model for row in comparison.rows))
+    seconds = {
+        name: sum(cost.seconds for cost in comparison.costs if cost.variant == name)
+        for name in models
+    }
+    headings = [f"{name}, {split}" for split in COMPARED for name in ("program", "IoU-3D")]
+    lines = [_line("trained otherwise", [*headings, "seeds", "minutes"])]
+    lines.append("|---|" + "---:|" * (len(headings) + 2))
+    for name in models:
+        cells, count = [], 0
+        for split in COMPARED:
+            chosen = select(comparison.rows, split, name, "mask")
+            program, _, _, _, volume = _cells(chosen)
+            cells += [program, volume]
+            count = len(chosen)
+        minutes = f"{seconds[name] / count / 60:.1f}" if seconds[name] else ""
+        lines.append(_line(name, [*cells, str(count), minutes]))
+    merged = ", ".join(f"{name} (seed {seed})" for name, seed in comparison.merged)
+    return [
+        "## What the parts are worth",
+        "The same data, one thing changed in each row; minutes of one processor a seed. Mean over "
+        "the seeds, in brackets the least and the greatest.",
+        "\n".join(lines),
+        *([f"Two actions were learned as one by: {merged}."] if merged else []),
+        *_reinforce(comparison),
+        "## Disturbed scenes, and how much data",
+        "The same scenes whatever the size. At the size 1 the camera stands up to "
+        f"{VARIED.camera_m * 1e3:.0f} mm beside its place along each axis and is turned by up to "
+        f"{VARIED.camera_deg:g}°, light is off by up to {VARIED.light:.0%}, colours by up to "
+        f"{VARIED.color:.0%}, and depth has noise of {VARIED.depth_m * 1e3:.0f} mm.",
+        "![accuracy against disturbance and data](comparison.png)",
+        _disturbed_table(comparison),
+    ]
+
+
+def _reinforce(comparison: Comparison) -> list[str]:
+    """How near the sampled splitter comes to the exact one, seed by seed."""
+    told = []
+    for exact, sampled, when in (
+        (EXACT, SAMPLED, "In the end"),
+        (EXACT + BEFORE, SAMPLED + BEFORE, "Before the last stage, which teaches the splitter too"),
+    ):
+        for split in COMPARED:
+            means = [
+                summarize(select(comparison.rows, split, name, "mask"), "program")
+                for name in (exact, sampled)
+            ]
+            own = select(comparison.rows, split, sampled, "mask")
+            if means[0] is None or means[1] is None:
+                continue
+            near = sum(abs((row.program or 0.0) - means[0].mean) <= 1.0 for row in own)
+            deviations = [
+                pstdev(row.program or 0.0 for row in select(comparison.rows, split, name, "mask"))
+                for name in (exact, sampled)
+            ]
+            told.append(
+                f"{when}, {TITLES[split]}: {near} of {len(own)} seeds are within 1 point of the "
+                f"exact expectation's mean; deviation over the seeds {deviations[0]:.2f} exact, "
+                f"{deviations[1]:.2f} sampled."
+            )
+    if not told:
+        return []
+    costs = {
+        name: fmean(
+            sum(c.seconds for c in comparison.costs if (c.variant, c.seed) == (name, seed))
+            for seed in sorted({c.seed for c in comparison.costs if c.variant == name})
+        )
+        for name in (EXACT, SAMPLED)
+    }
+    ratio = costs[SAMPLED] / costs[EXACT]
+    items = "\n".join(f"- {line}" for line in told)
+    return [f"REINFORCE takes {ratio:.2f} times as long.\n\n{items}"]
+
+
+def _disturbed_table(comparison: Comparison) -> str:
+    models = list(dict.fromkeys(row.model for _, rows in comparison.disturbed for row in rows))
+    lines = [_line(DISTURBED, [f"{HEADINGS[0]}, {m} | {HEADINGS[-1]}, {m}" for m in models])]
+    lines.append("|---|" + "---:|" * (2 * len(models)))
+    for each, rows in comparison.disturbed:
+        cells: list[str] = []
+        for model in models:
+            program, _, _, _, volume = _cells([row for row in rows if row.model == model])
+            cells += [program, volume]
+        name = each.kind if each.size == 0.0 else f"{each.kind}, {each.size:g}"
+        lines.append(_line(name, cells))
+    return "\n".join(lines)
+
+
 def _write_refusals(path: Path, reports: Sequence[Report]) -> None:
     kinds: list[KindCount] = [kind for report in reports for kind in report.kinds]
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows([getattr(kind, name) for name in COLUMNS] for kind in kinds)
+    write_records(path, COLUMNS, kinds)

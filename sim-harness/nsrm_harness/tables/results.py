@@ -80,12 +80,15 @@ def select(rows: Iterable[Row], split: str, model: str, boxes: str) -> list[Row]
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
     """Under `COLUMNS`; the baseline's program stays empty."""
+    write_records(path, COLUMNS, rows)
+
+
+def write_records(path: Path, columns: Sequence[str], records: Sequence[object]) -> None:
+    """A CSV file of these fields; None is left empty."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for row in rows:
-            values = [getattr(row, name) for name in COLUMNS]
-            writer.writerow(["" if value is None else value for value in values])
+        writer.writerow(columns)
+        writer.writerows([getattr(record, name) for name in columns] for record in records)
 
 
 def read_rows(path: Path) -> list[Row]:

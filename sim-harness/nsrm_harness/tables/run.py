@@ -22,7 +22,7 @@ from nsrm_harness.baseline.evaluate import evaluate_baseline
 from nsrm_harness.baseline.file import read_baseline
 from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.calibration import make_calibration
-from nsrm_harness.episodes.generate import Progress, generate
+from nsrm_harness.episodes.generate import Progress, Settings, generate
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.evaluate import evaluate_models
 from nsrm_harness.learn.run import Files
@@ -69,20 +69,20 @@ class Tables:
         workers: Workers,
     ) -> None:
         """Raises `StudyError` where the folder has another study in it."""
-        self._study, self._domain, self._folder = study, domain, folder
-        self._workers = workers
+        self.study, self._domain, self.folder = study, domain, folder
+        self.workers = workers
         self._commits = self._claim()
 
     def make(self) -> Outcome:
         """Everything; broken off, a further call goes on."""
-        for split in self._study.splits():
-            self._make_episodes(split)
+        for split in self.study.splits():
+            self.make_episodes(split, self.study.settings(split))
         self._make_calibration()
         self._train()
         rows = [row for family in FAMILIES for row in self._judge(family)]
         refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
-        first = self.model(FAMILIES[0], self._study.seeds[0])
-        return Outcome(tuple(rows), refusals, self._commits, first, self._data("test"))
+        first = self.model(FAMILIES[0], self.study.seeds[0])
+        return Outcome(tuple(rows), refusals, self._commits, first, self.data("test"))
 
     def model(self, family: Family, seed: int) -> Path:
         """The model file of a family and a seed."""
@@ -90,10 +90,10 @@ class Tables:
 
     def _claim(self) -> tuple[str, ...]:
         content = {
-            "study": json.loads(json.dumps(asdict(self._study))),
+            "study": json.loads(json.dumps(asdict(self.study))),
             "domain": json.loads(self._domain.as_json()),
         }
-        note = self._folder / "study.json"
+        note = self.folder / "study.json"
         commits: list[str] = []
         if note.exists():
             found = json.loads(note.read_text(encoding="utf-8"))
@@ -105,58 +105,60 @@ class Tables:
                         "or remove the folder to begin anew"
                     )
         commits = list(dict.fromkeys([*commits, commit()]))
-        self._folder.mkdir(parents=True, exist_ok=True)
+        self.folder.mkdir(parents=True, exist_ok=True)
         _write(note, content | {"commits": commits})
         return tuple(commits)
 
-    def _data(self, split: str) -> Path:
-        return self._folder / "data" / f"{split}.h5"
+    def data(self, name: str) -> Path:
+        """A file of episodes."""
+        return self.folder / "data" / f"{name}.h5"
 
     def _run_of(self, kind: str, family: Family, seed: int) -> Path:
-        return self._folder / "runs" / f"{kind}-{family.name}-{seed}"
+        return self.folder / "runs" / f"{kind}-{family.name}-{seed}"
 
-    def _files(self, family: Family) -> Files:
+    def files(self, family: Family) -> Files:
+        """What a family's trainings read."""
         return Files(
-            train=self._data(family.train),
-            validation=self._data(family.validation),
-            test=self._data("test" if "test" in family.judged else family.judged[0]),
-            calibration=self._data("calibration"),
+            train=self.data(family.train),
+            validation=self.data(family.validation),
+            test=self.data("test" if "test" in family.judged else family.judged[0]),
+            calibration=self.data("calibration"),
         )
 
-    def _make_episodes(self, split: str) -> None:
-        settings, path = self._study.settings(split), self._data(split)
-        with tqdm(total=settings.count, unit="episode", desc=f"{split:>22}") as bar:
+    def make_episodes(self, name: str, settings: Settings) -> None:
+        """A file of episodes, unless it is there."""
+        with tqdm(total=settings.count, unit="episode", desc=f"{name:>22}") as bar:
 
             def report(progress: Progress) -> None:
                 bar.update(progress.done - bar.n)
 
-            generate(settings, self._domain, path, self._workers, report)
+            generate(settings, self._domain, self.data(name), self.workers, report)
 
     def _make_calibration(self) -> None:
-        path, scenes = self._data("calibration"), self._study.calibration_scenes
+        path, scenes = self.data("calibration"), self.study.calibration_scenes
         if path.exists():
             return
         with tqdm(total=scenes, unit="scene", desc=f"{'calibration':>22}") as bar:
             make_calibration(
-                self._domain, path, scenes=scenes, seed=self._study.data_seed, report=bar.update
+                self._domain, path, scenes=scenes, seed=self.study.data_seed, report=bar.update
             )
 
     def _train(self) -> None:
         """What is not trained yet: all of a family's models, then its baselines."""
         trainings = [
-            Training(self._files(family), config, seed, self._run_of(kind, family, seed))
+            Training(self.files(family), config, seed, self._run_of(kind, family, seed))
             for family in FAMILIES
-            for kind, config in (("nsrm", self._study.config), ("baseline", self._study.baseline))
-            for seed in self._study.seeds
+            for kind, config in (("nsrm", self.study.config), ("baseline", self.study.baseline))
+            for seed in self.study.seeds
         ]
         missing = [training for training in trainings if not training.is_done]
-        if isinstance(self._workers, Processes):
+        if isinstance(self.workers, Processes):
             tasks = [Task(t.out.name, train, (t,), t.out / "log.txt") for t in missing]
-            run_all(tasks, self._workers.count, "models and baselines")
+            run_all(tasks, self.workers.count, "models and baselines")
             return
         sent = ((training.out, packed(training)) for training in missing)
         with tqdm(total=len(missing), desc=f"{'models and baselines':>22}") as bar:
-            for out, made in self._workers.each(train_elsewhere, sent):
+            for out, made in self.workers.each(train_elsewhere, sent):
                 unpack(made, out)
                 bar.update()
 
@@ -164,28 +166,29 @@ class Tables:
         rows: list[Row] = []
         for split in family.judged:
             for boxes in get_args(Boxes):
-                rows += self._cached(f"{split}-{boxes}", partial(self._plan, family, split, boxes))
-            rows += self._cached(f"{split}-baseline", partial(self._attend, family, split))
+                rows += self.cached(f"{split}-{boxes}", partial(self._plan, family, split, boxes))
+            rows += self.cached(f"{split}-baseline", partial(self._attend, family, split))
         return rows
 
     def _plan(self, family: Family, split: str, boxes: Boxes) -> list[Row]:
-        models = [nsrm.Model.load(self.model(family, seed)) for seed in self._study.seeds]
-        metrics = evaluate_models(models, self._data(split), boxes, f"{split}, {boxes}")
+        models = [nsrm.Model.load(self.model(family, seed)) for seed in self.study.seeds]
+        metrics = evaluate_models(models, self.data(split), boxes, f"{split}, {boxes}")
         return [
             Row.of(split, "nsrm", seed, boxes, of)
-            for seed, of in zip(self._study.seeds, metrics, strict=True)
+            for seed, of in zip(self.study.seeds, metrics, strict=True)
         ]
 
     def _attend(self, family: Family, split: str) -> list[Row]:
         rows = []
-        for seed in self._study.seeds:
+        for seed in self.study.seeds:
             path = self._run_of("baseline", family, seed) / "baseline.safetensors"
-            metrics = evaluate_baseline(read_baseline(path).model, self._data(split))
+            metrics = evaluate_baseline(read_baseline(path).model, self.data(split))
             rows.append(Row.of(split, "baseline", seed, "mask", metrics))
         return rows
 
-    def _cached(self, name: str, make: Callable[[], list[Row]]) -> list[Row]:
-        path = self._folder / "figures" / f"{name}.json"
+    def cached(self, name: str, make: Callable[[], list[Row]]) -> list[Row]:
+        """Figures that were made before, or are made now."""
+        path = self.folder / "figures" / f"{name}.json"
         if path.exists():
             return [Row(**row) for row in json.loads(path.read_text(encoding="utf-8"))]
         rows = make()
@@ -194,8 +197,8 @@ class Tables:
         return rows
 
     def _refusals(self, which: str) -> Report:
-        model = nsrm.Model.load(self.model(FAMILIES[0], self._study.seeds[0]))
-        return measure(model, self._data(which), which, self._study.refusals)
+        model = nsrm.Model.load(self.model(FAMILIES[0], self.study.seeds[0]))
+        return measure(model, self.data(which), which, self.study.refusals)
 
 
 def commit() -> str:

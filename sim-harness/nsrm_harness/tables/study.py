@@ -10,6 +10,7 @@ from nsrm_harness.baseline.train import BaselineConfig
 from nsrm_harness.episodes.generate import SPLITS, Settings
 from nsrm_harness.learn.config import StageConfig, TrainingConfig, read_config
 
+FULL, QUICK = "full", "quick"
 QUICK_CONFIG = Path(__file__).resolve().parent.parent / "learn" / "quick.toml"
 
 
@@ -84,7 +85,7 @@ class Study:
 def full_study(data_seed: int = 1) -> Study:
     """Three seeds, on about the amount of data that the paper has."""
     return Study(
-        name="full",
+        name=FULL,
         seeds=(0, 1, 2),
         data_seed=data_seed,
         counts={},
@@ -101,7 +102,7 @@ def quick_study(data_seed: int = 1) -> Study:
     counts |= {"train": 500, "train_restricted": 500, "test": 60}
     few = StageConfig(epochs=3, learning_rate=3e-3, batch=32)
     return Study(
-        name="quick",
+        name=QUICK,
         seeds=(0,),
         data_seed=data_seed,
         counts=counts,
