@@ -10,6 +10,7 @@ from nsrm_harness.learn.calibrate import (
     SCORES,
     CalibrationError,
     fit_camera,
+    sharpness,
     terms,
     widest_plateau,
 )
@@ -59,3 +60,15 @@ def test_plateau_is_the_widest_of_the_highest() -> None:
     assert high == pytest.approx(0.6, abs=2e-3)
     with pytest.raises(CalibrationError, match="no threshold"):
         widest_plateau(SCORES, np.zeros_like(SCORES))
+
+
+def test_certainty_becomes_the_share_that_is_right() -> None:
+    """Logits of which the greatest is right as often as its probability says, made unsure."""
+    rng = np.random.default_rng(1)
+    sure = rng.normal(0.0, 3.0, (4000, 3))
+    shares = np.exp(sure) / np.exp(sure).sum(axis=1, keepdims=True)
+    drawn = (rng.random((4000, 1)) < shares.cumsum(axis=1)).argmax(axis=1)
+    right = float(np.mean(drawn == sure.argmax(axis=1)))
+    assert sharpness(sure, right) == pytest.approx(1.0, abs=0.1)
+    assert sharpness(0.4 * sure, right) == pytest.approx(2.5, abs=0.25)
+    assert sharpness(np.zeros((5, 3)), 0.9) == pytest.approx(4.0)

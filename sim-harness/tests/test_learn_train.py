@@ -88,13 +88,14 @@ def same_weights(left: Model, right: Model) -> bool:
 def test_an_interrupted_run_ends_with_the_same_weights(
     domain: domains.Domain, few: TrainingSet, whole: Result, tmp_path: Path
 ) -> None:
-    """Broken off in four places, one between stages; the same seed gives the same result."""
+    """Broken off in four places, one between stages and one in the last; the same seed gives the
+    same result."""
     epochs = 0
 
     def stop(progress: Progress) -> None:
         nonlocal epochs
         epochs += 1
-        if epochs in (1, 2, 5, 8):
+        if epochs in (1, 2, 5, 9):
             raise KeyboardInterrupt
 
     for _ in range(4):
@@ -105,6 +106,19 @@ def test_an_interrupted_run_ends_with_the_same_weights(
     assert resumed.progress.losses == whole.progress.losses
     with pytest.raises(CheckpointError, match="other data, seed or configuration"):
         train(domain, few, FEW_STEPS, 8, tmp_path, resume=True, quiet=True)
+
+
+def test_a_run_does_not_go_on_without_what_its_stage_began_with(
+    domain: domains.Domain, few: TrainingSet, tmp_path: Path
+) -> None:
+    def stop(progress: Progress) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train(domain, few, FEW_STEPS, 7, tmp_path, quiet=True, after_epoch=stop)
+    (tmp_path / "begun-0-0.eqx").unlink()
+    with pytest.raises(CheckpointError, match=r"begun-0-0\.eqx: not there"):
+        train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True)
 
 
 def test_what_a_stage_does_not_train_stays(

@@ -1,7 +1,8 @@
-"""What is fitted rather than trained: the camera map, and the thresholds for refusals.
+"""What is fitted rather than trained: the camera map, how sure the parser is of actions, and the
+thresholds for refusals.
 
-Neither looks at the truth of an episode: the map comes from calibration scenes with known poses,
-the thresholds from the sentences and initial scenes of the validation data.
+None looks at the truth of an episode: the map comes from calibration scenes with known poses, the
+certainty and the thresholds from the sentences and scenes of the validation data.
 """
 
 from __future__ import annotations
@@ -26,9 +27,12 @@ PLATEAU = 0.002
 """Shares of references that differ by less than this count as the same."""
 QUANTILE = 0.001
 """Share of the confidences on validation that may lie below the decision threshold."""
-DECISION_RANGE = (0.5, 0.75)
-"""A decision below one half is outvoted by the alternatives together; above 0.75 the quantile only
+DECISION_RANGE = (0.5, 0.9)
+"""A decision below one half is outvoted by the alternatives together; above 0.9 the quantile only
 says that validation had no hard case."""
+SCALES = (0.5, 4.0)
+"""Factors on the actions' logits."""
+HALVINGS = 30
 LEAST_ROWS = 100
 ROUNDS = 5
 OUTLIER = 3.0
@@ -98,6 +102,58 @@ def fit_camera(calibration: Calibration) -> CameraFit:
 def with_camera(model: Network, fit: CameraFit) -> Network:
     """The model with the fitted map."""
     return eqx.tree_at(lambda m: m.camera.weight, model, jnp.asarray(fit.weight, jnp.float32))
+
+
+@dataclass(frozen=True)
+class CertaintyFit:
+    """How much surer of its actions the parser is to be."""
+
+    scale: float
+    """Factor on the actions' logits."""
+    right: float
+    """Share of the commands of one step whose action explains the final scene best; of none that
+    is wrong, as if the next but one were."""
+    before: float
+    """Mean probability of their actions before."""
+
+
+def fit_certainty(model: Model, data: TrainingSet) -> CertaintyFit:
+    """From validation data: commands and scenes.
+
+    The parser hears nonsense in training, and words put in between: it is less sure than it is
+    right. Scaled logits mean the same actions; their probabilities are right in the mean.
+    """
+    logits, best = decode.weigh_actions(model, data, decode.see_all(model, data))
+    if len(best) == 0:
+        raise CalibrationError("the validation data has no command of one step")
+    right = (np.sum(logits.argmax(axis=1) == best) + 1) / (len(best) + 2)
+    return CertaintyFit(sharpness(logits, right), float(right), _certainty(logits, 1.0))
+
+
+def sharpness(logits: np.ndarray, right: float) -> float:
+    """The factor on logits `[N, A]` with which the mean of their greatest probabilities is
+    `right`, within `SCALES`."""
+    low, high = SCALES
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _certainty(logits, middle) < right else (low, middle)
+    return (low + high) / 2
+
+
+def _certainty(logits: np.ndarray, scale: float) -> float:
+    scaled = scale * (logits.astype(np.float64) - logits.max(axis=1, keepdims=True))
+    return float(np.mean(1.0 / np.exp(scaled).sum(axis=1)))
+
+
+def with_certainty(model: Model, fit: CertaintyFit) -> Model:
+    """The model with the actions' logits scaled."""
+    decoder = model.language.action_decoder
+    assert decoder.bias is not None, "the decoder is made with a bias"
+    return eqx.tree_at(
+        lambda m: (m.language.action_decoder.weight, m.language.action_decoder.bias),
+        model,
+        (fit.scale * decoder.weight, fit.scale * decoder.bias),
+    )
 
 
 @dataclass(frozen=True)

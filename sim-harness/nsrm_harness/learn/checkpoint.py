@@ -67,6 +67,23 @@ class Checkpoints:
             )
         return Progress(**content["progress"])
 
+    def begin(self, progress: Progress, model: Any) -> None:
+        """Keep the model with which a stage begins."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        eqx.tree_serialise_leaves(self._begun(progress), model)
+
+    def begun(self, progress: Progress, like: Any) -> Any:
+        """The model with which the stage began, in the structure of `like`."""
+        if not self._begun(progress).exists():
+            raise CheckpointError(
+                f"{self._begun(progress)}: not there, so the run can't go on: begin anew without "
+                "--resume"
+            )
+        return eqx.tree_deserialise_leaves(self._begun(progress), like)
+
+    def _begun(self, progress: Progress) -> Path:
+        return self._folder / f"begun-{progress.attempt}-{progress.stage}.eqx"
+
     def state(self, like: Any) -> Any:
         """The arrays of the checkpoint in the structure of `like`."""
         content = json.loads(self._index.read_text(encoding="utf-8"))

@@ -53,6 +53,18 @@ class Sentences:
                 groups[index, number, : len(group)] = group
         return cls(rows, length, groups, group_count)
 
+    def longest_step(self) -> int:
+        """The most tokens that a step can have: of a command of two, each with two groups."""
+        most = 1
+        for row, length in zip(self.tokens, self.length, strict=True):
+            groups = np.flatnonzero(row[:length] == GROUP_TOKEN)
+            if len(groups) <= GROUPS_PER_STEP:
+                most = max(most, int(length))
+            else:
+                second, third = groups[GROUPS_PER_STEP - 1 : GROUPS_PER_STEP + 1]
+                most = max(most, int(third), int(length - second) - 1)
+        return most
+
     def usual_ends(self) -> np.ndarray:
         """Where the first step of each ends, if it ends as sentences do: a token, int32 `[N]`.
 

@@ -179,6 +179,34 @@ def split_table(
     return SplitTable(commands(data, rows), jnp.asarray(first), jnp.asarray(every))
 
 
+@eqx.filter_jit
+def _weigh_actions(
+    model: Model, command: Command, similarities: Array, scene: Scene
+) -> tuple[Array, Array]:
+    def one(command: Command, similarities: Array, scene: Scene) -> tuple[Array, Array]:
+        first, end = jnp.array(0), command.length
+        tokens, valid, _ = step_tokens(command, first, end)
+        logits = model.language.parse(tokens, valid).action
+        _, chosen, reference = choose_step(model, command, similarities, scene.present, first, end)
+        simulator = jax.vmap(model.action.simulator, (0, None, None))
+        placed = simulator(jnp.eye(len(logits)), scene.before[chosen], scene.before[reference])
+        errors = jnp.sum((placed - scene.after[chosen]) ** 2, axis=1)
+        return logits, jnp.argmin(errors)
+
+    return jax.vmap(one)(command, similarities, scene)
+
+
+def weigh_actions(
+    model: Model, data: TrainingSet, similarities: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of the commands of one step: the actions' logits `[R, A]`, and which action brings the
+    chosen object nearest to where the final scene has it `[R]`."""
+    episodes = data.select(1)
+    seen = jnp.asarray(similarities[episodes])
+    logits, best = _weigh_actions(model, commands(data, episodes), seen, scenes(data, episodes))
+    return np.asarray(logits), np.asarray(best)
+
+
 class StepTable(NamedTuple):
     """Steps that the model understands, cut out of their commands, and its own choices."""
 

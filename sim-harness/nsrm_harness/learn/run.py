@@ -99,7 +99,12 @@ def fit(
     say(f"camera map: {camera.median_m * 1e3:.2f} mm median, {camera.p95_m * 1e3:.2f} mm p95")
 
     def fitted(model: Model, attempt: int) -> ModelFile:
-        model = calibrate.with_camera(model, camera)
+        certainty = calibrate.fit_certainty(model, validation)
+        say(
+            f"certainty of actions: {certainty.before:.4f}, right {certainty.right:.4f}; logits "
+            f"times {certainty.scale:.2f}"
+        )
+        model = calibrate.with_certainty(calibrate.with_camera(model, camera), certainty)
         found = calibrate.fit_thresholds(model, validation)
         say(
             f"match score {found.thresholds.match_score:.3f}: between {found.plateau[0]:.3f} and "

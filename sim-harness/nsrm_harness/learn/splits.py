@@ -20,13 +20,19 @@ class Command(NamedTuple):
     group_count: Array
 
 
-def step_tokens(command: Command, first: Array, end: Array) -> tuple[Array, Array, Array]:
-    """The tokens `first..end` moved to the front: tokens `[T]`, valid `[T]`, groups `[G, K]`."""
-    position = jnp.arange(command.tokens.shape[0])
+def step_tokens(
+    command: Command, first: Array, end: Array, width: int | None = None
+) -> tuple[Array, Array, Array]:
+    """The tokens `first..end` moved to the front: tokens `[W]`, valid `[W]`, groups `[G, K]`.
+
+    `width`: W, for as many tokens as a step has at most; T unless given.
+    """
+    total = command.tokens.shape[0]
+    position = jnp.arange(width or total)
     valid = position < end - first
-    source = jnp.clip(position + first, 0, position.shape[0] - 1)
+    source = jnp.clip(position + first, 0, total - 1)
     tokens = jnp.where(valid, command.tokens[source], 0)
-    skipped = jnp.sum((command.tokens == GROUP_TOKEN) & (position < first))
+    skipped = jnp.sum((command.tokens == GROUP_TOKEN) & (jnp.arange(total) < first))
     order = jnp.arange(command.groups.shape[0])
     groups = command.groups[jnp.clip(order + skipped, 0, order.shape[0] - 1)]
     return tokens, valid, groups

@@ -1,8 +1,7 @@
 """The stages of the curriculum (section IV-F): which episodes, which loss, what is trained.
 
-A stage is made from the model as it stands when the stage begins. What it computes ahead (cosines,
-a table of losses, hard choices) comes from parts that it does not train, so that a run which is
-resumed in its middle computes the same again.
+A stage is made from the model as it stands when the stage begins, also where a run is resumed in
+its middle: what it computes ahead (cosines, a table of losses, hard choices) is the same again.
 """
 
 from __future__ import annotations
@@ -85,12 +84,12 @@ class Stage(NamedTuple):
 
 
 def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
-    """The chosen episodes as one tree with a leading axis."""
+    """The chosen episodes as one tree with a leading axis; commands padded to their longest."""
+    tokens, length, groups, count = decode.commands(data, chosen)
+    command = Command(tokens[:, : length.max()], length, groups[:, : count.max()], count)
     crop_of = jnp.asarray(data.crop_of[chosen])
     usual_end = jnp.asarray(data.sentences.usual_ends()[chosen])
-    return Demonstration(
-        decode.commands(data, chosen), decode.scenes(data, chosen), crop_of, usual_end
-    )
+    return Demonstration(command, decode.scenes(data, chosen), crop_of, usual_end)
 
 
 def varied(key: Array, crop: Array) -> Array:
@@ -117,10 +116,17 @@ def see(model: Model, crops: Array, crop_of: Array, key: Array) -> Array:
 
 
 def ground_step(
-    model: Model, command: Command, similarities: Array, present: Array, first: Array, end: Array
+    model: Model,
+    command: Command,
+    similarities: Array,
+    present: Array,
+    first: Array,
+    end: Array,
+    width: int | None = None,
 ) -> Grounding:
-    """Parse and ground the step that has the tokens `first..end` of a command."""
-    tokens, valid, groups = step_tokens(command, first, end)
+    """Parse and ground the step that has the tokens `first..end` of a command; `width`: see
+    `step_tokens`."""
+    tokens, valid, groups = step_tokens(command, first, end, width)
     return ground(model.language.parse(tokens, valid), tokens, groups, similarities, present)
 
 
@@ -156,8 +162,13 @@ def two_step_loss(
     similarities: Array,
     config: TrainingConfig,
     known: Array,
+    width: int,
 ) -> Array:
-    """Loss of a command of two steps over its likeliest splits; `known`: see `nonsense`."""
+    """Loss of a command of two steps over its likeliest splits.
+
+    * `known`: see `nonsense`
+    * `width`: tokens of a step, at most
+    """
     command, scene = demonstration.command, demonstration.scene
     key, saying = jax.random.split(key)
     log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
@@ -172,7 +183,9 @@ def two_step_loss(
     def carry_out(split: Array) -> Array:
         ends = jnp.stack([split + 1, command.length])
         both = jax.vmap(
-            lambda first, end: ground_step(model, command, similarities, scene.present, first, end)
+            lambda first, end: ground_step(
+                model, command, similarities, scene.present, first, end, width
+            )
         )(jnp.stack([0, split + 1]), ends)
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
         return sampled_steps(
@@ -183,8 +196,9 @@ def two_step_loss(
         return config.unusual_end * jnp.abs(split - demonstration.usual_end)
 
     def kept_whole(split: Array) -> Array:
-        remainder = split_log_probability(model.language.splitter, command, split + 1)
-        return remainder[command.length - 1]
+        tokens, _, _ = step_tokens(command, split + 1, command.length, width)
+        length = command.length - split - 1
+        return end_log_probability(model.language.splitter, tokens, length)[length - 1]
 
     if config.split_gradient == REINFORCE:
         sampling, key = jax.random.split(key)
@@ -202,7 +216,7 @@ def two_step_loss(
         losses = jax.vmap(carry_out)(positions) + unusual(positions)
         loss = soft_minimum(likeliest, losses, config.temperature)
     # What joins two steps begins the second one: so do heaps that follow on a step.
-    second, valid, _ = step_tokens(command, positions[0] + 1, command.length)
+    second, valid, _ = step_tokens(command, positions[0] + 1, command.length, width)
     heap = nonsense_loss(saying, model, second, valid, known)
     return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
 
@@ -276,7 +290,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
     one, two = data.select(1), data.select(2)
     _some(one, "joint: no command of one step")
     _some(two, "joint: no command of two steps")
-    known = known_gaps(data.sentences)
+    known, width = known_gaps(data.sentences), data.sentences.longest_step()
 
     def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         single, double = batch
@@ -298,7 +312,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
             return loss - config.temperature * whole[command.length - 1]
 
         def two(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
-            return two_step_loss(key, model, demonstration, similarities, config, known)
+            return two_step_loss(key, model, demonstration, similarities, config, known, width)
 
         first = jax.vmap(one)(keys[:half], single, similarities[:half])
         second = jax.vmap(two)(keys[half:], double, similarities[half:])

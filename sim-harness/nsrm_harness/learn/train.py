@@ -109,7 +109,9 @@ def train(
             progress.stage += 1
             continue
         began = time.monotonic() - progress.seconds.get(name, 0.0)
-        stage = make_stage(name, model, data, config)
+        if progress.epoch == 0:
+            checkpoints.begin(progress, model)
+        stage = make_stage(name, checkpoints.begun(progress, model), data, config)
         fit = Fit(stage, TRAINS[name], seed + NEXT_ATTEMPT * progress.attempt, progress.stage)
         state = state or fit.start(model)
         saved = time.monotonic()
