@@ -117,8 +117,8 @@ def test_variants_are_compared_by_a_second_run_that_makes_nothing_again(run: Run
     with (report / "comparison.csv").open(encoding="utf-8", newline="") as file:
         found = {(row["split"], row["model"]) for row in csv.DictReader(file)}
     assert found == {
-        ("test", "no residual"),
-        ("steps_3", "no residual"),
+        ("test", "no joint training"),
+        ("steps_3", "no joint training"),
         ("disturbed_none_0", "nsrm"),
         ("disturbed_camera_1", "nsrm"),
     }

@@ -97,7 +97,7 @@ def train_and_judge(
     variant: Variant, files: Files, seed: int, out: Path, tests: dict[str, Path]
 ) -> None:
     """Train a variant, going on where it was broken off, and judge it on the files of `tests`."""
-    keep_compiled(out.parent / "compiled")
+    keep_compiled(out.parent.parent / "runs" / "compiled")
     before = out / "before-last.safetensors"
 
     def after_stage(name: str, fitting: Callable[[], ModelFile]) -> None:

@@ -57,7 +57,7 @@ def variants(study: Study) -> list[Variant]:
     """All of them, in the order of the report; of a quick study one."""
     config, seeds = study.config, study.seeds
     if study.name == QUICK:
-        return [Variant("no residual", replace(config, residual=False), seeds)]
+        return [Variant("no joint training", replace(config, joint=_none(config.joint)), seeds)]
     two, five = seeds[:2], (*seeds, *range(max(seeds) + 1, max(seeds) + 3))
     return [
         Variant(EXACT, config, five, before_last=True),
