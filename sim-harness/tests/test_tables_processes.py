@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -29,3 +32,27 @@ def test_a_failure_is_told_and_ends_the_others(tmp_path: Path) -> None:
     # Far less than the slow one takes, however loaded the machine.
     assert time.monotonic() - began < 300
     assert not (tmp_path / "late.txt").exists()
+
+
+def test_ctrl_c_ends_every_process(tmp_path: Path) -> None:
+    tasks = [
+        Task("slow", time.sleep, (600,), tmp_path / "slow.txt"),
+        Task("pressing", press_ctrl_c, (tmp_path / "slow.txt",), tmp_path / "pressing.txt"),
+        Task("late", print, ("late",), tmp_path / "late.txt"),
+    ]
+    with pytest.raises(KeyboardInterrupt):
+        run_all(tasks, 2, "tasks")
+    for process in multiprocessing.active_children():
+        process.join(300)
+        assert process.exitcode == -signal.SIGTERM
+    assert not (tmp_path / "late.txt").exists()
+
+
+def press_ctrl_c(after: Path) -> None:
+    """In the process that waits for this one, when another's log is there."""
+    for _ in range(6000):
+        if after.exists():
+            break
+        time.sleep(0.01)
+    os.kill(os.getppid(), signal.SIGINT)
+    time.sleep(600)

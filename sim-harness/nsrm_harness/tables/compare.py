@@ -12,13 +12,14 @@ import nsrm
 import numpy as np
 
 from nsrm_harness.episodes.file import Demonstrations
-from nsrm_harness.evaluate import Metrics, PlainStep, evaluate, evaluate_models, judge_plans
+from nsrm_harness.evaluate import Metrics, PlainStep, evaluate, judge_plans
 from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn import decode, reference
 from nsrm_harness.learn.dataset import training_set
 from nsrm_harness.learn.export import ModelFile, write_model, write_whole
 from nsrm_harness.learn.run import Files, fit
 from nsrm_harness.tables import variants
+from nsrm_harness.tables.judging import Contender, Judging
 from nsrm_harness.tables.processes import Task, run_all
 from nsrm_harness.tables.results import Row
 from nsrm_harness.tables.run import Tables
@@ -76,6 +77,11 @@ def compare(
             arguments = (variant, files, seed, out, tests)
             tasks.append(Task(out.name, train_and_judge, arguments, out / "log.txt"))
     run_all(tasks, tables.workers.count, "variants")
+    contenders = _contenders(tables, runs)
+    judgings = [
+        Judging(each.name, tables.data(each.name), contenders, "mask") for each in disturbed
+    ]
+    judged = tables.judge(judgings, "disturbed scenes")
     found = [json.loads((out / JUDGED_FILE).read_text(encoding="utf-8")) for *_, out in runs]
     return Comparison(
         rows=tuple(Row(**row) for one in found for row in one["rows"]),
@@ -89,7 +95,7 @@ def compare(
             for (variant, seed, _), one in zip(runs, found, strict=True)
             if not one["named"]
         ),
-        disturbed=tuple((each, tuple(_disturbed(tables, each, runs))) for each in disturbed),
+        disturbed=tuple((each, tuple(rows)) for each, rows in zip(disturbed, judged, strict=True)),
     )
 
 
@@ -170,22 +176,13 @@ def judge_without_core(file: ModelFile, path: Path) -> Metrics:
     return judge_plans(path, plans)
 
 
-def _disturbed(
-    tables: Tables, each: DisturbedSet, runs: Sequence[tuple[Variant, int, Path]]
-) -> list[Row]:
-    """The study's models and those of the variant that was trained on varied scenes."""
-    judged = [("nsrm", seed, tables.model(FAMILIES[0], seed)) for seed in tables.study.seeds] + [
-        (variant.name, seed, out / "model.safetensors")
-        for variant, seed, out in runs
-        if variant.train == variants.TRAIN_VARIED
-    ]
-
-    def make() -> list[Row]:
-        models = [nsrm.Model.load(path) for *_, path in judged]
-        metrics = evaluate_models(models, tables.data(each.name), name=each.name)
-        return [
-            Row.of(each.name, name, seed, "mask", found)
-            for (name, seed, _), found in zip(judged, metrics, strict=True)
-        ]
-
-    return tables.cached(each.name, make)
+def _contenders(tables: Tables, runs: Sequence[tuple[Variant, int, Path]]) -> tuple[Contender, ...]:
+    """On disturbed scenes: the study's models, and those that were trained on varied ones."""
+    return (
+        *tables.models(FAMILIES[0]),
+        *(
+            Contender(variant.name, seed, out / "model.safetensors")
+            for variant, seed, out in runs
+            if variant.train == variants.TRAIN_VARIED
+        ),
+    )

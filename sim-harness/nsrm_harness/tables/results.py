@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from statistics import fmean
+from typing import Any
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.evaluate import Metrics
@@ -102,6 +104,13 @@ def read_rows(path: Path) -> list[Row]:
             return [_row(values) for values in reader]
     except (OSError, ValueError, UnicodeDecodeError) as error:
         raise ResultsError(f"{path}: can't read the figures: {error}") from error
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a file, all of it or nothing."""
+    partial = path.with_name(path.name + ".part")
+    partial.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    partial.replace(path)
 
 
 def _row(values: Sequence[str]) -> Row:

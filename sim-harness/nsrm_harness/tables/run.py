@@ -9,27 +9,24 @@ from __future__ import annotations
 import hashlib
 import json
 import subprocess
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 import nsrm
 from tqdm import tqdm
 
-from nsrm_harness.baseline.evaluate import evaluate_baseline
-from nsrm_harness.baseline.file import read_baseline
 from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.calibration import make_calibration
 from nsrm_harness.episodes.generate import Progress, Settings, generate
 from nsrm_harness.errors import HarnessError
-from nsrm_harness.evaluate import evaluate_models
 from nsrm_harness.learn.run import Files
 from nsrm_harness.observing import Boxes
 from nsrm_harness.refusals.measure import Report, measure
+from nsrm_harness.tables.judging import Contender, Judging, judge_all
 from nsrm_harness.tables.processes import Task, run_all
-from nsrm_harness.tables.results import Row
+from nsrm_harness.tables.results import Row, write_json
 from nsrm_harness.tables.study import FAMILIES, Family, Study
 from nsrm_harness.tables.trainings import Training, packed, train, train_elsewhere, unpack
 from nsrm_harness.workers import Processes, Workers
@@ -79,7 +76,7 @@ class Tables:
             self.make_episodes(split, self.study.settings(split))
         self._make_calibration()
         self._train()
-        rows = [row for family in FAMILIES for row in self._judge(family)]
+        rows = [row for rows in self.judge(self._judgings(), "judging") for row in rows]
         refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
         first = self.model(FAMILIES[0], self.study.seeds[0])
         return Outcome(tuple(rows), refusals, self._commits, first, self.data("test"))
@@ -106,7 +103,7 @@ class Tables:
                     )
         commits = list(dict.fromkeys([*commits, commit()]))
         self.folder.mkdir(parents=True, exist_ok=True)
-        _write(note, content | {"commits": commits})
+        write_json(note, content | {"commits": commits})
         return tuple(commits)
 
     def data(self, name: str) -> Path:
@@ -162,39 +159,30 @@ class Tables:
                 unpack(made, out)
                 bar.update()
 
-    def _judge(self, family: Family) -> list[Row]:
-        rows: list[Row] = []
-        for split in family.judged:
-            for boxes in get_args(Boxes):
-                rows += self.cached(f"{split}-{boxes}", partial(self._plan, family, split, boxes))
-            rows += self.cached(f"{split}-baseline", partial(self._attend, family, split))
-        return rows
+    def judge(self, judgings: Sequence[Judging], title: str) -> list[list[Row]]:
+        """The rows of each, made on this machine unless they are there."""
+        return judge_all(judgings, self.folder / "figures", self.workers.count, title)
 
-    def _plan(self, family: Family, split: str, boxes: Boxes) -> list[Row]:
-        models = [nsrm.Model.load(self.model(family, seed)) for seed in self.study.seeds]
-        metrics = evaluate_models(models, self.data(split), boxes, f"{split}, {boxes}")
-        return [
-            Row.of(split, "nsrm", seed, boxes, of)
-            for seed, of in zip(self.study.seeds, metrics, strict=True)
-        ]
+    def models(self, family: Family) -> tuple[Contender, ...]:
+        """A family's models, of all seeds."""
+        return tuple(Contender("nsrm", seed, self.model(family, seed)) for seed in self.study.seeds)
 
-    def _attend(self, family: Family, split: str) -> list[Row]:
-        rows = []
-        for seed in self.study.seeds:
-            path = self._run_of("baseline", family, seed) / "baseline.safetensors"
-            metrics = evaluate_baseline(read_baseline(path).model, self.data(split))
-            rows.append(Row.of(split, "baseline", seed, "mask", metrics))
-        return rows
+    def _judgings(self) -> list[Judging]:
+        """All of the tables', in the order of their rows."""
+        judgings = []
+        for family in FAMILIES:
+            models, baselines = self.models(family), self._baselines(family)
+            for split in family.judged:
+                data = self.data(split)
+                judgings += [Judging(split, data, models, boxes) for boxes in get_args(Boxes)]
+                judgings.append(Judging(split, data, baselines, None))
+        return judgings
 
-    def cached(self, name: str, make: Callable[[], list[Row]]) -> list[Row]:
-        """Figures that were made before, or are made now."""
-        path = self.folder / "figures" / f"{name}.json"
-        if path.exists():
-            return [Row(**row) for row in json.loads(path.read_text(encoding="utf-8"))]
-        rows = make()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _write(path, [asdict(row) for row in rows])
-        return rows
+    def _baselines(self, family: Family) -> tuple[Contender, ...]:
+        runs = [(seed, self._run_of("baseline", family, seed)) for seed in self.study.seeds]
+        return tuple(
+            Contender("baseline", seed, run / "baseline.safetensors") for seed, run in runs
+        )
 
     def _refusals(self, which: str) -> Report:
         model = nsrm.Model.load(self.model(FAMILIES[0], self.study.seeds[0]))
@@ -218,9 +206,3 @@ def _git(where: Path, *arguments: str) -> str:
     return subprocess.run(
         ["git", *arguments], cwd=where, capture_output=True, text=True, check=True
     ).stdout
-
-
-def _write(path: Path, content: Any) -> None:
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(json.dumps(content, indent=1), encoding="utf-8")
-    partial.replace(path)

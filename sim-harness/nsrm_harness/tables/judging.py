@@ -1,0 +1,78 @@
+"""Models judged on files of episodes, in processes of their own; what is judged is kept."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import NamedTuple
+
+import nsrm
+
+from nsrm_harness.evaluate import evaluate_models
+from nsrm_harness.observing import Boxes
+from nsrm_harness.tables.processes import Task, run_all
+from nsrm_harness.tables.results import Row, write_json
+
+
+class Contender(NamedTuple):
+    """A model file, and what rows call it."""
+
+    name: str
+    seed: int
+    path: Path
+
+
+class Judging(NamedTuple):
+    """Models that are judged on one file."""
+
+    split: str
+    data: Path
+    contenders: tuple[Contender, ...]
+    boxes: Boxes | None
+    """None: baselines, which see the boxes of the mask."""
+
+    @property
+    def name(self) -> str:
+        """Of the file with its rows."""
+        return f"{self.split}-{self.boxes or 'baseline'}"
+
+    def rows(self) -> list[Row]:
+        """One for each of the models."""
+        if self.boxes is None:
+            # Imported here: JAX takes seconds in each process, and the core does without.
+            from nsrm_harness.baseline.evaluate import evaluate_baseline
+            from nsrm_harness.baseline.file import read_baseline
+
+            metrics = [
+                evaluate_baseline(read_baseline(each.path).model, self.data)
+                for each in self.contenders
+            ]
+        else:
+            models = [nsrm.Model.load(each.path) for each in self.contenders]
+            metrics = evaluate_models(models, self.data, self.boxes, self.name)
+        return [
+            Row.of(self.split, each.name, each.seed, self.boxes or "mask", found)
+            for each, found in zip(self.contenders, metrics, strict=True)
+        ]
+
+
+def judge_all(judgings: Sequence[Judging], folder: Path, jobs: int, title: str) -> list[list[Row]]:
+    """The rows of each; those that are kept in `folder` are not made again.
+
+    Raises `TaskError`; what was judged before is kept.
+    """
+    kept = [folder / f"{judging.name}.json" for judging in judgings]
+    tasks = [
+        Task(judging.name, judge, (judging, path), path.with_suffix(".log"))
+        for judging, path in zip(judgings, kept, strict=True)
+        if not path.exists()
+    ]
+    run_all(tasks, jobs, title)
+    return [[Row(**row) for row in json.loads(path.read_text(encoding="utf-8"))] for path in kept]
+
+
+def judge(judging: Judging, kept: Path) -> None:
+    """Judge, and keep the rows."""
+    write_json(kept, [asdict(row) for row in judging.rows()])
