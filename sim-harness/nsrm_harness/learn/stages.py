@@ -148,8 +148,13 @@ def one_step_loss(
     return sampled_steps(key, model, [step], scene, config.loss, config.temperature, sample_actions)
 
 
-def nonsense_loss(key: Array, model: Model, tokens: Array, valid: Array, known: Array) -> Array:
-    """How far the actions of a step made meaningless are from being equally likely, in nats."""
+def nonsense_loss(key: Array, model: Model, tokens: Array, length: Array, known: Array) -> Array:
+    """How far the actions of a step made meaningless are from being equally likely, in nats.
+
+    * `tokens` `[T]`: the step's, of which the first `length` count
+    * `known`: see `nonsense`
+    """
+    valid = jnp.arange(tokens.shape[0]) < length
     tokens, valid = nonsense(key, tokens, valid, known, model.language.embedding.weight.shape[0])
     actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
     return -actions.mean() - jnp.log(actions.shape[0])
@@ -216,8 +221,9 @@ def two_step_loss(
         losses = jax.vmap(carry_out)(positions) + unusual(positions)
         loss = soft_minimum(likeliest, losses, config.temperature)
     # What joins two steps begins the second one: so do heaps that follow on a step.
-    second, valid, _ = step_tokens(command, positions[0] + 1, command.length, width)
-    heap = nonsense_loss(saying, model, second, valid, known)
+    first = positions[0] + 1
+    second, _, _ = step_tokens(command, first, command.length, width)
+    heap = nonsense_loss(saying, model, second, command.length - first, known)
     return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
 
 
@@ -252,8 +258,7 @@ def one_step_stage(
                 # First it must find out what there is to be sure of.
                 return loss
             command = demonstration.command
-            valid = jnp.arange(command.tokens.shape[0]) < command.length
-            heap = nonsense_loss(saying, model, command.tokens, valid, known)
+            heap = nonsense_loss(saying, model, command.tokens, command.length, known)
             return loss + config.nonsense * heap
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
@@ -304,8 +309,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
             choosing, saying = jax.random.split(key)
             loss = one_step_loss(choosing, model, demonstration, similarities, config)
             command = demonstration.command
-            valid = jnp.arange(command.tokens.shape[0]) < command.length
-            heap = nonsense_loss(saying, model, command.tokens, valid, known)
+            heap = nonsense_loss(saying, model, command.tokens, command.length, known)
             loss += config.nonsense * heap
             # Any split of a command of one step fails: only the whole counts.
             whole = split_log_probability(model.language.splitter, command, jnp.array(0))
@@ -383,8 +387,7 @@ def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable) ->
 
         def one(key: Array, step: StepTable, following: StepTable) -> Array:
             filling, saying, joining = jax.random.split(key, 3)
-            valid = jnp.arange(step.tokens.shape[0]) < step.length
-            heap = nonsense_loss(saying, model, step.tokens, valid, known)
+            heap = nonsense_loss(saying, model, step.tokens, step.length, known)
             filled = with_fillers(filling, step, words)
             valid = jnp.arange(filled.tokens.shape[0]) < filled.length
             parse = model.language.parse(filled.tokens, valid)
