@@ -167,7 +167,13 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
         simulator=NONE,
         parser=NONE,
     )
-    result = train(domain, data, config, 1, tmp_path, quiet=True)
+    told: list[tuple[str, int, int]] = []
+
+    def after_stage(name: str, model: Model, progress: Progress) -> None:
+        told.append((name, progress.stage, progress.attempt))
+
+    result = train(domain, data, config, 1, tmp_path, quiet=True, after_stage=after_stage)
+    assert told == [("actions", 1, result.progress.attempt)]
     losses = result.progress.losses["actions"]
     assert losses[-1] < 0.3 * losses[0], f"seed 1: {losses}"
     assert 0 < result.progress.attempt < config.attempts

@@ -12,6 +12,7 @@ from nsrm_harness import evaluate
 from nsrm_harness.episodes.calibration import Calibration
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.learn import calibrate, curves
+from nsrm_harness.learn.checkpoint import Progress
 from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.dataset import training_set
 from nsrm_harness.learn.export import ModelFile, WorkSpace, write_metrics, write_model
@@ -98,7 +99,7 @@ def fit(
     camera = calibrate.fit_camera(Calibration.load(files.calibration))
     say(f"camera map: {camera.median_m * 1e3:.2f} mm median, {camera.p95_m * 1e3:.2f} mm p95")
 
-    def fitted(model: Model, attempt: int) -> ModelFile:
+    def fitted(model: Model, progress: Progress) -> ModelFile:
         certainty = calibrate.fit_certainty(model, validation)
         say(
             f"certainty of actions: {certainty.before:.4f}, right {certainty.right:.4f}; logits "
@@ -112,21 +113,22 @@ def fit(
             f"decision {found.thresholds.decision:.2f} (lowest on validation "
             f"{found.lowest_confidence:.4f})"
         )
+        done = list(TRAINS)[: progress.stage]
         training = {
             "seed": seed,
-            "attempt": attempt,
+            "attempt": progress.attempt,
             "episodes": len(data),
             "data_hash": data.hash(),
-            "stages": {name: asdict(getattr(config, name)) for name in TRAINS},
+            "stages": {name: asdict(getattr(config, name)) for name in done},
             "jax": jax.__version__,
         }
         space = WorkSpace(WORK_SPACE.min, WORK_SPACE.max)
         return ModelFile(model, domain, found.thresholds, space, training=training)
 
-    def stage_done(name: str, model: Model) -> None:
-        after_stage(name, lambda: fitted(name_actions(model, domain)[0], 0))
+    def stage_done(name: str, model: Model, progress: Progress) -> None:
+        after_stage(name, lambda: fitted(name_actions(model, domain)[0], progress))
 
     result = train(domain, data, config, seed, out, resume, after_stage=stage_done)
     curves.draw_curves(result.progress, out / "curves.png")
-    file = fitted(result.model, result.progress.attempt)
+    file = fitted(result.model, result.progress)
     return Fitted(file, result.named, result.progress.seconds)

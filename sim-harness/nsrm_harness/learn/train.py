@@ -86,12 +86,13 @@ def train(
     resume: bool = False,
     quiet: bool = False,
     after_epoch: Callable[[Progress], None] = lambda progress: None,
-    after_stage: Callable[[str, Model], None] = lambda name, model: None,
+    after_stage: Callable[[str, Model, Progress], None] = lambda name, model, progress: None,
 ) -> Result:
     """Train from the start, or go on from the checkpoint in `folder`.
 
     `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind. What
-    `after_stage` is told of a stage it may be told again after that.
+    `after_stage` is told of a stage it may be told again after that; the progress that it is given
+    stands behind the stage.
     """
     run = json.dumps([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
@@ -146,8 +147,8 @@ def train(
                     domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual
                 )
                 continue
-        after_stage(name, model)
         progress.stage, progress.epoch = progress.stage + 1, 0
+        after_stage(name, model, progress)
     named, clear = name_actions(model, domain)
     return Result(named, clear, progress)
 
