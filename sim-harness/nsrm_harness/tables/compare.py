@@ -65,7 +65,7 @@ def compare(
     for each in disturbed:
         tables.make_episodes(each.name, each.settings)
     runs = [
-        (variant, seed, tables.folder / "variants" / f"{variant.folder}-{seed}")
+        (variant, seed, tables.runs / f"variant-{variant.folder}-{seed}")
         for variant in wanted
         for seed in variant.seeds
     ]
@@ -103,7 +103,7 @@ def train_and_judge(
     variant: Variant, files: Files, seed: int, out: Path, tests: dict[str, Path]
 ) -> None:
     """Train a variant, going on where it was broken off, and judge it on the files of `tests`."""
-    keep_compiled(out.parent.parent / "runs" / "compiled")
+    keep_compiled(out)
     before = out / "before-last.safetensors"
 
     def after_stage(name: str, fitting: Callable[[], ModelFile]) -> None:

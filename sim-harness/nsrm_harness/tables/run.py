@@ -110,8 +110,13 @@ class Tables:
         """A file of episodes."""
         return self.folder / "data" / f"{name}.h5"
 
+    @property
+    def runs(self) -> Path:
+        """Where each training has a folder."""
+        return self.folder / "runs"
+
     def _run_of(self, kind: str, family: Family, seed: int) -> Path:
-        return self.folder / "runs" / f"{kind}-{family.name}-{seed}"
+        return self.runs / f"{kind}-{family.name}-{seed}"
 
     def files(self, family: Family) -> Files:
         """What a family's trainings read."""

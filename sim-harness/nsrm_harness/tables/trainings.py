@@ -40,7 +40,7 @@ class Training(NamedTuple):
 def train(training: Training) -> None:
     """Train here, going on where it was broken off."""
     files, config, seed, out = training
-    keep_compiled(out.parent / "compiled")
+    keep_compiled(out)
     if isinstance(config, TrainingConfig):
         metrics = run_model(files, config, seed, out, resume=True)
     else:
@@ -75,7 +75,7 @@ def unpack(made: dict[str, bytes], out: Path) -> None:
         write_whole(out / name, made[name])
 
 
-def keep_compiled(folder: Path) -> None:
-    """What XLA compiles, for further seeds on the same data."""
-    jax.config.update("jax_compilation_cache_dir", str(folder))
+def keep_compiled(out: Path) -> None:
+    """What XLA compiles, beside a training's folder, for the others there."""
+    jax.config.update("jax_compilation_cache_dir", str(out.parent / "compiled"))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
