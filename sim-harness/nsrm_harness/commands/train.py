@@ -42,14 +42,16 @@ def command(
     After Ctrl-C the same command with --resume gives the same model as one run.
     """
     from nsrm_harness.learn.config import ConfigError, read_config
-    from nsrm_harness.learn.run import Files, run
+    from nsrm_harness.learn.run import Files, finish, fit
 
     if quick and config is not None:
         raise ConfigError("--quick and --config exclude each other: --quick is a config file")
     settings = read_config(QUICK if quick else config)
     folder = out or Path("runs") / f"{data.name}-{seed}"
+    files = Files.of(data)
     try:
-        run(Files.of(data), settings, seed, folder, resume, say=click.echo)
+        fitted = fit(files, settings, seed, folder, resume, say=click.echo)
+        finish(fitted, files.test, folder, say=click.echo)
     except KeyboardInterrupt:
         click.echo(
             f"{folder}: interrupted; the same command with --resume goes on from here", err=True

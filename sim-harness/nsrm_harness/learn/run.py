@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import jax
+import nsrm
 
 from nsrm_harness import evaluate
 from nsrm_harness.episodes.calibration import Calibration
@@ -51,32 +52,6 @@ class Fitted:
     """Whether each action was learned as one of its own."""
     seconds: dict[str, float]
     """Time spent, by stage."""
-
-
-def run(
-    files: Files,
-    config: TrainingConfig,
-    seed: int,
-    out: Path,
-    resume: bool = False,
-    say: Callable[[str], None] = print,
-) -> evaluate.Metrics:
-    """Leaves `model.safetensors` and `curves.png` in `out`; returns the metrics on test."""
-    import nsrm
-
-    fitted = fit(files, config, seed, out, resume, say)
-    if not fitted.named:
-        raise TrainingError(
-            f"seed {seed}: two actions were learned as one (see {out / 'curves.png'}); "
-            "train with more episodes or with another --seed"
-        )
-    path = out / "model.safetensors"
-    write_model(path, fitted.file)
-    metrics = evaluate.evaluate(nsrm.Model.load(path), files.test)
-    write_metrics(path, metrics.as_json())
-    say(str(metrics))
-    say(f"model: {path}")
-    return metrics
 
 
 def fit(
@@ -132,3 +107,24 @@ def fit(
     curves.draw_curves(result.progress, out / "curves.png")
     file = fitted(result.model, result.progress)
     return Fitted(file, result.named, result.progress.seconds)
+
+
+def finish(
+    fitted: Fitted, test: Path, out: Path, say: Callable[[str], None] = print
+) -> evaluate.Metrics:
+    """Leaves `model.safetensors` in `out`; returns its metrics on test.
+
+    Raises `TrainingError` for a model that learned two actions as one.
+    """
+    if not fitted.named:
+        raise TrainingError(
+            f"seed {fitted.file.training['seed']}: two actions were learned as one (see "
+            f"{out / 'curves.png'}); train with more episodes or with another --seed"
+        )
+    path = out / "model.safetensors"
+    write_model(path, fitted.file)
+    metrics = evaluate.evaluate(nsrm.Model.load(path), test)
+    write_metrics(path, metrics.as_json())
+    say(str(metrics))
+    say(f"model: {path}")
+    return metrics

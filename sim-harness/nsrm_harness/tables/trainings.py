@@ -14,8 +14,7 @@ from nsrm_harness.baseline.run import run as run_baseline
 from nsrm_harness.baseline.train import BaselineConfig
 from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.export import write_whole
-from nsrm_harness.learn.run import Files
-from nsrm_harness.learn.run import run as run_model
+from nsrm_harness.learn.run import Files, finish, fit
 
 DONE = "trained.json"
 """Metrics on test, in the folder of a training that has ended."""
@@ -42,7 +41,7 @@ def train(training: Training) -> None:
     files, config, seed, out = training
     keep_compiled(out)
     if isinstance(config, TrainingConfig):
-        metrics = run_model(files, config, seed, out, resume=True)
+        metrics = finish(fit(files, config, seed, out, resume=True), files.test, out)
     else:
         metrics = run_baseline(files, config, seed, out)
     write_whole(out / DONE, json.dumps(metrics.as_json()).encode())
