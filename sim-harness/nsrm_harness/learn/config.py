@@ -98,6 +98,11 @@ class TrainingConfig:
     nonsense_parser: float = 0.5
     """`nonsense` there."""
 
+    @property
+    def sample_actions(self) -> bool:
+        """Whether actions are sampled, not summed out."""
+        return self.action_gradient == GUMBEL
+
 
 def read_config(path: Path | None) -> TrainingConfig:
     """The configuration of a file, or the defaults; unknown keys and wrong types are refused."""

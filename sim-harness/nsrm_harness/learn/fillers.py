@@ -23,6 +23,8 @@ LEAST_SHARE = 0.5
 """How often it is said with any action, as a share of how often it is said at all. "Side" can be
 left out everywhere, but is said with two actions alone."""
 LEAST_SEEN = 20
+"""Places of a word from which its share is judged: of fewer, chance may make that of a word with a
+meaning."""
 MOST = 3
 """Fillers that are put into a step."""
 

@@ -16,7 +16,7 @@ from jax import Array
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
-from nsrm_harness.learn.config import GUMBEL, REINFORCE, StageConfig, TrainingConfig
+from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.fillers import fillers, with_fillers
@@ -141,11 +141,12 @@ def one_step_loss(
     """Loss of a command of one step: objects sampled, or with `exploration` all summed out."""
     command, scene = demonstration.command, demonstration.scene
     step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
-    sample_actions = config.action_gradient == GUMBEL
-    if exploration is not None and not sample_actions:
+    if exploration is not None and not config.sample_actions:
         simulator = model.action.simulator
         return exact_step(simulator, step, scene, config.loss, config.temperature, exploration)
-    return sampled_steps(key, model, [step], scene, config.loss, config.temperature, sample_actions)
+    return sampled_steps(
+        key, model, [step], scene, config.loss, config.temperature, config.sample_actions
+    )
 
 
 def nonsense_loss(key: Array, model: Model, tokens: Array, length: Array, known: Array) -> Array:
@@ -183,8 +184,6 @@ def two_step_loss(
     possible = jnp.where(groups_before == GROUPS_PER_STEP, log_probability, MISSING)
     likeliest, positions = jax.lax.top_k(possible, config.splits)
 
-    sample_actions = config.action_gradient == GUMBEL
-
     def carry_out(split: Array) -> Array:
         ends = jnp.stack([split + 1, command.length])
         both = jax.vmap(
@@ -194,7 +193,7 @@ def two_step_loss(
         )(jnp.stack([0, split + 1]), ends)
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
         return sampled_steps(
-            key, model, steps, scene, config.loss, config.temperature, sample_actions
+            key, model, steps, scene, config.loss, config.temperature, config.sample_actions
         )
 
     def unusual(split: Array) -> Array:

@@ -30,6 +30,7 @@ from nsrm_harness.tables.variants import BEFORE_LAST, DisturbedSet, Variant
 JUDGED_FILE = "judged.json"
 """Figures and times of a variant's training, in its folder, when it has ended."""
 BEFORE = ", before the last stage"
+"""Behind a variant's name in the rows of its model as it stood then."""
 
 
 @dataclass(frozen=True)
