@@ -11,6 +11,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.evaluate import Metrics
 from nsrm_harness.tables.compare import BEFORE, Comparison, Cost
 from nsrm_harness.tables.figures import draw_comparison
+from nsrm_harness.tables.lines import TITLES
 from nsrm_harness.tables.publish import (
     BEGIN,
     END,
@@ -19,7 +20,7 @@ from nsrm_harness.tables.publish import (
     publish,
     with_figures,
 )
-from nsrm_harness.tables.report import REFUSALS, TABLES, TITLES, markdown
+from nsrm_harness.tables.report import REFUSALS, TABLES, markdown
 from nsrm_harness.tables.results import (
     ResultsError,
     Row,

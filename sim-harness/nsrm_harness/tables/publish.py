@@ -10,8 +10,9 @@ from typing import Any
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.refusals.measure import COLUMNS
+from nsrm_harness.tables.lines import HEADINGS, TITLES
 from nsrm_harness.tables.paper import ROWS, TABLES
-from nsrm_harness.tables.report import HEADINGS, REFUSALS, TITLES
+from nsrm_harness.tables.report import REFUSALS
 from nsrm_harness.tables.report import TABLES as TABLES_FILE
 from nsrm_harness.tables.results import MEASURES, Row, read_rows, select, summarize
 from nsrm_harness.tables.study import JUDGED
