@@ -57,7 +57,7 @@ def read_baseline(path: Path) -> BaselineFile:
     arrays, metadata = read_checked(path, SCHEMA)
     domain = domains.from_json(metadata["domain"], str(path))
     return BaselineFile(
-        model=filled(Baseline(vocabulary(domain), jax.random.key(0)), arrays, path),
+        model=filled(lambda: Baseline(vocabulary(domain), jax.random.key(0)), arrays, path),
         domain=domain,
         training=json.loads(metadata["training"]),
         metrics=json.loads(metadata["metrics"]),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -156,7 +156,7 @@ def read_model(path: Path) -> ModelFile:
     """Read a model file back; `ModelFileError` says what does not fit."""
     arrays, metadata = read_checked(path, str(SCHEMA))
     domain = domains.from_json(metadata["domain"], str(path))
-    model = filled(Model(Dimensions.of(domain), jax.random.key(0)), arrays, path)
+    model = filled(lambda: Model(Dimensions.of(domain), jax.random.key(0)), arrays, path)
     space = json.loads(metadata["work_space"])
     return ModelFile(
         model=model,
@@ -185,8 +185,19 @@ def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[s
     return arrays, metadata
 
 
-def filled(empty: Network, arrays: Mapping[str, np.ndarray], path: Path) -> Network:
-    """The network with the tensors of a file; names and shapes must be its own."""
+def filled(make: Callable[[], Network], arrays: Mapping[str, np.ndarray], path: Path) -> Network:
+    """The network that is made, with the tensors of a file; names and shapes must be its own.
+
+    Its own weights are never drawn: a process would compile that for many seconds.
+    """
+    empty = jax.tree.map(
+        lambda leaf: (
+            jax.numpy.asarray(np.zeros(leaf.shape, leaf.dtype))
+            if isinstance(leaf, jax.ShapeDtypeStruct)
+            else leaf
+        ),
+        eqx.filter_eval_shape(make),
+    )
     try:
         values = {name: jax.numpy.asarray(array) for name, array in arrays.items()}
         return network.with_tensors(empty, values)
