@@ -93,9 +93,9 @@ class Baseline(eqx.Module):
         # The centre of the visible surface, until it is fitted (learn/calibrate.py).
         self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
 
-    def encode(self, crop: Array) -> Array:
-        """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`."""
-        return encode_views(self.color, self.brightness, crop)
+    def encode(self, crop: Array, tint: Array | float = 1.0) -> Array:
+        """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`; see `encode_views`."""
+        return encode_views(self.color, self.brightness, crop, tint)
 
     def understand(self, tokens: Array, length: Array, objects: Array, present: Array) -> Meaning:
         """Words `[S, T]`, their numbers `[S]`, object embeddings `[M, 64]` -> meaning."""

@@ -147,7 +147,7 @@ def attention_stage(
         lesson: Lesson = batch[0]
         chosen = crops[lesson.crop_of.reshape(-1)]
         seen = jax.vmap(varied)(jax.random.split(key, len(chosen)), chosen)
-        objects = jax.vmap(model.encode)(seen).reshape(*lesson.crop_of.shape, -1)
+        objects = jax.vmap(model.encode)(*seen).reshape(*lesson.crop_of.shape, -1)
         losses = jax.vmap(lesson_loss, (None, 0, 0, None))
         return losses(model, lesson, objects, config).mean()
 

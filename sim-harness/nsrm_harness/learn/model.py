@@ -234,9 +234,14 @@ class ViewEncoder(eqx.Module):
         return jax.nn.relu(self.dense(hidden.reshape(-1)))
 
 
-def encode_views(color: ViewEncoder, gray: ViewEncoder, crop: Array) -> Array:
-    """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`: colour, then brightness."""
-    return jnp.concatenate([color(crop - 0.5), gray(brightness(crop))])
+def encode_views(
+    color: ViewEncoder, gray: ViewEncoder, crop: Array, tint: Array | float = 1.0
+) -> Array:
+    """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`: colour, then brightness.
+
+    `tint` `[3, 1, 1]`: factors on the channels of what brightness is taken from, in training.
+    """
+    return jnp.concatenate([color(crop - 0.5), gray(brightness(tint * crop))])
 
 
 class Operator(eqx.Module):
@@ -290,9 +295,9 @@ class Vision(eqx.Module):
             for attribute, at in zip(dimensions.attributes, keys[3:], strict=True)
         }
 
-    def encode(self, crop: Array) -> Array:
+    def encode(self, crop: Array, tint: Array | float = 1.0) -> Array:
         """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`; see `encode_views`."""
-        return encode_views(self.color, self.brightness, crop)
+        return encode_views(self.color, self.brightness, crop, tint)
 
     def similarities(self, embedding: Array) -> Array:
         """Embedding `[64]` -> cosine with every concept `[C]`."""

@@ -55,6 +55,8 @@ SHIFT = 2
 """How far a crop is shifted in training, at most; pixels of 32."""
 NOISE = 0.02
 """Deviation of the noise on it, of values in 0..1."""
+TINT = 0.5
+"""How far the channels of what brightness is taken from are scaled, at most; natural logarithm."""
 
 
 class TrainingError(HarnessError):
@@ -92,25 +94,27 @@ def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     return Demonstration(command, decode.scenes(data, chosen), crop_of, usual_end)
 
 
-def varied(key: Array, crop: Array) -> Array:
-    """A crop `[3, 32, 32]` mirrored or not, shifted by up to `SHIFT` pixels, with noise.
+def varied(key: Array, crop: Array) -> tuple[Array, Array]:
+    """A crop `[3, 32, 32]` mirrored or not, shifted by up to `SHIFT` pixels, with noise; its tint.
 
     As if the box had been found a little beside its place: a few thousand crops are soon known by
-    heart.
+    heart. The tint (see `encode_views`) keeps colour out of what shapes are told from: how much a
+    block's brightness differs from the table's depends on its colour.
     """
-    mirror, shift, noise = jax.random.split(key, 3)
+    mirror, shift, noise, tint = jax.random.split(key, 4)
     crop = jnp.where(jax.random.bernoulli(mirror), crop[:, :, ::-1], crop)
     row, column = jax.random.randint(shift, (2,), 0, 2 * SHIFT + 1)
     wide = jnp.pad(crop, ((0, 0), (SHIFT, SHIFT), (SHIFT, SHIFT)), mode="edge")
     moved = jax.lax.dynamic_slice(wide, (0, row, column), crop.shape)
-    return moved + NOISE * jax.random.normal(noise, crop.shape)
+    tints = jnp.exp(jax.random.uniform(tint, (3, 1, 1), minval=-TINT, maxval=TINT))
+    return moved + NOISE * jax.random.normal(noise, crop.shape), tints
 
 
 def see(model: Model, crops: Array, crop_of: Array, key: Array) -> Array:
     """Cosines of each object with each concept: indices `[N, M]` -> `[N, M, C]`."""
     chosen = crops[crop_of.reshape(-1)]
     seen = jax.vmap(varied)(jax.random.split(key, len(chosen)), chosen)
-    embeddings = jax.vmap(model.vision.encode)(seen)
+    embeddings = jax.vmap(model.vision.encode)(*seen)
     similarities = jax.vmap(model.vision.similarities)(embeddings)
     return similarities.reshape(*crop_of.shape, -1)
 
