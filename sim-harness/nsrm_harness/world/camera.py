@@ -211,7 +211,8 @@ def located(seen: Surfaces) -> Located:
     """Boxes and mean depths of the ids in the mask."""
     depth, mask = seen.depth, seen.mask
     height, width = mask.shape
-    pixels = np.flatnonzero(mask)
+    # Of truth values, NumPy finds those that aren't 0 several times as fast as of integers.
+    pixels = np.flatnonzero(mask != 0)
     rows, columns = np.divmod(pixels, width)
     found = mask.ravel()[pixels]
     values = depth.ravel()[pixels].astype(np.float64)
