@@ -82,9 +82,12 @@ class Arrangement:
         base[move.moved] = move.reference if move.action.direction is None else None
         return Arrangement(self.blocks, tuple(poses), tuple(base))
 
-    def moves(self, domain: Domain) -> list[Move]:
-        """All moves that may be commanded, in a fixed order."""
-        indices = range(len(self.blocks))
+    def moves(self, domain: Domain, among: Sequence[int] | None = None) -> list[Move]:
+        """All moves that may be commanded, in a fixed order.
+
+        `among`: indices of the blocks that may be moved or be references; None: all.
+        """
+        indices = range(len(self.blocks)) if among is None else among
         every = (
             Move(action, moved, reference)
             for action in domain.actions

@@ -175,9 +175,7 @@ def _sample_steps(
 
 def _possible(domain: Domain, arrangement: Arrangement, unique: Unique) -> list[Move]:
     """The moves that may be commanded on blocks that can be named."""
-    return [
-        move for move in arrangement.moves(domain) if unique[move.moved] and unique[move.reference]
-    ]
+    return arrangement.moves(domain, [index for index, kinds in enumerate(unique) if kinds])
 
 
 def _preferred(rng: np.random.Generator, possible: list[Move], earlier: list[Move]) -> list[Move]:
