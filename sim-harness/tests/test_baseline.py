@@ -44,7 +44,7 @@ from nsrm_harness.learn.export import (
 )
 from nsrm_harness.learn.model import Dimensions, Model, tensors
 from nsrm_harness.learn.objective import scene_loss
-from nsrm_harness.learn.stages import Stage, TrainingError
+from nsrm_harness.learn.stages import Stage, TrainingError, lookup
 from nsrm_harness.learn.train import NEXT_ATTEMPT, trainable
 from nsrm_harness.world.camera import default_camera
 
@@ -80,7 +80,8 @@ def test_sentences_are_cut_where_steps_end() -> None:
     assert cut.count.tolist() == [1, 2]
     assert cut.length.tolist() == [[8, 0], [8, 10]]
     np.testing.assert_array_equal(cut.tokens[0, 0], cut.tokens[1, 0])
-    assert [WORDS[row] for row in cut.tokens[1, 1]] == split(f", then {short}")
+    assert [WORDS[row] for row in cut.tokens[1, 1, :10]] == split(f", then {short}")
+    assert not cut.tokens[1, 1, 10:].any()
     assert not cut.tokens[0, 1].any()
     with pytest.raises(UnknownWordError, match="'purple'"):
         StepWords.of(WORDS, ["put the purple block"], [[20]])
@@ -160,10 +161,10 @@ def test_the_first_stage_weighs_every_pair(toys: Toys, words: StepWords) -> None
 
 def test_the_loss_reaches_every_part(toys: Toys, words: StepWords) -> None:
     model, every = Baseline(WORDS, jax.random.key(0)), lessons(toys.data, words, np.arange(12))
-    stage = attention_stage("joint", NONE, BaselineConfig(), every, blends_loss)
-    crops = jnp.asarray(toys.data.crops)
+    common, key = lookup(toys.data), jax.random.key(1)
+    stage = attention_stage("joint", NONE, BaselineConfig(), every, common, blends_loss)
     gradient = eqx.filter_jit(
-        eqx.filter_grad(lambda m: stage.loss(m, crops, stage.sets, jax.random.key(1), jnp.array(0)))
+        eqx.filter_grad(lambda m: stage.loss(m, stage.shared, stage.sets, key, jnp.array(0)))
     )(model)
     trained = eqx.filter(model, trainable(model, PARTS + SIMULATOR))
     names = set(tensors(trained))
@@ -206,7 +207,7 @@ def test_it_begins_again_until_it_has_learned(
     def fit(
         stage: Stage, _: tuple[str, ...], model: Baseline, *rest: Any
     ) -> tuple[Baseline, float]:
-        ran.append((stage.name, rest[1]))
+        ran.append((stage.name, rest[0]))
         return model, next(losses)
 
     monkeypatch.setattr("nsrm_harness.baseline.train._fit", fit)

@@ -52,13 +52,14 @@ FEW_STEPS = TrainingConfig(
 
 
 @pytest.fixture(scope="module", autouse=True)
-def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Programs compiled in one test serve the others."""
+def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Where programs compiled in one test are kept for the others."""
+    folder = tmp_path_factory.mktemp("compiled")
     names = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
     before = [getattr(jax.config, name) for name in names]
-    for name, value in zip(names, (str(tmp_path_factory.mktemp("compiled")), 0.2), strict=True):
+    for name, value in zip(names, (str(folder), 0.2), strict=True):
         jax.config.update(name, value)
-    yield
+    yield folder
     for name, value in zip(names, before, strict=True):
         jax.config.update(name, value)
 
@@ -119,6 +120,16 @@ def test_a_run_does_not_go_on_without_what_its_stage_began_with(
     (tmp_path / "begun-0-0.eqx").unlink()
     with pytest.raises(CheckpointError, match=r"begun-0-0\.eqx: not there"):
         train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True)
+
+
+def test_what_is_compiled_for_some_data_serves_other_data(
+    domain: domains.Domain, whole: Result, compiled_once: Path, tmp_path: Path
+) -> None:
+    before = set(compiled_once.glob("jit_step-*-cache"))
+    assert before
+    one, two = make_toys(domain, 20, 1, 1, attributes=1), make_toys(domain, 20, 2, 2)
+    train(domain, concatenate([one.data, two.data]), FEW_STEPS, 8, tmp_path, quiet=True)
+    assert set(compiled_once.glob("jit_step-*-cache")) == before
 
 
 def test_what_a_stage_does_not_train_stays(
@@ -233,10 +244,10 @@ def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
     longer = StageConfig(epochs=60, learning_rate=3e-3, batch=32)
     config = dataclasses.replace(FEW_STEPS, parser=longer)
     stage = make_stage("parser", whole.model, few, config)
-    fit, crops = Fit(stage, TRAINS["parser"], 0, 6), jax.numpy.asarray(few.crops)
+    fit = Fit(stage, TRAINS["parser"], 0, 6)
     state = fit.start(whole.model)
     for epoch in range(longer.epochs):
-        state, _ = fit.epoch(state, epoch, crops)
+        state, _ = fit.epoch(state, epoch)
     steps, known = stage.sets[0], known_gaps(few.sentences)
     keys = jax.random.split(jax.random.key(0), len(steps.length))
 

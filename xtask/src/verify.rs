@@ -149,7 +149,7 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
     let mut command = Command::new(&step.program);
     command
         .args(&step.arguments)
-        .envs(step.variables.iter().copied())
+        .envs(step.variables.iter().map(|(name, value)| (name, value)))
         .current_dir(context.project().root())
         .stdin(Stdio::null())
         .stdout(file.try_clone()?)

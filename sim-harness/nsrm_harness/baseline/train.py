@@ -31,7 +31,7 @@ from nsrm_harness.learn.objective import (
     location_loss,
     scene_loss,
 )
-from nsrm_harness.learn.stages import Stage, TrainingError, varied
+from nsrm_harness.learn.stages import Lookup, Stage, TrainingError, lookup, varied
 from nsrm_harness.learn.train import NEXT_ATTEMPT, Fit
 
 PARTS = (
@@ -137,21 +137,22 @@ def attention_stage(
     stage: StageConfig,
     config: BaselineConfig,
     lesson: Lesson,
+    lookup: Lookup,
     lesson_loss: LessonLoss,
 ) -> Stage:
     """Everything is trained, on varied crops."""
 
     def loss(
-        model: Baseline, crops: Array, batch: tuple[Any, ...], key: Array, done: Array
+        model: Baseline, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
     ) -> Array:
         lesson: Lesson = batch[0]
-        chosen = crops[lesson.crop_of.reshape(-1)]
+        chosen = lookup.crops[lesson.crop_of.reshape(-1)]
         seen = jax.vmap(varied)(jax.random.split(key, len(chosen)), chosen)
         objects = jax.vmap(model.encode)(*seen).reshape(*lesson.crop_of.shape, -1)
         losses = jax.vmap(lesson_loss, (None, 0, 0, None))
         return losses(model, lesson, objects, config).mean()
 
-    return Stage(name, stage, (lesson,), loss)
+    return Stage(name, stage, (lesson,), lookup, loss)
 
 
 def simulator_stage(config: BaselineConfig, lesson: Lesson, meaning: Meaning) -> Stage:
@@ -164,12 +165,10 @@ def simulator_stage(config: BaselineConfig, lesson: Lesson, meaning: Meaning) ->
         losses = jnp.minimum(losses, config.polish_cap)
         return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
 
-    def loss(
-        model: Baseline, crops: Array, batch: tuple[Any, ...], key: Array, done: Array
-    ) -> Array:
+    def loss(model: Baseline, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
 
-    return Stage("simulator", config.simulator, ((lesson, meaning),), loss)
+    return Stage("simulator", config.simulator, ((lesson, meaning),), (), loss)
 
 
 @eqx.filter_jit
@@ -207,29 +206,28 @@ def train(
     if len(single) == 0:
         raise TrainingError("baseline: no command of one step in the training data")
     first, every = (lessons(data, words, chosen) for chosen in (single, np.arange(len(data))))
+    common, attempts = lookup(data), []
     attention = (
-        attention_stage("single", config.single, config, first, pairs_loss),
-        attention_stage("joint", config.joint, config, every, blends_loss),
+        attention_stage("single", config.single, config, first, common, pairs_loss),
+        attention_stage("joint", config.joint, config, every, common, blends_loss),
     )
-    crops, attempts = jnp.asarray(data.crops), []
     for attempt in range(config.attempts):
         drawn, loss = seed + NEXT_ATTEMPT * attempt, np.inf
         model = untrained(vocabulary, data, drawn)
         for number, stage in enumerate(attention):
-            model, loss = _fit(stage, PARTS + SIMULATOR, model, crops, drawn, number, quiet)
+            model, loss = _fit(stage, PARTS + SIMULATOR, model, drawn, number, quiet)
         attempts.append((loss, model))
         if loss < config.learned:
             break
     _, model = min(attempts, key=lambda attempt: attempt[0])
     stage = simulator_stage(config, every, understand(model, data, words))
-    return _fit(stage, SIMULATOR, model, crops, seed, len(attention), quiet)[0]
+    return _fit(stage, SIMULATOR, model, seed, len(attention), quiet)[0]
 
 
 def _fit(
     stage: Stage,
     trains: tuple[str, ...],
     model: Baseline,
-    crops: Array,
     seed: int,
     number: int,
     quiet: bool,
@@ -239,7 +237,7 @@ def _fit(
     state, loss = fit.start(model), np.inf
     with tqdm(total=stage.config.epochs, desc=f"{stage.name:>10}", disable=quiet) as bar:
         for epoch in range(stage.config.epochs):
-            state, loss = fit.epoch(state, epoch, crops)
+            state, loss = fit.epoch(state, epoch)
             if not np.isfinite(loss):
                 raise TrainingError(f"baseline: {stage.name}: the loss is not finite: {loss}")
             bar.set_postfix(loss=f"{loss:.5f}", refresh=False)

@@ -11,6 +11,7 @@ import numpy as np
 from nsrm_harness.domain import Domain
 from nsrm_harness.judge import Judge
 from nsrm_harness.language.tokens import UnknownWordError, split
+from nsrm_harness.learn.dataset import roomy
 
 
 def vocabulary(domain: Domain) -> tuple[str, ...]:
@@ -23,7 +24,7 @@ class StepWords:
     """The words of N commands, S steps at most, T words in each at most."""
 
     tokens: np.ndarray
-    """Rows of the embeddings, int32 `[N, S, T]`, right-padded with row 0."""
+    """Rows of the embeddings, int32 `[N, S, T]`, right-padded with row 0; T is `roomy`."""
     length: np.ndarray
     """Number of words of each step, int32 `[N, S]`; 0 where there is no step."""
     count: np.ndarray
@@ -40,7 +41,7 @@ class StepWords:
             for sentence, at in zip(sentences, ends, strict=True)
         ]
         count = np.array([len(steps) for steps in cut], np.int32)
-        longest = max((len(step) for steps in cut for step in steps), default=1)
+        longest = roomy(max((len(step) for steps in cut for step in steps), default=1))
         tokens = np.zeros((len(cut), max(count, default=1), longest), np.int32)
         length = np.zeros(tokens.shape[:2], np.int32)
         for index, steps in enumerate(cut):

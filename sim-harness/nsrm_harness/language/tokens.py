@@ -43,6 +43,7 @@ class Tokenizer:
 
     def __init__(self, domain: Domain) -> None:
         self._lexicon = domain.lexicon()
+        self.attributes = len(domain.attributes)
         #: Row of each word in the embeddings; the group token has row 0.
         self.row = {word: row for row, word in enumerate(domain.vocabulary())}
 

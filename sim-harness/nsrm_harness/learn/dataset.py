@@ -23,6 +23,14 @@ if TYPE_CHECKING:
 
 GROUPS_PER_STEP = 2
 """The moved object and the reference."""
+TOKENS = 4
+"""Sentences are padded to a multiple of as many tokens."""
+
+
+def roomy(length: int) -> int:
+    """A number of tokens rounded up: data that differ in little then have the same shapes, and
+    what is compiled for the one fits the other."""
+    return -(-length // TOKENS) * TOKENS
 
 
 @dataclass(frozen=True)
@@ -40,12 +48,13 @@ class Sentences:
 
     @classmethod
     def of(cls, tokenizer: Tokenizer, sentences: Sequence[Tokens]) -> Sentences:
-        """Pad to the longest of each."""
+        """Pad to the longest of each, rounded up; see `roomy`."""
         count = len(sentences)
         length = np.array([len(tokens.words) for tokens in sentences], np.int32)
         group_count = np.array([len(tokens.groups) for tokens in sentences], np.int32)
         most = max((len(g) for tokens in sentences for g in tokens.groups), default=1)
-        rows = np.zeros((count, max(length, default=1)), np.int32)
+        most = max(most, tokenizer.attributes)
+        rows = np.zeros((count, roomy(max(length, default=1))), np.int32)
         groups = np.full((count, max(group_count, default=1), most), -1, np.int32)
         for index, tokens in enumerate(sentences):
             rows[index, : len(tokens.words)] = tokenizer.rows(tokens)
@@ -54,7 +63,8 @@ class Sentences:
         return cls(rows, length, groups, group_count)
 
     def longest_step(self) -> int:
-        """The most tokens that a step can have: of a command of two, each with two groups."""
+        """The most tokens that a step can have, rounded up; of a command of two, each with two
+        groups."""
         most = 1
         for row, length in zip(self.tokens, self.length, strict=True):
             groups = np.flatnonzero(row[:length] == GROUP_TOKEN)
@@ -63,7 +73,7 @@ class Sentences:
             else:
                 second, third = groups[GROUPS_PER_STEP - 1 : GROUPS_PER_STEP + 1]
                 most = max(most, int(third), int(length - second) - 1)
-        return most
+        return roomy(most)
 
     def usual_ends(self) -> np.ndarray:
         """Where the first step of each ends, if it ends as sentences do: a token, int32 `[N]`.

@@ -15,7 +15,7 @@ from jax import Array
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.config import TrainingConfig
-from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
+from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet, roomy
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Parse, filter_scene
 from nsrm_harness.learn.objective import Scene, move, scene_loss
 from nsrm_harness.learn.splits import Command, split_log_probability, step_tokens
@@ -211,7 +211,7 @@ class StepTable(NamedTuple):
     """Steps that the model understands, cut out of their commands, and its own choices."""
 
     tokens: Array
-    """Right-padded with row 0 to the longest step, `[T]`."""
+    """Right-padded with row 0, `[T]`."""
     length: Array
     follows: Array
     """Whether another step of its command came before it."""
@@ -300,7 +300,7 @@ def own_steps(
     rows = np.concatenate([episodes, episodes[second]])
     first = np.concatenate([bounds[:, 0], bounds[second, 1]])
     length = np.concatenate([bounds[:, 1], bounds[second, 2]]) - first
-    position = np.arange(length.max(initial=1))
+    position = np.arange(roomy(length.max(initial=1)))
     source = np.minimum(first[:, None] + position, data.sentences.tokens.shape[1] - 1)
     tokens = data.sentences.tokens[rows[:, None], source]
     tokens = jnp.asarray(np.where(position < length[:, None], tokens, 0))

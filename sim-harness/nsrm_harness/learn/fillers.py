@@ -14,7 +14,7 @@ import numpy as np
 from jax import Array
 
 from nsrm_harness.learn.decode import StepTable
-from nsrm_harness.learn.model import GROUP_TOKEN, Parse
+from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Parse
 
 LEAST_OMITTED = 0.7
 """Share of a filler's places without which the rest is said as well. Of 2,500 demonstrations the
@@ -29,8 +29,11 @@ MOST = 3
 """Fillers that are put into a step."""
 
 
-def fillers(table: StepTable) -> np.ndarray:
-    """The fillers among the words of the steps, rows of the embedding, int32 `[F]`."""
+def fillers(table: StepTable, words: int) -> np.ndarray:
+    """Which words are fillers in the steps: bool `[V]`, for each row of the embedding.
+
+    `words`: V.
+    """
     steps = [
         tokens[:length]
         for tokens, length in zip(np.asarray(table.tokens), np.asarray(table.length), strict=True)
@@ -43,7 +46,7 @@ def fillers(table: StepTable) -> np.ndarray:
         for kind, step in zip(kinds, steps, strict=True)
         for place, gap in enumerate(_gaps(step))
     }
-    found = []
+    found = np.zeros(words, bool)
     for word in np.unique(np.concatenate([*steps, [GROUP_TOKEN]])):
         if word == GROUP_TOKEN:
             continue
@@ -61,18 +64,17 @@ def fillers(table: StepTable) -> np.ndarray:
             and np.mean(omitted) >= LEAST_OMITTED
             and min(shares) >= LEAST_SHARE * said.mean()
         ):
-            found.append(word)
-    return np.array(found, np.int32)
+            found[word] = True
+    return found
 
 
-def with_fillers(key: Array, step: StepTable, words: Array) -> StepTable:
-    """A step `[T]` with up to `MOST` of the `words` `[F]` put in before its last description, half
-    the time with none; the same meaning `[T + MOST]`."""
+def with_fillers(key: Array, step: StepTable, fillers: Array) -> StepTable:
+    """A step `[T]` with up to `MOST` of the `fillers` `[V]` put in before its last description,
+    half the time with none; the same meaning `[T + MOST]`."""
     half, number, which, where = jax.random.split(key, 4)
-    some = jax.random.bernoulli(half) & (len(words) > 0)
+    some = jax.random.bernoulli(half) & fillers.any()
     count = jnp.where(some, jax.random.randint(number, (), 1, MOST + 1), 0)
-    words = words if len(words) > 0 else jnp.zeros(1, jnp.int32)
-    chosen = jax.random.choice(which, words, (MOST,))
+    chosen = jax.random.categorical(which, jnp.where(fillers, 0.0, MISSING), shape=(MOST,))
     position = jnp.arange(step.tokens.shape[0])
     is_group = (step.tokens == GROUP_TOKEN) & (position < step.length)
     last = jnp.max(jnp.where(is_group, position, 0))

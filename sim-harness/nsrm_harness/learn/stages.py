@@ -17,7 +17,7 @@ from jax import Array
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
-from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet
+from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet, roomy
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.fillers import fillers, with_fillers
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter
@@ -74,21 +74,44 @@ class Demonstration(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """What the trainer needs to run a stage."""
+    """What the trainer needs to run a stage.
+
+    What depends on the data is in `sets` and `shared`, and the loss holds nothing of it: it is
+    compiled once for all data of the same shapes.
+    """
 
     name: str
     config: StageConfig
     sets: tuple[Any, ...]
     """Trees of arrays; a batch takes as many rows of each."""
-    loss: Callable[[Any, Array, tuple[Any, ...], Array, Array], Array]
-    """From model, all crops, a batch of each set, a key and the share of the stage that is done to
+    shared: Any
+    """Arrays that every batch needs."""
+    loss: Callable[[Any, Any, tuple[Any, ...], Array, Array], Array]
+    """From model, `shared`, a batch of each set, a key and the share of the stage that is done to
     the batch's mean loss."""
+
+
+class Lookup(NamedTuple):
+    """What demonstrations have in common."""
+
+    crops: Array
+    """All crops `[B, 3, 32, 32]`, black ones behind them; see `lookup`."""
+    known: Array
+    """What stands before descriptions; see `nonsense`."""
+
+
+def lookup(data: TrainingSet) -> Lookup:
+    """Of these data; the number of crops is rounded up to a power of two."""
+    crops = jnp.asarray(data.crops)
+    room = (1 << (len(crops) - 1).bit_length()) - len(crops)
+    return Lookup(jnp.pad(crops, ((0, room), (0, 0), (0, 0), (0, 0))), known_gaps(data.sentences))
 
 
 def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     """The chosen episodes as one tree with a leading axis; commands padded to their longest."""
     tokens, length, groups, count = decode.commands(data, chosen)
-    command = Command(tokens[:, : length.max()], length, groups[:, : count.max()], count)
+    width = roomy(int(length.max()))
+    command = Command(tokens[:, :width], length, groups[:, : count.max()], count)
     crop_of = jnp.asarray(data.crop_of[chosen])
     usual_end = jnp.asarray(data.sentences.usual_ends()[chosen])
     return Demonstration(command, decode.scenes(data, chosen), crop_of, usual_end)
@@ -243,12 +266,13 @@ def one_step_stage(
     `exploration` falls to nothing in the first half of the stage.
     """
     _some(chosen, f"{name}: no command of one step")
-    known = known_gaps(data.sentences)
 
-    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+    def loss(
+        model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
+    ) -> Array:
         (demonstration,) = batch
         looking, choosing = jax.random.split(key)
-        similarities = see(model, crops, demonstration.crop_of, looking)
+        similarities = see(model, lookup.crops, demonstration.crop_of, looking)
         keys = jax.random.split(choosing, len(similarities))
         explore = None
         if exploration is not None:
@@ -261,18 +285,18 @@ def one_step_stage(
                 # First it must find out what there is to be sure of.
                 return loss
             command = demonstration.command
-            heap = nonsense_loss(saying, model, command.tokens, command.length, known)
+            heap = nonsense_loss(saying, model, command.tokens, command.length, lookup.known)
             return loss + config.nonsense * heap
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
 
-    return Stage(name, stage, (demonstrations(data, chosen),), loss)
+    return Stage(name, stage, (demonstrations(data, chosen),), lookup(data), loss)
 
 
 def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
     """(c): the splitter on a table of losses, of whole commands and of their remainders."""
 
-    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+    def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         table: SplitTable = batch[0]
 
         def one(key: Array, command: Command, first: Array, losses: Array) -> Array:
@@ -290,7 +314,7 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
         keys = jax.random.split(key, len(table.first))
         return jax.vmap(one)(keys, *table).mean()
 
-    return Stage("splitter", config.splitter, (table,), loss)
+    return Stage("splitter", config.splitter, (table,), (), loss)
 
 
 def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
@@ -298,14 +322,17 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
     one, two = data.select(1), data.select(2)
     _some(one, "joint: no command of one step")
     _some(two, "joint: no command of two steps")
-    known, width = known_gaps(data.sentences), data.sentences.longest_step()
+    width = data.sentences.longest_step()
 
-    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+    def loss(
+        model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
+    ) -> Array:
         single, double = batch
+        known = lookup.known
         half = len(single.crop_of)
         looking, choosing = jax.random.split(key)
         crop_of = jnp.concatenate([single.crop_of, double.crop_of])
-        similarities = see(model, crops, crop_of, looking)
+        similarities = see(model, lookup.crops, crop_of, looking)
         keys = jax.random.split(choosing, 2 * half)
 
         def one(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
@@ -326,7 +353,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
         return (first.mean() + second.mean()) / 2
 
     sets = (demonstrations(data, one), demonstrations(data, two))
-    return Stage("joint", config.joint, sets, loss)
+    return Stage("joint", config.joint, sets, lookup(data), loss)
 
 
 def simulator_stage(
@@ -351,10 +378,10 @@ def simulator_stage(
         losses = jnp.minimum(losses, config.polish_cap)
         return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
 
-    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+    def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
 
-    return Stage("simulator", config.simulator, ((scenes, choices),), loss)
+    return Stage("simulator", config.simulator, ((scenes, choices),), (), loss)
 
 
 def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTable) -> Array:
@@ -374,37 +401,45 @@ def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTab
     return -end_log_probability(splitter, tokens, step.length + behind)[step.length - 1]
 
 
-def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable) -> Stage:
+class Said(NamedTuple):
+    """What is said of all steps."""
+
+    fillers: Array
+    """Which words change nothing, bool `[V]`."""
+    known: Array
+    """What stands before descriptions; see `nonsense`."""
+
+
+def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable, words: int) -> Stage:
     """(f): parser and splitter on steps whose meaning the final scene has confirmed.
 
     Both hear them with fillers in between, the parser nonsense too, the splitter commands put
-    together from those steps.
+    together from those steps. `words`: rows of the embedding.
     """
-    known = known_gaps(data.sentences)
-    words = jnp.asarray(fillers(table))
+    said = Said(jnp.asarray(fillers(table, words)), known_gaps(data.sentences))
     following = jax.tree.map(lambda column: column[np.asarray(table.follows)], table)
     _some(np.asarray(following.length), "parser: no command that the model carries out right")
 
-    def loss(model: Model, crops: Array, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+    def loss(model: Model, said: Said, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         steps, following = batch
 
         def one(key: Array, step: StepTable, following: StepTable) -> Array:
             filling, saying, joining = jax.random.split(key, 3)
-            heap = nonsense_loss(saying, model, step.tokens, step.length, known)
-            filled = with_fillers(filling, step, words)
+            heap = nonsense_loss(saying, model, step.tokens, step.length, said.known)
+            filled = with_fillers(filling, step, said.fillers)
             valid = jnp.arange(filled.tokens.shape[0]) < filled.length
             parse = model.language.parse(filled.tokens, valid)
-            said = sum(
+            meaning = sum(
                 -jax.nn.log_softmax(logits)[meant]
                 for logits, meant in zip(parse, filled.meant, strict=True)
             )
             end = end_loss(joining, model.language.splitter, filled, following)
-            return said + end + config.nonsense_parser * heap
+            return meaning + end + config.nonsense_parser * heap
 
         keys = jax.random.split(key, len(steps.length))
         return jax.vmap(one)(keys, steps, following).mean()
 
-    return Stage("parser", config.parser, (table, following), loss)
+    return Stage("parser", config.parser, (table, following), said, loss)
 
 
 def _some(chosen: np.ndarray, problem: str) -> None:

@@ -44,6 +44,8 @@ FINAL_RATE = 0.05
 """Learning rate at a stage's end, as a share of that at its start."""
 GRADIENT_NORM = 1.0
 """Gradients are clipped to this norm."""
+OPTIMIZER = optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.scale_by_adam())
+"""Adam on clipped gradients; the rate falls along a cosine over a stage."""
 SECONDS_A_CHECKPOINT = 5.0
 NEXT_ATTEMPT = 1_000_003
 """Added to the seed for each further attempt."""
@@ -98,10 +100,9 @@ def train(
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or Progress()
     model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual)
-    crops = jnp.asarray(data.crops)
     state = None
     if progress.epoch > 0 or progress.stage > 0:
-        state = checkpoints.state(_start(model, progress.stage, config, 1))
+        state = checkpoints.state(_start(model, progress.stage))
         model = state.model
     names = list(TRAINS)
     while progress.stage < len(names):
@@ -121,7 +122,7 @@ def train(
         ) as bar:
             try:
                 while progress.epoch < stage.config.epochs:
-                    state, loss = fit.epoch(state, progress.epoch, crops)
+                    state, loss = fit.epoch(state, progress.epoch)
                     if not np.isfinite(loss):
                         raise stages.TrainingError(f"{name}: the loss is not finite: {loss}")
                     progress.epoch += 1
@@ -175,7 +176,8 @@ def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfi
         return stages.splitter_stage(config, table)
     if name == "parser":
         table = decode.own_steps(model, data, similarities, config)
-        return stages.parser_stage(config, data, table)
+        words = model.language.embedding.weight.shape[0]
+        return stages.parser_stage(config, data, table, words)
     episodes, choices, _ = decode.own_choices(model, data, similarities)
     return stages.simulator_stage(config, data, episodes, choices)
 
@@ -190,24 +192,21 @@ class Fit:
         self._share = min(max(stage.config.batch // len(sizes), 1), *sizes, max(sizes))
         self._sizes = sizes
         self._batches = max(sizes) // self._share
-        self._optimizer = optimizer(stage.config.learning_rate, stage.config.epochs * self._batches)
+        steps = max(stage.config.epochs * self._batches, 1)
+        self._rate = optax.cosine_decay_schedule(stage.config.learning_rate, steps, FINAL_RATE)
 
         @eqx.filter_jit
         def step(
-            fixed: Any, state: State, rows: list[Array], key: Array, done: Array
+            shared: Any, state: State, batch: tuple[Any, ...], key: Array, done: Array, rate: Array
         ) -> tuple[State, Array]:
-            crops, sets = fixed
-            batch = tuple(
-                jax.tree.map(lambda a, at=at: a[at], one)
-                for one, at in zip(sets, rows, strict=True)
-            )
             trained, kept = eqx.partition(state.model, trainable(state.model, trains))
 
             def loss(trained: Any) -> Array:
-                return stage.loss(eqx.combine(trained, kept), crops, batch, key, done)
+                return stage.loss(eqx.combine(trained, kept), shared, batch, key, done)
 
             value, gradient = eqx.filter_value_and_grad(loss)(trained)
-            updates, moments = self._optimizer.update(gradient, state.optimizer, trained)
+            directions, moments = OPTIMIZER.update(gradient, state.optimizer, trained)
+            updates = jax.tree.map(lambda direction: -rate * direction, directions)
             return State(eqx.apply_updates(state.model, updates), moments), value
 
         self._step = step
@@ -215,9 +214,9 @@ class Fit:
     def start(self, model: eqx.Module) -> State:
         """The state before the first epoch."""
         trained = eqx.filter(model, trainable(model, self._trains))
-        return State(model, self._optimizer.init(trained))
+        return State(model, OPTIMIZER.init(trained))
 
-    def epoch(self, state: State, epoch: int, crops: Array) -> tuple[State, float]:
+    def epoch(self, state: State, epoch: int) -> tuple[State, float]:
         """One pass; returns the mean loss too."""
         rng = np.random.default_rng([self._seed, self._number, epoch])
         key = jax.random.fold_in(jax.random.key(self._seed), self._number * 100_000 + epoch)
@@ -227,19 +226,21 @@ class Fit:
             for size in self._sizes
         ]
         done = jnp.array(epoch / self._stage.config.epochs)
+        rates = jnp.asarray(self._rate(epoch * self._batches + jnp.arange(self._batches)))
         losses = []
         for number in range(self._batches):
-            at = [jnp.asarray(row[number]) for row in rows]
-            fixed = (crops, self._stage.sets)
-            state, loss = self._step(fixed, state, at, jax.random.fold_in(key, number), done)
+            batch = _take(self._stage.sets, tuple(jnp.asarray(row[number]) for row in rows))
+            drawn = jax.random.fold_in(key, number)
+            state, loss = self._step(self._stage.shared, state, batch, drawn, done, rates[number])
             losses.append(loss)
         return state, float(np.mean(jax.device_get(losses)))
 
 
-def optimizer(learning_rate: float, steps: int) -> optax.GradientTransformation:
-    """Adam on clipped gradients; the rate falls along a cosine."""
-    schedule = optax.cosine_decay_schedule(learning_rate, max(steps, 1), FINAL_RATE)
-    return optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.adam(schedule))
+@eqx.filter_jit
+def _take(sets: tuple[Any, ...], rows: tuple[Array, ...]) -> tuple[Any, ...]:
+    return tuple(
+        jax.tree.map(lambda a, at=at: a[at], one) for one, at in zip(sets, rows, strict=True)
+    )
 
 
 def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
@@ -252,8 +253,8 @@ def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
     return jax.tree_util.tree_map_with_path(is_trained, model)
 
 
-def _start(model: Model, stage: int, config: TrainingConfig, steps: int) -> State:
+def _start(model: Model, stage: int) -> State:
     """A state with the structure that the stage's has."""
     trains = list(TRAINS.values())[stage]
     trained = eqx.filter(model, trainable(model, trains))
-    return State(model, optimizer(1.0, steps).init(trained))
+    return State(model, OPTIMIZER.init(trained))

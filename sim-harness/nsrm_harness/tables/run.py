@@ -146,12 +146,13 @@ class Tables:
             )
 
     def _train(self) -> None:
-        """What is not trained yet: all of a family's models, then its baselines."""
+        """What is not trained yet, seed by seed: of those that begin at once, none compiles what
+        another one does."""
         trainings = [
             Training(self.files(family), config, seed, self._run_of(kind, family, seed))
+            for seed in self.study.seeds
             for family in FAMILIES
             for kind, config in (("nsrm", self.study.config), ("baseline", self.study.baseline))
-            for seed in self.study.seeds
         ]
         missing = [training for training in trainings if not training.is_done]
         if isinstance(self.workers, Processes):

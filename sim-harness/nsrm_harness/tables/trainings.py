@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -75,6 +76,9 @@ def unpack(made: dict[str, bytes], out: Path) -> None:
 
 
 def keep_compiled(out: Path) -> None:
-    """What XLA compiles, beside a training's folder, for the others there."""
+    """What XLA compiles, beside a training's folder, for the others there; unless the environment
+    names another place."""
+    if "JAX_COMPILATION_CACHE_DIR" in os.environ:
+        return
     jax.config.update("jax_compilation_cache_dir", str(out.parent / "compiled"))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)

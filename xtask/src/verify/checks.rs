@@ -108,7 +108,7 @@ pub(super) const CHECKS: &[Check] = &[
 pub(super) struct Step {
     pub(super) program: PathBuf,
     pub(super) arguments: Vec<OsString>,
-    pub(super) variables: Vec<(&'static str, &'static str)>,
+    pub(super) variables: Vec<(&'static str, OsString)>,
     /// Whose tests it runs, if any.
     pub(super) tests: Option<Runner>,
 }
@@ -142,8 +142,8 @@ impl Step {
         self
     }
 
-    fn with(mut self, name: &'static str, value: &'static str) -> Self {
-        self.variables.push((name, value));
+    fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
+        self.variables.push((name, value.into()));
         self
     }
 
@@ -305,7 +305,12 @@ fn pytest(context: &Context, folder: &str) -> Result<Step> {
         "--rootdir=.",
         folder,
     ];
-    Ok(Step::new(context.python()?, &arguments).counting(Runner::Pytest))
+    // What XLA compiles in one test serves the others, also in other processes.
+    let compiled = context.project().target().join("jax");
+    Ok(Step::new(context.python()?, &arguments)
+        .with("JAX_COMPILATION_CACHE_DIR", compiled)
+        .with("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+        .counting(Runner::Pytest))
 }
 
 fn python_tests(context: &Context) -> Result<Vec<Step>> {
