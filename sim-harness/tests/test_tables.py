@@ -10,6 +10,7 @@ from PIL import Image
 from nsrm_harness import domain as domains
 from nsrm_harness.evaluate import Metrics
 from nsrm_harness.tables.compare import BEFORE, Comparison, Cost
+from nsrm_harness.tables.detections import DetectorRow
 from nsrm_harness.tables.figures import draw_comparison
 from nsrm_harness.tables.lines import TITLES
 from nsrm_harness.tables.publish import (
@@ -37,6 +38,10 @@ from nsrm_harness.tables.variants import JUDGED as COMPARED
 from nsrm_harness.workers import Processes
 
 WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
+FOUND = (
+    DetectorRow("test", 0.0, 500, 2500, 1.0, 1.0, 1.0, 1.0, 0.998, 0.02, 0.6, 16.0),
+    DetectorRow("after_3_5", 2.0, 200, 1018, 1.0, 0.999, 0.989, 0.989, 0.977, 0.34, 1.7, 36.0),
+)
 ROWS = tuple(
     Row(split, model, seed, boxes, 2000, program, 99.0 + seed / 10, 98.0, 96.0, 95.0)
     for split in JUDGED
@@ -101,10 +106,11 @@ def test_seeds_are_summed_up() -> None:
 
 
 def test_the_report_tells_every_split_and_the_papers_figures() -> None:
-    text = markdown(Outcome(ROWS, (), ("abc", "def"), Path("m"), Path("e")), full_study(5))
+    text = markdown(Outcome(ROWS, (), FOUND, ("abc", "def"), Path("m"), Path("e")), full_study(5))
     assert all(title in text for title in TITLES.values())
     assert "| paper, model | 56.8 | 54.7 | 53.6 | 27.2 | 12.9 |" in text
     assert "| ours, baseline | - | 99.1 (99.0-99.2) |" in text
+    assert "| 200, as programs of 3-5 steps leave them | 2 mm | 1018 | 1.0000, 0.9990 |" in text
     assert "at commits abc, def; seeds of the models 0, 1, 2, of the data 5" in text
 
 
@@ -137,7 +143,7 @@ def a_comparison() -> Comparison:
 
 
 def test_the_report_tells_what_the_parts_are_worth() -> None:
-    outcome = Outcome(ROWS, (), ("abc",), Path("m"), Path("e"))
+    outcome = Outcome(ROWS, (), FOUND, ("abc",), Path("m"), Path("e"))
     text = markdown(outcome, full_study(5), a_comparison())
     assert "| no joint training | 99.0 (99.0-99.0) | 95.0 (95.0-95.0) |" in text
     assert "| REINFORCE | 97.2 (90.0-99.0) |" in text and "| 5 | 2.0 |" in text

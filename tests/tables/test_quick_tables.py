@@ -91,6 +91,16 @@ def test_the_report_shows_all_of_its_pictures(run: Run) -> None:
         assert colors is not None and len(colors) > 10, picture.name
 
 
+def test_the_detector_is_measured_with_and_without_noise(run: Run) -> None:
+    with (run.folder / "report" / "detector.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    scenes = ("test", "objects_10", "after_3_5")
+    assert [(row["scenes"], row["noise_mm"]) for row in rows] == [
+        (name, noise) for name in scenes for noise in ("0.0", "2.0")
+    ]
+    assert all(float(row["recall_50"]) >= 0.95 for row in rows)
+
+
 def test_refusals_are_counted_on_both_sets(run: Run) -> None:
     with (run.folder / "report" / "refusals.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))

@@ -24,6 +24,8 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn.run import Files
 from nsrm_harness.observing import Boxes
 from nsrm_harness.refusals.measure import Report, measure
+from nsrm_harness.tables import detections
+from nsrm_harness.tables.detections import DetectorRow, Sighting, detect_all
 from nsrm_harness.tables.judging import Contender, Judging, judge_all
 from nsrm_harness.tables.processes import Task, run_all
 from nsrm_harness.tables.results import Row, write_json
@@ -47,6 +49,7 @@ class Outcome:
     rows: tuple[Row, ...]
     refusals: tuple[Report, ...]
     """Of the first seed's model: on validation, where thresholds are chosen, and on test."""
+    detections: tuple[DetectorRow, ...]
     commits: tuple[str, ...]
     """States of the project at which it was made."""
     model: Path
@@ -79,7 +82,9 @@ class Tables:
         rows = [row for rows in self.judge(self._judgings(), "judging") for row in rows]
         refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
         first = self.model(FAMILIES[0], self.study.seeds[0])
-        return Outcome(tuple(rows), refusals, self._commits, first, self.data("test"))
+        folder, jobs = self.folder / "figures", self.workers.count
+        seen = detect_all(self._sightings(), folder, jobs)
+        return Outcome(tuple(rows), refusals, seen, self._commits, first, self.data("test"))
 
     def model(self, family: Family, seed: int) -> Path:
         """The model file of a family and a seed."""
@@ -183,6 +188,16 @@ class Tables:
                 judgings += [Judging(split, data, models, boxes) for boxes in get_args(Boxes)]
                 judgings.append(Judging(split, data, baselines, None))
         return judgings
+
+    def _sightings(self) -> list[Sighting]:
+        """What the detector is measured on."""
+        seed, few = self.study.data_seed, self.study.settings("test").count // 10
+        files = [(name, self.data(name), detections.SCENES) for name in detections.SPLITS]
+        return [
+            Sighting(name, noise, data, self._domain, count, seed)
+            for name, data, count in [*files, (detections.AFTER, None, few)]
+            for noise in detections.NOISES_MM
+        ]
 
     def _baselines(self, family: Family) -> tuple[Contender, ...]:
         runs = [(seed, self._run_of("baseline", family, seed)) for seed in self.study.seeds]

@@ -1,0 +1,133 @@
+"""How well the detector finds the blocks, against the boxes of the simulator's mask."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.perception.measure import measure
+from nsrm_harness.perception.scenes import Picture, after_programs, of_file, with_noise
+from nsrm_harness.tables.lines import TITLES
+from nsrm_harness.tables.processes import Task, run_all
+from nsrm_harness.tables.results import write_json
+
+SCENES = 500
+"""Scenes of a file that are looked at, at most."""
+SPLITS = ("test", "objects_10")
+STEPS = (3, 5)
+"""Of the programs that leave stacks and hide blocks behind others."""
+AFTER = "after_3_5"
+NOISES_MM = (0.0, 2.0)
+"""Standard deviations of noise on depth."""
+DROPOUT = 0.01
+"""Share of the pixels without depth where there is noise."""
+
+
+@dataclass(frozen=True)
+class DetectorRow:
+    """Figures of the detector on one set of scenes; shares in 0..1."""
+
+    scenes: str
+    """A split's name, or `after_3_5`: as programs of 3 to 5 steps leave scenes."""
+    noise_mm: float
+    count: int
+    objects: int
+    recall_50: float
+    precision_50: float
+    recall_75: float
+    precision_75: float
+    mean_iou: float
+    depth_error_mm: float
+    place_p95_mm: float
+    scene_ms: float
+
+
+COLUMNS = tuple(field.name for field in fields(DetectorRow))
+
+
+class Sighting(NamedTuple):
+    """Scenes to look at."""
+
+    name: str
+    """See `DetectorRow.scenes`."""
+    noise_mm: float
+    data: Path | None
+    """None: made as programs leave them."""
+    domain: Domain
+    count: int
+    seed: int
+
+    def pictures(self) -> Iterable[Picture]:
+        """What the detector gets."""
+        if self.data is None:
+            pictures = after_programs(self.domain, STEPS, self.count, self.seed)
+        else:
+            pictures = islice(of_file(self.data), self.count)
+        if self.noise_mm > 0.0:
+            return with_noise(pictures, self.noise_mm / 1000, DROPOUT, self.seed)
+        return pictures
+
+    def row(self) -> DetectorRow:
+        """The figures."""
+        found, _ = measure(self.pictures())
+        return DetectorRow(
+            self.name,
+            self.noise_mm,
+            found.scenes,
+            found.objects,
+            found.recall_50,
+            found.precision_50,
+            found.recall_75,
+            found.precision_75,
+            found.mean_iou,
+            1000 * found.depth_error_m,
+            1000 * found.place_error_p95_m,
+            found.scene_ms,
+        )
+
+
+def detect_all(sightings: Iterable[Sighting], folder: Path, jobs: int) -> tuple[DetectorRow, ...]:
+    """A row for each; those that are kept in `folder` are not made again.
+
+    Raises `TaskError`.
+    """
+    named = {f"found-{each.name}-{each.noise_mm:g}": each for each in sightings}
+    kept = {name: folder / f"{name}.json" for name in named}
+    tasks = [
+        Task(name, detect, (each, kept[name]), kept[name].with_suffix(".log"))
+        for name, each in named.items()
+        if not kept[name].exists()
+    ]
+    run_all(tasks, jobs, "detector")
+    read = partial(Path.read_text, encoding="utf-8")
+    return tuple(DetectorRow(**json.loads(read(path))) for path in kept.values())
+
+
+def detect(sighting: Sighting, kept: Path) -> None:
+    """Look, and keep the figures."""
+    write_json(kept, sighting.row().__dict__)
+
+
+def table_of(rows: Iterable[DetectorRow]) -> str:
+    """In Markdown."""
+    lines = [
+        "| scenes | noise | blocks | recall, precision at IoU 0.5 | at 0.75 | mean IoU | depth | "
+        "place, p95 | time |",
+        "|---|---|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for row in rows:
+        title = TITLES.get(row.scenes, "as programs of 3-5 steps leave them")
+        noise = f"{row.noise_mm:g} mm" if row.noise_mm > 0.0 else "none"
+        lines.append(
+            f"| {row.count}, {title} | {noise} | {row.objects} | "
+            f"{row.recall_50:.4f}, {row.precision_50:.4f} | "
+            f"{row.recall_75:.4f}, {row.precision_75:.4f} | {row.mean_iou:.3f} | "
+            f"{row.depth_error_mm:.2f} mm | {row.place_p95_mm:.1f} mm | {row.scene_ms:.0f} ms |"
+        )
+    return "\n".join(lines)
