@@ -25,6 +25,7 @@ SPLITS = (
     "steps_5",
     "steps_6",
     "steps_8",
+    "objects_8",
     "objects_10",
     "paraphrase",
     "novel_pairs",

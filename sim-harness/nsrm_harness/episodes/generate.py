@@ -137,6 +137,7 @@ SPLITS = {
         Settings("novel_pairs", 2000, novel=NOVEL_PAIRS),
         *(Settings(f"steps_{n}", 2000, steps=(n, n)) for n in (3, 4, 5, 6, 8)),
         Settings("multi_attribute", 2000, attributes=(2, 2)),
+        Settings("objects_8", 2000, objects=(8, 8)),
         Settings("objects_10", 2000, objects=(10, 10)),
         Settings("paraphrase", 2000, held_out_wordings=True),
         Settings("new_relations", 2000, held_out_wordings=True, held_out_phrases=True),

@@ -27,6 +27,7 @@ STREAMS = {
     "steps_8": 18,
     "disturbed": 19,
     "new_relations": 20,
+    "objects_8": 21,
     "refusals_validation": 31,
     "refusals_test": 32,
     "perception": 41,

@@ -17,6 +17,7 @@ TITLES = {
     "steps_6": "6 steps",
     "steps_8": "8 steps",
     "multi_attribute": "two attributes in each description, trained on one",
+    "objects_8": "8 objects, trained on 4-6",
     "objects_10": "10 objects, trained on 4-6",
     "paraphrase": "orders of words never heard in training",
 }

@@ -38,6 +38,7 @@ FAMILIES = (
             "steps_5",
             "steps_6",
             "steps_8",
+            "objects_8",
             "objects_10",
             "paraphrase",
         ),
