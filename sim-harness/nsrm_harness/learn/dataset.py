@@ -33,6 +33,11 @@ def roomy(length: int) -> int:
     return -(-length // TOKENS) * TOKENS
 
 
+def doubled(count: int) -> int:
+    """The least power of two that is not less: the same for what there are thousands of."""
+    return 1 << (count - 1).bit_length()
+
+
 @dataclass(frozen=True)
 class Sentences:
     """Sentences as padded arrays; N sentences, T tokens, G groups, K concepts in a group."""

@@ -17,14 +17,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from nsrm_harness.learn.dataset import Sentences
+from nsrm_harness.learn.dataset import Sentences, doubled
 from nsrm_harness.learn.model import GROUP_TOKEN
 
 LEAST_SHUFFLED = 7
 """Tokens of a step that is shuffled, at least."""
 LEAST_EXCHANGED = 2
-KNOWN = 256
-"""Data that differ in little then have as many."""
 HASH_BASE = 2_654_435_761
 
 
@@ -73,7 +71,7 @@ def gap_hash(tokens: Array, among: Array) -> Array:
 
 def known_gaps(sentences: Sentences) -> Array:
     """What stands before descriptions in them: every `gap_hash`, sorted, uint32 `[K]`; the last is
-    repeated until K is a multiple of `KNOWN`."""
+    repeated until K is `doubled`."""
     count = sentences.groups.shape[1]
     valid = jnp.arange(sentences.tokens.shape[1]) < sentences.length[:, None]
 
@@ -85,7 +83,7 @@ def known_gaps(sentences: Sentences) -> Array:
 
     found = jax.vmap(one)(jnp.asarray(sentences.tokens), valid, jnp.asarray(sentences.group_count))
     known = np.unique(found)
-    return jnp.asarray(np.pad(known, (0, -len(known) % KNOWN), mode="edge"))
+    return jnp.asarray(np.pad(known, (0, doubled(len(known)) - len(known)), mode="edge"))
 
 
 def _most(key: Array, among: Array) -> Array:

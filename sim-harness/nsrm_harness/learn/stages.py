@@ -17,7 +17,7 @@ from jax import Array
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
-from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet, roomy
+from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet, doubled, roomy
 from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
 from nsrm_harness.learn.fillers import fillers, with_fillers
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter
@@ -101,9 +101,9 @@ class Lookup(NamedTuple):
 
 
 def lookup(data: TrainingSet) -> Lookup:
-    """Of these data; the number of crops is rounded up to a power of two."""
+    """Of these data; the number of crops is `doubled`."""
     crops = jnp.asarray(data.crops)
-    room = (1 << (len(crops) - 1).bit_length()) - len(crops)
+    room = doubled(len(crops)) - len(crops)
     return Lookup(jnp.pad(crops, ((0, room), (0, 0), (0, 0), (0, 0))), known_gaps(data.sentences))
 
 
