@@ -10,6 +10,7 @@ from nsrm_harness.learn.calibrate import (
     SCORES,
     CalibrationError,
     fit_camera,
+    score_within,
     sharpness,
     terms,
     widest_plateau,
@@ -60,6 +61,12 @@ def test_plateau_is_the_widest_of_the_highest() -> None:
     assert high == pytest.approx(0.6, abs=2e-3)
     with pytest.raises(CalibrationError, match="no threshold"):
         widest_plateau(SCORES, np.zeros_like(SCORES))
+
+
+def test_a_match_is_likelier_than_not_unless_validation_says_otherwise() -> None:
+    assert score_within(-0.1, 0.85) == 0.5
+    assert score_within(0.6, 0.8) == pytest.approx(0.7)
+    assert score_within(0.1, 0.4) == pytest.approx(0.25)
 
 
 def test_certainty_becomes_the_share_that_is_right() -> None:

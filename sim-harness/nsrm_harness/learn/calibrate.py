@@ -18,7 +18,7 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
 from nsrm_harness.learn.dataset import TrainingSet
 from nsrm_harness.learn.export import Thresholds
-from nsrm_harness.learn.model import Model, Network
+from nsrm_harness.learn.model import MATCH_SCORE, Model, Network
 from nsrm_harness.world.camera import Camera
 
 SCORES = np.linspace(-1.0, 1.0, 2001)
@@ -27,8 +27,8 @@ PLATEAU = 0.002
 """Shares of references that differ by less than this count as the same."""
 QUANTILE = 0.001
 """Share of the confidences on validation that may lie below the decision threshold."""
-DECISION_RANGE = (0.5, 0.9)
-"""A decision below one half is outvoted by the alternatives together; above 0.9 the quantile only
+DECISION_RANGE = (0.5, 0.8)
+"""A decision below one half is outvoted by the alternatives together; above 0.8 the quantile only
 says that validation had no hard case."""
 SCALES = (0.5, 4.0)
 """Factors on the actions' logits."""
@@ -170,15 +170,24 @@ class ThresholdFit:
 
 
 def fit_thresholds(model: Model, data: TrainingSet) -> ThresholdFit:
-    """From validation data: initial scenes and sentences alone."""
+    """From validation data: initial scenes and sentences alone.
+
+    The score of a match is the one at which training holds it as likely as not, unless validation
+    says otherwise: then the middle of the plateau.
+    """
     shares = unique_shares(reference_scores(model, data), data)
     low, high = widest_plateau(SCORES, shares)
     confidences = decode.confidences(model, data)
     quantile = float(np.quantile(confidences, QUANTILE))
     decision = float(np.clip(quantile, *DECISION_RANGE))
-    middle = (low + high) / 2
-    share = float(shares[np.searchsorted(SCORES, middle)])
-    return ThresholdFit(Thresholds(middle, decision), (low, high), share, quantile)
+    score = score_within(low, high)
+    share = float(shares[np.searchsorted(SCORES, score)])
+    return ThresholdFit(Thresholds(score, decision), (low, high), share, quantile)
+
+
+def score_within(low: float, high: float) -> float:
+    """The score of a match on a plateau; see `fit_thresholds`."""
+    return MATCH_SCORE if low <= MATCH_SCORE <= high else (low + high) / 2
 
 
 def reference_scores(model: Model, data: TrainingSet) -> np.ndarray:

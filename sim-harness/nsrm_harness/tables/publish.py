@@ -53,12 +53,17 @@ def with_figures(readme: str, report: Path) -> str:
 
 
 def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
-    """The README's table, means over the seeds with the paper's beside them, and a sentence."""
+    """The README's table, means over the seeds with the paper's beside them, and a sentence.
+
+    A split that the report does not have is left out.
+    """
     lines = [f"| | {' | '.join(HEADINGS)} |", "|---|" + "---:|" * len(HEADINGS)]
     for split in JUDGED:
         if split == "train":
             continue
         chosen = select(rows, split, "nsrm", "mask")
+        if not chosen:
+            continue
         cells = [_cell(split, measure, chosen) for measure in MEASURES]
         table = f" (Table {TABLES[split].split(',')[0]})" if split in TABLES else ""
         lines.append(f"| {TITLES[split]}{table} | {' | '.join(cells)} |")
