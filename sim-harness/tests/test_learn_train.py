@@ -11,6 +11,7 @@ import equinox as eqx
 import jax
 import numpy as np
 import pytest
+from jax.experimental.compilation_cache.compilation_cache import reset_cache
 from learn_toys import concatenate, make_toys
 
 from nsrm_harness import domain as domains
@@ -59,9 +60,12 @@ def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     before = [getattr(jax.config, name) for name in names]
     for name, value in zip(names, (str(folder), 0.2), strict=True):
         jax.config.update(name, value)
+    # JAX keeps to the folder with which it first compiled.
+    reset_cache()
     yield folder
     for name, value in zip(names, before, strict=True):
         jax.config.update(name, value)
+    reset_cache()
 
 
 @pytest.fixture(scope="module")
