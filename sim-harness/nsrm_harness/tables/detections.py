@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
-from functools import partial
+from dataclasses import asdict, dataclass, fields
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from nsrm_harness.domain import Domain
 from nsrm_harness.perception.measure import measure
 from nsrm_harness.perception.scenes import Picture, after_programs, of_file, with_noise
+from nsrm_harness.tables.kept import make_all
 from nsrm_harness.tables.lines import TITLES
-from nsrm_harness.tables.processes import Task, run_all
-from nsrm_harness.tables.results import write_json
 
 SCENES = 500
 """Scenes of a file that are looked at, at most."""
@@ -73,8 +70,12 @@ class Sighting(NamedTuple):
             return with_noise(pictures, self.noise_mm / 1000, DROPOUT, self.seed)
         return pictures
 
+    def figures(self) -> dict[str, Any]:
+        """The row, as JSON has it."""
+        return asdict(self.row())
+
     def row(self) -> DetectorRow:
-        """The figures."""
+        """Figures of the detector on these scenes."""
         found, _ = measure(self.pictures())
         return DetectorRow(
             self.name,
@@ -98,20 +99,7 @@ def detect_all(sightings: Iterable[Sighting], folder: Path, jobs: int) -> tuple[
     Raises `TaskError`.
     """
     named = {f"found-{each.name}-{each.noise_mm:g}": each for each in sightings}
-    kept = {name: folder / f"{name}.json" for name in named}
-    tasks = [
-        Task(name, detect, (each, kept[name]), kept[name].with_suffix(".log"))
-        for name, each in named.items()
-        if not kept[name].exists()
-    ]
-    run_all(tasks, jobs, "detector")
-    read = partial(Path.read_text, encoding="utf-8")
-    return tuple(DetectorRow(**json.loads(read(path))) for path in kept.values())
-
-
-def detect(sighting: Sighting, kept: Path) -> None:
-    """Look, and keep the figures."""
-    write_json(kept, sighting.row().__dict__)
+    return tuple(DetectorRow(**row) for row in make_all(named, folder, jobs, "detector"))
 
 
 def table_of(rows: Iterable[DetectorRow]) -> str:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import nsrm
 
 from nsrm_harness.evaluate import evaluate_models
 from nsrm_harness.observing import Boxes
-from nsrm_harness.tables.processes import Task, run_all
-from nsrm_harness.tables.results import Row, write_json
+from nsrm_harness.tables.kept import make_all
+from nsrm_harness.tables.results import Row
 
 
 class Contender(NamedTuple):
@@ -37,6 +36,10 @@ class Judging(NamedTuple):
     def name(self) -> str:
         """Of the file with its rows."""
         return f"{self.split}-{self.boxes or 'baseline'}"
+
+    def figures(self) -> list[dict[str, Any]]:
+        """The rows, as JSON has them."""
+        return [asdict(row) for row in self.rows()]
 
     def rows(self) -> list[Row]:
         """One for each of the models."""
@@ -63,16 +66,5 @@ def judge_all(judgings: Sequence[Judging], folder: Path, jobs: int, title: str) 
 
     Raises `TaskError`; what was judged before is kept.
     """
-    kept = [folder / f"{judging.name}.json" for judging in judgings]
-    tasks = [
-        Task(judging.name, judge, (judging, path), path.with_suffix(".log"))
-        for judging, path in zip(judgings, kept, strict=True)
-        if not path.exists()
-    ]
-    run_all(tasks, jobs, title)
-    return [[Row(**row) for row in json.loads(path.read_text(encoding="utf-8"))] for path in kept]
-
-
-def judge(judging: Judging, kept: Path) -> None:
-    """Judge, and keep the rows."""
-    write_json(kept, [asdict(row) for row in judging.rows()])
+    made = make_all({judging.name: judging for judging in judgings}, folder, jobs, title)
+    return [[Row(**row) for row in rows] for rows in made]
