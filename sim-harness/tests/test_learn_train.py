@@ -29,7 +29,7 @@ from nsrm_harness.learn.export import (
     read_model,
     write_model,
 )
-from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, tensors
+from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, filter_scene, tensors, unique
 from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.stages import TrainingError
 from nsrm_harness.learn.train import TRAINS, Fit, Result, make_stage, train
@@ -46,6 +46,7 @@ FEW_STEPS = TrainingConfig(
     splitter=BRIEF,
     joint=BRIEF,
     simulator=BRIEF,
+    perception=BRIEF,
     parser=BRIEF,
     # So little training explains no final scene.
     explained=1e9,
@@ -153,7 +154,9 @@ def test_another_domain_trains_and_exports(tmp_path: Path) -> None:
     domain = domains.load(WORKSHOP)
     one, two = make_toys(domain, 16, 1, 3, attributes=1), make_toys(domain, 16, 2, 4, attributes=3)
     data = concatenate([one.data, two.data])
-    config = dataclasses.replace(FEW_STEPS, joint=NONE, simulator=NONE, parser=NONE)
+    config = dataclasses.replace(
+        FEW_STEPS, joint=NONE, simulator=NONE, perception=NONE, parser=NONE
+    )
     result = train(domain, data, config, 0, tmp_path, quiet=True)
     fit = fit_thresholds(result.model, data)
     file = ModelFile(result.model, domain, fit.thresholds, WorkSpace((0, 0, 0), (1, 1, 1)))
@@ -180,6 +183,7 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
         splitter=NONE,
         joint=NONE,
         simulator=NONE,
+        perception=NONE,
         parser=NONE,
     )
     told: list[tuple[str, int, int]] = []
@@ -236,8 +240,44 @@ def test_only_steps_that_final_scenes_confirm_are_learned_from(
         assert (np.asarray(every.tokens)[np.arange(len(at)), at] == GROUP_TOKEN).all()
         assert (at < np.asarray(every.length)).all()
     strict = dataclasses.replace(FEW_STEPS, explained=0.0)
-    with pytest.raises(TrainingError, match="no command that the model carries out right"):
-        make_stage("parser", whole.model, few, strict)
+    for stage in ("perception", "parser"):
+        with pytest.raises(TrainingError, match="no command that the model carries out right"):
+            make_stage(stage, whole.model, few, strict)
+
+
+def test_what_is_meant_is_learned_to_be_the_only_match(few: TrainingSet, whole: Result) -> None:
+    similarities = decode.see_all(whole.model, few)
+    table = decode.own_references(whole.model, few, similarities, FEW_STEPS)
+    spoken = [
+        few.sentences.groups[episode, 2 * step : 2 * step + 2]
+        for step in range(2)
+        for episode in (range(len(few)) if step == 0 else few.select(2))
+    ]
+    # After so little training both may be the same description of the step.
+    for ours, theirs in zip(np.asarray(table.groups), spoken, strict=True):
+        assert set(map(tuple, ours)) <= set(map(tuple, theirs))
+    assert np.asarray(table.present)[np.arange(len(table.meant))[:, None], table.meant].all()
+
+    def surprise(model: Model) -> float:
+        seen = decode.see_all(model, few)
+        steps = decode.confirmed_steps(whole.model, few, similarities, FEW_STEPS)
+        scores = jax.vmap(jax.vmap(filter_scene, (None, 0)))(seen[steps.episode], table.groups)
+        alone = jax.vmap(jax.vmap(unique, (0, None)))(scores, table.present)
+        meant = np.take_along_axis(np.asarray(alone), np.asarray(table.meant)[..., None], axis=2)
+        return float(-meant.mean())
+
+    longer = dataclasses.replace(BRIEF, epochs=20)
+    stage = make_stage(
+        "perception", whole.model, few, dataclasses.replace(FEW_STEPS, perception=longer)
+    )
+    fit = Fit(stage, TRAINS["perception"], 0, list(TRAINS).index("perception"))
+    state = fit.start(whole.model)
+    for epoch in range(longer.epochs):
+        state, _ = fit.epoch(state, epoch)
+    assert surprise(state.model) < 0.5 * surprise(whole.model)
+    trained = {name for name in tensors(whole.model) if name.startswith(TRAINS["perception"])}
+    for name in set(tensors(whole.model)) - trained:
+        np.testing.assert_array_equal(tensors(state.model)[name], tensors(whole.model)[name], name)
 
 
 def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
@@ -248,7 +288,7 @@ def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
     longer = StageConfig(epochs=60, learning_rate=3e-3, batch=32)
     config = dataclasses.replace(FEW_STEPS, parser=longer)
     stage = make_stage("parser", whole.model, few, config)
-    fit = Fit(stage, TRAINS["parser"], 0, 6)
+    fit = Fit(stage, TRAINS["parser"], 0, list(TRAINS).index("parser"))
     state = fit.start(whole.model)
     for epoch in range(longer.epochs):
         state, _ = fit.epoch(state, epoch)

@@ -82,16 +82,19 @@ class TrainingConfig:
     """(a) One step, one attribute in each description; every choice summed out."""
     selection: StageConfig = StageConfig(epochs=20, learning_rate=1e-3, batch=32)
     """(a) The same episodes; objects by straight-through Gumbel samples."""
-    attributes: StageConfig = StageConfig(epochs=16, learning_rate=1e-3, batch=32)
+    attributes: StageConfig = StageConfig(epochs=8, learning_rate=1e-3, batch=32)
     """(b) One step, any description; the simulator is frozen."""
     splitter: StageConfig = StageConfig(epochs=20, learning_rate=2e-3, batch=32)
     """(c) The splitter alone, on a table of losses of every split."""
-    joint: StageConfig = StageConfig(epochs=12, learning_rate=3e-4, batch=32)
+    joint: StageConfig = StageConfig(epochs=8, learning_rate=3e-4, batch=32)
     """(d) Everything, on one and two steps."""
-    simulator: StageConfig = StageConfig(epochs=1200, learning_rate=5e-3, batch=256)
+    simulator: StageConfig = StageConfig(epochs=800, learning_rate=5e-3, batch=256)
     """(e) The simulator alone, on the model's own choices."""
+    perception: StageConfig = StageConfig(epochs=16, learning_rate=2e-3, batch=64)
+    """(f) Perception alone, on the model's own choices as far as final scenes confirm them: they
+    fit what is said and nothing else in the scene does."""
     parser: StageConfig = StageConfig(epochs=32, learning_rate=2e-3, batch=256)
-    """(f) Parser and splitter, on their own choices as far as final scenes confirm them: alone, put
+    """(g) Parser and splitter, on their own choices as far as final scenes confirm them: alone, put
     together, with fillers, and on steps that say nothing. Half of a batch are steps that follow."""
     explained: float = 0.1
     """Greatest loss of a final scene that confirms the choices."""

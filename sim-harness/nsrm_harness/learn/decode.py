@@ -207,8 +207,20 @@ def weigh_actions(
     return np.asarray(logits), np.asarray(best)
 
 
+class Confirmed(NamedTuple):
+    """R steps that the model carries out as the final scene shows, and its choices of objects."""
+
+    episode: np.ndarray
+    first: np.ndarray
+    """Token with which the step begins."""
+    end: np.ndarray
+    """Token before which it ends."""
+    objects: np.ndarray
+    """What was moved and with reference to what, `[R, 2]`."""
+
+
 class StepTable(NamedTuple):
-    """Steps that the model understands, cut out of their commands, and its own choices."""
+    """Confirmed steps, cut out of their commands, and what the model took them to say."""
 
     tokens: Array
     """Right-padded with row 0, `[T]`."""
@@ -217,6 +229,18 @@ class StepTable(NamedTuple):
     """Whether another step of its command came before it."""
     meant: Parse
     """Index of the action, and of the group token of each argument in the step."""
+
+
+class ReferenceTable(NamedTuple):
+    """Scenes of confirmed steps, the descriptions in them and what the model took those to mean."""
+
+    crop_of: Array
+    """Where the scene's crops are, `[M]`."""
+    present: Array
+    groups: Array
+    """Concepts of the moved object's description and of the reference's, `[2, K]`."""
+    meant: Array
+    """The objects, `[2]`."""
 
 
 class Decisions(NamedTuple):
@@ -282,30 +306,61 @@ def own_choices(
     return episodes, choices, locations
 
 
-def own_steps(
+def confirmed_steps(
     model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
-) -> StepTable:
-    """The steps of the commands that the model carries out as the final scene shows.
-
-    Cut where steps usually end, that all are cut alike.
-    """
+) -> Confirmed:
+    """Of the commands of one and two steps, cut where steps usually end, that all are cut alike."""
     episodes = np.concatenate([data.select(1), data.select(2)])
     ends, length = data.sentences.usual_ends()[episodes] + 1, data.sentences.length[episodes]
     bounds = np.stack([np.zeros_like(ends), ends, length], axis=1)
-    _, locations = carry_out(model, data, similarities, episodes, bounds)
+    choices, locations = carry_out(model, data, similarities, episodes, bounds)
     losses = np.asarray(_losses(jnp.asarray(locations), scenes(data, episodes), config))
     right = losses <= config.explained
-    episodes, bounds = episodes[right], bounds[right]
-    second = bounds[:, 2] > bounds[:, 1]
-    rows = np.concatenate([episodes, episodes[second]])
-    first = np.concatenate([bounds[:, 0], bounds[second, 1]])
-    length = np.concatenate([bounds[:, 1], bounds[second, 2]]) - first
+    second = right & (bounds[:, 2] > bounds[:, 1])
+    objects = np.stack([choices.object, choices.reference], axis=2)
+    return Confirmed(
+        np.concatenate([episodes[right], episodes[second]]),
+        np.concatenate([bounds[right, 0], bounds[second, 1]]),
+        np.concatenate([bounds[right, 1], bounds[second, 2]]),
+        np.concatenate([objects[right, 0], objects[second, 1]]),
+    )
+
+
+def _cut_out(data: TrainingSet, steps: Confirmed) -> tuple[Array, Array]:
+    """The steps' tokens, right-padded with row 0, and their lengths."""
+    length = steps.end - steps.first
     position = np.arange(roomy(length.max(initial=1)))
-    source = np.minimum(first[:, None] + position, data.sentences.tokens.shape[1] - 1)
-    tokens = data.sentences.tokens[rows[:, None], source]
-    tokens = jnp.asarray(np.where(position < length[:, None], tokens, 0))
-    meant = _meant(model, tokens, jnp.asarray(length))
-    return StepTable(tokens, jnp.asarray(length), jnp.asarray(first > 0), meant)
+    source = np.minimum(steps.first[:, None] + position, data.sentences.tokens.shape[1] - 1)
+    tokens = data.sentences.tokens[steps.episode[:, None], source]
+    return jnp.asarray(np.where(position < length[:, None], tokens, 0)), jnp.asarray(length)
+
+
+def own_steps(
+    model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
+) -> StepTable:
+    """See `StepTable`."""
+    steps = confirmed_steps(model, data, similarities, config)
+    tokens, length = _cut_out(data, steps)
+    return StepTable(tokens, length, jnp.asarray(steps.first > 0), _meant(model, tokens, length))
+
+
+def own_references(
+    model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
+) -> ReferenceTable:
+    """See `ReferenceTable`."""
+    steps = confirmed_steps(model, data, similarities, config)
+    tokens, length = _cut_out(data, steps)
+    meant = _meant(model, tokens, length)
+    at = steps.first[:, None] + np.stack([meant.object, meant.reference], axis=1)
+    seen = np.cumsum(data.sentences.tokens[steps.episode] == GROUP_TOKEN, axis=1)
+    order = np.take_along_axis(seen, at, axis=1) - 1
+    groups = data.sentences.groups[steps.episode[:, None], order]
+    return ReferenceTable(
+        jnp.asarray(data.crop_of[steps.episode]),
+        jnp.asarray(data.present[steps.episode]),
+        jnp.asarray(groups),
+        jnp.asarray(steps.objects),
+    )
 
 
 @eqx.filter_jit

@@ -18,9 +18,9 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.learn import decode
 from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet, doubled, roomy
-from nsrm_harness.learn.decode import Choices, SplitTable, StepTable
+from nsrm_harness.learn.decode import Choices, ReferenceTable, SplitTable, StepTable
 from nsrm_harness.learn.fillers import fillers, with_fillers
-from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter
+from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter, filter_scene, unique
 from nsrm_harness.learn.nonsense import known_gaps, nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
@@ -48,7 +48,8 @@ PARSER = (
     "language.object_decoder",
     "language.reference_decoder",
 )
-PERCEPTION_AND_PARSER = ("vision", *PARSER)
+PERCEPTION = ("vision",)
+PERCEPTION_AND_PARSER = PERCEPTION + PARSER
 SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
 SPLITTER = ("language.splitter",)
 SHIFT = 2
@@ -382,6 +383,27 @@ def simulator_stage(
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
 
     return Stage("simulator", config.simulator, ((scenes, choices),), (), loss)
+
+
+def perception_stage(config: TrainingConfig, data: TrainingSet, table: ReferenceTable) -> Stage:
+    """(f): what descriptions that the final scene has confirmed fit, and that they fit nothing
+    else."""
+    _some(np.asarray(table.meant), "perception: no command that the model carries out right")
+
+    def loss(
+        model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
+    ) -> Array:
+        table: ReferenceTable = batch[0]
+        similarities = see(model, lookup.crops, table.crop_of, key)
+
+        def surprise(similarities: Array, present: Array, groups: Array, meant: Array) -> Array:
+            scores = jax.vmap(filter_scene, (None, 0))(similarities, groups)
+            alone = jax.vmap(unique, (0, None))(scores, present)
+            return -alone[jnp.arange(len(meant)), meant].mean()
+
+        return jax.vmap(surprise)(similarities, table.present, table.groups, table.meant).mean()
+
+    return Stage("perception", config.perception, (table,), lookup(data), loss)
 
 
 def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTable) -> Array:

@@ -28,7 +28,14 @@ from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.dataset import TrainingSet
 from nsrm_harness.learn.model import Dimensions, Model
 from nsrm_harness.learn.naming import name_actions
-from nsrm_harness.learn.stages import PARSER, PERCEPTION_AND_PARSER, SIMULATOR, SPLITTER, Stage
+from nsrm_harness.learn.stages import (
+    PARSER,
+    PERCEPTION,
+    PERCEPTION_AND_PARSER,
+    SIMULATOR,
+    SPLITTER,
+    Stage,
+)
 
 TRAINS = {
     "actions": PERCEPTION_AND_PARSER + SIMULATOR,
@@ -37,6 +44,7 @@ TRAINS = {
     "splitter": SPLITTER,
     "joint": PERCEPTION_AND_PARSER + SIMULATOR + SPLITTER,
     "simulator": SIMULATOR,
+    "perception": PERCEPTION,
     "parser": PARSER + SPLITTER,
 }
 """The stages in their order, with the beginnings of the names of the tensors that each trains."""
@@ -174,6 +182,9 @@ def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfi
     if name == "splitter":
         table = decode.split_table(model, data, similarities, config)
         return stages.splitter_stage(config, table)
+    if name == "perception":
+        references = decode.own_references(model, data, similarities, config)
+        return stages.perception_stage(config, data, references)
     if name == "parser":
         table = decode.own_steps(model, data, similarities, config)
         words = model.language.embedding.weight.shape[0]

@@ -10,11 +10,11 @@ from nsrm_harness.episodes.generate import SPLITS, Settings
 from nsrm_harness.learn.config import GUMBEL, REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.tables.study import QUICK, Study
 
-BEFORE_LAST = "simulator"
+BEFORE_LAST = "perception"
 """The last stage but one."""
 JUDGED = ("test", "steps_3")
 """Splits on which variants are judged."""
-DATA_SIZES = (500, 1000, 5000)
+DATA_SIZES = (500, 1000, 5000, 10000)
 """Episodes for training, beside those of the study."""
 DISTURBED, UNDISTURBED = "disturbed", "none"
 VARIED = Disturbance(camera_m=0.01, camera_deg=1.0, light=0.3, color=0.2, depth_m=0.01)
