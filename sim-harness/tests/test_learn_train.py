@@ -259,7 +259,7 @@ def test_what_is_meant_is_learned_to_be_the_only_match(few: TrainingSet, whole: 
     assert np.asarray(table.present)[np.arange(len(table.meant))[:, None], table.meant].all()
 
     def surprise(model: Model) -> float:
-        seen = decode.see_all(model, few)
+        seen = jax.numpy.asarray(decode.see_all(model, few))
         steps = decode.confirmed_steps(whole.model, few, similarities, FEW_STEPS)
         scores = jax.vmap(jax.vmap(filter_scene, (None, 0)))(seen[steps.episode], table.groups)
         alone = jax.vmap(jax.vmap(unique, (0, None)))(scores, table.present)
