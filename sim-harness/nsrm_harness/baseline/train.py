@@ -31,7 +31,7 @@ from nsrm_harness.learn.objective import (
     location_loss,
     scene_loss,
 )
-from nsrm_harness.learn.stages import Lookup, Stage, TrainingError, lookup, varied
+from nsrm_harness.learn.stages import Lookup, Stage, TrainingError, lookup, varied_crops
 from nsrm_harness.learn.train import NEXT_ATTEMPT, Fit
 
 PARTS = (
@@ -146,8 +146,7 @@ def attention_stage(
         model: Baseline, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
     ) -> Array:
         lesson: Lesson = batch[0]
-        chosen = lookup.crops[lesson.crop_of.reshape(-1)]
-        seen = jax.vmap(varied)(jax.random.split(key, len(chosen)), chosen)
+        seen = varied_crops(key, lookup.crops[lesson.crop_of.reshape(-1)])
         objects = jax.vmap(model.encode)(*seen).reshape(*lesson.crop_of.shape, -1)
         losses = jax.vmap(lesson_loss, (None, 0, 0, None))
         return losses(model, lesson, objects, config).mean()

@@ -56,6 +56,8 @@ SHIFT = 2
 """How far a crop is shifted in training, at most; pixels of 32."""
 NOISE = 0.02
 """Deviation of the noise on it, of values in 0..1."""
+SAME_NOISE = 8
+"""Crops of a batch that have the same noise: to draw it takes longer than all else about a crop."""
 TINT = 0.5
 """How far the channels of what brightness is taken from are scaled, at most; natural logarithm."""
 
@@ -118,26 +120,33 @@ def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     return Demonstration(command, decode.scenes(data, chosen), crop_of, usual_end)
 
 
-def varied(key: Array, crop: Array) -> tuple[Array, Array]:
+def varied(key: Array, crop: Array, noise: Array) -> tuple[Array, Array]:
     """A crop `[3, 32, 32]` mirrored or not, shifted by up to `SHIFT` pixels, with noise; its tint.
 
     As if the box had been found a little beside its place: a few thousand crops are soon known by
     heart. The tint (see `encode_views`) keeps colour out of what shapes are told from: how much a
     block's brightness differs from the table's depends on its colour.
     """
-    mirror, shift, noise, tint = jax.random.split(key, 4)
+    mirror, shift, tint = jax.random.split(key, 3)
     crop = jnp.where(jax.random.bernoulli(mirror), crop[:, :, ::-1], crop)
     row, column = jax.random.randint(shift, (2,), 0, 2 * SHIFT + 1)
     wide = jnp.pad(crop, ((0, 0), (SHIFT, SHIFT), (SHIFT, SHIFT)), mode="edge")
     moved = jax.lax.dynamic_slice(wide, (0, row, column), crop.shape)
     tints = jnp.exp(jax.random.uniform(tint, (3, 1, 1), minval=-TINT, maxval=TINT))
-    return moved + NOISE * jax.random.normal(noise, crop.shape), tints
+    return moved + NOISE * noise, tints
+
+
+def varied_crops(key: Array, crops: Array) -> tuple[Array, Array]:
+    """A batch of crops `[N, 3, 32, 32]`, each varied, and their tints."""
+    varying, noise = jax.random.split(key)
+    fields = jax.random.normal(noise, (-(-len(crops) // SAME_NOISE), *crops.shape[1:]))
+    fields = jnp.tile(fields, (SAME_NOISE, 1, 1, 1))[: len(crops)]
+    return jax.vmap(varied)(jax.random.split(varying, len(crops)), crops, fields)
 
 
 def see(model: Model, crops: Array, crop_of: Array, key: Array) -> Array:
     """Cosines of each object with each concept: indices `[N, M]` -> `[N, M, C]`."""
-    chosen = crops[crop_of.reshape(-1)]
-    seen = jax.vmap(varied)(jax.random.split(key, len(chosen)), chosen)
+    seen = varied_crops(key, crops[crop_of.reshape(-1)])
     embeddings = jax.vmap(model.vision.encode)(*seen)
     similarities = jax.vmap(model.vision.similarities)(embeddings)
     return similarities.reshape(*crop_of.shape, -1)

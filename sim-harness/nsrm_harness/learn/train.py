@@ -205,22 +205,7 @@ class Fit:
         self._batches = max(sizes) // self._share
         steps = max(stage.config.epochs * self._batches, 1)
         self._rate = optax.cosine_decay_schedule(stage.config.learning_rate, steps, FINAL_RATE)
-
-        @eqx.filter_jit
-        def step(
-            shared: Any, state: State, batch: tuple[Any, ...], key: Array, done: Array, rate: Array
-        ) -> tuple[State, Array]:
-            trained, kept = eqx.partition(state.model, trainable(state.model, trains))
-
-            def loss(trained: Any) -> Array:
-                return stage.loss(eqx.combine(trained, kept), shared, batch, key, done)
-
-            value, gradient = eqx.filter_value_and_grad(loss)(trained)
-            directions, moments = OPTIMIZER.update(gradient, state.optimizer, trained)
-            updates = jax.tree.map(lambda direction: -rate * direction, directions)
-            return State(eqx.apply_updates(state.model, updates), moments), value
-
-        self._step = step
+        self._step: Callable[..., tuple[list[Array], Array]] | None = None
 
     def start(self, model: eqx.Module) -> State:
         """The state before the first epoch."""
@@ -236,18 +221,64 @@ class Fit:
             np.resize(rng.permutation(size), taken).reshape(self._batches, self._share)
             for size in self._sizes
         ]
-        done = jnp.array(epoch / self._stage.config.epochs)
-        rates = jnp.asarray(self._rate(epoch * self._batches + jnp.arange(self._batches)))
+        done = np.float32(epoch / self._stage.config.epochs)
+        rates = np.asarray(self._rate(epoch * self._batches + jnp.arange(self._batches)))
+        trained, kept = eqx.partition(state.model, trainable(state.model, self._trains))
+        fixed, rest = eqx.partition(kept, eqx.is_array)
+        # As lists: to take a model apart at each step would take longer than some steps.
+        changing, structure = jax.tree.flatten((trained, state.optimizer))
+        fixed, fixed_structure = jax.tree.flatten(fixed)
+        if self._step is None:
+            self._step = _compiled(self._stage, structure, fixed_structure, rest)
         losses = []
         for number in range(self._batches):
-            batch = _take(self._stage.sets, tuple(jnp.asarray(row[number]) for row in rows))
-            drawn = jax.random.fold_in(key, number)
-            state, loss = self._step(self._stage.shared, state, batch, drawn, done, rates[number])
+            batch = _take(self._stage.sets, tuple(row[number] for row in rows))
+            changing, loss = self._step(
+                changing, fixed, self._stage.shared, batch, key, number, done, rates[number]
+            )
             losses.append(loss)
+        trained, optimizer = jax.tree.unflatten(structure, changing)
+        state = State(eqx.combine(trained, kept), optimizer)
         return state, float(np.mean(jax.device_get(losses)))
 
 
-@eqx.filter_jit
+def _compiled(
+    stage: Stage, structure: Any, fixed_structure: Any, rest: Any
+) -> Callable[..., tuple[list[Array], Array]]:
+    """One step of the optimiser: from the leaves of what is trained and its moments to the same
+    and the loss.
+
+    * `structure`: of the trained tensors and their moments
+    * `fixed_structure`: of the others; `rest`: what of the model is no tensor
+    """
+
+    @jax.jit
+    def step(
+        changing: list[Array],
+        fixed: list[Array],
+        shared: Any,
+        batch: tuple[Any, ...],
+        key: Array,
+        number: Array,
+        done: Array,
+        rate: Array,
+    ) -> tuple[list[Array], Array]:
+        trained, moments = jax.tree.unflatten(structure, changing)
+        kept = eqx.combine(jax.tree.unflatten(fixed_structure, fixed), rest)
+        drawn = jax.random.fold_in(key, number)
+
+        def loss(trained: Any) -> Array:
+            return stage.loss(eqx.combine(trained, kept), shared, batch, drawn, done)
+
+        value, gradient = jax.value_and_grad(loss)(trained)
+        directions, moments = OPTIMIZER.update(gradient, moments, trained)
+        updates = jax.tree.map(lambda direction: -rate * direction, directions)
+        return jax.tree.leaves((eqx.apply_updates(trained, updates), moments)), value
+
+    return step
+
+
+@jax.jit
 def _take(sets: tuple[Any, ...], rows: tuple[Array, ...]) -> tuple[Any, ...]:
     return tuple(
         jax.tree.map(lambda a, at=at: a[at], one) for one, at in zip(sets, rows, strict=True)
