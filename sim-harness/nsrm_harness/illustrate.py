@@ -32,10 +32,19 @@ class Step(Protocol):
 
 
 def draw_episode(demonstrations: Demonstrations, truth: Truth, index: int) -> Image.Image:
-    """Before and after side by side; arrows from where blocks are taken to where they stay."""
+    """Before and after side by side; arrows from where blocks are taken to where they stay.
+
+    Of a file without pictures of the final scenes, before alone.
+    """
     names = _names(demonstrations.domain, truth)
+    title = f"{demonstrations.path.name}, episode {index}"
+    caption = f"“{demonstrations.sentences[index]}”"
+    left = draw_steps(demonstrations, truth, index, truth.steps, caption)
+    final = demonstrations.final_image(index)
+    if final is None:
+        return side_by_side([left], [f"{title}: before"])
     right = annotate(
-        demonstrations.final_image(index),
+        final,
         _marks(names, demonstrations.final_boxes[index], truth.steps),
         caption="\n".join(
             f"{number}. {step.step.action}: {truth.name(step.object_id)}; "
@@ -43,9 +52,6 @@ def draw_episode(demonstrations: Demonstrations, truth: Truth, index: int) -> Im
             for number, step in enumerate(truth.steps, start=1)
         ),
     )
-    title = f"{demonstrations.path.name}, episode {index}"
-    caption = f"“{demonstrations.sentences[index]}”"
-    left = draw_steps(demonstrations, truth, index, truth.steps, caption)
     return side_by_side([left, right], [f"{title}: before", "after"])
 
 

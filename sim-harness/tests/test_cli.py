@@ -72,10 +72,16 @@ def test_episodes_then_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     from PIL import Image
 
     with Image.open(picture) as image:
-        assert image.width > 2 * 640
+        assert (both := image.width) > 2 * 640
         assert len(image.convert("RGB").getcolors(1 << 24) or []) > 100
     assert run("look", path, "2", "--out", picture) == 2
     assert "no episode 2: it has 2, counted from 0" in capsys.readouterr().err
+
+    lean = tmp_path / "lean.h5"
+    assert run(*make, "--out", lean, "--no-final-images") == 0
+    assert run("look", lean, "1", "--out", picture) == 0
+    with Image.open(picture) as image:
+        assert image.width < 0.6 * both
 
 
 def test_calibration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

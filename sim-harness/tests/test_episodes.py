@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import shutil
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import h5py
@@ -16,6 +16,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.episodes import generate as module
 from nsrm_harness.episodes.file import (
     DEPTH_UNIT_M,
+    FINAL_IMAGE,
     OBSERVED,
     Demonstrations,
     depth_from_units,
@@ -108,6 +109,23 @@ def test_what_can_be_learned_from_is_there(episodes: Path) -> None:
         assert demonstrations.camera(0).width == 640
 
 
+def test_without_final_pictures_everything_else_is_the_same(episodes: Path, tmp_path: Path) -> None:
+    path = tmp_path / "lean.h5"
+    generate(replace(SETTINGS, final_image=False), DOMAIN, path, Processes(2))
+    with Demonstrations(episodes) as whole, Demonstrations(path) as lean:
+        assert whole.sentences == lean.sentences
+        for name in ("initial_boxes", "initial_depths", "final_boxes", "final_depths", "cameras"):
+            np.testing.assert_array_equal(getattr(lean, name), getattr(whole, name), name)
+        for index in range(11):
+            np.testing.assert_array_equal(lean.initial_image(index), whole.initial_image(index))
+            np.testing.assert_array_equal(lean.initial_depth(index), whole.initial_depth(index))
+            assert lean.final_image(index) is None
+    with Judge(episodes) as whole_truth, Judge(path) as lean_truth:
+        for index in range(11):
+            lean, whole = (asdict(one.truth(index)) for one in (lean_truth, whole_truth))
+            np.testing.assert_equal(lean, whole)
+
+
 def test_the_depth_image_is_that_of_the_blocks_and_the_table(episodes: Path) -> None:
     with Demonstrations(episodes) as demonstrations:
         for index, count in enumerate(demonstrations.object_count):
@@ -149,7 +167,7 @@ def observed_bytes(path: Path) -> list[bytes]:
                 )
             ),
             *(demonstrations.initial_image(index).tobytes() for index in range(11)),
-            *(demonstrations.final_image(index).tobytes() for index in range(11)),
+            *(np.asarray(demonstrations.final_image(index)).tobytes() for index in range(11)),
             *(demonstrations.initial_depth(index).tobytes() for index in range(11)),
         ]
 
@@ -172,7 +190,7 @@ def test_shuffled_or_missing_truth_changes_nothing_that_is_learned_from(
         Judge(copied)
 
 
-@pytest.mark.parametrize("name", OBSERVED)
+@pytest.mark.parametrize("name", (*OBSERVED, FINAL_IMAGE))
 def test_the_data_hash_covers_everything_that_is_learned_from(copied: Path, name: str) -> None:
     with Demonstrations(copied) as demonstrations:
         before = demonstrations.data_hash()

@@ -70,6 +70,8 @@ class Wanted:
     held_out_phrases: bool = False
     #: Whether the light differs between episodes.
     vary_light: bool = True
+    #: Whether the final scene's picture is kept; nothing learns from it.
+    final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
 
 
@@ -91,7 +93,7 @@ class Episode:
     """A demonstration. The first four are what can be learned from; the rest is truth."""
 
     initial: Observation
-    final: Observation
+    final: Located
     sentence: Sentence
     camera: Camera
     program: Program
@@ -101,6 +103,13 @@ class Episode:
     sub_goals: tuple[SubGoal, ...]
     #: Attempts left out before this one, by reason.
     rejected: Counter[str]
+
+    @property
+    def final_picture(self) -> Observation:
+        """The final scene as the camera saw it, if that was wanted."""
+        if not isinstance(self.final, Observation):
+            raise EpisodeSettingsError("the episode was made without a picture of its final scene")
+        return self.final
 
 
 class RejectedError(Exception):
@@ -159,13 +168,17 @@ class Demonstrator:
         initial_poses = self._poses()
         initial = observe()
         sub_goals: list[SubGoal] = []
-        final = initial
+        final: Located = initial
+        # What a disturbance does to depth it does to pictures.
+        pictured = wanted.final_image or disturbance != UNDISTURBED
         for number, move in enumerate(task.moves, start=1):
             pose = self._carry_out(arrangement.blocks, move)
-            if number == len(task.moves):
+            last = number == len(task.moves)
+            if last and pictured:
                 seen = final = observe()
             else:
-                seen = _all_seen(locate(self._renderer, self._world, camera), [move.moved])
+                needed = range(len(arrangement.blocks)) if last else [move.moved]
+                seen = final = _all_seen(locate(self._renderer, self._world, camera), needed)
             location = seen.location(move.moved + 1)
             sub_goals.append(SubGoal(move.moved, move.reference, pose, location))
         return Episode(

@@ -8,7 +8,7 @@ the block with id i + 1, rows past an episode's count are 0.
   x2, y2 as fractions of width and height), ``/initial/depths [N, M]`` float32 (metres)
 * ``/initial/depth [N, H, W]`` uint16: along the optical axis, in units of 0.1 mm, 0
   where nothing was measured
-* ``/final/…``: the same as the first three
+* ``/final/…``: the same as the first three; the pictures, for people, may be left out
 * ``/count [N]`` uint8: number of blocks
 * ``/sentence [N]`` UTF-8
 * ``/camera [N, 11]`` float32: fx, fy, cx, cy, position x, y, z, orientation x, y, z, w
@@ -37,13 +37,14 @@ SCHEMA = 2
 KIND = "nsrm episodes"
 #: Unit of ``/initial/depth``, metres.
 DEPTH_UNIT_M = 1e-4
-#: Everything that `Demonstrations` opens.
+#: The final scenes' pictures, which a file may have been made without.
+FINAL_IMAGE = "final/rgb"
+#: Everything else that `Demonstrations` opens.
 OBSERVED = (
     "initial/rgb",
     "initial/depth",
     "initial/boxes",
     "initial/depths",
-    "final/rgb",
     "final/boxes",
     "final/depths",
     "count",
@@ -63,7 +64,8 @@ class Demonstrations:
         self.path = Path(path)
         file = open_checked(self.path)
         try:
-            self._rgb = {when: _dataset(file, f"{when}/rgb") for when in ("initial", "final")}
+            self._rgb = _dataset(file, "initial/rgb")
+            self._final_rgb = _dataset(file, FINAL_IMAGE) if FINAL_IMAGE in file else None
             self._depth = _dataset(file, "initial/depth")
             #: The domain that the file carries.
             self.domain = domains.from_json(str(file.attrs["domain"]), str(path))
@@ -102,16 +104,16 @@ class Demonstrations:
 
     def close(self) -> None:
         """Closes the file; what is in memory stays."""
-        if self._rgb["initial"]:
-            self._rgb["initial"].file.close()
+        if self._rgb:
+            self._rgb.file.close()
 
     def initial_image(self, index: int) -> NDArray[np.uint8]:
         """The picture of the initial scene, uint8 ``[H, W, 3]``."""
-        return self._rgb["initial"][index]
+        return self._rgb[index]
 
-    def final_image(self, index: int) -> NDArray[np.uint8]:
-        """The picture of the final scene, uint8 ``[H, W, 3]``."""
-        return self._rgb["final"][index]
+    def final_image(self, index: int) -> NDArray[np.uint8] | None:
+        """The picture of the final scene, uint8 ``[H, W, 3]``, if the file keeps those."""
+        return None if self._final_rgb is None else self._final_rgb[index]
 
     def initial_depth(self, index: int) -> NDArray[np.float32]:
         """The depth image of the initial scene, float32 ``[H, W]``: metres along the
@@ -120,11 +122,11 @@ class Demonstrations:
 
     def camera(self, index: int) -> Camera:
         """The camera of an episode."""
-        _, height, width, _ = self._rgb["initial"].shape
+        _, height, width, _ = self._rgb.shape
         return camera_from_row(self.cameras[index], width, height)
 
     def data_hash(self) -> str:
-        """SHA-256 in hex over the content of everything in `OBSERVED`: it does not
+        """SHA-256 in hex over the content of all that is observed: it does not
         depend on compression or on anything else in the file."""
         digest = hashlib.sha256()
         for array in (
@@ -140,7 +142,8 @@ class Demonstrations:
         digest.update(json.dumps(self.sentences, ensure_ascii=False).encode())
         for index in range(len(self)):
             digest.update(self.initial_image(index).tobytes())
-            digest.update(self.final_image(index).tobytes())
+            if (final := self.final_image(index)) is not None:
+                digest.update(final.tobytes())
             digest.update(self._depth[index].tobytes())
         return digest.hexdigest()
 
@@ -160,7 +163,9 @@ def open_checked(path: Path) -> h5py.File:
             raise EpisodeFileError(
                 f"{path}: schema {schema}, this version reads {SCHEMA}: make the file anew"
             )
-        for name in OBSERVED:
+        settings = json.loads(str(file.attrs["settings"]))
+        pictured = (FINAL_IMAGE,) if settings.get("final_image", True) else ()
+        for name in (*OBSERVED, *pictured):
             if name not in file:
                 raise EpisodeFileError(f"{path}: damaged: no dataset {name!r}")
     except Exception:
@@ -196,6 +201,6 @@ def depth_from_units(units: NDArray[np.uint16]) -> NDArray[np.float32]:
 
 
 def _dataset(file: h5py.File, name: str) -> Any:
-    if name not in OBSERVED:
+    if name not in (*OBSERVED, FINAL_IMAGE):
         raise KeyError(f"{name!r} is not among what can be learned from")
     return file[name]

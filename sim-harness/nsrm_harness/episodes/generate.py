@@ -63,6 +63,8 @@ class Settings:
     #: And with its relations that training never hears.
     held_out_phrases: bool = False
     vary_light: bool = True
+    #: Whether the final scenes' pictures are kept: for people, at a quarter of the time.
+    final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
     renderer: str = "auto"
     seed: int = 0
@@ -71,7 +73,11 @@ class Settings:
         """Equal text for equal settings. Settings that came later and say nothing are left out,
         as in files that are older than they."""
         content = asdict(self)
-        for name, default in (("disturbance", UNDISTURBED), ("held_out_phrases", False)):
+        for name, default in (
+            ("disturbance", UNDISTURBED),
+            ("final_image", True),
+            ("held_out_phrases", False),
+        ):
             if getattr(self, name) == default:
                 del content[name]
         return json.dumps(content, sort_keys=True)
@@ -201,9 +207,8 @@ def make_shard(settings: Settings, domain_json: str, start: int) -> bytes:
     camera = default_camera()
     count = min(SHARD, settings.count - start)
     content = io.BytesIO()
-    with EpisodeWriter(
-        content, count, settings.objects[1], (camera.height, camera.width)
-    ) as writer:
+    size = (camera.height, camera.width)
+    with EpisodeWriter(content, count, settings.objects[1], size, settings.final_image) as writer:
         rejected: Counter[str] = Counter()
         for row in range(count):
             rng = generator(settings.seed, settings.split, start + row)
@@ -234,6 +239,7 @@ def _wanted(settings: Settings, index: int) -> Wanted:
         held_out_phrases=settings.held_out_phrases,
         shares=SHARES_OF[settings.programs],
         vary_light=settings.vary_light,
+        final_image=settings.final_image,
         disturbance=settings.disturbance,
     )
 
@@ -272,8 +278,9 @@ def _join(settings: Settings, domain: domains.Domain, work: Path, path: Path) ->
     camera = default_camera()
     joined = work / "joined.unfinished"
     renderers: set[str] = set()
+    size = (camera.height, camera.width)
     with EpisodeWriter(
-        joined, settings.count, settings.objects[1], (camera.height, camera.width)
+        joined, settings.count, settings.objects[1], size, settings.final_image
     ) as writer:
         row = 0
         for start in range(0, settings.count, SHARD):

@@ -29,7 +29,7 @@ import numpy as np
 
 from nsrm_harness.episodes.demonstrator import Episode
 from nsrm_harness.episodes.file import camera_row, depth_units
-from nsrm_harness.world.camera import Observation
+from nsrm_harness.world.camera import Located, Observation
 from nsrm_harness.world.pose import Pose
 
 #: Steps for which there is room: the core's capacity.
@@ -40,7 +40,7 @@ COMPRESSION = 1
 #: 32 KB in 1.7 ms, LZF with it 32 KB in 1.8 ms.
 DEPTH_COMPRESSION = 1
 #: Datasets stored as one compressed chunk an episode.
-_COLORS = ("initial/rgb", "final/rgb")
+_INITIAL_IMAGE, _FINAL_IMAGE = "initial/rgb", "final/rgb"
 _DEPTHS = ("initial/depth",)
 _TEXTS = ("sentence", "evaluation/program", "evaluation/attributes", "evaluation/rejected")
 
@@ -52,13 +52,19 @@ class EpisodeWriter:
     """
 
     def __init__(
-        self, path: Path | BytesIO, count: int, objects: int, image: tuple[int, int]
+        self,
+        path: Path | BytesIO,
+        count: int,
+        objects: int,
+        image: tuple[int, int],
+        final_image: bool = True,
     ) -> None:
-        """`objects`: the most blocks of an episode; `image`: height and width, pixels."""
+        """`objects`: the most blocks of an episode; `image`: height and width, pixels;
+        `final_image`: whether the final scenes' pictures are kept."""
         self._file = h5py.File(path, "w", libver=("v110", "v110"))
         self._images: dict[str, Any] = {}
         height, width = image
-        for name in _COLORS:
+        for name in (_INITIAL_IMAGE, _FINAL_IMAGE) if final_image else (_INITIAL_IMAGE,):
             self._images[name] = self._file.create_dataset(
                 name,
                 (count, height, width, 3),
@@ -145,9 +151,11 @@ class EpisodeWriter:
         self._tables["camera"][row] = camera_row(episode.camera)
         self._texts["sentence"][row] = episode.sentence.text
 
-    def _scene(self, row: int, when: str, seen: Observation) -> None:
-        chunk = zlib.compress(seen.rgb.tobytes(), COMPRESSION)
-        self._images[f"{when}/rgb"].id.write_direct_chunk((row, 0, 0, 0), chunk)
+    def _scene(self, row: int, when: str, seen: Located) -> None:
+        name = f"{when}/rgb"
+        if isinstance(seen, Observation) and name in self._images:
+            chunk = zlib.compress(seen.rgb.tobytes(), COMPRESSION)
+            self._images[name].id.write_direct_chunk((row, 0, 0, 0), chunk)
         blocks = np.array(seen.ids) - 1
         self._tables[f"{when}/boxes"][row, blocks] = seen.boxes
         self._tables[f"{when}/depths"][row, blocks] = seen.depths

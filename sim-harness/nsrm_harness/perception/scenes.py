@@ -64,7 +64,7 @@ def after_programs(
         for index in range(count):
             wanted = Wanted(least + index % (most - least + 1), OBJECTS, Descriptions(1, 2))
             episode = demonstrator.episode(generator(seed, "perception", index), wanted)
-            seen = episode.final
+            seen = episode.final_picture
             yield Picture(seen.rgb, seen.depth, episode.camera, seen.boxes, seen.depths)
 
 

@@ -72,10 +72,10 @@ class Study:
     """Sentences of each kind that must be refused."""
 
     def settings(self, split: str) -> Settings:
-        """What the file of a split is made from."""
+        """What the file of a split is made from; without what nothing reads."""
         default = SPLITS[split]
         count = self.counts.get(split, default.count)
-        return replace(default, count=count, seed=self.data_seed)
+        return replace(default, count=count, seed=self.data_seed, final_image=False)
 
     def splits(self) -> list[str]:
         """All splits of which there are files."""

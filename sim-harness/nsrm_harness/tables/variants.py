@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from nsrm_harness.episodes.disturbance import Disturbance
-from nsrm_harness.episodes.generate import SPLITS, Settings
+from nsrm_harness.episodes.generate import Settings
 from nsrm_harness.learn.config import GUMBEL, REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.tables.study import QUICK, Study
 
@@ -119,9 +119,7 @@ def training_sets(study: Study) -> dict[str, Settings]:
 
 def disturbed_sets(study: Study) -> list[DisturbedSet]:
     """The same scenes and sentences in all of them."""
-    none = replace(SPLITS[DISTURBED], seed=study.data_seed)
-    count = study.counts.get(DISTURBED, none.count)
-    none = replace(none, count=count)
+    none = study.settings(DISTURBED)
     kinds, sizes = (KINDS, SIZES) if study.name != QUICK else ({"camera": KINDS["camera"]}, (1.0,))
     return [DisturbedSet(UNDISTURBED, 0.0, none)] + [
         DisturbedSet(kind, size, replace(none, disturbance=_sized(names, size)))
