@@ -33,6 +33,7 @@ FEW_STEPS = TrainingConfig(
     splitter=NONE,
     joint=NONE,
     simulator=NONE,
+    perception=NONE,
     parser=NONE,
 )
 
