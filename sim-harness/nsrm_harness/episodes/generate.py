@@ -63,7 +63,7 @@ class Settings:
     #: And with its relations that training never hears.
     held_out_phrases: bool = False
     vary_light: bool = True
-    #: Whether the final scenes' pictures are kept: for people, at a quarter of the time.
+    #: Whether the final scenes' pictures are kept, for people; without them it is faster.
     final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
     renderer: str = "auto"

@@ -57,7 +57,7 @@ SHIFT = 2
 NOISE = 0.02
 """Deviation of the noise on it, of values in 0..1."""
 SAME_NOISE = 8
-"""Crops of a batch that have the same noise: to draw it takes longer than all else about a crop."""
+"""Crops of a batch that have the same noise: to draw it takes longer than all else in `varied`."""
 TINT = 0.5
 """How far the channels of what brightness is taken from are scaled, at most; natural logarithm."""
 
@@ -395,8 +395,8 @@ def simulator_stage(
 
 
 def perception_stage(config: TrainingConfig, data: TrainingSet, table: ReferenceTable) -> Stage:
-    """(f): what descriptions that the final scene has confirmed fit, and that they fit nothing
-    else."""
+    """(f): perception alone, on the descriptions of confirmed steps: the mean surprise, in nats,
+    that the object meant fits and nothing else in the scene does."""
     _some(np.asarray(table.meant), "perception: no command that the model carries out right")
 
     def loss(
