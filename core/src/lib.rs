@@ -77,7 +77,7 @@ pub use capacity::{
 };
 pub use dsl::Program;
 pub use model::Model;
-pub use planner::{Plan, Planner, PlanningTask};
+pub use planner::{GroundingTask, Plan, Planner, PlanningTask};
 pub use progress::Progress;
 pub use refusal::Refusal;
 pub use scene::{RawScene, Scene, SceneError};

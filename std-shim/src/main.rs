@@ -128,7 +128,8 @@ fn run(command: &Command) -> Result<String, Failure> {
             let model = any.model();
             let program = Planner::new(&model)
                 .parse(sentence)
-                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
+                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?
+                .program;
             Ok(if options.json {
                 json::program(&model, &program).to_string()
             } else {

@@ -191,7 +191,7 @@ fn golden_padding_changes_nothing() {
 fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Value) {
     let sentence = text(&case["sentence"]);
     let mut reader = Reader::new(sentence).unwrap();
-    while reader.advance(model).unwrap() {}
+    while reader.advance(model, sentence).unwrap() {}
     let tokens = reader.tokens();
     // Row 0 of the trainer's embeddings is the group's; core keeps that apart.
     let rows = numbers(&case["rows"]);

@@ -36,10 +36,14 @@ pub struct Parsed {
 /// A sentence being parsed, a bounded piece of work a [`ParsingTask::poll`]: one
 /// word read, one token through the splitter or through one direction of the
 /// encoder, or one decoder. All scratch memory is in here.
+///
+/// `T` is the sentence: borrowed (`&str`), or owned, such as a
+/// [`heapless::String`], where the task outlives the call that began it.
 #[derive(Debug, Clone)]
-pub struct ParsingTask<'a> {
-    model: &'a Model<'a>,
-    reader: Reader<'a>,
+pub struct ParsingTask<'m, T> {
+    model: &'m Model<'m>,
+    sentence: T,
+    reader: Reader,
     splitter: Splitter,
     segments: Segments,
     encoder: Encoder,
@@ -90,15 +94,16 @@ struct Decided {
     probability: f32,
 }
 
-impl<'a> ParsingTask<'a> {
+impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// Nothing done yet.
-    pub fn new(model: &'a Model<'a>, sentence: &'a str) -> Self {
-        let (reader, stage) = match Reader::new(sentence) {
+    pub fn new(model: &'m Model<'m>, sentence: T) -> Self {
+        let (reader, stage) = match Reader::new(sentence.as_ref()) {
             Ok(reader) => (reader, Stage::Read),
             Err(refusal) => (Reader::empty(), Stage::Done(Some(refusal))),
         };
         Self {
             model,
+            sentence,
             reader,
             splitter: Splitter::new(),
             segments: Segments::new(),
@@ -120,6 +125,11 @@ impl<'a> ParsingTask<'a> {
             Stage::Done(Some(refusal)) => Progress::Done(Err(refusal)),
             _ => Progress::Pending,
         }
+    }
+
+    /// The sentence.
+    pub const fn sentence(&self) -> &T {
+        &self.sentence
     }
 
     /// What was understood so far: all of it once the task is done.
@@ -158,7 +168,7 @@ impl<'a> ParsingTask<'a> {
     }
 
     fn read(&mut self) -> Result<Stage, Refusal> {
-        if self.reader.advance(self.model)? {
+        if self.reader.advance(self.model, self.sentence.as_ref())? {
             Ok(Stage::Read)
         } else if self.reader.tokens().is_empty() {
             Err(Refusal::NoWords)
@@ -326,11 +336,11 @@ impl<'a> ParsingTask<'a> {
         })
     }
 
-    fn parameters(&self, token: usize) -> Option<&'a WordParameters> {
+    fn parameters(&self, token: usize) -> Option<&'m WordParameters> {
         self.reader.tokens().get(token)?.parameters(self.model)
     }
 
-    fn token(&self, token: usize) -> Result<(&'a WordParameters, bool), Refusal> {
+    fn token(&self, token: usize) -> Result<(&'m WordParameters, bool), Refusal> {
         let token = self
             .reader
             .tokens()

@@ -70,17 +70,20 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// its own and `;` is read as one; the marks `. ! ? : " '` are cut off at both
 /// ends of a word and, being no words of the model, refused, except that `. ! ?`
 /// at the very end of the sentence are dropped.
+///
+/// It keeps no sentence, so that a task may own both: every call is given the same.
 #[derive(Debug, Clone)]
-pub struct Reader<'a> {
+pub struct Reader {
     rest_from: usize,
-    sentence: &'a str,
+    /// Behind the last word.
+    end: usize,
     tokens: Tokens,
 }
 
-impl<'a> Reader<'a> {
+impl Reader {
     /// At the beginning of `sentence`; refuses one that is too long to be read
     /// with bounded work.
-    pub fn new(sentence: &'a str) -> Result<Self, Refusal> {
+    pub fn new(sentence: &str) -> Result<Self, Refusal> {
         if sentence.len() > MAX_SENTENCE_BYTES {
             return Err(Refusal::SentenceTooLong {
                 limit: MAX_SENTENCE_BYTES as u16,
@@ -89,7 +92,9 @@ impl<'a> Reader<'a> {
         }
         Ok(Self {
             rest_from: 0,
-            sentence: sentence.trim_end_matches(|c: char| c.is_whitespace() || is_full_stop(c)),
+            end: sentence
+                .trim_end_matches(|c: char| c.is_whitespace() || is_full_stop(c))
+                .len(),
             tokens: Tokens::new(),
         })
     }
@@ -98,17 +103,19 @@ impl<'a> Reader<'a> {
     pub(super) const fn empty() -> Self {
         Self {
             rest_from: 0,
-            sentence: "",
+            end: 0,
             tokens: Tokens::new(),
         }
     }
 
-    /// Reads the next word; false when there is none left.
+    /// Reads the next word of the sentence that it began with; false when there is
+    /// none left.
     ///
     /// Cost: one pass over the word and the blanks before it, and one binary
     /// search in the lexicon and the words.
-    pub fn advance(&mut self, model: &Model<'_>) -> Result<bool, Refusal> {
-        let Some((text, span)) = next_word(self.sentence, self.rest_from) else {
+    pub fn advance(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
+        let words = sentence.get(..self.end).unwrap_or_default();
+        let Some((text, span)) = next_word(words, self.rest_from) else {
             return Ok(false);
         };
         self.rest_from = usize::from(span.end);
@@ -233,7 +240,7 @@ mod tests {
     fn read(sentence: &str) -> std::vec::Vec<Token> {
         let model = crate::fixture::model();
         let mut reader = Reader::new(sentence).unwrap();
-        while reader.advance(&model).unwrap() {}
+        while reader.advance(&model, sentence).unwrap() {}
         reader.tokens().to_vec()
     }
 
@@ -257,7 +264,7 @@ mod tests {
         let longer = sentence + "the";
         let mut reader = Reader::new(&longer).unwrap();
         let refusal = loop {
-            match reader.advance(&model) {
+            match reader.advance(&model, &longer) {
                 Ok(true) => {}
                 other => break other,
             }

@@ -5,19 +5,21 @@
 //! `G = [(o_1, p_1), …]` of section IV-D, with every probability and cosine that
 //! led to it.
 
+mod ground;
 mod plan;
 mod task;
 #[cfg(test)]
 mod tests;
 
+pub use ground::GroundingTask;
 pub use plan::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 pub use task::PlanningTask;
 
+use core::borrow::Borrow;
 use core::mem::size_of;
 
 use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_STEPS, MAX_TOKENS};
-use crate::dsl::Program;
-use crate::language::ParsingTask;
+use crate::language::{Parsed, ParsingTask};
 use crate::model::{
     CONCEPT, ENCODER_HIDDEN, INSTRUCTION, LOCATION, Model, OPERATOR_HIDDEN, SIMULATOR_HIDDEN,
     SPLITTER_HIDDEN, VIEW_EMBEDDING,
@@ -26,8 +28,9 @@ use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::scene::Scene;
 
-/// Scratch memory of planning, the plan included; all of it is in the task.
-pub const TASK_BYTES: usize = size_of::<PlanningTask<'_>>();
+/// Scratch memory of planning, the plan included; all of it is in the task, which
+/// here borrows scene and sentence.
+pub const TASK_BYTES: usize = size_of::<PlanningTask<'_, &Scene, &str>>();
 /// Memory of a plan.
 pub const PLAN_BYTES: usize = size_of::<Plan>();
 /// Memory of a scene.
@@ -102,12 +105,13 @@ impl<'m> Planner<'m> {
         self.model
     }
 
-    /// What a sentence says is to be done, whatever the scene.
-    pub fn parse(&self, sentence: &str) -> Result<Program, Refusal> {
+    /// What a sentence says is to be done, whatever the scene: [`ParsingTask`]
+    /// polled to its end.
+    pub fn parse(&self, sentence: &str) -> Result<Parsed, Refusal> {
         let mut task = ParsingTask::new(self.model, sentence);
         loop {
             if let Progress::Done(parsed) = task.poll() {
-                return parsed.map(|parsed| parsed.program.clone());
+                return parsed.cloned();
             }
         }
     }
@@ -138,10 +142,37 @@ impl<'m> Planner<'m> {
     /// }
     /// # }
     /// ```
-    pub fn begin<'a>(&self, scene: &'a Scene, sentence: &'a str) -> PlanningTask<'a>
+    ///
+    /// A task that must outlive scene and sentence owns them:
+    ///
+    /// ```
+    /// # use nsrm_core::{MAX_SENTENCE_BYTES, PlanningTask, Scene, model::Model};
+    /// # use heapless::String;
+    /// struct Loop<'m> {
+    ///     task: Option<PlanningTask<'m, Scene, String<MAX_SENTENCE_BYTES>>>,
+    /// }
+    /// ```
+    pub fn begin<S, T>(&self, scene: S, sentence: T) -> PlanningTask<'m, S, T>
     where
-        'm: 'a,
+        S: Borrow<Scene>,
+        T: AsRef<str>,
     {
         PlanningTask::new(self.model, scene, sentence)
+    }
+
+    /// Begins to ground a parsed sentence in a scene, from step `first` on (from 0):
+    /// a plan for what is left to do, in the scene as it is now. Refusals count
+    /// steps as in the whole sentence.
+    pub fn begin_grounding<S, P>(
+        &self,
+        scene: S,
+        parsed: P,
+        first: usize,
+    ) -> GroundingTask<'m, S, P>
+    where
+        S: Borrow<Scene>,
+        P: Borrow<Parsed>,
+    {
+        GroundingTask::new(self.model, scene, parsed, first)
     }
 }

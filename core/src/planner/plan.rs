@@ -76,10 +76,12 @@ pub struct PlannedStep {
 }
 
 /// What is to be done in a scene; at most [`MAX_STEPS`] steps.
-// Invariant: a planned step for each step of the program, in the same order.
+// Invariant: a planned step for each step of the program from `first` on, in the
+// same order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plan {
     program: Program,
+    first: u8,
     steps: Vec<PlannedStep, MAX_STEPS, u8>,
 }
 
@@ -89,8 +91,14 @@ impl Plan {
         &self.program
     }
 
-    /// The steps, in the order in which they are carried out; as many as the
-    /// program has.
+    /// Which step of the program [`Plan::steps`] begins with, from 0: 0 but where
+    /// only what was left of a program was grounded.
+    pub const fn first(&self) -> usize {
+        self.first as usize
+    }
+
+    /// The steps, in the order in which they are carried out; one for each of the
+    /// program's from [`Plan::first`] on.
     pub fn steps(&self) -> &[PlannedStep] {
         &self.steps
     }
@@ -110,8 +118,13 @@ impl Plan {
         self.steps.iter().map(|step| &step.sub_goal)
     }
 
-    pub(super) fn set_program(&mut self, program: Program) {
-        self.program = program;
+    /// No steps yet.
+    pub(super) const fn new(program: Program, first: u8) -> Self {
+        Self {
+            program,
+            first,
+            steps: Vec::new(),
+        }
     }
 
     pub(super) fn push(&mut self, step: PlannedStep) {

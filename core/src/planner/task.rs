@@ -1,310 +1,52 @@
-use nalgebra::{Isometry3, Translation3};
+use core::borrow::Borrow;
 
-use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
-use crate::action::simulate;
-use crate::camera::rotation;
-use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Step};
-use crate::grounding::{ScoreError, Scores, score};
-use crate::language::ParsingTask;
-use crate::model::{LOCATION, Model};
+use super::Plan;
+use super::ground::GroundingTask;
+use crate::language::{Parsed, ParsingTask};
+use crate::model::Model;
 use crate::progress::Progress;
-use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
+use crate::refusal::Refusal;
 use crate::scene::Scene;
 
-/// A plan being worked out, a bounded piece of work a [`PlanningTask::poll`]: one
-/// piece of a [`ParsingTask`], one object's score, one choice of an object, or one
-/// action. All scratch memory is in here.
+/// A plan being worked out, a bounded piece of work a [`PlanningTask::poll`]: a
+/// [`ParsingTask`], then a [`GroundingTask`]. All scratch memory is in here.
+///
+/// `S` is the scene and `T` the sentence: borrowed, or owned where the task
+/// outlives the call that began it.
 #[derive(Debug, Clone)]
-pub struct PlanningTask<'a> {
-    model: &'a Model<'a>,
-    scene: &'a Scene,
-    parsing: ParsingTask<'a>,
-    /// Where the objects are after the steps so far.
-    locations: [[f32; LOCATION]; MAX_OBJECTS],
-    scores: Scores,
-    plan: Plan,
-    stage: Stage,
+pub struct PlanningTask<'m, S, T> {
+    parsing: ParsingTask<'m, T>,
+    /// Of no steps until the sentence is parsed.
+    grounding: GroundingTask<'m, S, Parsed>,
+    /// Whether the sentence is parsed, or need not be.
+    is_parsed: bool,
 }
 
-/// Where a planning task stands. Steps count from 0.
-#[derive(Debug, Clone, Copy)]
-enum Stage {
-    Parse,
-    /// The next object is compared with the description of the object to be moved.
-    ScoreObject {
-        step: usize,
-    },
-    ChooseObject {
-        step: usize,
-    },
-    /// The next object is compared with the description of the reference.
-    ScoreReference {
-        step: usize,
-        object: Grounding,
-    },
-    ChooseReference {
-        step: usize,
-        object: Grounding,
-    },
-    Act {
-        step: usize,
-        object: Grounding,
-        reference: Grounding,
-    },
-    Done(Option<Refusal>),
-}
-
-impl<'a> PlanningTask<'a> {
-    pub(super) fn new(model: &'a Model<'a>, scene: &'a Scene, sentence: &'a str) -> Self {
-        let (expected, got) = (model.tag(), scene.header().model_tag);
-        let stage = if expected == got {
-            Stage::Parse
-        } else {
-            Stage::Done(Some(Refusal::OtherModel { expected, got }))
-        };
-        let mut locations = [[0.0; LOCATION]; MAX_OBJECTS];
-        for (location, object) in locations.iter_mut().zip(scene.objects()) {
-            *location = object.location;
-        }
+impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
+    pub(super) fn new(model: &'m Model<'m>, scene: S, sentence: T) -> Self {
+        let grounding = GroundingTask::new(model, scene, Parsed::default(), 0);
         Self {
-            model,
-            scene,
             parsing: ParsingTask::new(model, sentence),
-            locations,
-            scores: Scores::new(),
-            plan: Plan::default(),
-            stage,
+            // In a scene of another model no sentence can be obeyed.
+            is_parsed: grounding.is_refused(),
+            grounding,
         }
     }
 
     /// Does one piece of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is
     /// done, every further call gives the same result again.
     pub fn poll(&mut self) -> Progress<Result<Plan, Refusal>> {
-        self.stage = match self.advance(self.stage) {
-            Ok(stage) => stage,
-            Err(refusal) => Stage::Done(Some(refusal)),
-        };
-        match self.stage {
-            Stage::Done(None) => Progress::Done(Ok(self.plan.clone())),
-            Stage::Done(Some(refusal)) => Progress::Done(Err(refusal)),
-            _ => Progress::Pending,
+        if self.is_parsed {
+            return self.grounding.poll();
         }
-    }
-
-    fn advance(&mut self, stage: Stage) -> Result<Stage, Refusal> {
-        match stage {
-            Stage::Parse => {
-                let Progress::Done(parsed) = self.parsing.poll() else {
-                    return Ok(Stage::Parse);
-                };
-                let program = parsed?.program.clone();
-                self.plan.set_program(program);
-                Ok(self.begin_step(0))
-            }
-            Stage::ScoreObject { step } => {
-                let more = self.score(step, Argument::Object)?;
-                Ok(if more {
-                    stage
-                } else {
-                    Stage::ChooseObject { step }
-                })
-            }
-            Stage::ChooseObject { step } => {
-                let object = self.choose(step, Argument::Object)?;
-                self.scores = Scores::new();
-                Ok(Stage::ScoreReference { step, object })
-            }
-            Stage::ScoreReference { step, object } => {
-                let more = self.score(step, Argument::Reference)?;
-                Ok(if more {
-                    stage
-                } else {
-                    Stage::ChooseReference { step, object }
-                })
-            }
-            Stage::ChooseReference { step, object } => {
-                let reference = self.choose(step, Argument::Reference)?;
-                if reference.index == object.index {
-                    return Err(Refusal::SameObject {
-                        step: step as u8,
-                        object: object.object,
-                    });
-                }
-                Ok(Stage::Act {
-                    step,
-                    object,
-                    reference,
-                })
-            }
-            Stage::Act {
-                step,
-                object,
-                reference,
-            } => {
-                self.act(step, object, reference)?;
-                Ok(self.begin_step(step.saturating_add(1)))
-            }
-            Stage::Done(refusal) => Ok(Stage::Done(refusal)),
-        }
-    }
-
-    fn begin_step(&mut self, step: usize) -> Stage {
-        self.scores = Scores::new();
-        if step < self.plan.program().steps().len() {
-            Stage::ScoreObject { step }
-        } else {
-            Stage::Done(None)
-        }
-    }
-
-    /// Compares the next object with a description; false when none is left.
-    fn score(&mut self, step: usize, argument: Argument) -> Result<bool, Refusal> {
-        let Some(object) = self.scene.objects().get(self.scores.values().len()) else {
-            return Ok(false);
-        };
-        let step_symbols = self.symbols(step)?;
-        let score = score(
-            self.model,
-            &object.embedding,
-            step_symbols.description(argument),
-        )
-        .map_err(|error| match error {
-            ScoreError::UnknownConcept => Refusal::InvalidModel,
-            ScoreError::NotFinite => Refusal::NotFinite {
-                step: step as u8,
-                quantity: Quantity::Score(argument),
-            },
-        })?;
-        // As many places as a scene has objects.
-        let _ = self.scores.push(score);
-        Ok(true)
-    }
-
-    /// The object that a description means: the one that fits, if only one does.
-    fn choose(&self, step: usize, argument: Argument) -> Result<Grounding, Refusal> {
-        let threshold = self.model.header.thresholds.match_score;
-        let description = *self.symbols(step)?.description(argument);
-        let chosen = self.scores.unique();
-        let best = chosen.and_then(|chosen| {
-            let object = self.scene.objects().get(chosen.index)?;
-            Some(Grounding {
-                object: object.id,
-                index: chosen.index as u8,
-                score: chosen.score,
-                probability: chosen.probability,
-            })
-        });
-        let Some(best) = best.filter(|best| best.score >= threshold) else {
-            return Err(Refusal::NoSuchObject {
-                step: step as u8,
-                argument,
-                description,
-                best: best.map(|best| Candidate {
-                    object: best.object,
-                    score: best.score,
-                }),
-                threshold,
-            });
-        };
-        let mut candidates = Candidates::default();
-        for (object, &score) in self.scene.objects().iter().zip(self.scores.values()) {
-            if score >= threshold {
-                candidates.add(Candidate {
-                    object: object.id,
-                    score,
-                });
+        match self.parsing.poll() {
+            Progress::Pending => Progress::Pending,
+            Progress::Done(Err(refusal)) => Progress::Done(Err(refusal)),
+            Progress::Done(Ok(parsed)) => {
+                self.grounding.begin(parsed.clone());
+                self.is_parsed = true;
+                Progress::Pending
             }
         }
-        if candidates.count() > 1 {
-            return Err(Refusal::Ambiguous {
-                step: step as u8,
-                argument,
-                description,
-                candidates,
-            });
-        }
-        Ok(best)
-    }
-
-    /// Predicts where the object will be, and moves it there for the steps to come.
-    fn act(&mut self, step: usize, object: Grounding, reference: Grounding) -> Result<(), Refusal> {
-        let not_finite = |quantity| Refusal::NotFinite {
-            step: step as u8,
-            quantity,
-        };
-        let action = self.symbols(step)?.action;
-        let parameters = self
-            .model
-            .actions
-            .get(usize::from(action))
-            .ok_or(Refusal::InvalidModel)?;
-        let [from, to] = [object, reference].map(|grounding| {
-            // Always there: the index is that of an object of the scene.
-            self.locations.get(usize::from(grounding.index)).copied()
-        });
-        let (from, to) = from.zip(to).ok_or(Refusal::InvalidModel)?;
-        let location = simulate(self.model.simulator, parameters, &from, &to);
-        if !location.iter().all(|number| number.is_finite()) {
-            return Err(not_finite(Quantity::Location));
-        }
-        if let Some(place) = self.locations.get_mut(usize::from(object.index)) {
-            *place = location;
-        }
-        let pose = self.pose(&location);
-        let position: [f32; 3] = pose.translation.vector.into();
-        let rotation: [f32; 4] = pose.rotation.coords.into();
-        if !position.iter().chain(&rotation).all(|n| n.is_finite()) {
-            return Err(not_finite(Quantity::Pose));
-        }
-        let bounds = self.model.header.work_space;
-        if !bounds.contains(&position) {
-            return Err(Refusal::OutsideWorkSpace {
-                step: step as u8,
-                object: object.object,
-                position,
-                bounds,
-            });
-        }
-        let decisions = self
-            .parsing
-            .parsed()
-            .decisions
-            .get(step)
-            .ok_or(Refusal::InvalidModel)?;
-        let confidence = Confidence {
-            split: decisions.split,
-            action: decisions.action,
-            object: decisions.object,
-            reference: decisions.reference,
-            object_unique: object.probability,
-            reference_unique: reference.probability,
-        };
-        self.plan.push(PlannedStep {
-            action,
-            object,
-            reference,
-            location,
-            sub_goal: SubGoal {
-                object: object.object,
-                pose,
-            },
-            confidence,
-        });
-        Ok(())
-    }
-
-    fn pose(&self, location: &[f32; LOCATION]) -> Isometry3<f32> {
-        let centre = self.scene.camera().locate(self.model.camera, location);
-        Isometry3::from_parts(
-            Translation3::from(centre.coords),
-            rotation(&self.model.header.placed_orientation),
-        )
-    }
-
-    fn symbols(&self, step: usize) -> Result<Step, Refusal> {
-        // Always there: steps are counted up to the program's length.
-        let steps = self.plan.program().steps();
-        steps.get(step).copied().ok_or(Refusal::InvalidModel)
     }
 }

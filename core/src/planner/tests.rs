@@ -102,6 +102,58 @@ fn polling_takes_bounded_steps_and_gives_the_same_plan() {
     assert_eq!(polls, 13 + 10 + 20 + 2 * (1 + 3 + 8 + 2 + 1) + 1);
 }
 
+/// What is left of a program is planned in the scene as it is, with the steps
+/// counted as in the sentence.
+#[test]
+fn the_rest_of_a_program_is_grounded_in_another_scene() {
+    let model = fixture::model();
+    let scene = fixture::scene(&model);
+    let planner = Planner::new(&model);
+    let sentence = "put small red on green then put lego right small red";
+    let parsed = planner.parse(sentence).unwrap();
+    let ground = |scene: Scene, first| {
+        let mut task = planner.begin_grounding(scene, &parsed, first);
+        loop {
+            if let Progress::Done(plan) = task.poll() {
+                assert_eq!(task.poll(), Progress::Done(plan.clone()));
+                break plan;
+            }
+        }
+    };
+    let whole = planner.plan(&scene, sentence).unwrap();
+    assert_eq!(ground(scene, 0).as_ref(), Ok(&whole));
+
+    // The first step was carried out: small red stands where it was to be.
+    let mut raw = *scene.raw();
+    raw.objects[0].location = whole.steps()[0].location;
+    let rest = ground(Scene::new(raw, &model).unwrap(), 1).unwrap();
+    assert_eq!((rest.first(), rest.program()), (1, &parsed.program));
+    assert_eq!(rest.steps(), &whole.steps()[1..]);
+    for first in [2, 3, usize::MAX] {
+        let nothing = ground(scene, first).unwrap();
+        assert_eq!((nothing.first(), nothing.steps()), (2, &[][..]));
+    }
+
+    // Without the lego block the second step has no object.
+    raw.count = 2;
+    let refusal = ground(Scene::new(raw, &model).unwrap(), 1).unwrap_err();
+    assert!(matches!(refusal, Refusal::NoSuchObject { step: 1, .. }));
+}
+
+#[test]
+fn a_task_may_own_what_it_works_on() {
+    let model = fixture::model();
+    let sentence = "put small red on green";
+    let scene = fixture::scene(&model);
+    let mut task = Planner::new(&model).begin(scene, String::from(sentence));
+    let plan = loop {
+        if let Progress::Done(plan) = task.poll() {
+            break plan;
+        }
+    };
+    assert_eq!(plan, Planner::new(&model).plan(&scene, sentence));
+}
+
 #[test]
 fn the_longest_sentence_stays_within_the_bound_of_polls() {
     let model = fixture::model();
@@ -323,9 +375,13 @@ fn a_scene_of_another_model_is_refused() {
     let scene = fixture::scene(&model);
     let mut other = model;
     other.header.hash[0] = 8;
-    let refusal = Planner::new(&other).plan(&scene, "put red on green");
+    let planner = Planner::new(&other);
     let (expected, got) = (other.tag(), model.tag());
-    assert_eq!(refusal, Err(Refusal::OtherModel { expected, got }));
+    let refusal = Err(Refusal::OtherModel { expected, got });
+    // Of no sentence, not even a bad one.
+    assert_eq!(planner.plan(&scene, "put red on blurp"), refusal);
+    let mut task = planner.begin_grounding(&scene, Parsed::default(), 0);
+    assert_eq!(task.poll(), Progress::Done(refusal));
     assert_eq!(got, 0x0100_0000_0000_0007);
 }
 

@@ -1,0 +1,328 @@
+use core::borrow::Borrow;
+
+use nalgebra::{Isometry3, Translation3};
+
+use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
+use crate::action::simulate;
+use crate::camera::rotation;
+use crate::capacity::MAX_OBJECTS;
+use crate::dsl::{Argument, Step};
+use crate::grounding::{ScoreError, Scores, score};
+use crate::language::{Parsed, StepDecisions};
+use crate::model::{LOCATION, Model};
+use crate::progress::Progress;
+use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
+use crate::scene::Scene;
+
+/// A parsed sentence being grounded in a scene (sections IV-C and IV-D), from any
+/// step on, so that what is left of a program can be planned anew in each scene
+/// observed. A [`GroundingTask::poll`] is one object's score, one choice of an
+/// object, or one action. All scratch memory is in here.
+///
+/// `S` is the scene and `P` the parsed sentence: borrowed, or owned where the task
+/// outlives the call that began it.
+#[derive(Debug, Clone)]
+pub struct GroundingTask<'m, S, P> {
+    model: &'m Model<'m>,
+    scene: S,
+    parsed: P,
+    /// Where the objects are after the steps so far.
+    locations: [[f32; LOCATION]; MAX_OBJECTS],
+    scores: Scores,
+    plan: Plan,
+    stage: Stage,
+}
+
+/// Where a grounding task stands. Steps count from 0.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    /// The next object is compared with the description of the object to be moved.
+    ScoreObject {
+        step: usize,
+    },
+    ChooseObject {
+        step: usize,
+    },
+    /// The next object is compared with the description of the reference.
+    ScoreReference {
+        step: usize,
+        object: Grounding,
+    },
+    ChooseReference {
+        step: usize,
+        object: Grounding,
+    },
+    Act {
+        step: usize,
+        object: Grounding,
+        reference: Grounding,
+    },
+    Done(Option<Refusal>),
+}
+
+impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
+    pub(super) fn new(model: &'m Model<'m>, scene: S, parsed: P, first: usize) -> Self {
+        let (expected, got) = (model.tag(), scene.borrow().header().model_tag);
+        let program = &parsed.borrow().program;
+        let first = first.min(program.steps().len());
+        let mut locations = [[0.0; LOCATION]; MAX_OBJECTS];
+        for (location, object) in locations.iter_mut().zip(scene.borrow().objects()) {
+            *location = object.location;
+        }
+        let mut task = Self {
+            model,
+            // At most MAX_STEPS.
+            plan: Plan::new(program.clone(), first as u8),
+            scene,
+            parsed,
+            locations,
+            scores: Scores::new(),
+            stage: Stage::Done(Some(Refusal::OtherModel { expected, got })),
+        };
+        if expected == got {
+            task.stage = task.begin_step(first);
+        }
+        task
+    }
+
+    /// Whether there will be no plan.
+    pub(super) const fn is_refused(&self) -> bool {
+        matches!(self.stage, Stage::Done(Some(_)))
+    }
+
+    /// Does one piece of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is
+    /// done, every further call gives the same result again.
+    pub fn poll(&mut self) -> Progress<Result<Plan, Refusal>> {
+        self.stage = match self.advance(self.stage) {
+            Ok(stage) => stage,
+            Err(refusal) => Stage::Done(Some(refusal)),
+        };
+        match self.stage {
+            Stage::Done(None) => Progress::Done(Ok(self.plan.clone())),
+            Stage::Done(Some(refusal)) => Progress::Done(Err(refusal)),
+            _ => Progress::Pending,
+        }
+    }
+
+    fn advance(&mut self, stage: Stage) -> Result<Stage, Refusal> {
+        match stage {
+            Stage::ScoreObject { step } => {
+                let more = self.score(step, Argument::Object)?;
+                Ok(if more {
+                    stage
+                } else {
+                    Stage::ChooseObject { step }
+                })
+            }
+            Stage::ChooseObject { step } => {
+                let object = self.choose(step, Argument::Object)?;
+                self.scores = Scores::new();
+                Ok(Stage::ScoreReference { step, object })
+            }
+            Stage::ScoreReference { step, object } => {
+                let more = self.score(step, Argument::Reference)?;
+                Ok(if more {
+                    stage
+                } else {
+                    Stage::ChooseReference { step, object }
+                })
+            }
+            Stage::ChooseReference { step, object } => {
+                let reference = self.choose(step, Argument::Reference)?;
+                if reference.index == object.index {
+                    return Err(Refusal::SameObject {
+                        step: step as u8,
+                        object: object.object,
+                    });
+                }
+                Ok(Stage::Act {
+                    step,
+                    object,
+                    reference,
+                })
+            }
+            Stage::Act {
+                step,
+                object,
+                reference,
+            } => {
+                self.act(step, object, reference)?;
+                Ok(self.begin_step(step.saturating_add(1)))
+            }
+            Stage::Done(refusal) => Ok(Stage::Done(refusal)),
+        }
+    }
+
+    fn begin_step(&mut self, step: usize) -> Stage {
+        self.scores = Scores::new();
+        if step < self.plan.program().steps().len() {
+            Stage::ScoreObject { step }
+        } else {
+            Stage::Done(None)
+        }
+    }
+
+    /// Compares the next object with a description; false when none is left.
+    fn score(&mut self, step: usize, argument: Argument) -> Result<bool, Refusal> {
+        let Some(object) = self.scene().objects().get(self.scores.values().len()) else {
+            return Ok(false);
+        };
+        let step_symbols = self.symbols(step)?;
+        let score = score(
+            self.model,
+            &object.embedding,
+            step_symbols.description(argument),
+        )
+        .map_err(|error| match error {
+            ScoreError::UnknownConcept => Refusal::InvalidModel,
+            ScoreError::NotFinite => Refusal::NotFinite {
+                step: step as u8,
+                quantity: Quantity::Score(argument),
+            },
+        })?;
+        // As many places as a scene has objects.
+        let _ = self.scores.push(score);
+        Ok(true)
+    }
+
+    /// The object that a description means: the one that fits, if only one does.
+    fn choose(&self, step: usize, argument: Argument) -> Result<Grounding, Refusal> {
+        let threshold = self.model.header.thresholds.match_score;
+        let description = *self.symbols(step)?.description(argument);
+        let chosen = self.scores.unique();
+        let best = chosen.and_then(|chosen| {
+            let object = self.scene().objects().get(chosen.index)?;
+            Some(Grounding {
+                object: object.id,
+                index: chosen.index as u8,
+                score: chosen.score,
+                probability: chosen.probability,
+            })
+        });
+        let Some(best) = best.filter(|best| best.score >= threshold) else {
+            return Err(Refusal::NoSuchObject {
+                step: step as u8,
+                argument,
+                description,
+                best: best.map(|best| Candidate {
+                    object: best.object,
+                    score: best.score,
+                }),
+                threshold,
+            });
+        };
+        let mut candidates = Candidates::default();
+        for (object, &score) in self.scene().objects().iter().zip(self.scores.values()) {
+            if score >= threshold {
+                candidates.add(Candidate {
+                    object: object.id,
+                    score,
+                });
+            }
+        }
+        if candidates.count() > 1 {
+            return Err(Refusal::Ambiguous {
+                step: step as u8,
+                argument,
+                description,
+                candidates,
+            });
+        }
+        Ok(best)
+    }
+
+    /// Predicts where the object will be, and moves it there for the steps to come.
+    fn act(&mut self, step: usize, object: Grounding, reference: Grounding) -> Result<(), Refusal> {
+        let not_finite = |quantity| Refusal::NotFinite {
+            step: step as u8,
+            quantity,
+        };
+        let action = self.symbols(step)?.action;
+        let parameters = self
+            .model
+            .actions
+            .get(usize::from(action))
+            .ok_or(Refusal::InvalidModel)?;
+        let [from, to] = [object, reference].map(|grounding| {
+            // Always there: the index is that of an object of the scene.
+            self.locations.get(usize::from(grounding.index)).copied()
+        });
+        let (from, to) = from.zip(to).ok_or(Refusal::InvalidModel)?;
+        let location = simulate(self.model.simulator, parameters, &from, &to);
+        if !location.iter().all(|number| number.is_finite()) {
+            return Err(not_finite(Quantity::Location));
+        }
+        if let Some(place) = self.locations.get_mut(usize::from(object.index)) {
+            *place = location;
+        }
+        let pose = self.pose(&location);
+        let position: [f32; 3] = pose.translation.vector.into();
+        let rotation: [f32; 4] = pose.rotation.coords.into();
+        if !position.iter().chain(&rotation).all(|n| n.is_finite()) {
+            return Err(not_finite(Quantity::Pose));
+        }
+        let bounds = self.model.header.work_space;
+        if !bounds.contains(&position) {
+            return Err(Refusal::OutsideWorkSpace {
+                step: step as u8,
+                object: object.object,
+                position,
+                bounds,
+            });
+        }
+        let decisions = self.decisions(step)?;
+        let confidence = Confidence {
+            split: decisions.split,
+            action: decisions.action,
+            object: decisions.object,
+            reference: decisions.reference,
+            object_unique: object.probability,
+            reference_unique: reference.probability,
+        };
+        self.plan.push(PlannedStep {
+            action,
+            object,
+            reference,
+            location,
+            sub_goal: SubGoal {
+                object: object.object,
+                pose,
+            },
+            confidence,
+        });
+        Ok(())
+    }
+
+    fn pose(&self, location: &[f32; LOCATION]) -> Isometry3<f32> {
+        let centre = self.scene().camera().locate(self.model.camera, location);
+        Isometry3::from_parts(
+            Translation3::from(centre.coords),
+            rotation(&self.model.header.placed_orientation),
+        )
+    }
+
+    fn scene(&self) -> &Scene {
+        self.scene.borrow()
+    }
+
+    fn symbols(&self, step: usize) -> Result<Step, Refusal> {
+        // Always there: steps are counted up to the program's length.
+        let steps = self.plan.program().steps();
+        steps.get(step).copied().ok_or(Refusal::InvalidModel)
+    }
+
+    fn decisions(&self, step: usize) -> Result<StepDecisions, Refusal> {
+        // There are as many as steps.
+        let decisions = &self.parsed.borrow().decisions;
+        decisions.get(step).copied().ok_or(Refusal::InvalidModel)
+    }
+}
+
+impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
+    /// All of this is to be grounded instead, in a task that has done nothing yet.
+    pub(super) fn begin(&mut self, parsed: Parsed) {
+        self.plan = Plan::new(parsed.program.clone(), 0);
+        self.parsed = parsed;
+        self.stage = self.begin_step(0);
+    }
+}
