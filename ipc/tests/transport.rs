@@ -2,7 +2,9 @@
 
 use iceoryx2::config::Config;
 use iceoryx2::prelude::*;
-use nsrm_ipc::{CameraFrame, CameraMessage, DetectedBox, Heartbeat, Message, Role, State};
+use nsrm_ipc::message::{
+    CameraFrame, CameraMessage, DetectedBox, Feedback, Heartbeat, Message, Role, State,
+};
 
 /// A corner of the machine that no other test or robot uses.
 fn own_config(test: &str) -> Config {
@@ -35,6 +37,7 @@ fn a_heartbeat_arrives_as_it_was_sent() {
     let sent = Heartbeat {
         sequence: 5,
         timestamp_ns: 6,
+        started_ns: 4,
         role: Role::Planner as u32,
         state: State::Busy as u32,
     };
@@ -58,10 +61,10 @@ fn a_peer_with_another_layout_is_refused() {
         .create()
         .unwrap();
     // Of the same size: only the type name tells them apart.
-    assert_eq!(size_of::<DetectedBox>(), size_of::<Heartbeat>());
+    assert_eq!(size_of::<Feedback>(), size_of::<Heartbeat>());
     let other = node
         .service_builder(&name)
-        .publish_subscribe::<DetectedBox>()
+        .publish_subscribe::<Feedback>()
         .open();
     assert!(other.is_err());
 }

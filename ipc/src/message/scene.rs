@@ -6,7 +6,7 @@ use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::scene::{ObservedObject, RawScene, Scene, SceneError, SceneHeader};
 use nsrm_core::{MAX_OBJECTS, scene};
 
-use crate::layout::message;
+use super::layout::message;
 
 message! {
     /// Intrinsics and pose of a camera: pinhole without distortion; see
@@ -103,7 +103,12 @@ impl From<Camera> for CameraMessage {
 
 impl From<&Scene> for SceneMessage {
     fn from(scene: &Scene) -> Self {
-        let raw = scene.raw();
+        Self::from(scene.raw())
+    }
+}
+
+impl From<&RawScene> for SceneMessage {
+    fn from(raw: &RawScene) -> Self {
         Self {
             schema: raw.header.schema,
             frame: raw.header.frame,

@@ -4,16 +4,18 @@ use core::fmt;
 
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::layout::message;
+use super::layout::message;
 
 message! {
     /// A sign of life.
-    "nsrm.v1.Heartbeat.22b078cf99e0ea83"
+    "nsrm.v1.Heartbeat.4ac013d523272913"
     pub struct Heartbeat {
         /// Counts up with each heartbeat of one node.
         pub sequence: u64,
         /// When it was sent, nanoseconds on the sender's clock.
         pub timestamp_ns: u64,
+        /// When the node was started: tells it from one started in its place.
+        pub started_ns: u64,
         /// Who sends: the number of a [`Role`].
         pub role: u32,
         /// What it does: the number of a [`State`].
@@ -33,6 +35,24 @@ pub enum Role {
     Planner = 3,
     /// Carries sub-goals out.
     Controller = 4,
+    /// Asks for sentences to be followed.
+    Asker = 5,
+    /// Looks on.
+    Watcher = 6,
+}
+
+impl Role {
+    /// In a word, as in a node's name.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Camera => "camera",
+            Self::Perception => "perception",
+            Self::Planner => "planner",
+            Self::Controller => "controller",
+            Self::Asker => "asker",
+            Self::Watcher => "watcher",
+        }
+    }
 }
 
 /// What a node does.
@@ -77,6 +97,8 @@ impl Heartbeat {
             2 => Role::Perception,
             3 => Role::Planner,
             4 => Role::Controller,
+            5 => Role::Asker,
+            6 => Role::Watcher,
             other => return Err(HeartbeatError::Role(other)),
         };
         let state = match self.state {
@@ -98,6 +120,7 @@ mod tests {
         Heartbeat {
             sequence: 0,
             timestamp_ns: 0,
+            started_ns: 0,
             role,
             state,
         }
@@ -110,6 +133,8 @@ mod tests {
             Role::Perception,
             Role::Planner,
             Role::Controller,
+            Role::Asker,
+            Role::Watcher,
         ] {
             for state in [State::Starting, State::Idle, State::Busy, State::Failed] {
                 assert_eq!(
@@ -119,7 +144,7 @@ mod tests {
             }
         }
         assert_eq!(heartbeat(0, 1).read(), Err(HeartbeatError::Role(0)));
-        assert_eq!(heartbeat(5, 1).read(), Err(HeartbeatError::Role(5)));
+        assert_eq!(heartbeat(7, 1).read(), Err(HeartbeatError::Role(7)));
         assert_eq!(heartbeat(1, 0).read(), Err(HeartbeatError::State(0)));
         assert_eq!(
             heartbeat(1, u32::MAX).read(),

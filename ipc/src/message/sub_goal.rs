@@ -1,4 +1,4 @@
-//! What a controller is told: which object, where to.
+//! What a controller is told: which object, where to, or to stop.
 
 use core::fmt;
 
@@ -6,15 +6,22 @@ use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use nsrm_core::MAX_STEPS;
 
-use crate::layout::message;
-use crate::number::{all_finite, is_unit};
+use super::layout::message;
+use super::number::{all_finite, is_unit};
+use crate::executive::{Command, CommandId};
 
 message! {
-    /// One sub-goal of a plan (service `sub_goal`, and inside of `PlanReply`).
-    "nsrm.v1.SubGoal.8bf58ae0c76fbd8e"
+    /// A command (service `sub_goal`): bring an object to its sub-goal, or stop
+    /// doing so. Each is acknowledged by a [`crate::message::Feedback`]; one that
+    /// comes again is answered again and not carried out again.
+    "nsrm.v1.SubGoal.b3fc81ef4ff94c01"
     pub struct SubGoal {
-        /// Number of the plan: [`crate::PlanRequest::sequence`] of its request.
+        /// Number of the plan; a later plan has a greater one.
         pub plan: u64,
+        /// Counts the plan's commands from 1; a stop has that of what it stops.
+        pub command: u32,
+        /// 1: bring the object there; 2: stop, and all below is 0.
+        pub kind: u32,
         /// Place in the plan, from 0.
         pub step: u32,
         /// Steps of the plan.
@@ -37,9 +44,32 @@ message! {
     }
 }
 
+/// [`SubGoal::kind`]: bring the object there.
+const MOVE: u32 = 1;
+/// [`SubGoal::kind`]: stop.
+const STOP: u32 = 2;
+
+/// What a controller is told, checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Order {
+    /// To bring an object to a pose.
+    Move {
+        /// Id of the object.
+        object: u32,
+        /// Pose of its centre: world frame, metres.
+        pose: Isometry3<f32>,
+    },
+    /// To stop what it was told by the command of this number.
+    Stop,
+}
+
 /// Why a sub-goal is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SubGoalError {
+    /// Neither a move nor a stop.
+    Kind(u32),
+    /// Commands count from 1.
+    NoCommand,
     /// More steps than a plan has, none, or a place behind the last.
     Step {
         /// Place that it says it has.
@@ -65,6 +95,8 @@ pub enum SubGoalError {
 impl fmt::Display for SubGoalError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Kind(kind) => write!(f, "sub-goal: {kind} is no kind; 1 is a move, 2 is a stop"),
+            Self::NoCommand => f.write_str("sub-goal: command 0; commands count from 1"),
             Self::Step { step, steps } => write!(
                 f,
                 "sub-goal: step {step} of {steps}; steps count from 0 and are {MAX_STEPS} at most"
@@ -85,9 +117,10 @@ impl fmt::Display for SubGoalError {
 impl core::error::Error for SubGoalError {}
 
 impl SubGoal {
-    /// What stands in the unused places of a reply.
-    pub(crate) const EMPTY: Self = Self {
+    const EMPTY: Self = Self {
         plan: 0,
+        command: 0,
+        kind: 0,
         step: 0,
         steps: 0,
         action: 0,
@@ -99,8 +132,38 @@ impl SubGoal {
         location: [0.0; 5],
     };
 
-    /// Whether it can be carried out by someone who knows its objects.
-    pub fn check(&self) -> Result<(), SubGoalError> {
+    /// A stop of this command.
+    pub const fn stop(id: CommandId) -> Self {
+        Self {
+            plan: id.plan,
+            command: id.command,
+            kind: STOP,
+            ..Self::EMPTY
+        }
+    }
+
+    /// Who the command is.
+    pub const fn id(&self) -> CommandId {
+        CommandId {
+            plan: self.plan,
+            command: self.command,
+        }
+    }
+
+    /// What is to be done, checked; whether there are such objects only its
+    /// receiver knows.
+    pub fn read(&self) -> Result<Order, SubGoalError> {
+        if self.command == 0 {
+            return Err(SubGoalError::NoCommand);
+        }
+        match self.kind {
+            MOVE => self.read_move(),
+            STOP => Ok(Order::Stop),
+            kind => Err(SubGoalError::Kind(kind)),
+        }
+    }
+
+    fn read_move(&self) -> Result<Order, SubGoalError> {
         let (step, steps) = (self.step, self.steps);
         if step >= steps || steps > MAX_STEPS as u32 {
             return Err(SubGoalError::Step { step, steps });
@@ -119,34 +182,52 @@ impl SubGoal {
         if !(0.0..=1.0).contains(&self.confidence) {
             return Err(SubGoalError::Confidence);
         }
-        Ok(())
+        let [x, y, z] = self.position;
+        let [i, j, k, w] = self.orientation;
+        let turned = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
+        Ok(Order::Move {
+            object,
+            pose: Isometry3::from_parts(Translation3::new(x, y, z), turned),
+        })
     }
 }
 
-/// The pose to bring the object to: world frame, metres.
-impl TryFrom<&SubGoal> for Isometry3<f32> {
-    type Error = SubGoalError;
-
-    fn try_from(sub_goal: &SubGoal) -> Result<Self, SubGoalError> {
-        sub_goal.check()?;
-        let [x, y, z] = sub_goal.position;
-        let [i, j, k, w] = sub_goal.orientation;
-        Ok(Self::from_parts(
-            Translation3::new(x, y, z),
-            UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k)),
-        ))
+impl From<&Command> for SubGoal {
+    fn from(command: &Command) -> Self {
+        let Command {
+            id,
+            step,
+            steps,
+            planned,
+        } = command;
+        let pose = &planned.sub_goal.pose;
+        Self {
+            plan: id.plan,
+            command: id.command,
+            kind: MOVE,
+            step: (*step).into(),
+            steps: (*steps).into(),
+            action: planned.action.into(),
+            object_id: planned.object.object,
+            reference_id: planned.reference.object,
+            confidence: planned.confidence.joint(),
+            position: pose.translation.vector.into(),
+            orientation: pose.rotation.coords.into(),
+            location: planned.location,
+        }
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::{SubGoal, SubGoalError};
-    use nalgebra::Isometry3;
+    use super::{CommandId, MOVE, Order, STOP, SubGoal, SubGoalError};
 
     /// A sub-goal that passes.
     pub(crate) fn sub_goal() -> SubGoal {
         SubGoal {
             plan: 7,
+            command: 1,
+            kind: MOVE,
             step: 1,
             steps: 2,
             action: 0,
@@ -161,16 +242,33 @@ pub(crate) mod tests {
 
     #[test]
     fn the_pose_keeps_position_and_the_order_of_the_quaternion() {
-        let pose = Isometry3::try_from(&sub_goal()).unwrap();
+        let Ok(Order::Move { object: 3, pose }) = sub_goal().read() else {
+            panic!("{:?}", sub_goal().read());
+        };
         assert_eq!(pose.translation.vector.as_slice(), [0.5, -0.1, 0.02]);
         let turned = pose.rotation.coords; // x, y, z, w
         assert!((turned.z - 0.6).abs() < 1e-6 && (turned.w - 0.8).abs() < 1e-6);
     }
 
     #[test]
+    fn a_stop_names_what_it_stops_and_nothing_else() {
+        let id = CommandId {
+            plan: 7,
+            command: 2,
+        };
+        let stop = SubGoal::stop(id);
+        assert_eq!(
+            (stop.id(), stop.kind, stop.read()),
+            (id, STOP, Ok(Order::Stop))
+        );
+    }
+
+    #[test]
     fn each_fault_is_named() {
         type Break = fn(&mut SubGoal);
-        let cases: [(Break, SubGoalError); 9] = [
+        let cases: [(Break, SubGoalError); 11] = [
+            (|s| s.command = 0, SubGoalError::NoCommand),
+            (|s| s.kind = 3, SubGoalError::Kind(3)),
             (|s| s.step = 2, SubGoalError::Step { step: 2, steps: 2 }),
             (|s| s.steps = 9, SubGoalError::Step { step: 1, steps: 9 }),
             (
@@ -196,10 +294,10 @@ pub(crate) mod tests {
         for (break_it, expected) in cases {
             let mut broken = sub_goal();
             break_it(&mut broken);
-            assert_eq!(broken.check(), Err(expected));
+            assert_eq!(broken.read(), Err(expected));
         }
         let mut broken = sub_goal();
         broken.orientation[3] = f32::NAN;
-        assert_eq!(broken.check(), Err(SubGoalError::NotNormalised));
+        assert_eq!(broken.read(), Err(SubGoalError::NotNormalised));
     }
 }

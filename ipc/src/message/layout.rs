@@ -5,8 +5,10 @@
 pub struct Field {
     /// Its name.
     pub name: &'static str,
-    /// Its type as written in the source, for people.
-    pub written_type: &'static str,
+    /// What it means, in Markdown.
+    pub doc: &'static str,
+    /// Its type.
+    pub element: Type,
     /// [`Element::KIND`] of its type.
     pub kind: u64,
     /// Bytes from the start of the message.
@@ -15,30 +17,54 @@ pub struct Field {
     pub size: usize,
 }
 
+/// The type of a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Type {
+    /// `u8`
+    U8,
+    /// `u32`
+    U32,
+    /// `u64`
+    U64,
+    /// `f32`
+    F32,
+    /// So many of a type, one behind the other.
+    Array(&'static Type, usize),
+    /// A message, by its [`Message::NAME`].
+    Message(&'static str),
+}
+
 /// What a message may be made of: integers, floats, arrays and messages, but no
 /// `bool`, `char` or enum, since not every byte is a valid one of those.
 pub trait Element: Copy {
+    /// For bindings.
+    const TYPE: Type;
     /// Tells element types apart.
     const KIND: u64;
 }
 
 impl Element for u8 {
+    const TYPE: Type = Type::U8;
     const KIND: u64 = hash_bytes(START, b"u8");
 }
 
 impl Element for u32 {
+    const TYPE: Type = Type::U32;
     const KIND: u64 = hash_bytes(START, b"u32");
 }
 
 impl Element for u64 {
+    const TYPE: Type = Type::U64;
     const KIND: u64 = hash_bytes(START, b"u64");
 }
 
 impl Element for f32 {
+    const TYPE: Type = Type::F32;
     const KIND: u64 = hash_bytes(START, b"f32");
 }
 
 impl<T: Element, const LENGTH: usize> Element for [T; LENGTH] {
+    const TYPE: Type = Type::Array(&T::TYPE, LENGTH);
     const KIND: u64 = hash_number(T::KIND, LENGTH as u64);
 }
 
@@ -47,6 +73,10 @@ impl<T: Element, const LENGTH: usize> Element for [T; LENGTH] {
 /// Implemented by this crate's `message!` alone, which also makes it a compile
 /// error when there is padding between or behind the fields.
 pub trait Message: Copy {
+    /// The struct's name.
+    const NAME: &'static str;
+    /// What the message is, in Markdown.
+    const DOC: &'static str;
     /// What iceoryx2 compares: `nsrm.v<schema>.<name>.<hash>`, the hash being
     /// [`Message::LAYOUT_HASH`] in hexadecimal.
     const TYPE_NAME: &'static str;
@@ -107,39 +137,46 @@ pub(crate) const fn has_padding<T: Message>() -> bool {
 /// `ZeroCopySend` must be in scope.
 macro_rules! message {
     (
-        $(#[$attribute:meta])*
+        $(#[doc = $doc:literal])*
+        $(#[derive($($derive:ident),*)])?
         $type_name:literal
         $visibility:vis struct $name:ident {
-            $($(#[$field_attribute:meta])* pub $field:ident: $type:ty,)*
+            $($(#[doc = $field_doc:literal])* pub $field:ident: $type:ty,)*
         }
     ) => {
-        $(#[$attribute])*
+        $(#[doc = $doc])*
+        $(#[derive($($derive),*)])?
         #[repr(C)]
         #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
         #[type_name($type_name)]
         $visibility struct $name {
-            $($(#[$field_attribute])* pub $field: $type,)*
+            $($(#[doc = $field_doc])* pub $field: $type,)*
         }
 
-        impl $crate::layout::Message for $name {
+        impl $crate::message::layout::Message for $name {
+            const NAME: &'static str = stringify!($name);
+            const DOC: &'static str = concat!($($doc, "\n"),*);
             const TYPE_NAME: &'static str = $type_name;
-            const FIELDS: &'static [$crate::layout::Field] = &[
-                $($crate::layout::Field {
+            const FIELDS: &'static [$crate::message::layout::Field] = &[
+                $($crate::message::layout::Field {
                     name: stringify!($field),
-                    written_type: stringify!($type),
-                    kind: <$type as $crate::layout::Element>::KIND,
+                    doc: concat!($($field_doc, "\n"),*),
+                    element: <$type as $crate::message::layout::Element>::TYPE,
+                    kind: <$type as $crate::message::layout::Element>::KIND,
                     offset: core::mem::offset_of!($name, $field),
                     size: size_of::<$type>(),
                 },)*
             ];
         }
 
-        impl $crate::layout::Element for $name {
-            const KIND: u64 = <Self as $crate::layout::Message>::LAYOUT_HASH;
+        impl $crate::message::layout::Element for $name {
+            const TYPE: $crate::message::layout::Type =
+                $crate::message::layout::Type::Message(stringify!($name));
+            const KIND: u64 = <Self as $crate::message::layout::Message>::LAYOUT_HASH;
         }
 
         const _: () = assert!(
-            !$crate::layout::has_padding::<$name>(),
+            !$crate::message::layout::has_padding::<$name>(),
             concat!(stringify!($name), " has padding: add a reserved field")
         );
     };

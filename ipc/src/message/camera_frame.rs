@@ -6,8 +6,8 @@ use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::MAX_OBJECTS;
 use nsrm_core::camera::{Camera, CameraError};
 
-use crate::layout::message;
-use crate::scene::CameraMessage;
+use super::layout::message;
+use super::scene::CameraMessage;
 
 message! {
     /// An object that a detector has found in the image.
@@ -135,7 +135,7 @@ impl CameraFrame {
 #[cfg(test)]
 mod tests {
     use super::{CameraFrame, CameraFrameError, DetectedBox};
-    use crate::scene::CameraMessage;
+    use crate::message::CameraMessage;
     use nsrm_core::MAX_OBJECTS;
 
     fn frame(width: u32, height: u32) -> CameraFrame {

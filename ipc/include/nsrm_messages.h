@@ -1,0 +1,351 @@
+/* The messages that cross processes.
+ * Written by `cargo run -p nsrm-ipc --bin nsrm-bindings`; do not edit. */
+
+#ifndef NSRM_MESSAGES_H
+#define NSRM_MESSAGES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+#define NSRM_ASSERT(condition, text) static_assert(condition, text)
+#define NSRM_ALIGN_OF(type) alignof(type)
+#else
+#define NSRM_ASSERT(condition, text) _Static_assert(condition, text)
+#define NSRM_ALIGN_OF(type) _Alignof(type)
+#endif
+
+/** Intrinsics and pose of a camera: pinhole without distortion; see
+ *  `nsrm_core::camera::Camera`. */
+typedef struct nsrm_camera_message {
+    /** Width of the image in pixels. */
+    uint32_t width;
+    /** Height of the image in pixels. */
+    uint32_t height;
+    /** Focal length along x in pixels. */
+    float fx;
+    /** Focal length along y in pixels. */
+    float fy;
+    /** Principal point's x in pixels, from the image's left edge. */
+    float cx;
+    /** Principal point's y in pixels, from the image's upper edge. */
+    float cy;
+    /** Origin of the optical frame in the world's frame, metres. */
+    float position[3];
+    /** Orientation of the optical frame in the world's frame: x, y, z, w. */
+    float orientation[4];
+} nsrm_camera_message;
+#define NSRM_CAMERA_MESSAGE_TYPE_NAME "nsrm.v1.CameraMessage.8b20698258a5e70e"
+NSRM_ASSERT(sizeof(nsrm_camera_message) == 52, "size of nsrm_camera_message");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_camera_message) == 4, "alignment of nsrm_camera_message");
+NSRM_ASSERT(offsetof(nsrm_camera_message, width) == 0, "offset of width");
+NSRM_ASSERT(offsetof(nsrm_camera_message, height) == 4, "offset of height");
+NSRM_ASSERT(offsetof(nsrm_camera_message, fx) == 8, "offset of fx");
+NSRM_ASSERT(offsetof(nsrm_camera_message, fy) == 12, "offset of fy");
+NSRM_ASSERT(offsetof(nsrm_camera_message, cx) == 16, "offset of cx");
+NSRM_ASSERT(offsetof(nsrm_camera_message, cy) == 20, "offset of cy");
+NSRM_ASSERT(offsetof(nsrm_camera_message, position) == 24, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_camera_message, orientation) == 36, "offset of orientation");
+
+/** An object that a detector has found in the image. */
+typedef struct nsrm_detected_box {
+    /** Who it is across frames; not zero. */
+    uint32_t id;
+    /** Corners x1, y1, x2, y2 as fractions of the image's width and height. */
+    float corners[4];
+    /** Mean depth of its visible pixels along the optical axis, metres. */
+    float depth_m;
+} nsrm_detected_box;
+#define NSRM_DETECTED_BOX_TYPE_NAME "nsrm.v1.DetectedBox.2dea6018fe92363c"
+NSRM_ASSERT(sizeof(nsrm_detected_box) == 24, "size of nsrm_detected_box");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_detected_box) == 4, "alignment of nsrm_detected_box");
+NSRM_ASSERT(offsetof(nsrm_detected_box, id) == 0, "offset of id");
+NSRM_ASSERT(offsetof(nsrm_detected_box, corners) == 4, "offset of corners");
+NSRM_ASSERT(offsetof(nsrm_detected_box, depth_m) == 20, "offset of depth_m");
+
+/** Header of a frame (service `camera`); the bytes of the image follow as a
+ *  slice: RGB rows first, depth rows behind them, both without gaps.
+ *
+ *  RGB: three bytes a pixel. Depth: one little-endian `f32` a pixel, metres
+ *  along the optical axis, 0 where nothing was measured. */
+typedef struct nsrm_camera_frame {
+    /** Counts up with each frame of one publisher. */
+    uint64_t sequence;
+    /** When the image was taken, nanoseconds on the publisher's clock. */
+    uint64_t timestamp_ns;
+    /** The camera. */
+    nsrm_camera_message camera;
+    /** How many of `boxes` are there. */
+    uint32_t count;
+    /** What the detector found. */
+    nsrm_detected_box boxes[16];
+} nsrm_camera_frame;
+#define NSRM_CAMERA_FRAME_TYPE_NAME "nsrm.v1.CameraFrame.2783e9d9133185fc"
+NSRM_ASSERT(sizeof(nsrm_camera_frame) == 456, "size of nsrm_camera_frame");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_camera_frame) == 8, "alignment of nsrm_camera_frame");
+NSRM_ASSERT(offsetof(nsrm_camera_frame, sequence) == 0, "offset of sequence");
+NSRM_ASSERT(offsetof(nsrm_camera_frame, timestamp_ns) == 8, "offset of timestamp_ns");
+NSRM_ASSERT(offsetof(nsrm_camera_frame, camera) == 16, "offset of camera");
+NSRM_ASSERT(offsetof(nsrm_camera_frame, count) == 68, "offset of count");
+NSRM_ASSERT(offsetof(nsrm_camera_frame, boxes) == 72, "offset of boxes");
+
+/** An object as the camera sees it. */
+typedef struct nsrm_object_message {
+    /** Who it is across scenes; not zero. */
+    uint32_t id;
+    /** Box corners x1, y1, x2, y2 as fractions of the image's width and
+     *  height, then mean depth in metres. */
+    float location[5];
+    /** What the crop encoder made of it. */
+    float embedding[64];
+} nsrm_object_message;
+#define NSRM_OBJECT_MESSAGE_TYPE_NAME "nsrm.v1.ObjectMessage.74f496911c7af3de"
+NSRM_ASSERT(sizeof(nsrm_object_message) == 280, "size of nsrm_object_message");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_object_message) == 4, "alignment of nsrm_object_message");
+NSRM_ASSERT(offsetof(nsrm_object_message, id) == 0, "offset of id");
+NSRM_ASSERT(offsetof(nsrm_object_message, location) == 4, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_object_message, embedding) == 24, "offset of embedding");
+
+/** The latest scene (service `scene`). The bytes are those of core's
+ *  `RawScene`; `SceneMessage::to_scene` checks them. */
+typedef struct nsrm_scene_message {
+    /** Version of this layout: `nsrm_core::scene::SCENE_SCHEMA`. */
+    uint32_t schema;
+    /** Frame of reference of the camera's pose. */
+    uint32_t frame;
+    /** Tag of the model whose encoder made the embeddings. */
+    uint64_t model_tag;
+    /** Counts up with each scene of one publisher. */
+    uint64_t sequence;
+    /** When the image was taken, nanoseconds on the publisher's clock. */
+    uint64_t timestamp_ns;
+    /** The camera that saw it. */
+    nsrm_camera_message camera;
+    /** How many of `objects` are there. */
+    uint32_t count;
+    /** The objects. */
+    nsrm_object_message objects[16];
+} nsrm_scene_message;
+#define NSRM_SCENE_MESSAGE_TYPE_NAME "nsrm.v1.SceneMessage.44a4c1a31d84fbc0"
+NSRM_ASSERT(sizeof(nsrm_scene_message) == 4568, "size of nsrm_scene_message");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_scene_message) == 8, "alignment of nsrm_scene_message");
+NSRM_ASSERT(offsetof(nsrm_scene_message, schema) == 0, "offset of schema");
+NSRM_ASSERT(offsetof(nsrm_scene_message, frame) == 4, "offset of frame");
+NSRM_ASSERT(offsetof(nsrm_scene_message, model_tag) == 8, "offset of model_tag");
+NSRM_ASSERT(offsetof(nsrm_scene_message, sequence) == 16, "offset of sequence");
+NSRM_ASSERT(offsetof(nsrm_scene_message, timestamp_ns) == 24, "offset of timestamp_ns");
+NSRM_ASSERT(offsetof(nsrm_scene_message, camera) == 32, "offset of camera");
+NSRM_ASSERT(offsetof(nsrm_scene_message, count) == 84, "offset of count");
+NSRM_ASSERT(offsetof(nsrm_scene_message, objects) == 88, "offset of objects");
+
+/** Asks for a sentence to be followed. */
+typedef struct nsrm_plan_request {
+    /** Who asks: a number that it has drawn at random. */
+    uint64_t asker;
+    /** Number of the request, the asker's own. */
+    uint64_t sequence;
+    /** How far it is to be followed: 1 to say what would be done, 2 to do it
+     *  and look after each step, 3 to do it without looking; 4 to cancel the
+     *  request of this number. */
+    uint32_t purpose;
+    /** Bytes of the sentence; 0 to cancel. */
+    uint32_t sentence_length;
+    /** The sentence in UTF-8. */
+    uint8_t sentence[4096];
+} nsrm_plan_request;
+#define NSRM_PLAN_REQUEST_TYPE_NAME "nsrm.v1.PlanRequest.49797f639851b5df"
+NSRM_ASSERT(sizeof(nsrm_plan_request) == 4120, "size of nsrm_plan_request");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_request) == 8, "alignment of nsrm_plan_request");
+NSRM_ASSERT(offsetof(nsrm_plan_request, asker) == 0, "offset of asker");
+NSRM_ASSERT(offsetof(nsrm_plan_request, sequence) == 8, "offset of sequence");
+NSRM_ASSERT(offsetof(nsrm_plan_request, purpose) == 16, "offset of purpose");
+NSRM_ASSERT(offsetof(nsrm_plan_request, sentence_length) == 20, "offset of sentence_length");
+NSRM_ASSERT(offsetof(nsrm_plan_request, sentence) == 24, "offset of sentence");
+
+/** A step as understood and, where it is still to be done, as grounded. */
+typedef struct nsrm_step_message {
+    /** Index of the action in the model. */
+    uint32_t action;
+    /** How many concepts describe the object to be moved. */
+    uint32_t object_count;
+    /** Those concepts, by their index in the model; 0 behind the last. */
+    uint8_t object[4];
+    /** How many concepts describe the reference. */
+    uint32_t reference_count;
+    /** Those concepts. */
+    uint8_t reference[4];
+    /** Id of the object to be moved; 0 where the step is not grounded, and
+     *  then all below is 0. */
+    uint32_t object_id;
+    /** Id of the reference. */
+    uint32_t reference_id;
+    /** How well the object fits its description, a cosine. */
+    float object_score;
+    /** How well the reference fits. */
+    float reference_score;
+    /** Probability of each choice: split, action, words of the object, words
+     *  of the reference, object, reference. */
+    float confidence[6];
+    /** Where the object's centre is to be: world frame, metres. */
+    float position[3];
+    /** How it is to be turned, world frame: x, y, z, w. */
+    float orientation[4];
+    /** Where the camera will see it, as predicted: x1, y1, x2, y2 as
+     *  fractions of the image, mean depth in metres. */
+    float location[5];
+} nsrm_step_message;
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.9da5fff08c49f54d"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 108, "size of nsrm_step_message");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
+NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, object) == 8, "offset of object");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 12, "offset of reference_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 16, "offset of reference");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 20, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 24, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 28, "offset of object_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 32, "offset of reference_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 36, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 60, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 72, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 88, "offset of location");
+
+/** What has become of a `PlanRequest`. */
+typedef struct nsrm_plan_reply {
+    /** Who asked. */
+    uint64_t asker;
+    /** Number of the request. */
+    uint64_t request;
+    /** Number of the plan; 0 if there is none. */
+    uint64_t plan;
+    /** Counts the replies to a request from 1: a gap is a loss. */
+    uint32_t number;
+    /** What has happened: the number of a `Status`. */
+    uint32_t status;
+    /** Which step it is about, from 0. */
+    uint32_t step;
+    /** How many steps the program has; from 1 when planned, else 0. */
+    uint32_t count;
+    /** Why not: place in `REASONS` from 1; 0 where all is well. */
+    uint32_t reason;
+    /** How far from its sub-goal an object was seen, metres. */
+    float off_m;
+    /** Bytes of the message. */
+    uint32_t message_length;
+    /** Always 0. */
+    uint32_t reserved;
+    /** For a person, in UTF-8: the program in the paper's notation when
+     *  planned, else why not. */
+    uint8_t message[1024];
+    /** The program's steps when planned. */
+    nsrm_step_message steps[8];
+} nsrm_plan_reply;
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 1944, "size of nsrm_plan_reply");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, asker) == 0, "offset of asker");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, plan) == 16, "offset of plan");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, number) == 24, "offset of number");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, status) == 28, "offset of status");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, step) == 32, "offset of step");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, count) == 36, "offset of count");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, reason) == 40, "offset of reason");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, off_m) == 44, "offset of off_m");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, message_length) == 48, "offset of message_length");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, reserved) == 52, "offset of reserved");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, message) == 56, "offset of message");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, steps) == 1080, "offset of steps");
+
+/** A command (service `sub_goal`): bring an object to its sub-goal, or stop
+ *  doing so. Each is acknowledged by a `crate::message::Feedback`; one that
+ *  comes again is answered again and not carried out again. */
+typedef struct nsrm_sub_goal {
+    /** Number of the plan; a later plan has a greater one. */
+    uint64_t plan;
+    /** Counts the plan's commands from 1; a stop has that of what it stops. */
+    uint32_t command;
+    /** 1: bring the object there; 2: stop, and all below is 0. */
+    uint32_t kind;
+    /** Place in the plan, from 0. */
+    uint32_t step;
+    /** Steps of the plan. */
+    uint32_t steps;
+    /** Index of the action in the model. */
+    uint32_t action;
+    /** The object to be moved. */
+    uint32_t object_id;
+    /** The object in relation to which it is moved. */
+    uint32_t reference_id;
+    /** Product of the step's probabilities, 0 to 1. */
+    float confidence;
+    /** Where the object's centre is to be: world frame, metres. */
+    float position[3];
+    /** How it is to be turned, world frame: x, y, z, w. */
+    float orientation[4];
+    /** Where the camera will see it, as predicted: x1, y1, x2, y2 as
+     *  fractions of the image, mean depth in metres. */
+    float location[5];
+} nsrm_sub_goal;
+#define NSRM_SUB_GOAL_TYPE_NAME "nsrm.v1.SubGoal.b3fc81ef4ff94c01"
+NSRM_ASSERT(sizeof(nsrm_sub_goal) == 88, "size of nsrm_sub_goal");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_sub_goal) == 8, "alignment of nsrm_sub_goal");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, plan) == 0, "offset of plan");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, command) == 8, "offset of command");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, kind) == 12, "offset of kind");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, step) == 16, "offset of step");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, steps) == 20, "offset of steps");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, action) == 24, "offset of action");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, object_id) == 28, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, reference_id) == 32, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, confidence) == 36, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, position) == 40, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, orientation) == 52, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, location) == 68, "offset of location");
+
+/** How a command went (service `feedback`). */
+typedef struct nsrm_feedback {
+    /** Number of the plan, as in `crate::message::SubGoal::plan`. */
+    uint64_t plan;
+    /** Counts up with each feedback of one controller: a gap is a loss. */
+    uint64_t sequence;
+    /** When it was so, nanoseconds on the sender's clock. */
+    uint64_t timestamp_ns;
+    /** Number of the command, as in `crate::message::SubGoal::command`. */
+    uint32_t command;
+    /** How it went: the number of an `Outcome`. */
+    uint32_t outcome;
+} nsrm_feedback;
+#define NSRM_FEEDBACK_TYPE_NAME "nsrm.v1.Feedback.de461e2b7225b913"
+NSRM_ASSERT(sizeof(nsrm_feedback) == 32, "size of nsrm_feedback");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_feedback) == 8, "alignment of nsrm_feedback");
+NSRM_ASSERT(offsetof(nsrm_feedback, plan) == 0, "offset of plan");
+NSRM_ASSERT(offsetof(nsrm_feedback, sequence) == 8, "offset of sequence");
+NSRM_ASSERT(offsetof(nsrm_feedback, timestamp_ns) == 16, "offset of timestamp_ns");
+NSRM_ASSERT(offsetof(nsrm_feedback, command) == 24, "offset of command");
+NSRM_ASSERT(offsetof(nsrm_feedback, outcome) == 28, "offset of outcome");
+
+/** A sign of life. */
+typedef struct nsrm_heartbeat {
+    /** Counts up with each heartbeat of one node. */
+    uint64_t sequence;
+    /** When it was sent, nanoseconds on the sender's clock. */
+    uint64_t timestamp_ns;
+    /** When the node was started: tells it from one started in its place. */
+    uint64_t started_ns;
+    /** Who sends: the number of a `Role`. */
+    uint32_t role;
+    /** What it does: the number of a `State`. */
+    uint32_t state;
+} nsrm_heartbeat;
+#define NSRM_HEARTBEAT_TYPE_NAME "nsrm.v1.Heartbeat.4ac013d523272913"
+NSRM_ASSERT(sizeof(nsrm_heartbeat) == 32, "size of nsrm_heartbeat");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_heartbeat) == 8, "alignment of nsrm_heartbeat");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, sequence) == 0, "offset of sequence");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, timestamp_ns) == 8, "offset of timestamp_ns");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, started_ns) == 16, "offset of started_ns");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, role) == 24, "offset of role");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, state) == 28, "offset of state");
+
+#endif /* NSRM_MESSAGES_H */

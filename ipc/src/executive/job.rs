@@ -1,0 +1,462 @@
+//! One sentence on its way: from its words to its last step.
+
+use nsrm_core::language::{Parsed, ParsingTask};
+use nsrm_core::planner::GroundingTask;
+use nsrm_core::scene::Scene;
+use nsrm_core::{MAX_STEPS, Plan, Planner, Progress, Refusal};
+
+use super::failure::Failure;
+use super::limits::Limits;
+use super::looking::{Looking, too_old};
+use super::{Command, CommandId, Event, Mode, Sentence};
+use crate::message::{Outcome, Report};
+
+/// A sentence being carried out. Steps count from 0.
+#[derive(Debug)]
+pub(super) struct Job<'m> {
+    planner: Planner<'m>,
+    pub(super) number: u64,
+    mode: Mode,
+    parsed: Parsed,
+    plan: Plan,
+    /// The step that is next, or on its way.
+    step: usize,
+    retries: u8,
+    commands: u32,
+    /// What each step so far has put where, as long as no other took it elsewhere.
+    placed: [Option<Placed>; MAX_STEPS],
+    cancelled: bool,
+    stage: Stage<'m>,
+}
+
+/// An object where a step has put it.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    object: u32,
+    position: [f32; 3],
+}
+
+/// What comes next.
+#[derive(Debug)]
+// A job has one stage, and there is one job.
+#[allow(clippy::large_enum_variant)]
+enum Stage<'m> {
+    Parse(ParsingTask<'m, Sentence>),
+    /// A scene seen later than this is waited for.
+    Look {
+        after_ns: u64,
+        since_ns: u64,
+        purpose: Purpose,
+    },
+    Ground {
+        task: GroundingTask<'m, Scene, Parsed>,
+        taken_ns: u64,
+        since_ns: u64,
+    },
+    /// The next step of the plan is commanded.
+    Send,
+    /// Its outcome is waited for.
+    Commanded {
+        command: Command,
+        since_ns: u64,
+        heard: Heard,
+    },
+    /// A stop was sent; then the sentence ends so.
+    Stopping {
+        id: CommandId,
+        since_ns: u64,
+        confirmed: bool,
+        why: Failure,
+    },
+    Finished,
+}
+
+/// What a scene is waited for.
+#[derive(Debug, Clone, Copy)]
+enum Purpose {
+    /// To ground what is left.
+    Ground,
+    /// To see whether the steps so far did what they should; one of their objects
+    /// may have been missing in the scenes so far.
+    Verify { missing: Option<(u8, u32)> },
+}
+
+/// What was heard of a command.
+#[derive(Debug, Clone, Copy)]
+enum Heard {
+    Nothing,
+    Accepted,
+    Ended {
+        outcome: Outcome,
+        at_ns: u64,
+    },
+    /// No more of it: the controller died.
+    Lost,
+    /// It never got there.
+    Undelivered,
+}
+
+impl<'m> Job<'m> {
+    pub(super) fn new(planner: Planner<'m>, number: u64, sentence: Sentence, mode: Mode) -> Self {
+        Self {
+            planner,
+            number,
+            mode,
+            parsed: Parsed::default(),
+            plan: Plan::default(),
+            step: 0,
+            retries: 0,
+            commands: 0,
+            placed: [None; MAX_STEPS],
+            cancelled: false,
+            stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
+        }
+    }
+
+    pub(super) fn cancel(&mut self) {
+        self.cancelled = true;
+    }
+
+    pub(super) fn hear(&mut self, report: &Report, now_ns: u64) {
+        match &mut self.stage {
+            Stage::Commanded {
+                command,
+                since_ns,
+                heard,
+            } if command.id == report.id => match report.outcome {
+                Outcome::Accepted => {
+                    *heard = Heard::Accepted;
+                    *since_ns = now_ns;
+                }
+                outcome => {
+                    let at_ns = report.timestamp_ns;
+                    *heard = Heard::Ended { outcome, at_ns };
+                }
+            },
+            Stage::Stopping { id, confirmed, .. } if *id == report.id => {
+                *confirmed |= report.outcome != Outcome::Accepted;
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn lose_controller(&mut self) {
+        if let Stage::Commanded { heard, .. } = &mut self.stage
+            && matches!(heard, Heard::Nothing | Heard::Accepted)
+        {
+            *heard = Heard::Lost;
+        }
+    }
+
+    pub(super) fn miss_controller(&mut self) {
+        if let Stage::Commanded { heard, .. } = &mut self.stage {
+            *heard = Heard::Undelivered;
+        }
+    }
+
+    pub(super) fn poll(&mut self, looking: &mut Looking, limits: &Limits, now_ns: u64) -> Event {
+        self.advance(looking, limits, now_ns)
+            .unwrap_or_else(|failure| Event::Ended(Err(failure)))
+    }
+
+    fn advance(
+        &mut self,
+        looking: &mut Looking,
+        limits: &Limits,
+        now_ns: u64,
+    ) -> Result<Event, Failure> {
+        if self.cancelled && !matches!(self.stage, Stage::Stopping { .. }) {
+            return self.stop(Failure::Cancelled, now_ns);
+        }
+        match &mut self.stage {
+            Stage::Parse(task) => {
+                let Progress::Done(parsed) = task.poll() else {
+                    return Ok(Event::Working);
+                };
+                self.parsed = parsed.map_err(Failure::Refused)?.clone();
+                self.look(0, now_ns, Purpose::Ground);
+                Ok(Event::Working)
+            }
+            &mut Stage::Look {
+                after_ns,
+                since_ns,
+                purpose,
+            } => {
+                if let Some(scene) = looking.look(after_ns, limits, now_ns) {
+                    return match purpose {
+                        Purpose::Ground => Ok(self.ground(scene, since_ns)),
+                        Purpose::Verify { .. } => self.verify(&scene, after_ns, since_ns, limits),
+                    };
+                }
+                if now_ns.saturating_sub(since_ns) <= limits.scene_wait_ns {
+                    return Ok(Event::Waiting);
+                }
+                let Purpose::Verify {
+                    missing: Some((step, object)),
+                } = purpose
+                else {
+                    let last = looking.fault();
+                    return Err(Failure::NoScene { last });
+                };
+                let event = self.again(Failure::NotSeen { step, object }, limits)?;
+                self.look(after_ns, now_ns, Purpose::Ground);
+                Ok(event)
+            }
+            &mut Stage::Ground {
+                ref mut task,
+                taken_ns,
+                since_ns,
+            } => {
+                let Progress::Done(plan) = task.poll() else {
+                    return Ok(Event::Working);
+                };
+                self.plan = plan.map_err(Failure::Refused)?;
+                if too_old(taken_ns, limits, now_ns).is_some() {
+                    // By now: grounding took its time.
+                    self.stage = Stage::Look {
+                        after_ns: taken_ns,
+                        since_ns,
+                        purpose: Purpose::Ground,
+                    };
+                    return Ok(Event::Working);
+                }
+                self.stage = match self.mode {
+                    Mode::PlanOnly => Stage::Finished,
+                    Mode::ClosedLoop | Mode::OpenLoop => Stage::Send,
+                };
+                Ok(Event::Planned(self.plan.clone()))
+            }
+            Stage::Send => self.send(now_ns),
+            &mut Stage::Commanded {
+                command,
+                since_ns,
+                heard,
+            } => {
+                let (step, waited_ns) = (command.step, now_ns.saturating_sub(since_ns));
+                match heard {
+                    Heard::Nothing if waited_ns > limits.accept_wait_ns => {
+                        self.stop(Failure::NotAccepted { step }, now_ns)
+                    }
+                    Heard::Accepted if waited_ns > limits.move_wait_ns => {
+                        self.stop(Failure::NoOutcome { step }, now_ns)
+                    }
+                    Heard::Nothing | Heard::Accepted => Ok(Event::Waiting),
+                    Heard::Lost => Err(Failure::ControllerLost { step }),
+                    Heard::Undelivered => Err(Failure::NotAccepted { step }),
+                    Heard::Ended { outcome, at_ns } => {
+                        self.end_command(&command, outcome, at_ns, limits, now_ns)
+                    }
+                }
+            }
+            &mut Stage::Stopping {
+                since_ns,
+                confirmed,
+                why,
+                ..
+            } => {
+                if confirmed {
+                    return Err(why);
+                }
+                if now_ns.saturating_sub(since_ns) <= limits.accept_wait_ns {
+                    return Ok(Event::Waiting);
+                }
+                Err(match why {
+                    Failure::Cancelled => Failure::CancelledUnconfirmed,
+                    why => why,
+                })
+            }
+            Stage::Finished => Ok(Event::Ended(Ok(()))),
+        }
+    }
+
+    fn look(&mut self, after_ns: u64, since_ns: u64, purpose: Purpose) {
+        self.stage = Stage::Look {
+            after_ns,
+            since_ns,
+            purpose,
+        };
+    }
+
+    fn ground(&mut self, scene: Scene, since_ns: u64) -> Event {
+        let taken_ns = scene.header().timestamp_ns;
+        let parsed = self.parsed.clone();
+        let task = self.planner.begin_grounding(scene, parsed, self.step);
+        self.stage = Stage::Ground {
+            task,
+            taken_ns,
+            since_ns,
+        };
+        Event::Working
+    }
+
+    fn send(&mut self, now_ns: u64) -> Result<Event, Failure> {
+        let place = self.step.saturating_sub(self.plan.first());
+        let planned = self.plan.steps().get(place).copied();
+        // A plan has a step for each one left, and one was.
+        let planned = planned.ok_or(Failure::Refused(Refusal::InvalidModel))?;
+        self.commands = self.commands.saturating_add(1);
+        let command = Command {
+            id: CommandId {
+                plan: self.number,
+                command: self.commands,
+            },
+            // At most MAX_STEPS, both.
+            step: self.step as u8,
+            steps: self.steps() as u8,
+            planned,
+        };
+        self.stage = Stage::Commanded {
+            command,
+            since_ns: now_ns,
+            heard: Heard::Nothing,
+        };
+        Ok(Event::Command(command))
+    }
+
+    fn steps(&self) -> usize {
+        self.parsed.program.steps().len()
+    }
+
+    /// The controller says how a command went.
+    fn end_command(
+        &mut self,
+        command: &Command,
+        outcome: Outcome,
+        at_ns: u64,
+        limits: &Limits,
+        now_ns: u64,
+    ) -> Result<Event, Failure> {
+        let step = command.step;
+        if outcome != Outcome::Reached {
+            let failure = Failure::Unsuccessful { step, outcome };
+            if self.mode == Mode::OpenLoop || !outcome.may_be_tried_again() {
+                return Err(failure);
+            }
+            let event = self.again(failure, limits)?;
+            self.look(at_ns, now_ns, Purpose::Ground);
+            return Ok(event);
+        }
+        let sub_goal = &command.planned.sub_goal;
+        self.place(Placed {
+            object: sub_goal.object,
+            position: sub_goal.pose.translation.vector.into(),
+        });
+        if self.mode == Mode::OpenLoop {
+            self.advance_step(Stage::Send);
+            let off_m = f32::NAN;
+            return Ok(Event::Reached { step, off_m });
+        }
+        self.look(at_ns, now_ns, Purpose::Verify { missing: None });
+        Ok(Event::Working)
+    }
+
+    /// This step has put an object somewhere: no longer where others had put it.
+    fn place(&mut self, placed: Placed) {
+        for other in &mut self.placed {
+            if other.is_some_and(|other| other.object == placed.object) {
+                *other = None;
+            }
+        }
+        if let Some(place) = self.placed.get_mut(self.step) {
+            *place = Some(placed);
+        }
+    }
+
+    /// Whether all that was put somewhere is seen there; if not, goes back to the
+    /// first step for which that isn't so.
+    fn verify(
+        &mut self,
+        scene: &Scene,
+        after_ns: u64,
+        since_ns: u64,
+        limits: &Limits,
+    ) -> Result<Event, Failure> {
+        let mut off_m = 0.0;
+        for (step, placed) in (0..).zip(self.placed) {
+            let Some(Placed { object, position }) = placed else {
+                continue;
+            };
+            let Some(distance_m) = self.distance_m(scene, object, &position) else {
+                // An arm may hide it for a while.
+                let missing = Some((step, object));
+                let taken_ns = scene.header().timestamp_ns;
+                self.look(taken_ns, since_ns, Purpose::Verify { missing });
+                return Ok(Event::Working);
+            };
+            // Neither is one that is not a number.
+            let is_there = distance_m <= limits.tolerance_m;
+            if !is_there {
+                let failure = Failure::NotThere {
+                    step,
+                    object,
+                    off_m: distance_m,
+                };
+                let event = self.again(failure, limits)?;
+                for later in self.placed.iter_mut().skip(usize::from(step)) {
+                    *later = None;
+                }
+                self.step = usize::from(step);
+                self.look(after_ns, since_ns, Purpose::Ground);
+                return Ok(event);
+            }
+            off_m = distance_m;
+        }
+        // At most MAX_STEPS.
+        let step = self.step as u8;
+        self.advance_step(Stage::Look {
+            after_ns,
+            since_ns,
+            purpose: Purpose::Ground,
+        });
+        Ok(Event::Reached { step, off_m })
+    }
+
+    /// How far an object is seen from a position; `None` if it isn't seen.
+    fn distance_m(&self, scene: &Scene, object: u32, position: &[f32; 3]) -> Option<f32> {
+        let seen = scene.objects().iter().find(|seen| seen.id == object)?;
+        let map = self.planner.model().camera;
+        let centre = scene.camera().locate(map, &seen.location);
+        let offsets = centre.coords.iter().zip(position).map(|(a, b)| a - b);
+        Some(offsets.map(|offset| offset * offset).sum::<f32>().sqrt())
+    }
+
+    /// The step is done; this comes next, unless it was the last.
+    fn advance_step(&mut self, next: Stage<'m>) {
+        self.step = self.step.saturating_add(1);
+        self.stage = if self.step < self.steps() {
+            next
+        } else {
+            Stage::Finished
+        };
+    }
+
+    /// One retry less; the failure when none is left.
+    fn again(&mut self, why: Failure, limits: &Limits) -> Result<Event, Failure> {
+        if self.retries >= limits.retries {
+            return Err(why);
+        }
+        self.retries += 1;
+        // At most MAX_STEPS.
+        let step = self.step as u8;
+        Ok(Event::Again { step, why })
+    }
+
+    /// Ends so, once the controller has stopped, if it is at work.
+    fn stop(&mut self, why: Failure, now_ns: u64) -> Result<Event, Failure> {
+        let id = match &self.stage {
+            Stage::Commanded {
+                command,
+                heard: Heard::Nothing | Heard::Accepted,
+                ..
+            } => command.id,
+            _ => return Err(why),
+        };
+        self.stage = Stage::Stopping {
+            id,
+            since_ns: now_ns,
+            confirmed: false,
+            why,
+        };
+        Ok(Event::Stop(id))
+    }
+}

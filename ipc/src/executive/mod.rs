@@ -1,0 +1,219 @@
+//! The loop that closes: parses a sentence, grounds the step that is next in the
+//! scene as it is observed, commands it, looks at what came of it, and goes on,
+//! tries again or gives up with a reason.
+//!
+//! An [`Executive`] knows no process and no clock: it is told scenes, feedback and
+//! the time, and says what to do by [`Executive::poll`], a bounded piece of work a
+//! call. It never allocates.
+
+mod failure;
+mod job;
+mod limits;
+mod looking;
+
+pub use failure::{Failure, SceneFault};
+pub use limits::{Limits, LimitsError};
+
+use heapless::String;
+use nsrm_core::planner::PlannedStep;
+use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner};
+
+use crate::message::{Feedback, FeedbackError, SceneMessage};
+use job::Job;
+use looking::Looking;
+
+/// A sentence, as long as it may be.
+pub type Sentence = String<MAX_SENTENCE_BYTES>;
+
+/// How far a sentence is to be followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Say what would be done, and do nothing.
+    PlanOnly,
+    /// Ground each step in the scene observed after the one before it.
+    ClosedLoop,
+    /// Carry out the plan made at the beginning, as in the paper, without looking.
+    OpenLoop,
+}
+
+/// Who a command is, among all of one planner's and of those started before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CommandId {
+    /// Number of the plan; plans of later planners have greater ones.
+    pub plan: u64,
+    /// Counts the plan's commands from 1; a step tried again has another.
+    pub command: u32,
+}
+
+/// What the controller is to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// Who the command is.
+    pub id: CommandId,
+    /// Which step of the program, from 0.
+    pub step: u8,
+    /// How many steps the program has.
+    pub steps: u8,
+    /// Which object, and where to.
+    pub planned: PlannedStep,
+}
+
+/// What a call of [`Executive::poll`] has come to.
+#[derive(Debug, Clone, PartialEq)]
+#[must_use = "a command or a result would be lost"]
+// The largest is handed on once a plan.
+#[allow(clippy::large_enum_variant)]
+pub enum Event {
+    /// Nothing can be done until something arrives or time goes by.
+    Waiting,
+    /// A piece of work was done; more is left.
+    Working,
+    /// The sentence was understood and, from the step that is next on, grounded.
+    Planned(Plan),
+    /// To be sent to the controller.
+    Command(Command),
+    /// To be sent to the controller: this command is no longer wanted.
+    Stop(CommandId),
+    /// A step did what it should.
+    Reached {
+        /// Which, from 0.
+        step: u8,
+        /// How far from its sub-goal the object was seen, metres; without looking
+        /// not a number.
+        off_m: f32,
+    },
+    /// A step will be tried again.
+    Again {
+        /// Which, from 0.
+        step: u8,
+        /// What went wrong.
+        why: Failure,
+    },
+    /// The sentence was carried out, or why not.
+    Ended(Result<(), Failure>),
+}
+
+/// Another sentence is being carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Busy {
+    /// Number of its plan.
+    pub plan: u64,
+}
+
+impl core::fmt::Display for Busy {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "another sentence (plan {}) is being carried out: wait for it, or cancel it",
+            self.plan
+        )
+    }
+}
+
+impl core::error::Error for Busy {}
+
+/// Carries out one sentence at a time.
+#[derive(Debug)]
+pub struct Executive<'m> {
+    planner: Planner<'m>,
+    limits: Limits,
+    looking: Looking,
+    next_plan: u64,
+    job: Option<Job<'m>>,
+}
+
+impl<'m> Executive<'m> {
+    /// With nothing to do.
+    ///
+    /// * `first_plan`: number of its first plan; above those of any executive
+    ///   before it that the same controller has heard, such as the monotonic time
+    ///   in nanoseconds
+    pub fn new(model: &'m Model<'m>, limits: Limits, first_plan: u64) -> Self {
+        Self {
+            planner: Planner::new(model),
+            limits,
+            looking: Looking::new(),
+            next_plan: first_plan,
+            job: None,
+        }
+    }
+
+    /// The model.
+    pub const fn model(&self) -> &'m Model<'m> {
+        self.planner.model()
+    }
+
+    /// Number of the plan that is being carried out.
+    pub fn plan(&self) -> Option<u64> {
+        self.job.as_ref().map(|job| job.number)
+    }
+
+    /// Begins with a sentence; gives the number of its plan.
+    pub fn ask(&mut self, sentence: Sentence, mode: Mode) -> Result<u64, Busy> {
+        if let Some(plan) = self.plan() {
+            return Err(Busy { plan });
+        }
+        let plan = self.next_plan;
+        self.next_plan = plan.wrapping_add(1);
+        self.looking.forget_camera();
+        self.job = Some(Job::new(self.planner, plan, sentence, mode));
+        Ok(plan)
+    }
+
+    /// The sentence is no longer wanted: what moves is stopped, and
+    /// [`Failure::Cancelled`] ends it.
+    pub fn cancel(&mut self) {
+        if let Some(job) = &mut self.job {
+            job.cancel();
+        }
+    }
+
+    /// A scene has arrived; says why it won't be looked at, if so.
+    ///
+    /// Cost: the checks of [`SceneMessage::to_scene`] and a copy of 4.5 KB.
+    pub fn see(&mut self, message: &SceneMessage, now_ns: u64) -> Result<(), SceneFault> {
+        let model = self.planner.model();
+        self.looking.see(message, model, &self.limits, now_ns)
+    }
+
+    /// Feedback has arrived. What is about no command that is waited for changes
+    /// nothing.
+    pub fn hear(&mut self, feedback: &Feedback, now_ns: u64) -> Result<(), FeedbackError> {
+        let report = feedback.read()?;
+        if let Some(job) = &mut self.job {
+            job.hear(&report, now_ns);
+        }
+        Ok(())
+    }
+
+    /// The controller died, hangs, or is another one than before: what it was
+    /// doing has an unknown end.
+    pub fn lose_controller(&mut self) {
+        if let Some(job) = &mut self.job {
+            job.lose_controller();
+        }
+    }
+
+    /// The command of the last [`Event::Command`] could not be sent: no controller
+    /// is there, or it doesn't take its commands.
+    pub fn miss_controller(&mut self) {
+        if let Some(job) = &mut self.job {
+            job.miss_controller();
+        }
+    }
+
+    /// Does one piece of work, at most [`nsrm_core::planner::UNIT_MULTIPLY_ADDS`]
+    /// and a copy of a scene.
+    ///
+    /// * `now_ns`: the time, on the clock of the scenes and of the feedback
+    pub fn poll(&mut self, now_ns: u64) -> Event {
+        let Some(job) = &mut self.job else {
+            return Event::Waiting;
+        };
+        let event = job.poll(&mut self.looking, &self.limits, now_ns);
+        if matches!(event, Event::Ended(_)) {
+            self.job = None;
+        }
+        event
+    }
+}

@@ -1,0 +1,167 @@
+//! What a controller answers: how a sub-goal went.
+
+use core::fmt;
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use super::layout::message;
+use crate::executive::CommandId;
+
+message! {
+    /// How a command went (service `feedback`).
+    "nsrm.v1.Feedback.de461e2b7225b913"
+    pub struct Feedback {
+        /// Number of the plan, as in [`crate::message::SubGoal::plan`].
+        pub plan: u64,
+        /// Counts up with each feedback of one controller: a gap is a loss.
+        pub sequence: u64,
+        /// When it was so, nanoseconds on the sender's clock.
+        pub timestamp_ns: u64,
+        /// Number of the command, as in [`crate::message::SubGoal::command`].
+        pub command: u32,
+        /// How it went: the number of an [`Outcome`].
+        pub outcome: u32,
+    }
+}
+
+/// How a command went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Outcome {
+    /// It will be carried out; another outcome follows.
+    Accepted = 1,
+    /// The object stands where it should.
+    Reached = 2,
+    /// No way there without a collision.
+    NoPath = 3,
+    /// The gripper did not get hold of the object.
+    NotGrasped = 4,
+    /// The object was lost on the way.
+    Dropped = 5,
+    /// Set down, but not where it should stand.
+    Misplaced = 6,
+    /// Stopped by a command, a person or a safety function.
+    Stopped = 7,
+    /// Another command is being carried out; this one won't be.
+    Busy = 8,
+    /// The command makes no sense, or its object isn't there; it won't be carried
+    /// out.
+    Impossible = 9,
+}
+
+impl Outcome {
+    /// All of them, in the order of their numbers, from 1.
+    pub const ALL: [Self; 9] = [
+        Self::Accepted,
+        Self::Reached,
+        Self::NoPath,
+        Self::NotGrasped,
+        Self::Dropped,
+        Self::Misplaced,
+        Self::Stopped,
+        Self::Busy,
+        Self::Impossible,
+    ];
+
+    /// What happened, for a person.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Accepted => "the controller has accepted it",
+            Self::Reached => "the object stands where it should",
+            Self::NoPath => "there is no way there without a collision",
+            Self::NotGrasped => "the gripper did not get hold of the object",
+            Self::Dropped => "the object was lost on the way",
+            Self::Misplaced => "the object was set down, but not where it should stand",
+            Self::Stopped => "the robot was stopped",
+            Self::Busy => "the controller carries out another command",
+            Self::Impossible => "the controller can't carry it out",
+        }
+    }
+
+    /// Whether it may go well when tried again.
+    pub const fn may_be_tried_again(self) -> bool {
+        matches!(self, Self::NotGrasped | Self::Dropped | Self::Misplaced)
+    }
+}
+
+/// What was heard of a command, checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Report {
+    /// Which command.
+    pub id: CommandId,
+    /// How it went.
+    pub outcome: Outcome,
+    /// When it was so, nanoseconds on the sender's clock.
+    pub timestamp_ns: u64,
+}
+
+/// Why a feedback is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FeedbackError {
+    /// No outcome has this number.
+    Outcome(u32),
+    /// Commands count from 1.
+    NoCommand,
+}
+
+impl fmt::Display for FeedbackError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Outcome(number) => write!(f, "feedback: {number} is no outcome"),
+            Self::NoCommand => f.write_str("feedback: command 0; commands count from 1"),
+        }
+    }
+}
+
+impl core::error::Error for FeedbackError {}
+
+impl Feedback {
+    /// What was heard, checked.
+    pub fn read(&self) -> Result<Report, FeedbackError> {
+        if self.command == 0 {
+            return Err(FeedbackError::NoCommand);
+        }
+        let outcome = Outcome::ALL
+            .into_iter()
+            .find(|outcome| *outcome as u32 == self.outcome)
+            .ok_or(FeedbackError::Outcome(self.outcome))?;
+        Ok(Report {
+            id: CommandId {
+                plan: self.plan,
+                command: self.command,
+            },
+            outcome,
+            timestamp_ns: self.timestamp_ns,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CommandId, Feedback, FeedbackError, Outcome};
+
+    fn feedback(command: u32, outcome: u32) -> Feedback {
+        Feedback {
+            plan: 7,
+            sequence: 1,
+            timestamp_ns: 2,
+            command,
+            outcome,
+        }
+    }
+
+    #[test]
+    fn outcomes_come_back_and_other_numbers_are_refused() {
+        for (number, outcome) in (1..).zip(Outcome::ALL) {
+            let report = feedback(3, number).read().unwrap();
+            let (plan, command) = (7, 3);
+            assert_eq!(report.id, CommandId { plan, command });
+            assert_eq!((report.outcome, report.timestamp_ns), (outcome, 2));
+        }
+        for number in [0, 10, u32::MAX] {
+            let refused = feedback(3, number).read();
+            assert_eq!(refused, Err(FeedbackError::Outcome(number)));
+        }
+        assert_eq!(feedback(0, 2).read(), Err(FeedbackError::NoCommand));
+    }
+}

@@ -1,0 +1,23 @@
+//! The messages, a file for each service; what of them must be the same on both
+//! sides is in `layout.rs`.
+
+mod camera_frame;
+mod feedback;
+mod heartbeat;
+pub(crate) mod layout;
+mod number;
+mod plan;
+mod scene;
+mod sub_goal;
+mod text;
+
+pub use camera_frame::{CameraFrame, CameraFrameError, DetectedBox, Frame};
+pub use feedback::{Feedback, FeedbackError, Outcome, Report};
+pub use heartbeat::{Heartbeat, HeartbeatError, Role, State};
+pub use layout::{Element, Field, Message, Type};
+pub use plan::{
+    Asked, MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, PlanRequest, PlanRequestError, REASONS,
+    Reply, ReplyTo, Status, StepMessage,
+};
+pub use scene::{CameraMessage, ObjectMessage, SceneMessage};
+pub use sub_goal::{Order, SubGoal, SubGoalError};

@@ -1,0 +1,737 @@
+//! What a person asks of a robot, and what becomes of it (service `plan`): one
+//! [`PlanRequest`], then a [`PlanReply`] for each thing that happens, the last of
+//! which says how it ended.
+
+use core::fmt;
+
+use iceoryx2::prelude::ZeroCopySend;
+use nsrm_core::dsl::Description;
+use nsrm_core::planner::PlannedStep;
+use nsrm_core::{MAX_FILTERS, MAX_SENTENCE_BYTES, MAX_STEPS, Model, Plan};
+
+use super::layout::message;
+use super::number::{all_finite, is_unit};
+use super::text::{self, Clamped, TextFault};
+use crate::executive::{Event, Failure, Mode, Sentence};
+
+/// Bytes of a message for a person; a longer one is cut.
+pub const MAX_MESSAGE_BYTES: usize = 1024;
+
+message! {
+    /// Asks for a sentence to be followed.
+    "nsrm.v1.PlanRequest.49797f639851b5df"
+    pub struct PlanRequest {
+        /// Who asks: a number that it has drawn at random.
+        pub asker: u64,
+        /// Number of the request, the asker's own.
+        pub sequence: u64,
+        /// How far it is to be followed: 1 to say what would be done, 2 to do it
+        /// and look after each step, 3 to do it without looking; 4 to cancel the
+        /// request of this number.
+        pub purpose: u32,
+        /// Bytes of the sentence; 0 to cancel.
+        pub sentence_length: u32,
+        /// The sentence in UTF-8.
+        pub sentence: [u8; MAX_SENTENCE_BYTES],
+    }
+}
+
+message! {
+    /// A step as understood and, where it is still to be done, as grounded.
+    "nsrm.v1.StepMessage.9da5fff08c49f54d"
+    pub struct StepMessage {
+        /// Index of the action in the model.
+        pub action: u32,
+        /// How many concepts describe the object to be moved.
+        pub object_count: u32,
+        /// Those concepts, by their index in the model; 0 behind the last.
+        pub object: [u8; MAX_FILTERS],
+        /// How many concepts describe the reference.
+        pub reference_count: u32,
+        /// Those concepts.
+        pub reference: [u8; MAX_FILTERS],
+        /// Id of the object to be moved; 0 where the step is not grounded, and
+        /// then all below is 0.
+        pub object_id: u32,
+        /// Id of the reference.
+        pub reference_id: u32,
+        /// How well the object fits its description, a cosine.
+        pub object_score: f32,
+        /// How well the reference fits.
+        pub reference_score: f32,
+        /// Probability of each choice: split, action, words of the object, words
+        /// of the reference, object, reference.
+        pub confidence: [f32; 6],
+        /// Where the object's centre is to be: world frame, metres.
+        pub position: [f32; 3],
+        /// How it is to be turned, world frame: x, y, z, w.
+        pub orientation: [f32; 4],
+        /// Where the camera will see it, as predicted: x1, y1, x2, y2 as
+        /// fractions of the image, mean depth in metres.
+        pub location: [f32; 5],
+    }
+}
+
+message! {
+    /// What has become of a [`PlanRequest`].
+    "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
+    pub struct PlanReply {
+        /// Who asked.
+        pub asker: u64,
+        /// Number of the request.
+        pub request: u64,
+        /// Number of the plan; 0 if there is none.
+        pub plan: u64,
+        /// Counts the replies to a request from 1: a gap is a loss.
+        pub number: u32,
+        /// What has happened: the number of a [`Status`].
+        pub status: u32,
+        /// Which step it is about, from 0.
+        pub step: u32,
+        /// How many steps the program has; from 1 when planned, else 0.
+        pub count: u32,
+        /// Why not: place in [`REASONS`] from 1; 0 where all is well.
+        pub reason: u32,
+        /// How far from its sub-goal an object was seen, metres.
+        pub off_m: f32,
+        /// Bytes of the message.
+        pub message_length: u32,
+        /// Always 0.
+        pub reserved: u32,
+        /// For a person, in UTF-8: the program in the paper's notation when
+        /// planned, else why not.
+        pub message: [u8; MAX_MESSAGE_BYTES],
+        /// The program's steps when planned.
+        pub steps: [StepMessage; MAX_STEPS],
+    }
+}
+
+/// Why a request is not followed, by the names of [`nsrm_core::Refusal::kind`] and
+/// [`Failure::kind`], and of what the planner's node finds: a number in
+/// [`PlanReply::reason`] is a place in here, counted from 1.
+pub const REASONS: [&str; 29] = [
+    "no_words",
+    "unknown_word",
+    "sentence_too_long",
+    "too_many_concepts",
+    "too_many_steps",
+    "too_many_references",
+    "incomplete_step",
+    "same_reference",
+    "unsure",
+    "no_such_object",
+    "ambiguous",
+    "same_object",
+    "not_finite",
+    "outside_work_space",
+    "other_model",
+    "invalid_model",
+    "no_scene",
+    "not_accepted",
+    "no_outcome",
+    "controller_lost",
+    "unsuccessful",
+    "not_there",
+    "not_seen",
+    "cancelled",
+    "cancelled_unconfirmed",
+    "busy",
+    "bad_request",
+    "no_such_request",
+    "stopping",
+];
+
+/// What has become of a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Status {
+    /// It was understood and grounded; again before each step that is grounded anew.
+    Planned = 1,
+    /// A step was sent to the controller.
+    Commanded = 2,
+    /// A step did what it should.
+    Reached = 3,
+    /// A step did not, and is tried again.
+    Again = 4,
+    /// All is done. The last reply.
+    Done = 5,
+    /// It won't be followed, or not further. The last reply.
+    Failed = 6,
+}
+
+/// What is asked for, checked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+// One at a time, and handed on at once.
+#[allow(clippy::large_enum_variant)]
+pub enum Asked {
+    /// That a sentence be followed.
+    Follow {
+        /// The sentence.
+        sentence: Sentence,
+        /// How far.
+        mode: Mode,
+    },
+    /// That the request of this number be no longer followed.
+    Cancel,
+}
+
+/// Why a request is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlanRequestError {
+    /// More bytes than a request holds.
+    TooLong {
+        /// Bytes of the sentence.
+        length: usize,
+    },
+    /// The sentence is not UTF-8.
+    Utf8,
+    /// No such purpose.
+    Purpose(u32),
+}
+
+impl fmt::Display for PlanRequestError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLong { length } => write!(
+                f,
+                "plan request: a sentence of {length} bytes, at most {MAX_SENTENCE_BYTES} are read"
+            ),
+            Self::Utf8 => f.write_str("plan request: the sentence is not UTF-8"),
+            Self::Purpose(number) => write!(
+                f,
+                "plan request: {number} is no purpose; 1 plans, 2 carries out, 3 does so without \
+                 looking, 4 cancels"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for PlanRequestError {}
+
+/// [`PlanRequest::purpose`]: cancel.
+const CANCEL: u32 = 4;
+const MODES: [(u32, Mode); 3] = [
+    (1, Mode::PlanOnly),
+    (2, Mode::ClosedLoop),
+    (3, Mode::OpenLoop),
+];
+
+impl PlanRequest {
+    /// Asks for a sentence to be followed.
+    pub fn new(
+        asker: u64,
+        sequence: u64,
+        mode: Mode,
+        sentence: &str,
+    ) -> Result<Self, PlanRequestError> {
+        let length = sentence.len();
+        if length > MAX_SENTENCE_BYTES {
+            return Err(PlanRequestError::TooLong { length });
+        }
+        let purpose = match mode {
+            Mode::PlanOnly => 1,
+            Mode::ClosedLoop => 2,
+            Mode::OpenLoop => 3,
+        };
+        let text = Clamped::new(sentence);
+        Ok(Self {
+            asker,
+            sequence,
+            purpose,
+            sentence_length: text.length,
+            sentence: text.bytes,
+        })
+    }
+
+    /// Asks for the request of this number to be no longer followed.
+    pub const fn cancel(asker: u64, sequence: u64) -> Self {
+        Self {
+            asker,
+            sequence,
+            purpose: CANCEL,
+            sentence_length: 0,
+            sentence: [0; MAX_SENTENCE_BYTES],
+        }
+    }
+
+    /// What is asked for.
+    pub fn read(&self) -> Result<Asked, PlanRequestError> {
+        if self.purpose == CANCEL {
+            return Ok(Asked::Cancel);
+        }
+        let mode = MODES
+            .into_iter()
+            .find_map(|(number, mode)| (number == self.purpose).then_some(mode))
+            .ok_or(PlanRequestError::Purpose(self.purpose))?;
+        let too_long = PlanRequestError::TooLong {
+            length: self.sentence_length as usize,
+        };
+        let text = text::read(self.sentence_length, &self.sentence);
+        let text = text.map_err(|fault| match fault {
+            TextFault::Length => too_long,
+            TextFault::Utf8 => PlanRequestError::Utf8,
+        })?;
+        let sentence = Sentence::try_from(text).map_err(|_| too_long)?;
+        Ok(Asked::Follow { sentence, mode })
+    }
+}
+
+/// What a reply says, its parts still in place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reply<'a> {
+    /// The program, and what is left of it grounded.
+    Planned {
+        /// All steps of the program.
+        steps: &'a [StepMessage],
+        /// The program in the paper's notation.
+        program: &'a str,
+    },
+    /// A step was sent to the controller.
+    Commanded {
+        /// Which, from 0.
+        step: u32,
+    },
+    /// A step did what it should.
+    Reached {
+        /// Which, from 0.
+        step: u32,
+        /// How far from its sub-goal its object was seen, metres; not a number
+        /// where nobody looked.
+        off_m: f32,
+    },
+    /// A step is tried again.
+    Again {
+        /// Which, from 0.
+        step: u32,
+        /// One of [`REASONS`].
+        reason: &'static str,
+        /// For a person.
+        message: &'a str,
+    },
+    /// All is done.
+    Done,
+    /// It won't be followed, or not further.
+    Failed {
+        /// One of [`REASONS`].
+        reason: &'static str,
+        /// For a person.
+        message: &'a str,
+    },
+}
+
+/// Why a reply is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlanReplyError {
+    /// No such status.
+    Status(u32),
+    /// A program of no steps, or of more than there may be.
+    Count(u32),
+    /// No program has this step.
+    Step(u32),
+    /// A step of the program makes no sense.
+    Broken {
+        /// Which, from 0.
+        step: u32,
+    },
+    /// No such reason.
+    Reason(u32),
+    /// The message is no text.
+    Text,
+}
+
+impl fmt::Display for PlanReplyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Status(number) => write!(f, "plan reply: {number} is no status"),
+            Self::Count(count) => write!(
+                f,
+                "plan reply: a program of {count} steps, from 1 to {MAX_STEPS} are possible"
+            ),
+            Self::Step(step) => write!(
+                f,
+                "plan reply: step {step}; a program has at most {MAX_STEPS}, counted from 0"
+            ),
+            Self::Broken { step } => write!(
+                f,
+                "plan reply: step {step} has too many concepts, a number that is not finite, or \
+                 a quaternion not of length 1"
+            ),
+            Self::Reason(number) => write!(f, "plan reply: {number} is no reason"),
+            Self::Text => f.write_str("plan reply: the message is not UTF-8, or too long"),
+        }
+    }
+}
+
+impl core::error::Error for PlanReplyError {}
+
+/// Which request a reply is to, and which reply it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReplyTo {
+    /// Who asked.
+    pub asker: u64,
+    /// Number of the request.
+    pub request: u64,
+    /// Number of the plan; 0 if there is none.
+    pub plan: u64,
+    /// Counts the replies to a request from 1.
+    pub number: u32,
+}
+
+impl PlanReply {
+    const fn new(to: ReplyTo, status: Status) -> Self {
+        Self {
+            asker: to.asker,
+            request: to.request,
+            plan: to.plan,
+            number: to.number,
+            status: status as u32,
+            step: 0,
+            count: 0,
+            reason: 0,
+            off_m: 0.0,
+            message_length: 0,
+            reserved: 0,
+            message: [0; MAX_MESSAGE_BYTES],
+            steps: [StepMessage::EMPTY; MAX_STEPS],
+        }
+    }
+
+    /// What has happened, if it is for the one who asked.
+    ///
+    /// * `sentence`: the one that was asked, for the message
+    pub fn about(to: ReplyTo, event: &Event, model: &Model<'_>, sentence: &str) -> Option<Self> {
+        Some(match event {
+            Event::Waiting | Event::Working | Event::Stop(_) => return None,
+            Event::Planned(plan) => Self::planned(to, plan, model),
+            Event::Command(command) => Self {
+                step: command.step.into(),
+                ..Self::new(to, Status::Commanded)
+            },
+            &Event::Reached { step, off_m } => Self {
+                step: step.into(),
+                off_m,
+                ..Self::new(to, Status::Reached)
+            },
+            Event::Again { step, why } => Self {
+                step: (*step).into(),
+                ..Self::failed(to, Status::Again, why, model, sentence)
+            },
+            Event::Ended(Ok(())) => Self::new(to, Status::Done),
+            Event::Ended(Err(why)) => Self::failed(to, Status::Failed, why, model, sentence),
+        })
+    }
+
+    /// The node itself says no.
+    ///
+    /// * `reason`: one of [`REASONS`]
+    pub fn refused(to: ReplyTo, reason: &str, message: impl fmt::Display) -> Self {
+        Self::new(to, Status::Failed).because(reason, message)
+    }
+
+    fn failed(
+        to: ReplyTo,
+        status: Status,
+        why: &Failure,
+        model: &Model<'_>,
+        sentence: &str,
+    ) -> Self {
+        let reply = Self::new(to, status);
+        match why {
+            Failure::Refused(refusal) => {
+                reply.because(why.kind(), refusal.in_context(model, sentence))
+            }
+            _ => reply.because(why.kind(), why),
+        }
+    }
+
+    fn planned(to: ReplyTo, plan: &Plan, model: &Model<'_>) -> Self {
+        let program = plan.program().steps();
+        let mut reply = Self {
+            // At most MAX_STEPS.
+            count: program.len() as u32,
+            ..Self::new(to, Status::Planned)
+        }
+        .saying(plan.program().notation(model));
+        for (place, step) in reply.steps.iter_mut().zip(program) {
+            place.action = step.action.into();
+            (place.object_count, place.object) = concepts(&step.object);
+            (place.reference_count, place.reference) = concepts(&step.reference);
+        }
+        let left = reply.steps.iter_mut().skip(plan.first());
+        for (place, planned) in left.zip(plan.steps()) {
+            place.ground(planned);
+        }
+        reply
+    }
+
+    fn because(self, reason: &str, message: impl fmt::Display) -> Self {
+        let place = REASONS.iter().position(|known| *known == reason);
+        Self {
+            // Every reason is one of them: a test goes through all. They are few.
+            reason: place.map_or(0, |place| place as u32 + 1),
+            ..self.saying(message)
+        }
+    }
+
+    fn saying(self, message: impl fmt::Display) -> Self {
+        let text = Clamped::new(message);
+        Self {
+            message_length: text.length,
+            message: text.bytes,
+            ..self
+        }
+    }
+
+    /// What the reply says, checked.
+    pub fn read(&self) -> Result<Reply<'_>, PlanReplyError> {
+        let message = text::read(self.message_length, &self.message);
+        let message = message.map_err(|_| PlanReplyError::Text)?;
+        if self.step >= MAX_STEPS as u32 {
+            return Err(PlanReplyError::Step(self.step));
+        }
+        let reason = || {
+            let place = self.reason.checked_sub(1);
+            place
+                .and_then(|place| REASONS.get(place as usize).copied())
+                .ok_or(PlanReplyError::Reason(self.reason))
+        };
+        let step = self.step;
+        Ok(match self.status {
+            1 => Reply::Planned {
+                steps: self.read_steps()?,
+                program: message,
+            },
+            2 => Reply::Commanded { step },
+            3 => Reply::Reached {
+                step,
+                off_m: self.off_m,
+            },
+            4 => Reply::Again {
+                step,
+                reason: reason()?,
+                message,
+            },
+            5 => Reply::Done,
+            6 => Reply::Failed {
+                reason: reason()?,
+                message,
+            },
+            other => return Err(PlanReplyError::Status(other)),
+        })
+    }
+
+    fn read_steps(&self) -> Result<&[StepMessage], PlanReplyError> {
+        let steps = usize::try_from(self.count)
+            .ok()
+            .and_then(|count| self.steps.get(..count))
+            .filter(|steps| !steps.is_empty())
+            .ok_or(PlanReplyError::Count(self.count))?;
+        for (index, step) in (0..).zip(steps) {
+            if !step.makes_sense() {
+                return Err(PlanReplyError::Broken { step: index });
+            }
+        }
+        Ok(steps)
+    }
+}
+
+/// How many concepts a description has, and which.
+fn concepts(description: &Description) -> (u32, [u8; MAX_FILTERS]) {
+    let mut places = [0; MAX_FILTERS];
+    for (place, &concept) in places.iter_mut().zip(description.concepts()) {
+        *place = concept;
+    }
+    // At most MAX_FILTERS.
+    (description.concepts().len() as u32, places)
+}
+
+impl StepMessage {
+    const EMPTY: Self = Self {
+        action: 0,
+        object_count: 0,
+        object: [0; MAX_FILTERS],
+        reference_count: 0,
+        reference: [0; MAX_FILTERS],
+        object_id: 0,
+        reference_id: 0,
+        object_score: 0.0,
+        reference_score: 0.0,
+        confidence: [0.0; 6],
+        position: [0.0; 3],
+        orientation: [0.0; 4],
+        location: [0.0; 5],
+    };
+
+    fn ground(&mut self, planned: &PlannedStep) {
+        let (object, reference) = (&planned.object, &planned.reference);
+        let confidence = &planned.confidence;
+        let pose = &planned.sub_goal.pose;
+        self.object_id = object.object;
+        self.reference_id = reference.object;
+        self.object_score = object.score;
+        self.reference_score = reference.score;
+        self.confidence = [
+            confidence.split,
+            confidence.action,
+            confidence.object,
+            confidence.reference,
+            confidence.object_unique,
+            confidence.reference_unique,
+        ];
+        self.position = pose.translation.vector.into();
+        self.orientation = pose.rotation.coords.into();
+        self.location = planned.location;
+    }
+
+    /// Whether it is still to be done.
+    pub const fn is_grounded(&self) -> bool {
+        self.object_id != 0
+    }
+
+    fn makes_sense(&self) -> bool {
+        let counts = [self.object_count, self.reference_count];
+        let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32);
+        let numbers: [&[f32]; 4] = [
+            &self.position,
+            &self.location,
+            &self.confidence,
+            &[self.object_score, self.reference_score],
+        ];
+        let finite = numbers.into_iter().all(all_finite);
+        described && finite && (!self.is_grounded() || is_unit(&self.orientation))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nsrm_core::Refusal;
+
+    const TO: ReplyTo = ReplyTo {
+        asker: 1,
+        request: 7,
+        plan: 9,
+        number: 2,
+    };
+
+    fn asked(sentence: &str) -> PlanRequest {
+        PlanRequest::new(1, 3, Mode::ClosedLoop, sentence).unwrap()
+    }
+
+    #[test]
+    fn a_sentence_comes_back_or_is_too_long() {
+        let longest = "x".repeat(MAX_SENTENCE_BYTES);
+        for text in ["put the rötliche block …", &longest] {
+            for mode in [Mode::PlanOnly, Mode::ClosedLoop, Mode::OpenLoop] {
+                let request = PlanRequest::new(1, 3, mode, text).unwrap();
+                let sentence = Sentence::try_from(text).unwrap();
+                assert_eq!(request.read(), Ok(Asked::Follow { sentence, mode }));
+            }
+        }
+        let length = MAX_SENTENCE_BYTES + 1;
+        let refused = PlanRequest::new(1, 3, Mode::PlanOnly, &"x".repeat(length));
+        assert_eq!(refused, Err(PlanRequestError::TooLong { length }));
+        assert_eq!(PlanRequest::cancel(1, 3).read(), Ok(Asked::Cancel));
+    }
+
+    #[test]
+    fn a_received_sentence_is_checked() {
+        let mut request = asked("put");
+        request.sentence_length = u32::MAX;
+        let length = u32::MAX as usize;
+        assert_eq!(request.read(), Err(PlanRequestError::TooLong { length }));
+        request.sentence_length = 3;
+        request.sentence[1] = 0xff;
+        assert_eq!(request.read(), Err(PlanRequestError::Utf8));
+        for purpose in [0, 5, u32::MAX] {
+            let request = PlanRequest {
+                purpose,
+                ..asked("put")
+            };
+            assert_eq!(request.read(), Err(PlanRequestError::Purpose(purpose)));
+        }
+    }
+
+    #[test]
+    fn a_program_is_checked_step_by_step() {
+        let mut good = PlanReply::new(TO, Status::Planned).saying("Action(…)");
+        good.count = 2;
+        good.steps[1].object_id = 4;
+        good.steps[1].orientation = [0.0, 0.0, 0.6, 0.8];
+        let program = "Action(…)";
+        let steps = &good.steps[..2];
+        assert_eq!(good.read(), Ok(Reply::Planned { steps, program }));
+        assert_eq!(
+            [false, true],
+            [0, 1].map(|step: usize| steps[step].is_grounded())
+        );
+        for count in [0, 9, u32::MAX] {
+            let broken = PlanReply { count, ..good };
+            assert_eq!(broken.read(), Err(PlanReplyError::Count(count)));
+        }
+        type Break = fn(&mut StepMessage);
+        let cases: [Break; 5] = [
+            |step| step.position[0] = f32::NAN,
+            |step| step.confidence[5] = f32::INFINITY,
+            |step| step.object_score = f32::NAN,
+            |step| step.orientation[2] = 0.0,
+            |step| step.reference_count = 5,
+        ];
+        for break_it in cases {
+            let mut broken = good;
+            break_it(&mut broken.steps[1]);
+            assert_eq!(broken.read(), Err(PlanReplyError::Broken { step: 1 }));
+        }
+        let broken = PlanReply { status: 7, ..good };
+        assert_eq!(broken.read(), Err(PlanReplyError::Status(7)));
+        let broken = PlanReply { step: 8, ..good };
+        assert_eq!(broken.read(), Err(PlanReplyError::Step(8)));
+    }
+
+    #[test]
+    fn a_reason_is_named_and_its_text_checked() {
+        let refused = PlanReply::refused(TO, "busy", "wait");
+        let (reason, message) = ("busy", "wait");
+        assert_eq!(refused.read(), Ok(Reply::Failed { reason, message }));
+        for reason in [0, 1000, u32::MAX] {
+            let broken = PlanReply { reason, ..refused };
+            assert_eq!(broken.read(), Err(PlanReplyError::Reason(reason)));
+        }
+        let broken = PlanReply {
+            message_length: 2000,
+            ..refused
+        };
+        assert_eq!(broken.read(), Err(PlanReplyError::Text));
+    }
+
+    #[test]
+    fn every_failure_has_a_number() {
+        let step = 0;
+        let object = 1;
+        for why in [
+            Failure::Refused(Refusal::NoWords),
+            Failure::NoScene { last: None },
+            Failure::NotAccepted { step },
+            Failure::NoOutcome { step },
+            Failure::ControllerLost { step },
+            Failure::Unsuccessful {
+                step,
+                outcome: crate::message::Outcome::NoPath,
+            },
+            Failure::NotThere {
+                step,
+                object,
+                off_m: 0.1,
+            },
+            Failure::NotSeen { step, object },
+            Failure::Cancelled,
+            Failure::CancelledUnconfirmed,
+        ] {
+            assert!(REASONS.contains(&why.kind()), "{why:?}");
+        }
+        let mut reasons = REASONS.to_vec();
+        reasons.sort_unstable();
+        reasons.dedup();
+        assert_eq!(reasons.len(), REASONS.len());
+    }
+}
