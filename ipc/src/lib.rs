@@ -7,7 +7,8 @@
 //! it); and [`message::Heartbeat`] from everyone.
 //!
 //! [`executive`]: the loop between them, without any transport. [`bindings`]: the
-//! messages in C and Python.
+//! messages in C and Python. [`service`]: where processes meet. [`node`]:
+//! the processes.
 //!
 //! A message is plain memory: `#[repr(C)]`, fixed size, no padding, no pointer,
 //! no `bool`, no enum. **Anything may stand in a message that was received**: its
@@ -22,5 +23,8 @@
 //!
 
 pub mod bindings;
+pub mod clock;
 pub mod executive;
 pub mod message;
+pub mod node;
+pub mod service;

@@ -1,0 +1,110 @@
+//! Who lives: every node says so ten times a second, and notices who no longer does.
+
+use crate::message::{Heartbeat, Role, State};
+use crate::service::{Receiver, Robot, SendFailure, Sender, ServiceError};
+
+/// Time between two heartbeats of a node, nanoseconds.
+pub const HEARTBEAT_NS: u64 = 100_000_000;
+/// Silence after which a node is held to be dead or hanging, nanoseconds: three
+/// heartbeats lost, and noticed well within half a second.
+pub const SILENCE_NS: u64 = 350_000_000;
+
+/// A node's own heartbeat, and those of others.
+#[derive(Debug)]
+pub struct Life {
+    sender: Sender<Heartbeat>,
+    receiver: Receiver<Heartbeat>,
+    own: Heartbeat,
+    next_ns: u64,
+}
+
+impl Life {
+    /// Not yet heard of.
+    pub fn begin(robot: &Robot, role: Role, now_ns: u64) -> Result<Self, ServiceError> {
+        Ok(Self {
+            sender: robot.sender()?,
+            receiver: robot.receiver()?,
+            own: Heartbeat {
+                sequence: 0,
+                timestamp_ns: now_ns,
+                started_ns: now_ns,
+                role: role as u32,
+                state: State::Starting as u32,
+            },
+            next_ns: now_ns,
+        })
+    }
+
+    /// Says that the node lives, when it is time to; whether it was.
+    pub fn beat(&mut self, state: State, now_ns: u64) -> Result<bool, SendFailure> {
+        if now_ns < self.next_ns {
+            return Ok(false);
+        }
+        self.next_ns = now_ns.saturating_add(HEARTBEAT_NS);
+        self.own.sequence = self.own.sequence.wrapping_add(1);
+        self.own.timestamp_ns = now_ns;
+        self.own.state = state as u32;
+        self.sender.send(&self.own).map(|_| true)
+    }
+
+    /// When the next heartbeat is due.
+    pub const fn next_ns(&self) -> u64 {
+        self.next_ns
+    }
+
+    /// Takes in what others have said; what makes no sense is passed over.
+    pub fn listen(&self, mut heard: impl FnMut(Role, State, &Heartbeat)) {
+        while let Ok(Some(heartbeat)) = self.receiver.receive() {
+            if let Ok((role, state)) = heartbeat.read() {
+                heard(role, state, &heartbeat);
+            }
+        }
+    }
+}
+
+/// Another node, as its heartbeats tell of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Peer {
+    /// When it was started and last heard, if ever.
+    known: Option<(u64, u64)>,
+}
+
+impl Peer {
+    /// Takes in a heartbeat; whether it is from another process than the one
+    /// before it.
+    pub fn hear(&mut self, heartbeat: &Heartbeat, now_ns: u64) -> bool {
+        let is_other = self
+            .known
+            .is_some_and(|(started_ns, _)| started_ns != heartbeat.started_ns);
+        self.known = Some((heartbeat.started_ns, now_ns));
+        is_other
+    }
+
+    /// Whether it is heard of.
+    pub fn lives(&self, now_ns: u64) -> bool {
+        self.known
+            .is_some_and(|(_, heard_ns)| now_ns.saturating_sub(heard_ns) <= SILENCE_NS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn silence_and_a_new_process_are_noticed() {
+        let heartbeat = |started_ns| Heartbeat {
+            sequence: 1,
+            timestamp_ns: 0,
+            started_ns,
+            role: 1,
+            state: 1,
+        };
+        let mut peer = Peer::default();
+        assert!(!peer.lives(0));
+        assert!(!peer.hear(&heartbeat(5), 10));
+        assert!(peer.lives(10 + SILENCE_NS) && !peer.lives(11 + SILENCE_NS));
+        assert!(!peer.hear(&heartbeat(5), 20));
+        assert!(peer.hear(&heartbeat(6), 30));
+    }
+}

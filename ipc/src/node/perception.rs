@@ -1,0 +1,140 @@
+//! Perception as a process: frames with boxes in, scenes out. Crops are read where
+//! the camera's process has written the pixels.
+
+use core::fmt;
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
+
+use heapless::Vec;
+use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp};
+use nsrm_core::{MAX_OBJECTS, Model, SceneError};
+use tracing::{info, warn};
+
+use super::life::{HEARTBEAT_NS, Life};
+use crate::clock::now_ns;
+use crate::message::{CameraFrame, CameraFrameError, Role, SceneMessage, State};
+use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
+
+/// The longest sleep when no frame arrives.
+const NAP: Duration = Duration::from_millis(20);
+
+/// Why there is no scene for a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrameFault {
+    /// The frame is none.
+    Frame(CameraFrameError),
+    /// Its image is none.
+    Image(ImageError),
+    /// What the detector says can't be.
+    Scene(SceneError),
+}
+
+impl fmt::Display for FrameFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frame(error) => write!(f, "{error}"),
+            Self::Image(error) => write!(f, "{error}"),
+            Self::Scene(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl core::error::Error for FrameFault {}
+
+/// A robot's perception.
+#[derive(Debug)]
+pub struct PerceptionNode<'m> {
+    robot: Robot,
+    model: &'m Model<'m>,
+    frames: Frames,
+    scenes: Sender<SceneMessage>,
+    life: Life,
+}
+
+impl<'m> PerceptionNode<'m> {
+    /// Takes perception's place at a robot.
+    pub fn begin(robot: Robot, model: &'m Model<'m>) -> Result<Self, ServiceError> {
+        Ok(Self {
+            model,
+            frames: robot.frames_in()?,
+            scenes: robot.sender()?,
+            life: Life::begin(&robot, Role::Perception, now_ns())?,
+            robot,
+        })
+    }
+
+    /// Makes scenes until it is told to stop. Sleeps while no frame comes.
+    pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
+        let listener = self.robot.listen(CAMERA)?;
+        info!(robot = %self.robot.name(), "perceiving");
+        let mut burial_ns = 0;
+        while !stop.load(Ordering::Relaxed) {
+            if now_ns() >= burial_ns {
+                self.robot.bury();
+                burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
+            }
+            while self.poll(now_ns()) {}
+            listener
+                .timed_wait(|_| {}, NAP)
+                .map_err(|error| self.robot.fault(CAMERA, &error))?;
+        }
+        Ok(())
+    }
+
+    /// Makes a scene of the latest frame, if there is a new one; whether there was.
+    /// Never waits.
+    pub fn poll(&mut self, now_ns: u64) -> bool {
+        match self.life.beat(State::Idle, now_ns) {
+            Ok(true) => self.scenes.greet(),
+            Ok(false) => {}
+            Err(failure) => warn!(%failure, "heartbeat"),
+        }
+        // A sample that can't be had now is asked for again by the next call.
+        let Ok(Some(frame)) = self.frames.receive() else {
+            return false;
+        };
+        // A copy: what was checked must not change afterwards.
+        let header = *frame.user_header();
+        match see(self.model, &header, frame.payload()) {
+            Ok(scene) => {
+                if let Err(failure) = self.scenes.send(&scene) {
+                    warn!(%failure, "scene");
+                }
+            }
+            Err(fault) => warn!(%fault, sequence = header.sequence, "frame passed over"),
+        }
+        true
+    }
+}
+
+/// The scene that a frame shows.
+///
+/// * `image`: the bytes behind the frame's header; only the crops' are read
+pub fn see(
+    model: &Model<'_>,
+    header: &CameraFrame,
+    image: &[u8],
+) -> Result<SceneMessage, FrameFault> {
+    let frame = header.read(image).map_err(FrameFault::Frame)?;
+    let camera = frame.camera;
+    let stride = frame.rgb.len() / camera.height.max(1) as usize;
+    let image = RgbImage::new(frame.rgb, camera.width, camera.height, stride);
+    let image = image.map_err(FrameFault::Image)?;
+    let mut detections: Vec<Detection, MAX_OBJECTS> = Vec::new();
+    for found in frame.boxes {
+        let [x1, y1, x2, y2] = found.corners;
+        // As many places as a frame has boxes.
+        let _ = detections.push(Detection {
+            id: found.id,
+            location: [x1, y1, x2, y2, found.depth_m],
+        });
+    }
+    let stamp = Stamp {
+        sequence: header.sequence,
+        timestamp_ns: header.timestamp_ns,
+    };
+    ObservationTask::new(model, image, camera, &detections, stamp)
+        .and_then(ObservationTask::finish)
+        .map(|scene| SceneMessage::from(&scene))
+        .map_err(FrameFault::Scene)
+}

@@ -1,0 +1,268 @@
+//! The planner as a process: takes sentences and scenes in, gives commands and
+//! replies out.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
+
+use iceoryx2::active_request::ActiveRequest;
+use iceoryx2::prelude::*;
+use nsrm_core::Model;
+use tracing::{info, warn};
+
+use super::life::{HEARTBEAT_NS, Life, Peer};
+use crate::clock::now_ns;
+use crate::executive::{Busy, Event, Executive, Failure, Limits, Sentence};
+use crate::message::{
+    Asked, Feedback, PlanReply, PlanRequest, ReplyTo, Role, SceneMessage, State, SubGoal,
+};
+use crate::service::{Carried, PLAN, PlanServer, Receiver, Robot, Sender, ServiceError};
+
+/// Whether there is more to do at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Busyness {
+    /// Nothing until something arrives, or time goes by.
+    Idle,
+    /// Another [`PlannerNode::poll`] would go on.
+    Working,
+}
+
+/// The longest sleep when nothing arrives: what waits for time looks so often.
+const NAP: Duration = Duration::from_millis(20);
+
+type Active = ActiveRequest<ipc::Service, PlanRequest, (), PlanReply, ()>;
+
+/// A robot's planner.
+#[derive(Debug)]
+pub struct PlannerNode<'m> {
+    robot: Robot,
+    server: PlanServer,
+    scenes: Receiver<SceneMessage>,
+    commands: Sender<SubGoal>,
+    feedback: Receiver<Feedback>,
+    life: Life,
+    controller: Peer,
+    executive: Executive<'m>,
+    current: Option<Current>,
+}
+
+/// The request that is being followed.
+#[derive(Debug)]
+struct Current {
+    active: Active,
+    to: ReplyTo,
+    sentence: Sentence,
+}
+
+impl<'m> PlannerNode<'m> {
+    /// Takes the planner's place at a robot.
+    pub fn begin(robot: Robot, model: &'m Model<'m>, limits: Limits) -> Result<Self, ServiceError> {
+        let now_ns = now_ns();
+        Ok(Self {
+            server: robot.plan_server()?,
+            scenes: robot.receiver()?,
+            commands: robot.sender()?,
+            feedback: robot.receiver()?,
+            life: Life::begin(&robot, Role::Planner, now_ns)?,
+            controller: Peer::default(),
+            executive: Executive::new(model, limits, now_ns),
+            current: None,
+            robot,
+        })
+    }
+
+    /// Answers until it is told to stop. Sleeps while there is nothing to do.
+    pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
+        let waiting = WaitSetBuilder::new()
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(|error| self.robot.fault(PLAN, &error))?;
+        let listeners = [
+            self.robot.listen(PLAN)?,
+            self.robot.listen(SceneMessage::SERVICE)?,
+            self.robot.listen(Feedback::SERVICE)?,
+        ];
+        let mut guards = Vec::new();
+        for listener in &listeners {
+            let guard = waiting.attach_notification(listener);
+            guards.push(guard.map_err(|error| self.robot.fault(PLAN, &error))?);
+        }
+        let mut burial_ns = 0;
+        while !stop.load(Ordering::Relaxed) {
+            if now_ns() >= burial_ns {
+                self.robot.bury();
+                burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
+            }
+            while self.poll(now_ns()) == Busyness::Working {}
+            let _ = waiting
+                .wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, NAP)
+                .map_err(|error| self.robot.fault(PLAN, &error))?;
+            for listener in &listeners {
+                // What rang is taken in by the next poll, whatever it was.
+                let _ = listener.try_wait(|_| {});
+            }
+        }
+        self.refuse_current("stopping", "the planner was stopped");
+        Ok(())
+    }
+
+    /// Takes in what has arrived and does one piece of work
+    /// ([`Executive::poll`]); never waits. For a loop of one's own.
+    pub fn poll(&mut self, now_ns: u64) -> Busyness {
+        self.hear_life(now_ns);
+        self.hear_feedback(now_ns);
+        self.see(now_ns);
+        self.hear_requests();
+        if let Some(current) = &self.current
+            && !current.active.is_connected()
+        {
+            self.executive.cancel();
+        }
+        let event = self.executive.poll(now_ns);
+        let busyness = match event {
+            Event::Waiting => Busyness::Idle,
+            _ => Busyness::Working,
+        };
+        self.act(&event);
+        busyness
+    }
+
+    fn hear_life(&mut self, now_ns: u64) {
+        let mut lost = false;
+        let (life, controller) = (&mut self.life, &mut self.controller);
+        life.listen(|role, _, heartbeat| {
+            if role == Role::Controller {
+                lost |= controller.hear(heartbeat, now_ns);
+            }
+        });
+        if lost || !controller.lives(now_ns) {
+            self.executive.lose_controller();
+        }
+        let state = if self.current.is_some() {
+            State::Busy
+        } else {
+            State::Idle
+        };
+        if let Err(failure) = life.beat(state, now_ns) {
+            warn!(%failure, "heartbeat");
+        }
+    }
+
+    fn hear_feedback(&mut self, now_ns: u64) {
+        while let Ok(Some(feedback)) = self.feedback.receive() {
+            if let Err(error) = self.executive.hear(&feedback, now_ns) {
+                warn!(%error, "feedback passed over");
+            }
+        }
+    }
+
+    fn see(&mut self, now_ns: u64) {
+        if let Ok(Some(scene)) = self.scenes.receive()
+            && let Err(fault) = self.executive.see(&scene, now_ns)
+        {
+            warn!(%fault, sequence = scene.sequence, "scene passed over");
+        }
+    }
+
+    fn hear_requests(&mut self) {
+        while let Ok(Some(active)) = self.server.receive() {
+            self.hear_request(active);
+        }
+    }
+
+    fn hear_request(&mut self, active: Active) {
+        let mut to = ReplyTo {
+            asker: active.asker,
+            request: active.sequence,
+            plan: 0,
+            number: 1,
+        };
+        match active.read() {
+            Ok(Asked::Follow { sentence, mode }) => {
+                match self.executive.ask(sentence.clone(), mode) {
+                    Ok(plan) => {
+                        info!(plan, sentence = sentence.as_str(), ?mode, "asked");
+                        to.plan = plan;
+                        self.current = Some(Current {
+                            active,
+                            to,
+                            sentence,
+                        });
+                    }
+                    Err(busy) => reply(&active, &refuse_busy(to, busy)),
+                }
+            }
+            Ok(Asked::Cancel) => {
+                let is_it = self.current.as_ref().is_some_and(|current| {
+                    (current.to.asker, current.to.request) == (to.asker, to.request)
+                });
+                let said = if is_it {
+                    self.executive.cancel();
+                    PlanReply::about(to, &Event::Ended(Ok(())), self.executive.model(), "")
+                } else {
+                    let message = "no request of this number is being followed";
+                    Some(PlanReply::refused(to, "no_such_request", message))
+                };
+                if let Some(said) = said {
+                    reply(&active, &said);
+                }
+            }
+            Err(error) => reply(&active, &PlanReply::refused(to, "bad_request", error)),
+        }
+    }
+
+    /// Sends what an event calls for.
+    fn act(&mut self, event: &Event) {
+        match event {
+            Event::Command(command) => self.send(&SubGoal::from(command)),
+            Event::Stop(id) => self.send(&SubGoal::stop(*id)),
+            Event::Again { step, why } => warn!(step, %why, "tried again"),
+            Event::Ended(Err(Failure::Refused(_))) => {}
+            Event::Ended(Err(why)) => warn!(%why, "not done"),
+            _ => {}
+        }
+        let Some(current) = &mut self.current else {
+            return;
+        };
+        let (model, sentence) = (self.executive.model(), current.sentence.as_str());
+        if let Some(said) = PlanReply::about(current.to, event, model, sentence) {
+            reply(&current.active, &said);
+            current.to.number = current.to.number.saturating_add(1);
+        }
+        if matches!(event, Event::Ended(_)) {
+            info!(plan = current.to.plan, "ended");
+            self.current = None;
+        }
+    }
+
+    fn send(&mut self, command: &SubGoal) {
+        match self.commands.send(command) {
+            Ok(0) => self.executive.miss_controller(),
+            Ok(_) => {}
+            Err(failure) => {
+                warn!(%failure, "command not sent");
+                self.executive.miss_controller();
+            }
+        }
+    }
+
+    fn refuse_current(&mut self, reason: &str, message: &str) {
+        if let Some(current) = self.current.take() {
+            reply(
+                &current.active,
+                &PlanReply::refused(current.to, reason, message),
+            );
+        }
+    }
+}
+
+fn refuse_busy(to: ReplyTo, busy: Busy) -> PlanReply {
+    PlanReply::refused(to, "busy", busy)
+}
+
+/// Who asked may be gone, or may not take its replies; then it is cancelled, or has
+/// itself to blame.
+fn reply(active: &Active, said: &PlanReply) {
+    if let Err(error) = active.send_copy(*said) {
+        warn!(?error, "reply not sent");
+    }
+}

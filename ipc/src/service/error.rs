@@ -1,0 +1,109 @@
+use core::fmt;
+
+use super::RobotName;
+
+/// Why a service can't be used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ServiceError {
+    /// Another process has the place that only one may have.
+    Taken {
+        /// Of which robot.
+        robot: RobotName,
+        /// Which service.
+        service: &'static str,
+        /// The process, if it could be found.
+        process: Option<u32>,
+    },
+    /// All places are taken.
+    Full {
+        /// Of which robot.
+        robot: RobotName,
+        /// Which service.
+        service: &'static str,
+    },
+    /// Someone uses the service with another layout of its messages or other
+    /// promises.
+    OtherVersion {
+        /// Of which robot.
+        robot: RobotName,
+        /// Which service.
+        service: &'static str,
+    },
+    /// The service belongs to another user.
+    OtherUser {
+        /// Of which robot.
+        robot: RobotName,
+        /// Which service.
+        service: &'static str,
+    },
+    /// Anything else that iceoryx2 says.
+    Iceoryx {
+        /// Of which robot.
+        robot: RobotName,
+        /// Which service.
+        service: &'static str,
+        /// What it says.
+        says: String,
+    },
+}
+
+/// Why a message was not sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SendFailure {
+    /// The receiver has not taken those before it.
+    Full,
+    /// Anything else that iceoryx2 says.
+    Iceoryx(String),
+}
+
+impl fmt::Display for SendFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Full => f.write_str(
+                "the receiver does not take its messages: does it hang? Stop it and start it anew",
+            ),
+            Self::Iceoryx(says) => write!(f, "the message was not sent: {says}"),
+        }
+    }
+}
+
+impl core::error::Error for SendFailure {}
+
+impl fmt::Display for ServiceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Taken {
+                robot,
+                service,
+                process,
+            } => {
+                write!(f, "robot `{robot}`: `{service}` is already served")?;
+                if let Some(process) = process {
+                    write!(f, " by process {process}")?;
+                }
+                f.write_str("; choose another name, or stop it")
+            }
+            Self::Full { robot, service } => write!(
+                f,
+                "robot `{robot}`: too many processes use `{service}`; stop one of them"
+            ),
+            Self::OtherVersion { robot, service } => write!(
+                f,
+                "robot `{robot}`: another version of NSRM uses `{service}`; use the same one for \
+                 all of a robot's processes"
+            ),
+            Self::OtherUser { robot, service } => write!(
+                f,
+                "robot `{robot}`: `{service}` belongs to another user; start all of a robot's \
+                 processes as the same one"
+            ),
+            Self::Iceoryx {
+                robot,
+                service,
+                says,
+            } => write!(f, "robot `{robot}`: `{service}`: {says}"),
+        }
+    }
+}
+
+impl core::error::Error for ServiceError {}

@@ -1,0 +1,125 @@
+//! What iceoryx2's many errors on opening a service come down to.
+
+use core::fmt::Debug;
+
+use iceoryx2::service::builder::event::{EventCreateError, EventOpenError, EventOpenOrCreateError};
+use iceoryx2::service::builder::publish_subscribe::{
+    PublishSubscribeCreateError, PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError,
+};
+use iceoryx2::service::builder::request_response::{
+    RequestResponseCreateError, RequestResponseOpenError, RequestResponseOpenOrCreateError,
+};
+
+/// Why a service was not opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Fault {
+    /// It is just being made or removed.
+    InFlux,
+    OtherVersion,
+    OtherUser,
+    Full,
+    Other(String),
+}
+
+fn other(error: impl Debug) -> Fault {
+    Fault::Other(format!("{error:?}"))
+}
+
+impl From<PublishSubscribeOpenOrCreateError> for Fault {
+    fn from(error: PublishSubscribeOpenOrCreateError) -> Self {
+        use PublishSubscribeCreateError as Create;
+        use PublishSubscribeOpenError as Open;
+        use PublishSubscribeOpenOrCreateError as Error;
+        match error {
+            Error::SystemInFlux
+            | Error::PublishSubscribeOpenError(
+                Open::DoesNotExist | Open::HangsInCreation | Open::IsMarkedForDestruction,
+            )
+            | Error::PublishSubscribeCreateError(
+                Create::AlreadyExists
+                | Create::HangsInCreation
+                | Create::IsBeingCreatedByAnotherInstance,
+            ) => Self::InFlux,
+            Error::PublishSubscribeOpenError(
+                Open::IncompatibleTypes
+                | Open::IncompatibleMessagingPattern
+                | Open::IncompatibleAttributes
+                | Open::IncompatibleOverflowBehavior
+                | Open::DoesNotSupportRequestedMinBufferSize
+                | Open::DoesNotSupportRequestedMinHistorySize
+                | Open::DoesNotSupportRequestedAmountOfPublishers
+                | Open::DoesNotSupportRequestedAmountOfSubscribers
+                | Open::VersionMismatch,
+            ) => Self::OtherVersion,
+            Error::PublishSubscribeOpenError(Open::InsufficientPermissions)
+            | Error::PublishSubscribeCreateError(Create::InsufficientPermissions) => {
+                Self::OtherUser
+            }
+            Error::PublishSubscribeOpenError(Open::ExceedsMaxNumberOfNodes) => Self::Full,
+            error => other(error),
+        }
+    }
+}
+
+impl From<RequestResponseOpenOrCreateError> for Fault {
+    fn from(error: RequestResponseOpenOrCreateError) -> Self {
+        use RequestResponseCreateError as Create;
+        use RequestResponseOpenError as Open;
+        use RequestResponseOpenOrCreateError as Error;
+        match error {
+            Error::SystemInFlux
+            | Error::RequestResponseOpenError(
+                Open::DoesNotExist | Open::HangsInCreation | Open::IsMarkedForDestruction,
+            )
+            | Error::RequestResponseCreateError(
+                Create::AlreadyExists
+                | Create::HangsInCreation
+                | Create::IsBeingCreatedByAnotherInstance,
+            ) => Self::InFlux,
+            Error::RequestResponseOpenError(
+                Open::IncompatibleRequestOrResponseType
+                | Open::IncompatibleMessagingPattern
+                | Open::IncompatibleAttributes
+                | Open::IncompatibleOverflowBehaviorForRequests
+                | Open::IncompatibleOverflowBehaviorForResponses
+                | Open::DoesNotSupportRequestedResponseBufferSize
+                | Open::DoesNotSupportRequestedAmountOfServers
+                | Open::DoesNotSupportRequestedAmountOfClients
+                | Open::VersionMismatch,
+            ) => Self::OtherVersion,
+            Error::RequestResponseOpenError(Open::InsufficientPermissions)
+            | Error::RequestResponseCreateError(Create::InsufficientPermissions) => Self::OtherUser,
+            Error::RequestResponseOpenError(Open::ExceedsMaxNumberOfNodes) => Self::Full,
+            error => other(error),
+        }
+    }
+}
+
+impl From<EventOpenOrCreateError> for Fault {
+    fn from(error: EventOpenOrCreateError) -> Self {
+        use EventCreateError as Create;
+        use EventOpenError as Open;
+        use EventOpenOrCreateError as Error;
+        match error {
+            Error::SystemInFlux
+            | Error::EventOpenError(
+                Open::DoesNotExist | Open::HangsInCreation | Open::IsMarkedForDestruction,
+            )
+            | Error::EventCreateError(
+                Create::AlreadyExists | Create::IsBeingCreatedByAnotherInstance,
+            ) => Self::InFlux,
+            Error::EventOpenError(
+                Open::IncompatibleMessagingPattern
+                | Open::IncompatibleAttributes
+                | Open::IncompatibleDeadline
+                | Open::DoesNotSupportRequestedAmountOfNotifiers
+                | Open::DoesNotSupportRequestedAmountOfListeners
+                | Open::VersionMismatch,
+            ) => Self::OtherVersion,
+            Error::EventOpenError(Open::InsufficientPermissions)
+            | Error::EventCreateError(Create::InsufficientPermissions) => Self::OtherUser,
+            Error::EventOpenError(Open::ExceedsMaxNumberOfNodes) => Self::Full,
+            error => other(error),
+        }
+    }
+}

@@ -1,0 +1,330 @@
+//! The services of one robot, `nsrm/v1/<robot>/…`, and what each promises.
+//!
+//! | service | what goes through it | what is promised, and why |
+//! |---|---|---|
+//! | `camera` | slices with a `CameraFrame` in front | the latest frame and none before it: an old picture is of no use. One publisher |
+//! | `scene` | `SceneMessage` | the latest scene, also for who comes late. One publisher |
+//! | `plan` | `PlanRequest`, and `PlanReply`s until the last | one server; a request that finds no room is an error of the asker's; replies of a whole sentence fit in |
+//! | `sub_goal` | `SubGoal` | none is dropped: a full buffer is an error of the sender's, who never waits. One publisher and one subscriber: no robot has two masters, no command two servants |
+//! | `feedback` | `Feedback` | the last 64; a gap shows in the numbers. A controller never waits for who reads it. One publisher |
+//! | `heartbeat` | `Heartbeat` | the last 16 of every node |
+//!
+//! Beside each stands an event service of the same name: who sends rings, who waits
+//! need not spin. What iceoryx2 does by itself and is changed here: a publisher with
+//! a full buffer waits for ever; the dead are found by nobody unless someone looks
+//! ([`Robot::bury`]); signals are taken over.
+
+mod error;
+mod fault;
+mod name;
+mod port;
+mod quality;
+
+pub use error::{SendFailure, ServiceError};
+pub use name::{MAX_NAME, RobotName, RobotNameError};
+pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
+pub use quality::{CAMERA, Carried, PLAN, Quality};
+
+use core::fmt::Debug;
+use core::time::Duration;
+
+use iceoryx2::config::Config;
+use iceoryx2::node::{NodeState, NodeView};
+use iceoryx2::port::BackpressureAction;
+use iceoryx2::port::client::Client;
+use iceoryx2::port::server::Server;
+use iceoryx2::prelude::*;
+use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
+
+use crate::message::{CameraFrame, PlanReply, PlanRequest, Role};
+use fault::Fault;
+use quality::{ASKERS, CAMERA_QUALITY, ONLOOKERS, REPLIES};
+
+/// How often a service that is just being made or removed is tried to be opened.
+const TRIES: u32 = 50;
+/// How long is waited in between.
+const BETWEEN_TRIES: Duration = Duration::from_millis(10);
+
+/// The server of `plan`.
+pub type PlanServer = Server<ipc::Service, PlanRequest, (), PlanReply, ()>;
+/// An asker of `plan`.
+pub type PlanClient = Client<ipc::Service, PlanRequest, (), PlanReply, ()>;
+
+/// A process's place among those of one robot.
+#[derive(Debug)]
+pub struct Robot {
+    node: Node<ipc::Service>,
+    name: RobotName,
+}
+
+impl Robot {
+    /// Joins a robot's processes.
+    ///
+    /// * `role`: what this process is, for others to name it
+    /// * `config`: where iceoryx2 keeps its files; [`Config::global_config`] but in
+    ///   tests
+    pub fn join(name: RobotName, role: Role, config: &Config) -> Result<Self, ServiceError> {
+        let says = |error: &dyn Debug| ServiceError::Iceoryx {
+            robot: name.clone(),
+            service: "node",
+            says: format!("{error:?}"),
+        };
+        let node_name = node_name(&name, role);
+        let node_name = NodeName::new(&node_name).map_err(|error| says(&error))?;
+        let node = NodeBuilder::new()
+            .name(&node_name)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .config(config)
+            .create::<ipc::Service>()
+            .map_err(|error| says(&error))?;
+        let robot = Self { node, name };
+        robot.bury();
+        Ok(robot)
+    }
+
+    /// The robot's name.
+    pub const fn name(&self) -> &RobotName {
+        &self.name
+    }
+
+    /// Frees the places of processes that have died; to be called a few times a
+    /// second, since nobody else does.
+    pub fn bury(&self) {
+        let _ = self.node.try_cleanup_dead_nodes();
+    }
+
+    /// Sends messages of this type.
+    pub fn sender<M: Carried>(&self) -> Result<Sender<M>, ServiceError> {
+        let service = self.stream::<M>()?;
+        let publisher = service
+            .publisher_builder()
+            // The default waits for ever when a buffer is full; this says so.
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
+            .create()
+            .map_err(|_| self.taken(M::SERVICE))?;
+        Ok(Sender::new(publisher, self.bell(M::SERVICE)?))
+    }
+
+    /// Receives messages of this type.
+    pub fn receiver<M: Carried>(&self) -> Result<Receiver<M>, ServiceError> {
+        let service = self.stream::<M>()?;
+        let subscriber = service
+            .subscriber_builder()
+            .create()
+            .map_err(|_| self.full(M::SERVICE))?;
+        Ok(Receiver::new(subscriber))
+    }
+
+    /// Publishes frames of up to so many bytes.
+    pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
+        let publisher = self
+            .frames()?
+            .publisher_builder()
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .initial_max_slice_len(bytes)
+            .create()
+            .map_err(|_| self.taken(CAMERA))?;
+        Ok(FramesOut::new(publisher, self.bell(CAMERA)?))
+    }
+
+    /// Receives frames.
+    pub fn frames_in(&self) -> Result<Frames, ServiceError> {
+        let subscriber = self
+            .frames()?
+            .subscriber_builder()
+            .create()
+            .map_err(|_| self.full(CAMERA))?;
+        Ok(Frames::new(subscriber))
+    }
+
+    /// Answers requests: the planner's end.
+    pub fn plan_server(&self) -> Result<PlanServer, ServiceError> {
+        self.plan()?
+            .server_builder()
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .create()
+            .map_err(|_| self.taken(PLAN))
+    }
+
+    /// Asks.
+    pub fn plan_client(&self) -> Result<PlanClient, ServiceError> {
+        self.plan()?
+            .client_builder()
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .create()
+            .map_err(|_| self.full(PLAN))
+    }
+
+    /// What wakes those who [`Robot::listen`] to a service.
+    pub fn bell(&self, service: &'static str) -> Result<Bell, ServiceError> {
+        let notifier = self.events(service)?.notifier_builder().create();
+        notifier.map(Bell::new).map_err(|_| self.full(service))
+    }
+
+    /// Is woken when something comes through a service.
+    pub fn listen(
+        &self,
+        service: &'static str,
+    ) -> Result<iceoryx2::port::listener::Listener<ipc::Service>, ServiceError> {
+        let listener = self.events(service)?.listener_builder().create();
+        listener.map_err(|_| self.full(service))
+    }
+
+    fn stream<M: Carried>(
+        &self,
+    ) -> Result<publish_subscribe::PortFactory<ipc::Service, M, ()>, ServiceError> {
+        let Quality {
+            buffer,
+            history,
+            overflow,
+            publishers,
+            subscribers,
+        } = M::QUALITY;
+        self.open(M::SERVICE, |builder| {
+            builder
+                .publish_subscribe::<M>()
+                .subscriber_max_buffer_size(buffer)
+                .history_size(history)
+                .enable_safe_overflow(overflow)
+                .max_publishers(publishers)
+                .max_subscribers(subscribers)
+                .max_nodes(ONLOOKERS + publishers)
+                .open_or_create()
+        })
+    }
+
+    fn frames(
+        &self,
+    ) -> Result<publish_subscribe::PortFactory<ipc::Service, [u8], CameraFrame>, ServiceError> {
+        let quality = CAMERA_QUALITY;
+        self.open(CAMERA, |builder| {
+            builder
+                .publish_subscribe::<[u8]>()
+                .user_header::<CameraFrame>()
+                .subscriber_max_buffer_size(quality.buffer)
+                .history_size(quality.history)
+                .enable_safe_overflow(quality.overflow)
+                .max_publishers(quality.publishers)
+                .max_subscribers(quality.subscribers)
+                .max_nodes(ONLOOKERS + quality.publishers)
+                .open_or_create()
+        })
+    }
+
+    fn plan(
+        &self,
+    ) -> Result<
+        request_response::PortFactory<ipc::Service, PlanRequest, (), PlanReply, ()>,
+        ServiceError,
+    > {
+        self.open(PLAN, |builder| {
+            builder
+                .request_response::<PlanRequest, PlanReply>()
+                .max_servers(1)
+                .max_clients(ASKERS)
+                .max_active_requests_per_client(2)
+                .max_response_buffer_size(REPLIES)
+                .enable_safe_overflow_for_requests(false)
+                .enable_safe_overflow_for_responses(false)
+                .max_nodes(ONLOOKERS + 1)
+                .open_or_create()
+        })
+    }
+
+    fn events(
+        &self,
+        service: &'static str,
+    ) -> Result<event::PortFactory<ipc::Service>, ServiceError> {
+        self.open(service, |builder| {
+            builder
+                .event()
+                .max_notifiers(ONLOOKERS)
+                .max_listeners(ONLOOKERS)
+                .max_nodes(2 * ONLOOKERS)
+                .open_or_create()
+        })
+    }
+
+    /// Opens a service, again and again while another process makes or removes it.
+    fn open<T, E: Into<Fault>>(
+        &self,
+        service: &'static str,
+        open: impl Fn(iceoryx2::service::builder::Builder<ipc::Service>) -> Result<T, E>,
+    ) -> Result<T, ServiceError> {
+        let name = format!("nsrm/v1/{}/{service}", self.name);
+        let robot = || self.name.clone();
+        let name = ServiceName::new(&name).map_err(|error| ServiceError::Iceoryx {
+            robot: robot(),
+            service,
+            says: format!("{error:?}"),
+        })?;
+        let mut tries = 0;
+        let fault = loop {
+            match open(self.node.service_builder(&name)).map_err(Into::into) {
+                Ok(opened) => return Ok(opened),
+                Err(Fault::InFlux) if tries < TRIES => {
+                    tries += 1;
+                    std::thread::sleep(BETWEEN_TRIES);
+                }
+                Err(fault) => break fault,
+            }
+        };
+        let robot = robot();
+        Err(match fault {
+            Fault::OtherVersion => ServiceError::OtherVersion { robot, service },
+            Fault::OtherUser => ServiceError::OtherUser { robot, service },
+            Fault::Full => ServiceError::Full { robot, service },
+            Fault::InFlux => ServiceError::Iceoryx {
+                robot,
+                service,
+                says: "it is being made or removed all the time".into(),
+            },
+            Fault::Other(says) => ServiceError::Iceoryx {
+                robot,
+                service,
+                says,
+            },
+        })
+    }
+
+    /// What iceoryx2 says, as an error.
+    pub(crate) fn fault(&self, service: &'static str, error: &dyn Debug) -> ServiceError {
+        ServiceError::Iceoryx {
+            robot: self.name.clone(),
+            service,
+            says: format!("{error:?}"),
+        }
+    }
+
+    fn full(&self, service: &'static str) -> ServiceError {
+        let robot = self.name.clone();
+        ServiceError::Full { robot, service }
+    }
+
+    /// The only place is taken, by the process whose node has the same name.
+    fn taken(&self, service: &'static str) -> ServiceError {
+        let mut process = None;
+        // Whoever can't be looked at isn't named.
+        let _ = Node::<ipc::Service>::list(self.node.config(), |state| {
+            if let NodeState::Alive(view) = state
+                && view.id() != self.node.id()
+                && let Some(details) = view.details()
+                && details.name() == self.node.name()
+            {
+                process = u32::try_from(details.process_id().value()).ok();
+                return CallbackProgression::Stop;
+            }
+            CallbackProgression::Continue
+        });
+        ServiceError::Taken {
+            robot: self.name.clone(),
+            service,
+            process,
+        }
+    }
+}
+
+fn node_name(robot: &RobotName, role: Role) -> String {
+    format!("nsrm/{robot}/{}", role.word())
+}

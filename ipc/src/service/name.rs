@@ -1,0 +1,90 @@
+use core::fmt;
+use core::str::FromStr;
+
+use heapless::String;
+
+/// The most letters of a robot's name.
+pub const MAX_NAME: usize = 32;
+
+/// Which robot: a part of every service's name, so that several in one machine
+/// don't hear each other.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct RobotName(String<MAX_NAME>);
+
+impl RobotName {
+    /// The name.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for RobotName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Why a robot can't be called so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RobotNameError {
+    /// No letters, or too many.
+    Length,
+    /// Something else than small letters, digits, `-` and `_`.
+    Letter(char),
+}
+
+impl fmt::Display for RobotNameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length => write!(f, "a robot's name has from 1 to {MAX_NAME} letters"),
+            Self::Letter(letter) => write!(
+                f,
+                "{letter:?} in a robot's name: it may have a to z, 0 to 9, \"-\" and \"_\""
+            ),
+        }
+    }
+}
+
+impl core::error::Error for RobotNameError {}
+
+impl FromStr for RobotName {
+    type Err = RobotNameError;
+
+    fn from_str(name: &str) -> Result<Self, RobotNameError> {
+        let is_fine = |letter: char| {
+            letter.is_ascii_lowercase() || letter.is_ascii_digit() || matches!(letter, '-' | '_')
+        };
+        if let Some(letter) = name.chars().find(|letter| !is_fine(*letter)) {
+            return Err(RobotNameError::Letter(letter));
+        }
+        let name = String::try_from(name).map_err(|_| RobotNameError::Length)?;
+        if name.is_empty() {
+            return Err(RobotNameError::Length);
+        }
+        Ok(Self(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_could_be_taken_for_others_are_refused() {
+        for name in ["left", "panda-2", "a_b", &"x".repeat(MAX_NAME)] {
+            assert_eq!(name.parse::<RobotName>().unwrap().as_str(), name);
+        }
+        for name in ["", &"x".repeat(MAX_NAME + 1)] {
+            assert_eq!(name.parse::<RobotName>(), Err(RobotNameError::Length));
+        }
+        for (name, letter) in [
+            ("left/camera", '/'),
+            ("Left", 'L'),
+            ("a b", ' '),
+            ("ä", 'ä'),
+        ] {
+            let refused = name.parse::<RobotName>();
+            assert_eq!(refused, Err(RobotNameError::Letter(letter)));
+        }
+    }
+}

@@ -1,0 +1,136 @@
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::port::{ReceiveError, SendError};
+use iceoryx2::prelude::ipc;
+use iceoryx2::sample::Sample;
+
+use super::error::SendFailure;
+use super::quality::Carried;
+use crate::message::CameraFrame;
+
+/// Wakes those who listen to a service.
+#[derive(Debug)]
+pub struct Bell {
+    notifier: Notifier<ipc::Service>,
+}
+
+impl Bell {
+    pub(super) const fn new(notifier: Notifier<ipc::Service>) -> Self {
+        Self { notifier }
+    }
+
+    /// Wakes them. Who could not be woken looks a little later by itself: everyone
+    /// who waits does so for a bounded time.
+    pub fn ring(&self) {
+        let _ = self.notifier.notify();
+    }
+}
+
+/// Sends messages of one type.
+#[derive(Debug)]
+pub struct Sender<M: Carried> {
+    publisher: Publisher<ipc::Service, M, ()>,
+    bell: Bell,
+}
+
+impl<M: Carried> Sender<M> {
+    pub(super) const fn new(publisher: Publisher<ipc::Service, M, ()>, bell: Bell) -> Self {
+        Self { publisher, bell }
+    }
+
+    /// Sends a message and rings; says to how many. Never waits.
+    pub fn send(&self, message: &M) -> Result<usize, SendFailure> {
+        let receivers = self
+            .publisher
+            .send_copy(*message)
+            .map_err(|error| match error {
+                SendError::UnableToDeliver => SendFailure::Full,
+                error => SendFailure::Iceoryx(format!("{error:?}")),
+            })?;
+        self.bell.ring();
+        Ok(receivers)
+    }
+
+    /// Gives receivers that came since the last message what the service keeps for
+    /// them; iceoryx2 does so only when its publisher acts. To be called a few times
+    /// a second where messages are rare.
+    pub fn greet(&self) {
+        // Who could not be reached is reached by the next message, or is gone.
+        let _ = self.publisher.update_connections();
+    }
+}
+
+/// Receives messages of one type.
+#[derive(Debug)]
+pub struct Receiver<M: Carried> {
+    subscriber: Subscriber<ipc::Service, M, ()>,
+}
+
+impl<M: Carried> Receiver<M> {
+    pub(super) const fn new(subscriber: Subscriber<ipc::Service, M, ()>) -> Self {
+        Self { subscriber }
+    }
+
+    /// The next message, in place; `None` when there is none now.
+    pub fn receive(&self) -> Result<Option<Sample<ipc::Service, M, ()>>, ReceiveError> {
+        self.subscriber.receive()
+    }
+}
+
+/// Publishes frames.
+#[derive(Debug)]
+pub struct FramesOut {
+    publisher: Publisher<ipc::Service, [u8], CameraFrame>,
+    bell: Bell,
+}
+
+impl FramesOut {
+    pub(super) const fn new(
+        publisher: Publisher<ipc::Service, [u8], CameraFrame>,
+        bell: Bell,
+    ) -> Self {
+        Self { publisher, bell }
+    }
+
+    /// Publishes a frame that is written where its readers will find it; says to how
+    /// many.
+    ///
+    /// * `bytes`: of the image, seven a pixel: see [`CameraFrame`]
+    /// * `write`: is given the image's place, all 0
+    pub fn send(
+        &self,
+        header: CameraFrame,
+        bytes: usize,
+        write: impl FnOnce(&mut [u8]),
+    ) -> Result<usize, SendFailure> {
+        let says = |error: &dyn core::fmt::Debug| SendFailure::Iceoryx(format!("{error:?}"));
+        let mut frame = self
+            .publisher
+            .loan_slice(bytes)
+            .map_err(|error| says(&error))?;
+        *frame.user_header_mut() = header;
+        write(frame.payload_mut());
+        let receivers = frame.send().map_err(|error| says(&error))?;
+        self.bell.ring();
+        Ok(receivers)
+    }
+}
+
+/// Receives frames.
+#[derive(Debug)]
+pub struct Frames {
+    subscriber: Subscriber<ipc::Service, [u8], CameraFrame>,
+}
+
+impl Frames {
+    pub(super) const fn new(subscriber: Subscriber<ipc::Service, [u8], CameraFrame>) -> Self {
+        Self { subscriber }
+    }
+
+    /// The latest frame, in place; `None` when there is none that was not received.
+    pub fn receive(&self) -> Result<Option<Sample<ipc::Service, [u8], CameraFrame>>, ReceiveError> {
+        self.subscriber.receive()
+    }
+}

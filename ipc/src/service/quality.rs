@@ -1,0 +1,94 @@
+use core::fmt::Debug;
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::message::{Feedback, Heartbeat, Message, SceneMessage, SubGoal};
+
+/// What a publish-subscribe service promises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quality {
+    /// How many messages wait for a subscriber at most.
+    pub buffer: usize,
+    /// How many of the last ones a late subscriber gets.
+    pub history: usize,
+    /// Whether a full buffer loses its oldest message; otherwise sending fails.
+    pub overflow: bool,
+    /// How many may publish.
+    pub publishers: usize,
+    /// How many may subscribe.
+    pub subscribers: usize,
+}
+
+/// A message that has a publish-subscribe service of its own.
+pub trait Carried: Message + ZeroCopySend + Debug + 'static {
+    /// The end of the service's name.
+    const SERVICE: &'static str;
+    /// What it promises.
+    const QUALITY: Quality;
+}
+
+/// How many may look on, beside those that a robot needs.
+pub(super) const ONLOOKERS: usize = 16;
+
+impl Carried for SceneMessage {
+    const SERVICE: &'static str = "scene";
+    const QUALITY: Quality = Quality {
+        buffer: 1,
+        history: 1,
+        overflow: true,
+        publishers: 1,
+        subscribers: ONLOOKERS,
+    };
+}
+
+impl Carried for SubGoal {
+    const SERVICE: &'static str = "sub_goal";
+    const QUALITY: Quality = Quality {
+        buffer: 8,
+        history: 0,
+        overflow: false,
+        publishers: 1,
+        subscribers: 1,
+    };
+}
+
+impl Carried for Feedback {
+    const SERVICE: &'static str = "feedback";
+    const QUALITY: Quality = Quality {
+        buffer: 64,
+        history: 0,
+        overflow: true,
+        publishers: 1,
+        subscribers: ONLOOKERS,
+    };
+}
+
+impl Carried for Heartbeat {
+    const SERVICE: &'static str = "heartbeat";
+    const QUALITY: Quality = Quality {
+        buffer: 16,
+        history: 0,
+        overflow: true,
+        publishers: ONLOOKERS,
+        subscribers: ONLOOKERS,
+    };
+}
+
+/// The service of frames.
+pub const CAMERA: &str = "camera";
+/// What it promises; as [`Carried::QUALITY`], but a frame is a slice with a header.
+pub(super) const CAMERA_QUALITY: Quality = Quality {
+    buffer: 1,
+    history: 1,
+    overflow: true,
+    publishers: 1,
+    subscribers: ONLOOKERS,
+};
+
+/// The service of requests and replies.
+pub const PLAN: &str = "plan";
+/// How many may ask at once; one is answered, the others are told that it is busy.
+pub(super) const ASKERS: usize = 16;
+/// How many replies wait for an asker at most: of the longest sentence with retries,
+/// four for each step, there are not half as many.
+pub(super) const REPLIES: usize = 128;

@@ -1,0 +1,301 @@
+//! The services promise what their table says, between two nodes of one process.
+
+use iceoryx2::config::Config;
+use iceoryx2::prelude::*;
+use nsrm_ipc::executive::Mode;
+use nsrm_ipc::message::{
+    CameraFrame, CameraMessage, DetectedBox, Feedback, Heartbeat, Message, PlanReply, PlanRequest,
+    ReplyTo, Role, SceneMessage, State, SubGoal,
+};
+use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, SendFailure, ServiceError};
+
+/// A corner of the machine that no other test or robot uses.
+fn own_config(test: &str) -> Config {
+    let mut config = Config::default();
+    let name = format!("nsrm-test-{}-{test}", std::process::id());
+    let folder = std::env::temp_dir().join(&name);
+    let path = folder.to_str().unwrap().as_bytes();
+    config
+        .global
+        .set_root_path(&Path::new(path).expect("a path of moderate length"));
+    config.global.prefix = FileName::new(format!("{name}_").as_bytes()).expect("a short name");
+    config
+}
+
+fn name(robot: &str) -> RobotName {
+    robot.parse().unwrap()
+}
+
+/// Two processes of robot `left`.
+fn pair(test: &str) -> (Robot, Robot) {
+    let config = own_config(test);
+    let join = |role| Robot::join(name("left"), role, &config).unwrap();
+    (join(Role::Planner), join(Role::Controller))
+}
+
+fn all<M: Carried>(receiver: &Receiver<M>) -> Vec<M> {
+    std::iter::from_fn(|| receiver.receive().unwrap().map(|sample| *sample)).collect()
+}
+
+fn heartbeat(sequence: u64) -> Heartbeat {
+    Heartbeat {
+        sequence,
+        timestamp_ns: 6,
+        started_ns: 4,
+        role: Role::Planner as u32,
+        state: State::Busy as u32,
+    }
+}
+
+fn feedback(sequence: u64) -> Feedback {
+    Feedback {
+        plan: 1,
+        sequence,
+        timestamp_ns: 0,
+        command: 1,
+        outcome: 1,
+    }
+}
+
+fn sub_goal(command: u32) -> SubGoal {
+    SubGoal::stop(nsrm_ipc::executive::CommandId { plan: 1, command })
+}
+
+fn scene(sequence: u64) -> SceneMessage {
+    let model = &nsrm_core::pretrained::TABLETOP;
+    let camera = CameraMessage::default().into();
+    let raw = nsrm_core::RawScene::empty(model, camera);
+    SceneMessage {
+        sequence,
+        ..SceneMessage::from(&raw)
+    }
+}
+
+#[test]
+fn a_heartbeat_arrives_as_it_was_sent_and_rings() {
+    let (planner, controller) = pair("heartbeat");
+    let sender = planner.sender::<Heartbeat>().unwrap();
+    let receiver = controller.receiver::<Heartbeat>().unwrap();
+    let listener = controller.listen(Heartbeat::SERVICE).unwrap();
+    assert_eq!(sender.send(&heartbeat(5)), Ok(1));
+    let mut rung = 0;
+    listener.try_wait(|_| rung += 1).unwrap();
+    assert_eq!(rung, 1);
+    assert_eq!(all(&receiver), [heartbeat(5)]);
+    assert_eq!(heartbeat(5).read(), Ok((Role::Planner, State::Busy)));
+}
+
+#[test]
+fn a_late_reader_gets_the_latest_scene_and_none_before_it() {
+    let (planner, controller) = pair("scene");
+    let sender = planner.sender::<SceneMessage>().unwrap();
+    let early = controller.receiver::<SceneMessage>().unwrap();
+    for sequence in 1..=3 {
+        sender.send(&scene(sequence)).unwrap();
+    }
+    let late = controller.receiver::<SceneMessage>().unwrap();
+    sender.greet();
+    for receiver in [early, late] {
+        let sequences: Vec<_> = all(&receiver).iter().map(|scene| scene.sequence).collect();
+        assert_eq!(sequences, [3]);
+    }
+}
+
+#[test]
+fn a_command_that_finds_no_room_is_an_error_and_those_before_it_arrive() {
+    let (planner, controller) = pair("sub-goal");
+    let sender = planner.sender::<SubGoal>().unwrap();
+    // Nobody is there to carry it out.
+    assert_eq!(sender.send(&sub_goal(99)), Ok(0));
+    let receiver = controller.receiver::<SubGoal>().unwrap();
+    for command in 1..=8 {
+        assert_eq!(sender.send(&sub_goal(command)), Ok(1));
+    }
+    assert_eq!(sender.send(&sub_goal(9)), Err(SendFailure::Full));
+    let commands: Vec<_> = all(&receiver).iter().map(|goal| goal.command).collect();
+    assert_eq!(commands, [1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(sender.send(&sub_goal(10)), Ok(1));
+    assert_eq!(all(&receiver), [sub_goal(10)]);
+}
+
+#[test]
+fn of_feedback_the_last_64_wait() {
+    let (planner, controller) = pair("feedback");
+    let sender = controller.sender::<Feedback>().unwrap();
+    let receiver = planner.receiver::<Feedback>().unwrap();
+    for sequence in 0..70 {
+        assert_eq!(sender.send(&feedback(sequence)), Ok(1));
+    }
+    let sequences: Vec<_> = all(&receiver).iter().map(|one| one.sequence).collect();
+    assert_eq!(sequences, (6..70).collect::<Vec<_>>());
+}
+
+#[test]
+fn no_robot_has_two_of_what_it_has_one_of() {
+    let config = own_config("taken");
+    let join = |robot, role| Robot::join(name(robot), role, &config).unwrap();
+    let planner = join("left", Role::Planner);
+    let (_server, _goals) = (
+        planner.plan_server().unwrap(),
+        planner.sender::<SubGoal>().unwrap(),
+    );
+    let second = join("left", Role::Planner);
+    let process = Some(std::process::id());
+    let taken = |service| ServiceError::Taken {
+        robot: name("left"),
+        service,
+        process,
+    };
+    assert_eq!(second.plan_server().unwrap_err(), taken("plan"));
+    let refused = second.sender::<SubGoal>().unwrap_err();
+    assert_eq!(refused, taken("sub_goal"));
+    assert_eq!(
+        refused.to_string(),
+        format!(
+            "robot `left`: `sub_goal` is already served by process {}; choose another name, or \
+             stop it",
+            std::process::id()
+        )
+    );
+    let controller = join("left", Role::Controller);
+    let _receiver = controller.receiver::<SubGoal>().unwrap();
+    let refused = join("left", Role::Controller).receiver::<SubGoal>();
+    let (robot, service) = (name("left"), "sub_goal");
+    assert_eq!(refused.unwrap_err(), ServiceError::Full { robot, service });
+
+    // Another robot does not mind.
+    let other = join("right", Role::Planner);
+    let goals = other.sender::<SubGoal>().unwrap();
+    assert_eq!(goals.send(&sub_goal(1)), Ok(0));
+}
+
+#[test]
+fn the_place_of_one_that_left_is_free() {
+    let (planner, other) = pair("left");
+    let goals = planner.sender::<SubGoal>().unwrap();
+    assert!(other.sender::<SubGoal>().is_err());
+    drop(goals);
+    assert!(other.sender::<SubGoal>().is_ok());
+}
+
+#[test]
+fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
+    let (planner, asker) = pair("plan");
+    let server = planner.plan_server().unwrap();
+    let client = asker.plan_client().unwrap();
+    let request = PlanRequest::new(1, 7, Mode::PlanOnly, "put the red block …").unwrap();
+    let pending = client.send_copy(request).unwrap();
+    let active = server.receive().unwrap().expect("it was just sent");
+    assert_eq!(*active, request);
+    let reply = |number| {
+        let to = ReplyTo {
+            asker: 1,
+            request: 7,
+            plan: 0,
+            number,
+        };
+        PlanReply::refused(to, "busy", "wait")
+    };
+    for number in 1..=100 {
+        active.send_copy(reply(number)).unwrap();
+    }
+    for number in 1..=100 {
+        let got = pending.receive().unwrap().expect("none is lost");
+        assert_eq!(*got, reply(number));
+    }
+    assert!(pending.is_connected() && active.is_connected());
+    drop(active);
+    assert!(!pending.is_connected());
+
+    // The other way round: who asked is gone.
+    let pending = client.send_copy(request).unwrap();
+    let active = server.receive().unwrap().expect("it was just sent");
+    drop(pending);
+    assert!(!active.is_connected());
+}
+
+#[test]
+fn a_peer_with_another_layout_is_refused() {
+    let config = own_config("layout");
+    let node = NodeBuilder::new()
+        .config(&config)
+        .create::<ipc::Service>()
+        .unwrap();
+    let service = "nsrm/v1/left/feedback".try_into().unwrap();
+    // Of the same size: only the type name tells them apart.
+    assert_eq!(size_of::<Feedback>(), size_of::<Heartbeat>());
+    let _other = node
+        .service_builder(&service)
+        .publish_subscribe::<Heartbeat>()
+        .max_publishers(16)
+        .max_subscribers(16)
+        .max_nodes(32)
+        .subscriber_max_buffer_size(64)
+        .create()
+        .unwrap();
+    let robot = Robot::join(name("left"), Role::Planner, &config).unwrap();
+    let refused = robot.sender::<Feedback>().unwrap_err();
+    let (robot, service) = (name("left"), "feedback");
+    assert_eq!(refused, ServiceError::OtherVersion { robot, service });
+}
+
+#[test]
+fn a_frame_is_read_where_it_was_written() {
+    let (camera, perception) = pair("frame");
+    let out = camera.frames_out(2 * 3 * 7).unwrap();
+    let frames = perception.frames_in().unwrap();
+    let frame = frame();
+    let sent = out.send(frame, 2 * 3 * 7, |image| image.fill(9));
+    assert_eq!(sent, Ok(1));
+    let received = frames.receive().unwrap().expect("it was just sent");
+    let parts = received.user_header().read(received.payload()).unwrap();
+    assert_eq!((parts.rgb, parts.depth), (&[9; 18][..], &[9; 24][..]));
+    assert_eq!(parts.boxes, &frame.boxes[..1]);
+    assert!(in_shared_memory(parts.rgb) && in_shared_memory(parts.depth));
+    assert!(!in_shared_memory(&[9; 18]));
+}
+
+/// Whether these bytes lie in a mapping that others see too.
+fn in_shared_memory(bytes: &[u8]) -> bool {
+    let address = bytes.as_ptr().addr();
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+    maps.lines().any(|line| {
+        let mut words = line.split_whitespace();
+        let range = words.next().unwrap().split_once('-').unwrap();
+        let [from, to] = [range.0, range.1].map(|end| usize::from_str_radix(end, 16).unwrap());
+        let shared = words.next().is_some_and(|rights| rights.ends_with('s'));
+        shared && (from..to).contains(&address) && address + bytes.len() <= to
+    })
+}
+
+fn frame() -> CameraFrame {
+    let camera = CameraMessage {
+        width: 2,
+        height: 3,
+        fx: 500.0,
+        fy: 500.0,
+        cx: 1.0,
+        cy: 1.5,
+        position: [0.0; 3],
+        orientation: [0.0, 0.0, 0.0, 1.0],
+    };
+    let found = DetectedBox {
+        id: 1,
+        corners: [0.1, 0.2, 0.3, 0.4],
+        depth_m: 1.0,
+    };
+    CameraFrame {
+        sequence: 1,
+        timestamp_ns: 2,
+        camera,
+        count: 1,
+        boxes: [found; 16],
+    }
+}
+
+#[test]
+fn iceoryx2_compares_the_names_with_the_hash() {
+    // SAFETY: the name is only read.
+    let name = unsafe { <CameraFrame as ZeroCopySend>::type_name() };
+    assert_eq!(name, CameraFrame::TYPE_NAME);
+}

@@ -1,0 +1,377 @@
+//! Nodes of one robot over shared memory, in one process and without a sleep: the
+//! planner's and perception's own code, a controller and an asker of the test's.
+
+use iceoryx2::config::Config;
+use iceoryx2::prelude::*;
+use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
+use nsrm_core::{Model, RawScene};
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::{Limits, Mode};
+use nsrm_ipc::message::{
+    CameraFrame, CameraMessage, DetectedBox, Feedback, Heartbeat, Order, Outcome, PlanReply,
+    PlanRequest, Reply, Role, SceneMessage, State, SubGoal,
+};
+use nsrm_ipc::node::{PerceptionNode, PlannerNode};
+use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender};
+use nsrm_tests::by_hand::{Parts, block, raw_scene};
+use nsrm_tests::picture;
+
+const SENTENCE: &str = "put the small red block on the blue block then put the green block on the \
+                        small red block";
+
+/// A corner of the machine that no other test or robot uses.
+fn own_config(test: &str) -> Config {
+    let mut config = Config::default();
+    let name = format!("nsrm-nodes-{}-{test}", std::process::id());
+    let folder = std::env::temp_dir().join(&name);
+    let path = folder.to_str().unwrap().as_bytes();
+    config
+        .global
+        .set_root_path(&Path::new(path).expect("a path of moderate length"));
+    config.global.prefix = FileName::new(format!("{name}_").as_bytes()).expect("a short name");
+    config
+}
+
+fn join(role: Role, config: &Config) -> Robot {
+    Robot::join("left".parse().unwrap(), role, config).unwrap()
+}
+
+/// What stands around the planner.
+struct World {
+    _robot: Robot,
+    scene: RawScene,
+    scenes: Sender<SceneMessage>,
+    commands: Receiver<SubGoal>,
+    feedback: Sender<Feedback>,
+    heartbeats: Sender<Heartbeat>,
+    client: PlanClient,
+    started_ns: u64,
+    sequence: u64,
+    /// Commands that were carried out.
+    done: Vec<SubGoal>,
+    /// Whether the controller carries out what it accepts.
+    works: bool,
+}
+
+impl World {
+    fn new(model: &Model<'_>, config: &Config) -> Self {
+        let robot = join(Role::Controller, config);
+        let blocks = [
+            block("small", "red"),
+            block("lego", "blue"),
+            block("lego", "green"),
+        ];
+        Self {
+            scene: raw_scene(model, &blocks),
+            scenes: robot.sender().unwrap(),
+            commands: robot.receiver().unwrap(),
+            feedback: robot.sender().unwrap(),
+            heartbeats: robot.sender().unwrap(),
+            client: robot.plan_client().unwrap(),
+            started_ns: 1,
+            sequence: 0,
+            done: Vec::new(),
+            works: true,
+            _robot: robot,
+        }
+    }
+
+    fn say(&mut self, command: &SubGoal, outcome: Outcome) {
+        self.sequence += 1;
+        let feedback = Feedback {
+            plan: command.plan,
+            sequence: self.sequence,
+            timestamp_ns: now_ns(),
+            command: command.command,
+            outcome: outcome as u32,
+        };
+        self.feedback.send(&feedback).unwrap();
+    }
+
+    /// Looks, lives and carries out what it is told.
+    fn turn(&mut self) {
+        self.sequence += 1;
+        self.scene.header.sequence = self.sequence;
+        self.scene.header.timestamp_ns = now_ns();
+        self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
+        let heartbeat = Heartbeat {
+            sequence: self.sequence,
+            timestamp_ns: now_ns(),
+            started_ns: self.started_ns,
+            role: Role::Controller as u32,
+            state: State::Idle as u32,
+        };
+        self.heartbeats.send(&heartbeat).unwrap();
+        while let Some(command) = self.commands.receive().unwrap().map(|sample| *sample) {
+            match command.read().unwrap() {
+                Order::Stop => self.say(&command, Outcome::Stopped),
+                Order::Move { object, .. } => {
+                    self.say(&command, Outcome::Accepted);
+                    if !self.works {
+                        continue;
+                    }
+                    for seen in self
+                        .scene
+                        .objects
+                        .iter_mut()
+                        .filter(|seen| seen.id == object)
+                    {
+                        seen.location = command.location;
+                    }
+                    self.done.push(command);
+                    self.say(&command, Outcome::Reached);
+                }
+            }
+        }
+    }
+}
+
+fn ask(world: &World, sequence: u64, sentence: &str) -> Pending {
+    let request = PlanRequest::new(3, sequence, Mode::ClosedLoop, sentence).unwrap();
+    world.client.send_copy(request).unwrap()
+}
+
+type Pending =
+    iceoryx2::pending_response::PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
+
+/// All replies until the planner has no more to say.
+fn follow(planner: &mut PlannerNode<'_>, world: &mut World, pending: &Pending) -> Vec<PlanReply> {
+    let mut replies = Vec::new();
+    loop {
+        world.turn();
+        planner.poll(now_ns());
+        while let Some(reply) = pending.receive().unwrap() {
+            replies.push(*reply);
+        }
+        if !pending.is_connected() {
+            return replies;
+        }
+    }
+}
+
+fn last_reason(replies: &[PlanReply]) -> Option<&'static str> {
+    match replies.last().unwrap().read().unwrap() {
+        Reply::Failed { reason, .. } => Some(reason),
+        Reply::Done => None,
+        reply => panic!("{reply:?}"),
+    }
+}
+
+#[test]
+fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
+    let config = own_config("done");
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner =
+        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, &config);
+    let pending = ask(&world, 7, SENTENCE);
+    let replies = follow(&mut planner, &mut world, &pending);
+    let told: Vec<_> = replies
+        .iter()
+        .map(|reply| match reply.read().unwrap() {
+            Reply::Planned { steps, .. } => format!("planned {}", steps.len()),
+            Reply::Commanded { step } => format!("commanded {step}"),
+            Reply::Reached { step, off_m } => {
+                assert!(off_m < 1e-3);
+                format!("reached {step}")
+            }
+            Reply::Done => "done".into(),
+            reply => panic!("{reply:?}"),
+        })
+        .collect();
+    assert_eq!(
+        told,
+        [
+            "planned 2",
+            "commanded 0",
+            "reached 0",
+            "planned 2",
+            "commanded 1",
+            "reached 1",
+            "done"
+        ]
+    );
+    let numbers: Vec<_> = replies.iter().map(|reply| reply.number).collect();
+    assert_eq!(numbers, (1..=7).collect::<Vec<_>>());
+    assert!(
+        replies
+            .iter()
+            .all(|reply| (reply.asker, reply.request) == (3, 7))
+    );
+    let objects: Vec<_> = world.done.iter().map(|goal| goal.object_id).collect();
+    assert_eq!(objects, [1, 3]);
+}
+
+#[test]
+fn refusals_and_a_busy_planner_are_told_in_words() {
+    let config = own_config("refused");
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner =
+        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, &config);
+    let pending = ask(&world, 1, "put the purple block on the blue block");
+    let replies = follow(&mut planner, &mut world, &pending);
+    let Ok(Reply::Failed { reason, message }) = replies[0].read() else {
+        panic!("{:?}", replies[0].read());
+    };
+    assert_eq!((reason, replies.len()), ("unknown_word", 1));
+    assert!(message.contains("\"purple\""), "{message}");
+    drop(pending);
+
+    world.works = false;
+    let first = ask(&world, 2, SENTENCE);
+    for _ in 0..200 {
+        world.turn();
+        planner.poll(now_ns());
+    }
+    let second = ask(&world, 3, SENTENCE);
+    let replies = follow(&mut planner, &mut world, &second);
+    assert_eq!(last_reason(&replies), Some("busy"));
+    drop(second);
+    // Another request can't be cancelled by number alone, its own can.
+    for (sequence, expected) in [(9, Some("no_such_request")), (2, None)] {
+        let cancel = world
+            .client
+            .send_copy(PlanRequest::cancel(3, sequence))
+            .unwrap();
+        let replies = follow(&mut planner, &mut world, &cancel);
+        assert_eq!(last_reason(&replies), expected);
+    }
+    let replies = follow(&mut planner, &mut world, &first);
+    assert_eq!(last_reason(&replies), Some("cancelled"));
+    assert!(world.done.is_empty());
+}
+
+#[test]
+fn who_asked_and_left_has_cancelled() {
+    let config = own_config("left");
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner =
+        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, &config);
+    world.works = false;
+    drop(ask(&world, 1, SENTENCE));
+    for _ in 0..200 {
+        world.turn();
+        planner.poll(now_ns());
+    }
+    assert!(world.done.is_empty());
+    world.works = true;
+    let pending = ask(&world, 2, SENTENCE);
+    let replies = follow(&mut planner, &mut world, &pending);
+    assert_eq!(last_reason(&replies), None);
+}
+
+#[test]
+fn a_controller_that_was_started_anew_ends_the_sentence() {
+    let config = own_config("anew");
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner =
+        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, &config);
+    world.works = false;
+    let pending = ask(&world, 1, SENTENCE);
+    let mut replies = Vec::new();
+    while !replies
+        .iter()
+        .any(|reply: &PlanReply| matches!(reply.read(), Ok(Reply::Commanded { .. })))
+    {
+        world.turn();
+        planner.poll(now_ns());
+        replies.extend(pending.receive().unwrap().map(|reply| *reply));
+    }
+    world.turn();
+    planner.poll(now_ns());
+    world.started_ns = 2;
+    let replies = follow(&mut planner, &mut world, &pending);
+    assert_eq!(last_reason(&replies), Some("controller_lost"));
+}
+
+#[test]
+fn without_a_controller_nothing_is_accepted() {
+    let config = own_config("alone");
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner =
+        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
+    let robot = join(Role::Asker, &config);
+    let (scenes, client) = (
+        robot.sender::<SceneMessage>().unwrap(),
+        robot.plan_client().unwrap(),
+    );
+    let request = PlanRequest::new(3, 1, Mode::ClosedLoop, SENTENCE).unwrap();
+    let pending = client.send_copy(request).unwrap();
+    let mut scene = raw_scene(&model, &[block("small", "red"), block("lego", "blue")]);
+    let mut objects = scene.objects[1];
+    objects.id = 3;
+    objects.embedding = nsrm_tests::by_hand::embedding(&block("lego", "green"));
+    objects.location[0] += 0.05;
+    objects.location[2] += 0.05;
+    scene.push(objects).unwrap();
+    let mut replies = Vec::new();
+    while pending.is_connected() {
+        scene.header.timestamp_ns = now_ns();
+        scenes.send(&SceneMessage::from(&scene)).unwrap();
+        planner.poll(now_ns());
+        replies.extend(pending.receive().unwrap().map(|reply| *reply));
+    }
+    replies.extend(pending.receive().unwrap().map(|reply| *reply));
+    assert_eq!(last_reason(&replies), Some("not_accepted"));
+}
+
+/// The same scene as core makes of the same picture, read where it lies.
+#[test]
+fn perception_makes_a_scene_of_a_frame() {
+    let config = own_config("perception");
+    let model = &nsrm_core::pretrained::TABLETOP;
+    let camera = join(Role::Camera, &config);
+    let picture = picture::squares();
+    let bytes = picture.pixels.len() / 3 * 7;
+    let out = camera.frames_out(bytes).unwrap();
+    let scenes = camera.receiver::<SceneMessage>().unwrap();
+    let mut perception = PerceptionNode::begin(join(Role::Perception, &config), model).unwrap();
+    let mut frame = CameraFrame {
+        sequence: 4,
+        timestamp_ns: 5,
+        camera: CameraMessage::from(picture::camera()),
+        ..CameraFrame::default()
+    };
+    for detection in &picture.detections {
+        let [x1, y1, x2, y2, depth_m] = detection.location;
+        frame.boxes[frame.count as usize] = DetectedBox {
+            id: detection.id,
+            corners: [x1, y1, x2, y2],
+            depth_m,
+        };
+        frame.count += 1;
+    }
+    let write = |image: &mut [u8]| image[..picture.pixels.len()].copy_from_slice(&picture.pixels);
+    assert_eq!(out.send(frame, bytes, write), Ok(1));
+    assert!(perception.poll(now_ns()));
+    let scene = scenes
+        .receive()
+        .unwrap()
+        .expect("a scene")
+        .to_scene(model)
+        .unwrap();
+    let [width, height] = picture::SIZE;
+    let image = RgbImage::new(&picture.pixels, width, height, 3 * width as usize).unwrap();
+    let (sequence, timestamp_ns) = (4, 5);
+    let stamp = Stamp {
+        sequence,
+        timestamp_ns,
+    };
+    let task = ObservationTask::new(model, image, picture::camera(), &picture.detections, stamp);
+    assert_eq!(Ok(scene), task.unwrap().finish());
+
+    // What is no frame costs nothing but its passing over.
+    frame.count = 99;
+    assert_eq!(out.send(frame, bytes, write), Ok(1));
+    assert!(perception.poll(now_ns()));
+    assert!(scenes.receive().unwrap().is_none());
+    assert!(!perception.poll(now_ns()));
+}
