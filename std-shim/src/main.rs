@@ -1,5 +1,7 @@
 //! The command `nsrm`.
 
+mod robot;
+
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -57,6 +59,8 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    #[command(flatten)]
+    Robot(robot::RobotCommand),
 }
 
 #[derive(clap::Args)]
@@ -99,8 +103,11 @@ fn main() -> ExitCode {
     let as_json = match &command {
         Command::Parse { options, .. } | Command::Plan { options, .. } => options.json,
         Command::Info { json, .. } | Command::Check { json, .. } => *json,
+        Command::Robot(command) => command.wants_json(),
     };
     match run(&command) {
+        // What a robot does was told as it happened.
+        Ok(text) if text.is_empty() => ExitCode::SUCCESS,
         Ok(text) => print(&text),
         Err(failure) => {
             eprintln!("nsrm: {}", failure.message);
@@ -162,6 +169,7 @@ fn run(command: &Command) -> Result<String, Failure> {
                 info_text(&any)
             })
         }
+        Command::Robot(command) => command.run().map(|()| String::new()),
         Command::Check { model: path, json } => {
             let any = AnyModel::load(path)?;
             let model = any.model();

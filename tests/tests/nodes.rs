@@ -14,23 +14,11 @@ use nsrm_ipc::message::{
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
+use nsrm_tests::corner::Corner;
 use nsrm_tests::picture;
 
 const SENTENCE: &str = "put the small red block on the blue block then put the green block on the \
                         small red block";
-
-/// A corner of the machine that no other test or robot uses.
-fn own_config(test: &str) -> Config {
-    let mut config = Config::default();
-    let name = format!("nsrm-nodes-{}-{test}", std::process::id());
-    let folder = std::env::temp_dir().join(&name);
-    let path = folder.to_str().unwrap().as_bytes();
-    config
-        .global
-        .set_root_path(&Path::new(path).expect("a path of moderate length"));
-    config.global.prefix = FileName::new(format!("{name}_").as_bytes()).expect("a short name");
-    config
-}
 
 fn join(role: Role, config: &Config) -> Robot {
     Robot::join("left".parse().unwrap(), role, config).unwrap()
@@ -159,12 +147,13 @@ fn last_reason(replies: &[PlanReply]) -> Option<&'static str> {
 
 #[test]
 fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
-    let config = own_config("done");
+    let corner = Corner::new("done");
+    let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner =
-        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, &config);
+        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, config);
     let pending = ask(&world, 7, SENTENCE);
     let replies = follow(&mut planner, &mut world, &pending);
     let told: Vec<_> = replies
@@ -205,12 +194,13 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
 
 #[test]
 fn refusals_and_a_busy_planner_are_told_in_words() {
-    let config = own_config("refused");
+    let corner = Corner::new("refused");
+    let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner =
-        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, &config);
+        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, config);
     let pending = ask(&world, 1, "put the purple block on the blue block");
     let replies = follow(&mut planner, &mut world, &pending);
     let Ok(Reply::Failed { reason, message }) = replies[0].read() else {
@@ -246,12 +236,13 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
 
 #[test]
 fn who_asked_and_left_has_cancelled() {
-    let config = own_config("left");
+    let corner = Corner::new("left");
+    let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner =
-        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, &config);
+        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, config);
     world.works = false;
     drop(ask(&world, 1, SENTENCE));
     for _ in 0..200 {
@@ -267,12 +258,13 @@ fn who_asked_and_left_has_cancelled() {
 
 #[test]
 fn a_controller_that_was_started_anew_ends_the_sentence() {
-    let config = own_config("anew");
+    let corner = Corner::new("anew");
+    let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner =
-        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, &config);
+        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, config);
     world.works = false;
     let pending = ask(&world, 1, SENTENCE);
     let mut replies = Vec::new();
@@ -293,12 +285,13 @@ fn a_controller_that_was_started_anew_ends_the_sentence() {
 
 #[test]
 fn without_a_controller_nothing_is_accepted() {
-    let config = own_config("alone");
+    let corner = Corner::new("alone");
+    let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner =
-        PlannerNode::begin(join(Role::Planner, &config), &model, Limits::default()).unwrap();
-    let robot = join(Role::Asker, &config);
+        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
+    let robot = join(Role::Asker, config);
     let (scenes, client) = (
         robot.sender::<SceneMessage>().unwrap(),
         robot.plan_client().unwrap(),
@@ -326,14 +319,15 @@ fn without_a_controller_nothing_is_accepted() {
 /// The same scene as core makes of the same picture, read where it lies.
 #[test]
 fn perception_makes_a_scene_of_a_frame() {
-    let config = own_config("perception");
+    let corner = Corner::new("perception");
+    let config = &corner.config;
     let model = &nsrm_core::pretrained::TABLETOP;
-    let camera = join(Role::Camera, &config);
+    let camera = join(Role::Camera, config);
     let picture = picture::squares();
     let bytes = picture.pixels.len() / 3 * 7;
     let out = camera.frames_out(bytes).unwrap();
     let scenes = camera.receiver::<SceneMessage>().unwrap();
-    let mut perception = PerceptionNode::begin(join(Role::Perception, &config), model).unwrap();
+    let mut perception = PerceptionNode::begin(join(Role::Perception, config), model).unwrap();
     let mut frame = CameraFrame {
         sequence: 4,
         timestamp_ns: 5,

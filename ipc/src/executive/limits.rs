@@ -11,6 +11,8 @@ pub struct Limits {
     pub accept_wait_ns: u64,
     /// How long it may take to carry one out.
     pub move_wait_ns: u64,
+    /// How long another node may be silent before it is held to be dead.
+    pub silence_ns: u64,
     /// How far from its sub-goal an object may be seen, metres.
     pub tolerance_m: f32,
     /// How often anything is tried again, counted over the whole sentence.
@@ -18,7 +20,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// Scenes of half a second at most; a centimetre, which is a quarter of the
+    /// Scenes of half a second at most; three heartbeats lost, so that a death is
+    /// noticed within half a second; a centimetre, which is a quarter of the
     /// smallest block and ten times what the camera is off.
     fn default() -> Self {
         Self {
@@ -26,6 +29,7 @@ impl Default for Limits {
             scene_wait_ns: 2_000_000_000,
             accept_wait_ns: 500_000_000,
             move_wait_ns: 60_000_000_000,
+            silence_ns: 350_000_000,
             tolerance_m: 0.01,
             retries: 3,
         }
@@ -60,6 +64,7 @@ impl Limits {
             ("wait for a scene", self.scene_wait_ns),
             ("wait for acceptance", self.accept_wait_ns),
             ("wait for a move", self.move_wait_ns),
+            ("silence", self.silence_ns),
         ] {
             if time == 0 {
                 return Err(LimitsError::Zero(name));

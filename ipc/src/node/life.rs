@@ -5,10 +5,6 @@ use crate::service::{Receiver, Robot, SendFailure, Sender, ServiceError};
 
 /// Time between two heartbeats of a node, nanoseconds.
 pub const HEARTBEAT_NS: u64 = 100_000_000;
-/// Silence after which a node is held to be dead or hanging, nanoseconds: three
-/// heartbeats lost, and noticed well within half a second.
-pub const SILENCE_NS: u64 = 350_000_000;
-
 /// A node's own heartbeat, and those of others.
 #[derive(Debug)]
 pub struct Life {
@@ -80,10 +76,13 @@ impl Peer {
         is_other
     }
 
-    /// Whether it is heard of.
-    pub fn lives(&self, now_ns: u64) -> bool {
-        self.known
-            .is_some_and(|(_, heard_ns)| now_ns.saturating_sub(heard_ns) <= SILENCE_NS)
+    /// Whether it may be alive: it was heard of, or is listened to, no longer ago
+    /// than it may be silent.
+    ///
+    /// * `since_ns`: when listening began
+    pub fn may_live(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
+        let heard_ns = self.known.map_or(0, |(_, heard_ns)| heard_ns);
+        now_ns.saturating_sub(heard_ns.max(since_ns)) <= silence_ns
     }
 }
 
@@ -101,10 +100,10 @@ mod tests {
             state: 1,
         };
         let mut peer = Peer::default();
-        assert!(!peer.lives(0));
-        assert!(!peer.hear(&heartbeat(5), 10));
-        assert!(peer.lives(10 + SILENCE_NS) && !peer.lives(11 + SILENCE_NS));
+        assert!(peer.may_live(10, 50, 60) && !peer.may_live(10, 50, 61));
         assert!(!peer.hear(&heartbeat(5), 20));
-        assert!(peer.hear(&heartbeat(6), 30));
+        assert!(peer.may_live(10, 50, 70) && !peer.may_live(10, 50, 71));
+        assert!(!peer.hear(&heartbeat(5), 30));
+        assert!(peer.hear(&heartbeat(6), 40));
     }
 }

@@ -1,9 +1,11 @@
 //! The processes of a robot that are written in Rust.
 
+mod asker;
 mod life;
 mod perception;
 mod planner;
 
-pub use life::{HEARTBEAT_NS, Life, Peer, SILENCE_NS};
+pub use asker::{AskError, Asker, Conversation};
+pub use life::{HEARTBEAT_NS, Life, Peer};
 pub use perception::{FrameFault, PerceptionNode, see};
 pub use planner::{Busyness, PlannerNode};

@@ -6,6 +6,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 
 use heapless::Vec;
+use iceoryx2::port::listener::ListenerWaitError;
 use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp};
 use nsrm_core::{MAX_OBJECTS, Model, SceneError};
 use tracing::{info, warn};
@@ -74,9 +75,10 @@ impl<'m> PerceptionNode<'m> {
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
             while self.poll(now_ns()) {}
-            listener
-                .timed_wait(|_| {}, NAP)
-                .map_err(|error| self.robot.fault(CAMERA, &error))?;
+            match listener.timed_wait(|_| {}, NAP) {
+                Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
+                Err(error) => return Err(self.robot.fault(CAMERA, &error)),
+            }
         }
         Ok(())
     }

@@ -41,6 +41,8 @@ pub struct PlannerNode<'m> {
     feedback: Receiver<Feedback>,
     life: Life,
     controller: Peer,
+    began_ns: u64,
+    silence_ns: u64,
     executive: Executive<'m>,
     current: Option<Current>,
 }
@@ -64,6 +66,8 @@ impl<'m> PlannerNode<'m> {
             feedback: robot.receiver()?,
             life: Life::begin(&robot, Role::Planner, now_ns)?,
             controller: Peer::default(),
+            began_ns: now_ns,
+            silence_ns: limits.silence_ns,
             executive: Executive::new(model, limits, now_ns),
             current: None,
             robot,
@@ -134,7 +138,7 @@ impl<'m> PlannerNode<'m> {
                 lost |= controller.hear(heartbeat, now_ns);
             }
         });
-        if lost || !controller.lives(now_ns) {
+        if lost || !controller.may_live(self.began_ns, self.silence_ns, now_ns) {
             self.executive.lose_controller();
         }
         let state = if self.current.is_some() {

@@ -1,6 +1,5 @@
 //! The services promise what their table says, between two nodes of one process.
 
-use iceoryx2::config::Config;
 use iceoryx2::prelude::*;
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{
@@ -8,28 +7,15 @@ use nsrm_ipc::message::{
     ReplyTo, Role, SceneMessage, State, SubGoal,
 };
 use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, SendFailure, ServiceError};
-
-/// A corner of the machine that no other test or robot uses.
-fn own_config(test: &str) -> Config {
-    let mut config = Config::default();
-    let name = format!("nsrm-test-{}-{test}", std::process::id());
-    let folder = std::env::temp_dir().join(&name);
-    let path = folder.to_str().unwrap().as_bytes();
-    config
-        .global
-        .set_root_path(&Path::new(path).expect("a path of moderate length"));
-    config.global.prefix = FileName::new(format!("{name}_").as_bytes()).expect("a short name");
-    config
-}
+use nsrm_tests::corner::Corner;
 
 fn name(robot: &str) -> RobotName {
     robot.parse().unwrap()
 }
 
 /// Two processes of robot `left`.
-fn pair(test: &str) -> (Robot, Robot) {
-    let config = own_config(test);
-    let join = |role| Robot::join(name("left"), role, &config).unwrap();
+fn pair(corner: &Corner) -> (Robot, Robot) {
+    let join = |role| Robot::join(name("left"), role, &corner.config).unwrap();
     (join(Role::Planner), join(Role::Controller))
 }
 
@@ -73,7 +59,8 @@ fn scene(sequence: u64) -> SceneMessage {
 
 #[test]
 fn a_heartbeat_arrives_as_it_was_sent_and_rings() {
-    let (planner, controller) = pair("heartbeat");
+    let corner = Corner::new("heartbeat");
+    let (planner, controller) = pair(&corner);
     let sender = planner.sender::<Heartbeat>().unwrap();
     let receiver = controller.receiver::<Heartbeat>().unwrap();
     let listener = controller.listen(Heartbeat::SERVICE).unwrap();
@@ -87,7 +74,8 @@ fn a_heartbeat_arrives_as_it_was_sent_and_rings() {
 
 #[test]
 fn a_late_reader_gets_the_latest_scene_and_none_before_it() {
-    let (planner, controller) = pair("scene");
+    let corner = Corner::new("scene");
+    let (planner, controller) = pair(&corner);
     let sender = planner.sender::<SceneMessage>().unwrap();
     let early = controller.receiver::<SceneMessage>().unwrap();
     for sequence in 1..=3 {
@@ -103,7 +91,8 @@ fn a_late_reader_gets_the_latest_scene_and_none_before_it() {
 
 #[test]
 fn a_command_that_finds_no_room_is_an_error_and_those_before_it_arrive() {
-    let (planner, controller) = pair("sub-goal");
+    let corner = Corner::new("sub-goal");
+    let (planner, controller) = pair(&corner);
     let sender = planner.sender::<SubGoal>().unwrap();
     // Nobody is there to carry it out.
     assert_eq!(sender.send(&sub_goal(99)), Ok(0));
@@ -120,7 +109,8 @@ fn a_command_that_finds_no_room_is_an_error_and_those_before_it_arrive() {
 
 #[test]
 fn of_feedback_the_last_64_wait() {
-    let (planner, controller) = pair("feedback");
+    let corner = Corner::new("feedback");
+    let (planner, controller) = pair(&corner);
     let sender = controller.sender::<Feedback>().unwrap();
     let receiver = planner.receiver::<Feedback>().unwrap();
     for sequence in 0..70 {
@@ -132,8 +122,8 @@ fn of_feedback_the_last_64_wait() {
 
 #[test]
 fn no_robot_has_two_of_what_it_has_one_of() {
-    let config = own_config("taken");
-    let join = |robot, role| Robot::join(name(robot), role, &config).unwrap();
+    let corner = Corner::new("taken");
+    let join = |robot, role| Robot::join(name(robot), role, &corner.config).unwrap();
     let planner = join("left", Role::Planner);
     let (_server, _goals) = (
         planner.plan_server().unwrap(),
@@ -171,7 +161,8 @@ fn no_robot_has_two_of_what_it_has_one_of() {
 
 #[test]
 fn the_place_of_one_that_left_is_free() {
-    let (planner, other) = pair("left");
+    let corner = Corner::new("left");
+    let (planner, other) = pair(&corner);
     let goals = planner.sender::<SubGoal>().unwrap();
     assert!(other.sender::<SubGoal>().is_err());
     drop(goals);
@@ -180,7 +171,8 @@ fn the_place_of_one_that_left_is_free() {
 
 #[test]
 fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
-    let (planner, asker) = pair("plan");
+    let corner = Corner::new("plan");
+    let (planner, asker) = pair(&corner);
     let server = planner.plan_server().unwrap();
     let client = asker.plan_client().unwrap();
     let request = PlanRequest::new(1, 7, Mode::PlanOnly, "put the red block …").unwrap();
@@ -216,9 +208,9 @@ fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
 
 #[test]
 fn a_peer_with_another_layout_is_refused() {
-    let config = own_config("layout");
+    let corner = Corner::new("layout");
     let node = NodeBuilder::new()
-        .config(&config)
+        .config(&corner.config)
         .create::<ipc::Service>()
         .unwrap();
     let service = "nsrm/v1/left/feedback".try_into().unwrap();
@@ -233,7 +225,7 @@ fn a_peer_with_another_layout_is_refused() {
         .subscriber_max_buffer_size(64)
         .create()
         .unwrap();
-    let robot = Robot::join(name("left"), Role::Planner, &config).unwrap();
+    let robot = Robot::join(name("left"), Role::Planner, &corner.config).unwrap();
     let refused = robot.sender::<Feedback>().unwrap_err();
     let (robot, service) = (name("left"), "feedback");
     assert_eq!(refused, ServiceError::OtherVersion { robot, service });
@@ -241,7 +233,8 @@ fn a_peer_with_another_layout_is_refused() {
 
 #[test]
 fn a_frame_is_read_where_it_was_written() {
-    let (camera, perception) = pair("frame");
+    let corner = Corner::new("frame");
+    let (camera, perception) = pair(&corner);
     let out = camera.frames_out(2 * 3 * 7).unwrap();
     let frames = perception.frames_in().unwrap();
     let frame = frame();

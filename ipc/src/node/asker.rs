@@ -1,0 +1,158 @@
+//! Who asks: a sentence in, what becomes of it out.
+
+use core::fmt;
+
+use iceoryx2::pending_response::PendingResponse;
+use iceoryx2::prelude::*;
+
+use super::life::{Life, Peer};
+use crate::clock::now_ns;
+use crate::executive::Mode;
+use crate::message::{PlanReply, PlanRequest, PlanRequestError, Role, State};
+use crate::service::{Bell, PLAN, PlanClient, Robot, RobotName, ServiceError};
+
+/// Why nothing was asked, or nothing more will be heard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum AskError {
+    /// No planner is there.
+    NoPlanner(RobotName),
+    /// The planner died or hangs; what was commanded may have been carried out.
+    PlannerLost(RobotName),
+    /// A reply is missing.
+    ReplyLost {
+        /// Which, from 1.
+        number: u32,
+    },
+    /// The sentence can't be sent.
+    Request(PlanRequestError),
+    /// What iceoryx2 says.
+    Iceoryx(String),
+}
+
+impl fmt::Display for AskError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPlanner(robot) => write!(
+                f,
+                "robot `{robot}` has no planner; start one: nsrm serve --robot {robot}"
+            ),
+            Self::PlannerLost(robot) => write!(
+                f,
+                "the planner of robot `{robot}` died or hangs; look at the robot, then start the \
+                 planner anew"
+            ),
+            Self::ReplyLost { number } => write!(f, "reply {number} was lost; look at the robot"),
+            Self::Request(error) => write!(f, "{error}"),
+            Self::Iceoryx(says) => write!(f, "asking: {says}"),
+        }
+    }
+}
+
+impl core::error::Error for AskError {}
+
+type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
+
+/// A person's end of `plan`.
+#[derive(Debug)]
+pub struct Asker {
+    robot: Robot,
+    client: PlanClient,
+    bell: Bell,
+    life: Life,
+    planner: Peer,
+    silence_ns: u64,
+    asker: u64,
+    sequence: u64,
+}
+
+/// A sentence that was asked, until its last reply.
+#[derive(Debug)]
+pub struct Conversation {
+    pending: Pending,
+    sequence: u64,
+    /// Of the next reply.
+    number: u32,
+    began_ns: u64,
+}
+
+impl Asker {
+    /// Takes one of the askers' places at a robot.
+    ///
+    /// * `silence_ns`: how long the planner may be silent before it is held to be dead
+    pub fn begin(robot: Robot, silence_ns: u64) -> Result<Self, ServiceError> {
+        let now_ns = now_ns();
+        Ok(Self {
+            client: robot.plan_client()?,
+            bell: robot.bell(PLAN)?,
+            life: Life::begin(&robot, Role::Asker, now_ns)?,
+            planner: Peer::default(),
+            silence_ns,
+            // Two askers begun in the same nanosecond have different processes.
+            asker: now_ns ^ (u64::from(std::process::id()) << 40),
+            sequence: 0,
+            robot,
+        })
+    }
+
+    /// Asks for a sentence to be followed.
+    pub fn ask(&mut self, sentence: &str, mode: Mode) -> Result<Conversation, AskError> {
+        self.sequence += 1;
+        let request = PlanRequest::new(self.asker, self.sequence, mode, sentence);
+        let pending = self.send(request.map_err(AskError::Request)?)?;
+        Ok(Conversation {
+            pending,
+            sequence: self.sequence,
+            number: 1,
+            began_ns: now_ns(),
+        })
+    }
+
+    /// Asks for it to be followed no longer; the conversation then ends with
+    /// `cancelled`, once the robot has stopped.
+    pub fn cancel(&mut self, conversation: &Conversation) -> Result<(), AskError> {
+        self.send(PlanRequest::cancel(self.asker, conversation.sequence))
+            .map(|_| ())
+    }
+
+    fn send(&self, request: PlanRequest) -> Result<Pending, AskError> {
+        let sent = self.client.send_copy(request);
+        let pending = sent.map_err(|error| AskError::Iceoryx(format!("{error:?}")))?;
+        if pending.number_of_server_connections() == 0 {
+            return Err(AskError::NoPlanner(self.robot.name().clone()));
+        }
+        self.bell.ring();
+        Ok(pending)
+    }
+
+    /// The next reply, if there is one now; after the last one, an error.
+    pub fn hear(&mut self, conversation: &mut Conversation) -> Result<Option<PlanReply>, AskError> {
+        let now_ns = now_ns();
+        let planner = &mut self.planner;
+        let mut is_other = false;
+        self.life.listen(|role, _, heartbeat| {
+            if role == Role::Planner {
+                is_other |= planner.hear(heartbeat, now_ns);
+            }
+        });
+        // Not being heard by anyone does not keep it from hearing.
+        let _ = self.life.beat(State::Busy, now_ns);
+        // Asked first, since replies may come in between.
+        let goes_on = conversation.pending.is_connected();
+        let received = conversation.pending.receive();
+        let received = received.map_err(|error| AskError::Iceoryx(format!("{error:?}")))?;
+        if let Some(reply) = received.map(|reply| *reply) {
+            let number = conversation.number;
+            if reply.number != number {
+                return Err(AskError::ReplyLost { number });
+            }
+            conversation.number = number.saturating_add(1);
+            return Ok(Some(reply));
+        }
+        // One that ends a conversation of its own will has a last word.
+        let (began_ns, silence_ns) = (conversation.began_ns, self.silence_ns);
+        if !goes_on || is_other || !self.planner.may_live(began_ns, silence_ns, now_ns) {
+            return Err(AskError::PlannerLost(self.robot.name().clone()));
+        }
+        Ok(None)
+    }
+}

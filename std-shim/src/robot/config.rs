@@ -1,0 +1,147 @@
+//! What the commands of a robot are told by a file.
+
+use std::path::PathBuf;
+
+use iceoryx2::config::Config as Iceoryx;
+use iceoryx2::prelude::{FileName, Path, SemanticString};
+use nsrm_ipc::executive::{Limits, LimitsError};
+use nsrm_ipc::service::{RobotName, RobotNameError};
+use serde::Deserialize;
+
+/// A configuration file (TOML). Everything may be left out.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    robot: Option<String>,
+    model: Option<PathBuf>,
+    #[serde(default)]
+    limits: LimitsFile,
+    #[serde(default)]
+    shared_memory: SharedMemoryFile,
+}
+
+/// Where iceoryx2 keeps what processes share, if not at its usual place.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SharedMemoryFile {
+    /// A folder for its files.
+    root: Option<String>,
+    /// What names in shared memory begin with.
+    prefix: Option<String>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsFile {
+    scene_age_ms: Option<u64>,
+    scene_wait_ms: Option<u64>,
+    accept_wait_ms: Option<u64>,
+    move_wait_ms: Option<u64>,
+    silence_ms: Option<u64>,
+    tolerance_mm: Option<f32>,
+    retries: Option<u8>,
+}
+
+/// What a command goes by.
+#[derive(Debug)]
+pub(crate) struct Config {
+    /// The robot.
+    pub(crate) robot: RobotName,
+    /// The model file; none: the built-in model.
+    pub(crate) model: Option<PathBuf>,
+    /// How the planner works.
+    pub(crate) limits: Limits,
+    /// Where processes meet.
+    pub(crate) shared_memory: Iceoryx,
+}
+
+/// The robot's name where none is given.
+const ROBOT: &str = "robot";
+
+/// Why there is no configuration.
+#[derive(Debug)]
+pub(crate) enum ConfigError {
+    Read(PathBuf, std::io::Error),
+    Parse(PathBuf, toml::de::Error),
+    Robot(RobotNameError),
+    Limits(LimitsError),
+    SharedMemory(&'static str, String),
+}
+
+impl std::fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Read(path, error) => write!(f, "{}: {error}", path.display()),
+            Self::Parse(path, error) => write!(f, "{}: {error}", path.display()),
+            Self::Robot(error) => write!(f, "{error}"),
+            Self::Limits(error) => write!(f, "limits: {error}"),
+            Self::SharedMemory(key, value) => write!(
+                f,
+                "shared_memory.{key} = {value:?}: too long, or not a name that files may have"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ConfigError {}
+
+impl Config {
+    /// From the file, if there is one; what the command line says comes first.
+    pub(crate) fn read(
+        path: Option<&PathBuf>,
+        robot: Option<&str>,
+        model: Option<&PathBuf>,
+    ) -> Result<Self, ConfigError> {
+        let file = match path {
+            None => File::default(),
+            Some(path) => {
+                let text = std::fs::read_to_string(path)
+                    .map_err(|error| ConfigError::Read(path.clone(), error))?;
+                toml::from_str(&text).map_err(|error| ConfigError::Parse(path.clone(), error))?
+            }
+        };
+        let robot = robot.or(file.robot.as_deref()).unwrap_or(ROBOT);
+        let limits = file.limits.over(Limits::default());
+        limits.check().map_err(ConfigError::Limits)?;
+        Ok(Self {
+            robot: robot.parse().map_err(ConfigError::Robot)?,
+            model: model.cloned().or(file.model),
+            limits,
+            shared_memory: file.shared_memory.read()?,
+        })
+    }
+}
+
+impl SharedMemoryFile {
+    fn read(&self) -> Result<Iceoryx, ConfigError> {
+        let mut config = Iceoryx::global_config().clone();
+        if let Some(root) = &self.root {
+            let path = Path::new(root.as_bytes());
+            let path = path.map_err(|_| ConfigError::SharedMemory("root", root.clone()))?;
+            config.global.set_root_path(&path);
+        }
+        if let Some(prefix) = &self.prefix {
+            let name = FileName::new(prefix.as_bytes());
+            let name = name.map_err(|_| ConfigError::SharedMemory("prefix", prefix.clone()))?;
+            config.global.prefix = name;
+        }
+        Ok(config)
+    }
+}
+
+impl LimitsFile {
+    fn over(&self, limits: Limits) -> Limits {
+        let ns = |ms: Option<u64>, default| ms.map_or(default, |ms| ms.saturating_mul(1_000_000));
+        Limits {
+            scene_age_ns: ns(self.scene_age_ms, limits.scene_age_ns),
+            scene_wait_ns: ns(self.scene_wait_ms, limits.scene_wait_ns),
+            accept_wait_ns: ns(self.accept_wait_ms, limits.accept_wait_ns),
+            move_wait_ns: ns(self.move_wait_ms, limits.move_wait_ns),
+            silence_ns: ns(self.silence_ms, limits.silence_ns),
+            tolerance_m: self
+                .tolerance_mm
+                .map_or(limits.tolerance_m, |mm| mm / 1000.0),
+            retries: self.retries.unwrap_or(limits.retries),
+        }
+    }
+}

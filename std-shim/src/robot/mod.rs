@@ -1,0 +1,163 @@
+//! The commands that are processes of a robot.
+
+mod config;
+mod say;
+
+use std::io::IsTerminal as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::Subcommand;
+use iceoryx2::prelude::{LogLevel, set_log_level};
+use nsrm::AnyModel;
+use nsrm_ipc::executive::Mode;
+use nsrm_ipc::message::Role;
+use nsrm_ipc::node::{PerceptionNode, PlannerNode};
+use nsrm_ipc::service::Robot;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use tracing::info;
+
+use crate::Failure;
+use config::Config;
+
+#[derive(Subcommand)]
+pub(crate) enum RobotCommand {
+    /// Be a robot's planner: take sentences, give sub-goals, look after each step.
+    Serve {
+        #[command(flatten)]
+        options: RobotOptions,
+    },
+    /// Be a robot's perception: make scenes of its camera's frames.
+    Perceive {
+        #[command(flatten)]
+        options: RobotOptions,
+    },
+    /// Tell a robot what to do, and follow what becomes of it. Ctrl-C stops the robot.
+    Say {
+        /// The sentence: one argument.
+        sentence: String,
+        /// Say what would be done, and do nothing.
+        #[arg(long, conflicts_with = "open_loop")]
+        plan_only: bool,
+        /// Carry out the first plan without looking after each step, as in the paper.
+        #[arg(long)]
+        open_loop: bool,
+        /// Print JSON, a line for each thing that happens.
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        options: RobotOptions,
+    },
+}
+
+#[derive(clap::Args)]
+pub(crate) struct RobotOptions {
+    /// Which robot, of those in this machine.
+    #[arg(long, value_name = "NAME")]
+    robot: Option<String>,
+    /// Configuration file (TOML); the command line comes first.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// The model file (safetensors); without it, the built-in model.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+}
+
+impl RobotOptions {
+    fn read(&self) -> Result<Config, Failure> {
+        Ok(Config::read(
+            self.config.as_ref(),
+            self.robot.as_deref(),
+            self.model.as_ref(),
+        )?)
+    }
+}
+
+impl RobotCommand {
+    pub(crate) const fn wants_json(&self) -> bool {
+        matches!(self, Self::Say { json: true, .. })
+    }
+
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        // What it has to say otherwise, errors say better.
+        set_log_level(LogLevel::Fatal);
+        match self {
+            Self::Serve { options } => serve(&options.read()?),
+            Self::Perceive { options } => perceive(&options.read()?),
+            Self::Say {
+                sentence,
+                plan_only,
+                open_loop,
+                json,
+                options,
+            } => {
+                let mode = match (plan_only, open_loop) {
+                    (true, _) => Mode::PlanOnly,
+                    (_, true) => Mode::OpenLoop,
+                    _ => Mode::ClosedLoop,
+                };
+                say::say(&options.read()?, sentence, mode, *json)
+            }
+        }
+    }
+}
+
+/// Is set by SIGINT and SIGTERM.
+fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))?;
+    }
+    Ok(stop)
+}
+
+fn join(config: &Config, role: Role) -> Result<Robot, Failure> {
+    Ok(Robot::join(
+        config.robot.clone(),
+        role,
+        &config.shared_memory,
+    )?)
+}
+
+/// Log lines go to stderr, by `NSRM_LOG` (a level, or a filter of tracing's).
+fn log() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("NSRM_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_target(false)
+        .with_writer(std::io::stderr)
+        .init();
+}
+
+fn open(config: &Config) -> Result<AnyModel, Failure> {
+    crate::open(config.model.as_ref())
+}
+
+fn serve(config: &Config) -> Result<(), Failure> {
+    log();
+    let any = open(config)?;
+    let model = any.model();
+    let stop = stop_on_signals()?;
+    let robot = join(config, Role::Planner)?;
+    let mut node = PlannerNode::begin(robot, &model, config.limits)?;
+    info!(robot = %config.robot, domain = model.header.domain, "planning");
+    node.run(&stop)?;
+    info!("stopped");
+    Ok(())
+}
+
+fn perceive(config: &Config) -> Result<(), Failure> {
+    log();
+    let any = open(config)?;
+    let model = any.model();
+    let stop = stop_on_signals()?;
+    let robot = join(config, Role::Perception)?;
+    let mut node = PerceptionNode::begin(robot, &model)?;
+    info!(robot = %config.robot, domain = model.header.domain, "perceiving");
+    node.run(&stop)?;
+    info!("stopped");
+    Ok(())
+}

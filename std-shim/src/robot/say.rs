@@ -1,0 +1,181 @@
+//! `nsrm say`: a sentence to a robot, and what becomes of it as it happens.
+
+use std::io::Write as _;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use nsrm::json;
+use nsrm_core::Model;
+use nsrm_core::dsl::Description;
+use nsrm_ipc::executive::Mode;
+use nsrm_ipc::message::{PlanReply, Reply, Role, StepMessage};
+use nsrm_ipc::node::{AskError, Asker};
+use serde_json::{Value, json};
+
+use super::config::Config;
+use super::{join, open, stop_on_signals};
+use crate::Failure;
+
+/// Between two looks for a reply.
+const NAP: Duration = Duration::from_millis(2);
+
+/// Asks, and prints what becomes of it.
+pub(super) fn say(
+    config: &Config,
+    sentence: &str,
+    mode: Mode,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let any = open(config)?;
+    let model = any.model();
+    let stop = stop_on_signals()?;
+    let mut asker = Asker::begin(join(config, Role::Asker)?, config.limits.silence_ns)?;
+    let mut conversation = asker.ask(sentence, mode)?;
+    let mut cancelled = false;
+    loop {
+        if stop.load(Ordering::Relaxed) && !cancelled {
+            cancelled = true;
+            eprintln!("nsrm: stopping the robot …");
+            asker.cancel(&conversation)?;
+        }
+        let Some(reply) = asker.hear(&mut conversation)? else {
+            std::thread::sleep(NAP);
+            continue;
+        };
+        let said = reply
+            .read()
+            .map_err(|error| AskError::Iceoryx(error.to_string()))?;
+        let written = if as_json {
+            writeln!(std::io::stdout(), "{}", event_json(&model, &reply, &said))
+        } else {
+            match event_text(&model, &said) {
+                Some(text) => writeln!(std::io::stdout(), "{text}"),
+                None => Ok(()),
+            }
+        };
+        // Who no longer reads has seen enough; the robot goes on.
+        let _ = written;
+        match said {
+            Reply::Done => return Ok(()),
+            Reply::Failed { reason, message } => {
+                return Err(Failure {
+                    message: message.into(),
+                    json: json!({"refused": reason, "message": message}),
+                });
+            }
+            _ => {}
+        }
+    }
+}
+
+fn event_text(model: &Model<'_>, said: &Reply<'_>) -> Option<String> {
+    Some(match said {
+        Reply::Planned { steps, program } => {
+            let lines = steps
+                .iter()
+                .enumerate()
+                .filter(|(_, step)| step.is_grounded())
+                .map(|(index, step)| step_text(model, index, step));
+            std::iter::once((*program).to_owned())
+                .chain(lines)
+                .collect::<Vec<_>>()
+                .join("\n")
+        }
+        Reply::Commanded { step } => format!("step {}: under way", step + 1),
+        Reply::Reached { step, off_m } if off_m.is_finite() => format!(
+            "step {}: done, seen {:.1} mm from its sub-goal",
+            step + 1,
+            1000.0 * off_m
+        ),
+        Reply::Reached { step, .. } => format!("step {}: done, says the controller", step + 1),
+        Reply::Again { message, .. } => format!("{message}; trying again"),
+        Reply::Done => "done".into(),
+        Reply::Failed { .. } => return None,
+    })
+}
+
+fn step_text(model: &Model<'_>, index: usize, step: &StepMessage) -> String {
+    let described = |count: u32, concepts: &[u8]| {
+        let names = json::names(model, &description(count, concepts));
+        if names.is_empty() {
+            "any".into()
+        } else {
+            names.join(" ")
+        }
+    };
+    let confidence: f32 = step.confidence.iter().product();
+    let [x, y, z] = step.position;
+    format!(
+        "  step {}: object {} ({}, {:.2}), by object {} ({}, {:.2}), to ({x:.3}, {y:.3}, {z:.3}) m; \
+         confidence {confidence:.3}",
+        index + 1,
+        step.object_id,
+        described(step.object_count, &step.object),
+        step.object_score,
+        step.reference_id,
+        described(step.reference_count, &step.reference),
+        step.reference_score,
+    )
+}
+
+/// The first so many concepts; a reply was checked to have no more than fit.
+fn description(count: u32, concepts: &[u8]) -> Description {
+    let mut description = Description::new();
+    for &concept in concepts.iter().take(count as usize) {
+        let _ = description.push(concept);
+    }
+    description
+}
+
+fn event_json(model: &Model<'_>, reply: &PlanReply, said: &Reply<'_>) -> Value {
+    let mut event = match said {
+        Reply::Planned { steps, program } => json!({
+            "event": "planned",
+            "program": program,
+            "steps": steps.iter().map(|step| step_json(model, step)).collect::<Vec<_>>(),
+        }),
+        Reply::Commanded { step } => json!({"event": "commanded", "step": step}),
+        Reply::Reached { step, off_m } => json!({
+            "event": "reached",
+            "step": step,
+            "off_m": off_m.is_finite().then(|| json::decimal(*off_m)),
+        }),
+        Reply::Again {
+            step,
+            reason,
+            message,
+        } => json!({"event": "again", "step": step, "reason": reason, "message": message}),
+        Reply::Done => json!({"event": "done"}),
+        Reply::Failed { reason, message } => {
+            json!({"event": "failed", "reason": reason, "message": message})
+        }
+    };
+    event["plan"] = reply.plan.into();
+    event["number"] = reply.number.into();
+    event
+}
+
+fn step_json(model: &Model<'_>, step: &StepMessage) -> Value {
+    // A model has no more actions than a byte counts.
+    let action = u8::try_from(step.action).unwrap_or(u8::MAX);
+    let object = description(step.object_count, &step.object);
+    let reference = description(step.reference_count, &step.reference);
+    let grounded = step.is_grounded().then(|| {
+        json!({
+            "object_id": step.object_id,
+            "reference_id": step.reference_id,
+            "object_score": json::decimal(step.object_score),
+            "reference_score": json::decimal(step.reference_score),
+            "confidence": json::decimal(step.confidence.iter().product()),
+            "position": json::decimals(&step.position),
+            "orientation": json::decimals(&step.orientation),
+            "location": json::decimals(&step.location),
+        })
+    });
+    json!({
+        "action": json::action_name(model, action),
+        "object": json::names(model, &object),
+        "reference": json::names(model, &reference),
+        "grounded": grounded,
+    })
+}
