@@ -6,8 +6,10 @@ use std::fmt::Write;
 
 use crate::message::{
     CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Message, ObjectMessage,
-    PlanReply, PlanRequest, REASONS, SceneMessage, StepMessage, SubGoal, Type,
+    Outcome, PlanReply, PlanRequest, REASONS, Role, SceneMessage, State, StepMessage, SubGoal,
+    Type,
 };
+use crate::service::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, Quality};
 
 /// A message as bindings tell of it.
 #[derive(Debug, Clone, Copy)]
@@ -89,7 +91,7 @@ pub fn table() -> String {
 pub fn python() -> String {
     let mut module = format!(
         "\"\"\"The messages that cross processes.\n\n{HOW}\n\"\"\"\n\n\
-         from __future__ import annotations\n\nimport ctypes\nfrom typing import ClassVar\n\n\
+         from __future__ import annotations\n\nimport ctypes\nfrom enum import IntEnum\nfrom typing import ClassVar, NamedTuple\n\n\
          REASONS = (\n"
     );
     for reason in REASONS {
@@ -99,6 +101,7 @@ pub fn python() -> String {
         ")\n\"\"\"Why a request is not followed: `PlanReply.reason` is a place in here, counted \
          from 1.\"\"\"\n",
     );
+    python_constants(&mut module);
     for message in &MESSAGES {
         let _ = write!(
             module,
@@ -132,6 +135,62 @@ pub fn python() -> String {
         );
     }
     module
+}
+
+/// Numbers by name, and what the services promise.
+fn python_constants(module: &mut String) {
+    let enums = [
+        ("Outcome", numbers(&Outcome::ALL, |one| *one as u32)),
+        ("Role", numbers(&Role::ALL, |one| *one as u32)),
+        ("State", numbers(&State::ALL, |one| *one as u32)),
+    ];
+    for (name, members) in enums {
+        let _ = write!(
+            module,
+            "\n\nclass {name}(IntEnum):\n    \"\"\"As in Rust.\"\"\"\n\n"
+        );
+        for (member, number) in members {
+            let _ = writeln!(module, "    {member} = {number}");
+        }
+    }
+    module.push_str(
+        "\n\nclass Quality(NamedTuple):\n    \"\"\"What a publish-subscribe service \
+         promises.\"\"\"\n\n    buffer: int\n    history: int\n    overflow: bool\n    publishers: \
+         int\n    subscribers: int\n\n\nQUALITIES = {\n",
+    );
+    let qualities = [
+        (CAMERA, CAMERA_QUALITY),
+        (SceneMessage::SERVICE, SceneMessage::QUALITY),
+        (SubGoal::SERVICE, SubGoal::QUALITY),
+        (Feedback::SERVICE, Feedback::QUALITY),
+        (Heartbeat::SERVICE, Heartbeat::QUALITY),
+    ];
+    for (service, quality) in qualities {
+        let Quality {
+            buffer,
+            history,
+            overflow,
+            publishers,
+            subscribers,
+        } = quality;
+        let overflow = if overflow { "True" } else { "False" };
+        let _ = writeln!(
+            module,
+            "    \"{service}\": Quality({buffer}, {history}, {overflow}, {publishers}, \
+             {subscribers}),"
+        );
+    }
+    let _ = write!(
+        module,
+        "}}\n\"\"\"By the end of the service's name.\"\"\"\nONLOOKERS = {ONLOOKERS}\n\"\"\"How many \
+         may look on, beside those that a robot needs.\"\"\"\n"
+    );
+}
+
+/// Names as Python's constants have them, and their numbers.
+fn numbers<T: core::fmt::Debug>(all: &[T], number: impl Fn(&T) -> u32) -> Vec<(String, u32)> {
+    let name = |one: &T| snake(&format!("{one:?}")).to_uppercase();
+    all.iter().map(|one| (name(one), number(one))).collect()
 }
 
 /// A C header, for C11 and C++11.

@@ -28,6 +28,8 @@ COMMANDS = {
     "refusals": "How much of what must be refused a model refuses.",
     "tables": "The paper's tables, from nothing to a report.",
     "publish": "A finished report and its model into the project.",
+    "robot": "All processes of a robot in a simulated world, for one sentence.",
+    "world": "A simulated world as a robot's camera and controller.",
     "golden": "Write the golden vectors of a model file.",
 }
 

@@ -6,7 +6,8 @@ Written by `cargo run -p nsrm-ipc --bin nsrm-bindings`; do not edit.
 from __future__ import annotations
 
 import ctypes
-from typing import ClassVar
+from enum import IntEnum
+from typing import ClassVar, NamedTuple
 
 REASONS = (
     "no_words",
@@ -40,6 +41,62 @@ REASONS = (
     "stopping",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
+
+
+class Outcome(IntEnum):
+    """As in Rust."""
+
+    ACCEPTED = 1
+    REACHED = 2
+    NO_PATH = 3
+    NOT_GRASPED = 4
+    DROPPED = 5
+    MISPLACED = 6
+    STOPPED = 7
+    BUSY = 8
+    IMPOSSIBLE = 9
+
+
+class Role(IntEnum):
+    """As in Rust."""
+
+    CAMERA = 1
+    PERCEPTION = 2
+    PLANNER = 3
+    CONTROLLER = 4
+    ASKER = 5
+    WATCHER = 6
+
+
+class State(IntEnum):
+    """As in Rust."""
+
+    STARTING = 1
+    IDLE = 2
+    BUSY = 3
+    FAILED = 4
+
+
+class Quality(NamedTuple):
+    """What a publish-subscribe service promises."""
+
+    buffer: int
+    history: int
+    overflow: bool
+    publishers: int
+    subscribers: int
+
+
+QUALITIES = {
+    "camera": Quality(1, 1, True, 1, 16),
+    "scene": Quality(1, 1, True, 1, 16),
+    "sub_goal": Quality(8, 0, False, 1, 1),
+    "feedback": Quality(64, 0, True, 1, 16),
+    "heartbeat": Quality(16, 0, True, 16, 16),
+}
+"""By the end of the service's name."""
+ONLOOKERS = 16
+"""How many may look on, beside those that a robot needs."""
 
 
 class CameraMessage(ctypes.Structure):

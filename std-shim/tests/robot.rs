@@ -276,7 +276,10 @@ fn a_sentence_is_followed_through_all_processes() {
         lines[1].starts_with("  step 1: object 1 (red, 1.00), by object 3 (blue, 1.00), to ("),
         "{said}"
     );
-    assert_eq!(lines[2], "step 1: under way");
+    assert!(
+        lines[2].starts_with("step 1: object 1 is on its way to ("),
+        "{said}"
+    );
     assert!(
         lines[3].starts_with("step 1: done, seen 0.0 mm from"),
         "{said}"
@@ -353,7 +356,7 @@ fn ctrl_c_stops_the_robot_too() {
         .spawn()
         .unwrap();
     let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
-    assert!(lines.any(|line| line.unwrap() == "step 1: under way"));
+    assert!(lines.any(|line| line.unwrap().contains("is on its way")));
     signal(say.id(), "-INT");
     let ended = say.wait_with_output().unwrap();
     assert_eq!(ended.status.code(), Some(2));
@@ -374,7 +377,7 @@ fn a_planner_that_is_killed_is_missed_and_another_takes_its_place() {
         .spawn()
         .unwrap();
     let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
-    assert!(lines.any(|line| line.unwrap() == "step 1: under way"));
+    assert!(lines.any(|line| line.unwrap().contains("is on its way")));
     // A command that was sent is carried out, whoever has died since.
     while stage.taken.load(Ordering::Relaxed) == 0 {
         std::thread::yield_now();

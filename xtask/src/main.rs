@@ -4,6 +4,7 @@
 //!   pictures out.
 //! * `cargo harness COMMAND [ARGUMENTS]`: any command of the Python package in
 //!   `sim-harness`, in the project's own environment.
+//! * `cargo robot [SENTENCE]`: all processes of a robot in a simulated world.
 //! * `cargo verify [--only NAME]… [--list] [--install]`: every check.
 //!
 //! What they need of Python is installed into `.venv` in the checkout when it is
@@ -24,6 +25,7 @@ use project::Project;
 
 const USAGE: &str = "\
 usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--json]   (cargo demo --help for all)
+       cargo robot [SENTENCE] [--seed N] [--open-loop] [--json]
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
        cargo verify [--only NAME]... [--list] [--install]";
 
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
                 .collect(),
         ),
         Some("harness") => harness(arguments),
+        Some("robot") => robot(arguments),
         Some("verify") => verify::run(&arguments),
         _ => {
             eprintln!("{USAGE}");
@@ -51,6 +54,26 @@ fn main() -> ExitCode {
         eprintln!("error: {error:#}");
         ExitCode::FAILURE
     })
+}
+
+/// `harness robot` with the command `nsrm` as it is now.
+fn robot(arguments: Vec<OsString>) -> Result<ExitCode> {
+    let project = Project::find()?;
+    let nsrm = project.target().join("release/nsrm");
+    let mut build = Command::new("cargo");
+    build.args([
+        "build",
+        "--quiet",
+        "--locked",
+        "--release",
+        "--package",
+        "nsrm",
+    ]);
+    build.current_dir(project.root());
+    project::run_on_stderr(&mut build)?;
+    let mut with_nsrm = vec!["robot".into(), "--nsrm".into(), nsrm.into_os_string()];
+    with_nsrm.extend(arguments);
+    harness(with_nsrm)
 }
 
 /// Becomes `python -m nsrm_harness.cli ARGUMENTS`, so that signals and the exit

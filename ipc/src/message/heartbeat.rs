@@ -42,6 +42,16 @@ pub enum Role {
 }
 
 impl Role {
+    /// All of them, in the order of their numbers, from 1.
+    pub const ALL: [Self; 6] = [
+        Self::Camera,
+        Self::Perception,
+        Self::Planner,
+        Self::Controller,
+        Self::Asker,
+        Self::Watcher,
+    ];
+
     /// In a word, as in a node's name.
     pub const fn word(self) -> &'static str {
         match self {
@@ -69,6 +79,11 @@ pub enum State {
     Failed = 4,
 }
 
+impl State {
+    /// All of them, in the order of their numbers, from 1.
+    pub const ALL: [Self; 4] = [Self::Starting, Self::Idle, Self::Busy, Self::Failed];
+}
+
 /// Why a heartbeat is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeartbeatError {
@@ -92,22 +107,10 @@ impl core::error::Error for HeartbeatError {}
 impl Heartbeat {
     /// The sender's role and state.
     pub fn read(&self) -> Result<(Role, State), HeartbeatError> {
-        let role = match self.role {
-            1 => Role::Camera,
-            2 => Role::Perception,
-            3 => Role::Planner,
-            4 => Role::Controller,
-            5 => Role::Asker,
-            6 => Role::Watcher,
-            other => return Err(HeartbeatError::Role(other)),
-        };
-        let state = match self.state {
-            1 => State::Starting,
-            2 => State::Idle,
-            3 => State::Busy,
-            4 => State::Failed,
-            other => return Err(HeartbeatError::State(other)),
-        };
+        let role = Role::ALL.into_iter().find(|one| *one as u32 == self.role);
+        let state = State::ALL.into_iter().find(|one| *one as u32 == self.state);
+        let role = role.ok_or(HeartbeatError::Role(self.role))?;
+        let state = state.ok_or(HeartbeatError::State(self.state))?;
         Ok((role, state))
     }
 }
@@ -128,15 +131,8 @@ mod tests {
 
     #[test]
     fn numbers_come_back_as_what_they_were_and_others_are_refused() {
-        for role in [
-            Role::Camera,
-            Role::Perception,
-            Role::Planner,
-            Role::Controller,
-            Role::Asker,
-            Role::Watcher,
-        ] {
-            for state in [State::Starting, State::Idle, State::Busy, State::Failed] {
+        for role in Role::ALL {
+            for state in State::ALL {
                 assert_eq!(
                     heartbeat(role as u32, state as u32).read(),
                     Ok((role, state))

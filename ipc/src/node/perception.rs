@@ -9,7 +9,7 @@ use heapless::Vec;
 use iceoryx2::port::listener::ListenerWaitError;
 use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp};
 use nsrm_core::{MAX_OBJECTS, Model, SceneError};
-use tracing::{info, warn};
+use tracing::warn;
 
 use super::life::{HEARTBEAT_NS, Life};
 use crate::clock::now_ns;
@@ -67,7 +67,6 @@ impl<'m> PerceptionNode<'m> {
     /// Makes scenes until it is told to stop. Sleeps while no frame comes.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
         let listener = self.robot.listen(CAMERA)?;
-        info!(robot = %self.robot.name(), "perceiving");
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
             if now_ns() >= burial_ns {

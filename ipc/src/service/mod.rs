@@ -23,7 +23,7 @@ mod quality;
 pub use error::{SendFailure, ServiceError};
 pub use name::{MAX_NAME, RobotName, RobotNameError};
 pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
-pub use quality::{CAMERA, Carried, PLAN, Quality};
+pub use quality::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, PLAN, Quality};
 
 use core::fmt::Debug;
 use core::time::Duration;
@@ -38,7 +38,7 @@ use iceoryx2::service::port_factory::{event, publish_subscribe, request_response
 
 use crate::message::{CameraFrame, PlanReply, PlanRequest, Role};
 use fault::Fault;
-use quality::{ASKERS, CAMERA_QUALITY, ONLOOKERS, REPLIES};
+use quality::{ASKERS, REPLIES};
 
 /// How often a service that is just being made or removed is tried to be opened.
 const TRIES: u32 = 50;

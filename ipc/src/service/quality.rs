@@ -28,7 +28,7 @@ pub trait Carried: Message + ZeroCopySend + Debug + 'static {
 }
 
 /// How many may look on, beside those that a robot needs.
-pub(super) const ONLOOKERS: usize = 16;
+pub const ONLOOKERS: usize = 16;
 
 impl Carried for SceneMessage {
     const SERVICE: &'static str = "scene";
@@ -77,7 +77,7 @@ impl Carried for Heartbeat {
 /// The service of frames.
 pub const CAMERA: &str = "camera";
 /// What it promises; as [`Carried::QUALITY`], but a frame is a slice with a header.
-pub(super) const CAMERA_QUALITY: Quality = Quality {
+pub const CAMERA_QUALITY: Quality = Quality {
     buffer: 1,
     history: 1,
     overflow: true,

@@ -32,6 +32,7 @@ pub(super) fn say(
     let mut asker = Asker::begin(join(config, Role::Asker)?, config.limits.silence_ns)?;
     let mut conversation = asker.ask(sentence, mode)?;
     let mut cancelled = false;
+    let mut told = Told::default();
     loop {
         if stop.load(Ordering::Relaxed) && !cancelled {
             cancelled = true;
@@ -48,7 +49,7 @@ pub(super) fn say(
         let written = if as_json {
             writeln!(std::io::stdout(), "{}", event_json(&model, &reply, &said))
         } else {
-            match event_text(&model, &said) {
+            match told.text(&model, &said) {
                 Some(text) => writeln!(std::io::stdout(), "{text}"),
                 None => Ok(()),
             }
@@ -68,20 +69,40 @@ pub(super) fn say(
     }
 }
 
-fn event_text(model: &Model<'_>, said: &Reply<'_>) -> Option<String> {
-    Some(match said {
-        Reply::Planned { steps, program } => {
-            let lines = steps
-                .iter()
-                .enumerate()
-                .filter(|(_, step)| step.is_grounded())
-                .map(|(index, step)| step_text(model, index, step));
-            std::iter::once((*program).to_owned())
-                .chain(lines)
-                .collect::<Vec<_>>()
-                .join("\n")
+/// What a person was told so far.
+#[derive(Default)]
+struct Told {
+    /// The last plan.
+    steps: Vec<StepMessage>,
+}
+
+impl Told {
+    /// What there is to tell; of plans the first, as those after it differ by what was
+    /// seen meanwhile.
+    fn text(&mut self, model: &Model<'_>, said: &Reply<'_>) -> Option<String> {
+        if let Reply::Planned { steps, program } = said {
+            let is_first = self.steps.is_empty();
+            self.steps = steps.to_vec();
+            let lines = steps.iter().enumerate();
+            let lines = lines.map(|(index, step)| step_text(model, index, step));
+            let all = std::iter::once((*program).to_owned()).chain(lines);
+            return is_first.then(|| all.collect::<Vec<_>>().join("\n"));
         }
-        Reply::Commanded { step } => format!("step {}: under way", step + 1),
+        if let Reply::Commanded { step } = said {
+            let goal = self.steps.get(*step as usize)?;
+            let [x, y, z] = goal.position;
+            return Some(format!(
+                "step {}: object {} is on its way to ({x:.3}, {y:.3}, {z:.3}) m",
+                step + 1,
+                goal.object_id
+            ));
+        }
+        event_text(said)
+    }
+}
+
+fn event_text(said: &Reply<'_>) -> Option<String> {
+    Some(match said {
         Reply::Reached { step, off_m } if off_m.is_finite() => format!(
             "step {}: done, seen {:.1} mm from its sub-goal",
             step + 1,
@@ -90,7 +111,7 @@ fn event_text(model: &Model<'_>, said: &Reply<'_>) -> Option<String> {
         Reply::Reached { step, .. } => format!("step {}: done, says the controller", step + 1),
         Reply::Again { message, .. } => format!("{message}; trying again"),
         Reply::Done => "done".into(),
-        Reply::Failed { .. } => return None,
+        Reply::Planned { .. } | Reply::Commanded { .. } | Reply::Failed { .. } => return None,
     })
 }
 

@@ -102,6 +102,12 @@ pub(super) const CHECKS: &[Check] = &[
         about: "20 s",
         steps: demo,
     },
+    Check {
+        name: "robot",
+        title: "cargo robot carries sentences out, through all processes",
+        about: "2 min",
+        steps: robot,
+    },
 ];
 
 /// A command that a check runs in the root of the checkout.
@@ -325,6 +331,10 @@ fn tables(context: &Context) -> Result<Vec<Step>> {
         pytest(context, "tests/tables")?,
         pytest(context, "tests/domain")?,
     ])
+}
+
+fn robot(context: &Context) -> Result<Vec<Step>> {
+    Ok(vec![pytest(context, "tests/robot")?])
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {

@@ -1,0 +1,218 @@
+"""A robot's services, as `nsrm_ipc::service` has them.
+
+Ports belong to the process that opened them: a process that uses them must not fork.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import time
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.messages import (
+    ONLOOKERS,
+    QUALITIES,
+    CameraFrame,
+    Feedback,
+    Heartbeat,
+    Quality,
+    SubGoal,
+)
+
+# It has no types; its names are looked up when they are used.
+iox2: Any = import_module("iceoryx2")
+
+BEAT_S = 0.1
+"""Time between two heartbeats."""
+NAME = re.compile(r"[a-z0-9_-]{1,32}")
+
+
+class PortError(HarnessError):
+    """A service can't be used."""
+
+
+def now_ns() -> int:
+    """The clock of all processes of the machine (`nsrm_ipc::clock`)."""
+    return time.monotonic_ns()
+
+
+class Robot:
+    """A process's place among those of one robot."""
+
+    def __init__(self, name: str, role: str, config: Any = None) -> None:
+        """Raises `PortError` for a name that a robot can't have.
+
+        * `config`: iceoryx2's; none: that of the machine
+        """
+        if NAME.fullmatch(name) is None:
+            raise PortError(
+                f"{name!r}: a robot's name has from 1 to 32 of a to z, 0 to 9, '-' and '_'"
+            )
+        self.name = name
+        iox2.set_log_level(iox2.LogLevel.Fatal)
+        builder = (
+            iox2.NodeBuilder.new()
+            .name(iox2.NodeName.new(f"nsrm/{name}/{role}"))
+            # Signals are Python's: KeyboardInterrupt.
+            .signal_handling_mode(iox2.SignalHandlingMode.Disabled)
+        )
+        if config is not None:
+            builder = builder.config(config)
+        self._node = builder.create(iox2.ServiceType.Ipc)
+        self.bury()
+
+    def bury(self) -> None:
+        """Frees the places of processes that have died."""
+        self._node.try_cleanup_dead_nodes()
+
+    def publisher(self, service: str, message: type[ctypes.Structure]) -> Any:
+        """Publishes messages of one type."""
+        factory = self._stream(service, message)
+        builder = factory.publisher_builder()
+        return self._create(service, builder.backpressure_strategy(_DISCARD))
+
+    def subscriber(self, service: str, message: type[ctypes.Structure]) -> Any:
+        """Receives messages of one type."""
+        return self._create(service, self._stream(service, message).subscriber_builder())
+
+    def frames_out(self, size: int) -> Any:
+        """Publishes frames of up to `size` bytes."""
+        quality = QUALITIES["camera"]
+        builder = self._builder("camera").publish_subscribe(iox2.Slice[ctypes.c_uint8])
+        factory = self._open("camera", _with(builder.user_header(CameraFrame), quality))
+        publisher = factory.publisher_builder().backpressure_strategy(_DISCARD)
+        return self._create("camera", publisher.initial_max_slice_len(size))
+
+    def bell(self, service: str) -> Any:
+        """What wakes those who listen to a service."""
+        return self._create(service, self._events(service).notifier_builder())
+
+    def listener(self, service: str) -> Any:
+        """Is woken when something comes through a service."""
+        return self._create(service, self._events(service).listener_builder())
+
+    def _stream(self, service: str, message: type[ctypes.Structure]) -> Any:
+        builder = self._builder(service).publish_subscribe(message)
+        return self._open(service, _with(builder, QUALITIES[service]))
+
+    def _events(self, service: str) -> Any:
+        builder = self._builder(service).event()
+        builder = builder.max_notifiers(ONLOOKERS).max_listeners(ONLOOKERS)
+        return self._open(service, builder.max_nodes(2 * ONLOOKERS))
+
+    def _builder(self, service: str) -> Any:
+        name = iox2.ServiceName.new(f"nsrm/v1/{self.name}/{service}")
+        return self._node.service_builder(name)
+
+    def _open(self, service: str, builder: Any) -> Any:
+        try:
+            return builder.open_or_create()
+        except Exception as error:
+            raise PortError(f"robot `{self.name}`: `{service}` can't be opened: {error}") from None
+
+    def _create(self, service: str, builder: Any) -> Any:
+        try:
+            return builder.create()
+        except Exception as error:
+            raise PortError(
+                f"robot `{self.name}`: all places at `{service}` are taken ({error}); choose "
+                "another name, or stop the process that has it"
+            ) from None
+
+
+_DISCARD = iox2.BackpressureStrategy.DiscardData
+
+
+def _with(builder: Any, quality: Quality) -> Any:
+    return (
+        builder.subscriber_max_buffer_size(quality.buffer)
+        .history_size(quality.history)
+        .enable_safe_overflow(quality.overflow)
+        .max_publishers(quality.publishers)
+        .max_subscribers(quality.subscribers)
+        .max_nodes(ONLOOKERS + quality.publishers)
+    )
+
+
+class Life:
+    """Says ten times a second that a process lives."""
+
+    def __init__(self, robot: Robot, role: int) -> None:
+        self._publisher = robot.publisher("heartbeat", Heartbeat)
+        self._beat = Heartbeat(started_ns=now_ns(), role=role)
+        self._next_ns = 0
+
+    def beat(self, state: int) -> None:
+        """A heartbeat, when it is time to."""
+        now = now_ns()
+        if now < self._next_ns:
+            return
+        self._next_ns = now + int(BEAT_S * 1e9)
+        self._beat.sequence += 1
+        self._beat.timestamp_ns = now
+        self._beat.state = state
+        self._publisher.send_copy(self._beat)
+
+
+class CommandsIn:
+    """What the controller is told, in order."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._subscriber = robot.subscriber("sub_goal", SubGoal)
+
+    def __iter__(self) -> CommandsIn:
+        return self
+
+    def __next__(self) -> SubGoal:
+        sample = self._subscriber.receive()
+        if sample is None:
+            raise StopIteration
+        return SubGoal.from_buffer_copy(sample.payload().contents)
+
+
+class FeedbackOut:
+    """What the controller says of it."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._publisher = robot.publisher("feedback", Feedback)
+        self._bell = robot.bell("feedback")
+        self._sequence = 0
+
+    def say(self, plan: int, command: int, outcome: int) -> None:
+        """How a command goes, as of now."""
+        self._sequence += 1
+        self._publisher.send_copy(
+            Feedback(
+                plan=plan,
+                sequence=self._sequence,
+                timestamp_ns=now_ns(),
+                command=command,
+                outcome=outcome,
+            )
+        )
+        self._bell.notify()
+
+
+class FramesOut:
+    """What the camera sees, written where its readers find it."""
+
+    def __init__(self, robot: Robot, width: int, height: int) -> None:
+        self._size = width * height * 7
+        self._publisher = robot.frames_out(self._size)
+        self._bell = robot.bell("camera")
+
+    def send(self, header: CameraFrame, rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
+        """Publishes a frame; `header` says what is in it."""
+        sample = self._publisher.loan_slice_uninit(self._size)
+        ctypes.pointer(sample.user_header().contents)[0] = header
+        image = np.frombuffer(sample.payload().as_memory_view(), dtype=np.uint8)
+        image[: rgb.size] = rgb.ravel()
+        image[rgb.size :] = depth.astype("<f4", copy=False).view(np.uint8).ravel()
+        sample.assume_init().send()
+        self._bell.notify()

@@ -1,0 +1,107 @@
+"""A simulated world as a process of a robot: its camera with the detector, and its
+controller."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+
+from nsrm_harness.demo.tabletop import tabletop
+from nsrm_harness.domain import Domain
+from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State
+from nsrm_harness.perception.detector import detect
+from nsrm_harness.robot.controller import Controller
+from nsrm_harness.robot.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
+from nsrm_harness.robot.tracking import Tracker
+from nsrm_harness.world.camera import Camera, default_camera
+from nsrm_harness.world.render import Light, Renderer
+from nsrm_harness.world.world import World
+
+FRAME_S = 0.1
+"""Time between two frames, at least."""
+BURIAL_FRAMES = 2
+"""After how many frames the dead are looked for."""
+
+
+class Stage:
+    """The tabletop of a seed, seen and moved by messages alone."""
+
+    def __init__(
+        self, domain: Domain, renderer: Renderer, seed: int, name: str, config: Any = None
+    ) -> None:
+        """Raises `PortError` if the robot has a camera or a controller already."""
+        self._renderer, self._camera = renderer, default_camera()
+        self._robot = Robot(name, "controller", config)
+        self._commands = CommandsIn(self._robot)
+        self._feedback = FeedbackOut(self._robot)
+        self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)
+        self._life = Life(self._robot, Role.CONTROLLER)
+        self._listener = self._robot.listener("sub_goal")
+        self._tracker = Tracker()
+        self._sequence = 0
+        scene = tabletop(domain, seed)
+        self.sentence = scene.sentence
+        """Something that can be said in it."""
+        self.world = World()
+        self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
+        self.world.settle()
+        self._controller = Controller(self.world, self._tracker.position, self._feedback.say)
+
+    def close(self) -> None:
+        """Ends the world."""
+        self.world.close()
+
+    def run(self, stop: threading.Event) -> None:
+        """Looks and obeys until it is told to stop."""
+        while not stop.is_set():
+            begun_ns = now_ns()
+            self.turn()
+            rest_s = FRAME_S - (now_ns() - begun_ns) / 1e9
+            if rest_s > 0:
+                stop.wait(rest_s)
+
+    def turn(self) -> None:
+        """Obeys what it was told, then takes a picture and publishes it."""
+        self._life.beat(State.IDLE)
+        for command in self._commands:
+            self._controller.obey(command)
+            self._life.beat(State.BUSY)
+        self.look()
+        if self._sequence % BURIAL_FRAMES == 0:
+            self._robot.bury()
+
+    def look(self) -> None:
+        """Publishes what the camera sees and the detector finds in it."""
+        taken_ns = now_ns()
+        frame = self._renderer.render(self.world, self._camera, Light())
+        found = detect(frame.rgb, frame.depth, self._camera)
+        numbers = self._tracker.update(frame.rgb, found, self._camera)
+        self._sequence += 1
+        header = CameraFrame(
+            sequence=self._sequence,
+            timestamp_ns=taken_ns,
+            camera=_camera_message(self._camera),
+            count=len(found),
+        )
+        for row, number in enumerate(numbers):
+            box = header.boxes[row]
+            box.id = number
+            box.corners[:] = found.boxes[row].tolist()
+            box.depth_m = float(found.depths[row])
+        self._frames.send(header, frame.rgb, frame.depth.astype(np.float32, copy=False))
+
+
+def _camera_message(camera: Camera) -> CameraMessage:
+    message = CameraMessage(
+        width=camera.width,
+        height=camera.height,
+        fx=camera.fx,
+        fy=camera.fy,
+        cx=camera.cx,
+        cy=camera.cy,
+    )
+    message.position[:] = camera.position
+    message.orientation[:] = camera.orientation
+    return message

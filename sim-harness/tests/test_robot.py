@@ -1,0 +1,153 @@
+"""Who is who across pictures, and a controller that does everything once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nsrm_harness import domain as domains
+from nsrm_harness.demo.tabletop import tabletop
+from nsrm_harness.messages import Outcome, SubGoal
+from nsrm_harness.perception.detector import detect
+from nsrm_harness.robot.controller import MOVE, STOP, Controller
+from nsrm_harness.robot.tracking import Tracker
+from nsrm_harness.world.camera import default_camera
+from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.render import Light, Renderer, open_renderer
+from nsrm_harness.world.world import World
+
+SEED = 4
+
+
+@pytest.fixture(scope="module")
+def renderer() -> Iterator[Renderer]:
+    opened = open_renderer()
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    scene = tabletop(domains.load(), SEED).arrangement
+    with World() as opened:
+        opened.spawn(scene.blocks, scene.poses)
+        opened.settle()
+        yield opened
+
+
+def look(tracker: Tracker, renderer: Renderer, world: World) -> dict[int, int]:
+    """The tracker's number of each block, by whose centre is nearest to it."""
+    camera = default_camera()
+    frame = renderer.render(world, camera, Light())
+    numbers = tracker.update(frame.rgb, detect(frame.rgb, frame.depth, camera), camera)
+    named: dict[int, int] = {}
+    for number in numbers:
+        position = tracker.position(number)
+        assert position is not None
+        distance = {key: pose.distance_m(_at(position)) for key, pose in world.poses().items()}
+        named[min(distance, key=lambda key: distance[key])] = number
+    return named
+
+
+def _at(position: NDArray[np.float64]) -> Pose:
+    x, y, z = (float(value) for value in position)
+    return Pose((x, y, z), (0.0, 0.0, 0.0, 1.0))
+
+
+def test_objects_keep_their_numbers_when_they_are_moved(renderer: Renderer, world: World) -> None:
+    tracker = Tracker()
+    first = look(tracker, renderer, world)
+    assert sorted(first) == [1, 2, 3, 4]
+    assert look(tracker, renderer, world) == first
+    # Each in turn to the other side of the table, and then back onto another.
+    for block_id, y in [(1, -0.2), (2, -0.1), (3, 0.0), (4, 0.1)]:
+        world.place(block_id, Pose((0.62, y, 0.03), (0.0, 0.0, 0.0, 1.0)))
+        world.settle()
+        assert look(tracker, renderer, world) == first
+    x, y, z = world.pose(2).position
+    world.place(1, Pose((x, y, z + 0.05), (0.0, 0.0, 0.0, 1.0)))
+    world.settle()
+    assert look(tracker, renderer, world) == first
+
+
+def test_a_new_object_gets_a_new_number(renderer: Renderer, world: World) -> None:
+    tracker = Tracker()
+    assert tracker.position(1) is None
+    named = look(tracker, renderer, world)
+    assert sorted(named.values()) == [1, 2, 3, 4]
+    world.reset()
+    other = tabletop(domains.load(), SEED + 1).arrangement
+    world.spawn(other.blocks, other.poses)
+    world.settle()
+    numbers = look(tracker, renderer, world).values()
+    assert len(set(numbers)) == len(other.blocks)
+    assert max(numbers) > 4
+
+
+class Ear:
+    """Remembers what the controller said."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[int, int, Outcome]] = []
+
+    def __call__(self, plan: int, command: int, outcome: Outcome) -> None:
+        self.said.append((plan, command, outcome))
+
+    def outcomes(self) -> list[Outcome]:
+        said = [outcome for *_, outcome in self.said]
+        self.said.clear()
+        return said
+
+
+def move(plan: int, number: int, object_id: int, position: tuple[float, float, float]) -> SubGoal:
+    command = SubGoal(plan=plan, command=number, kind=MOVE, object_id=object_id)
+    command.position[:] = position
+    command.orientation[:] = (0.0, 0.0, 0.0, 1.0)
+    return command
+
+
+def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> None:
+    ear = Ear()
+    seen = {7: np.array(world.pose(1).position)}
+    controller = Controller(world, seen.get, ear)
+    there = move(5, 1, 7, (0.62, 0.0, 0.021))
+    controller.obey(there)
+    assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
+    pose = world.pose(1)
+    world.place(1, Pose((0.62, 0.2, 0.03), (0.0, 0.0, 0.0, 1.0)))
+    world.settle()
+    moved = world.pose(1)
+    assert moved.distance_m(pose) > 0.1
+    controller.obey(there)
+    controller.obey(SubGoal(plan=5, command=1, kind=STOP))
+    assert ear.outcomes() == [Outcome.REACHED, Outcome.REACHED]
+    assert world.pose(1) == moved
+    # What is older than the last is not done any more, nor is what makes no sense.
+    controller.obey(move(4, 9, 7, (0.62, 0.0, 0.021)))
+    controller.obey(SubGoal(plan=6, command=1, kind=3))
+    assert ear.outcomes() == [Outcome.IMPOSSIBLE, Outcome.IMPOSSIBLE]
+    assert world.pose(1) == moved
+    # A stop that comes before what it stops.
+    controller.obey(SubGoal(plan=6, command=2, kind=STOP))
+    controller.obey(move(6, 2, 7, (0.62, 0.0, 0.021)))
+    assert ear.outcomes() == [Outcome.STOPPED, Outcome.STOPPED]
+    assert world.pose(1) == moved
+
+
+def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
+    ear = Ear()
+    seen = {7: np.array(world.pose(1).position), 8: np.array([0.5, -0.6, 0.0])}
+    controller = Controller(world, seen.get, ear)
+    for number, (object_id, position, outcome) in enumerate(
+        [
+            (9, (0.62, 0.0, 0.021), Outcome.IMPOSSIBLE),
+            (8, (0.62, 0.0, 0.021), Outcome.NOT_GRASPED),
+            (7, (0.62, 0.0, 0.2), Outcome.MISPLACED),
+        ],
+        start=1,
+    ):
+        controller.obey(move(1, number, object_id, position))
+        assert ear.outcomes() == [Outcome.ACCEPTED, outcome]
