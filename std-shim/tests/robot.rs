@@ -157,7 +157,7 @@ struct Stage {
     processes: Vec<Child>,
     bench: Bench,
     // Last, so that what is left behind is looked for when all have ended.
-    _corner: Corner,
+    corner: Corner,
 }
 
 impl Stage {
@@ -186,7 +186,7 @@ impl Stage {
             world: Some(world),
             processes: Vec::new(),
             bench,
-            _corner: corner,
+            corner,
         }
     }
 
@@ -224,6 +224,25 @@ impl Stage {
         stage.start("perceive", "perceiving");
         stage.start("serve", "planning");
         stage
+    }
+
+    /// Says the sentence and presses Ctrl-C when the robot is at it; exit code and
+    /// messages.
+    fn interrupt_when_under_way(&self) -> (Option<i32>, String) {
+        let mut say = self
+            .command(&["say", SENTENCE])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
+        assert!(lines.any(|line| line.unwrap().contains("is on its way")));
+        signal(say.id(), "-INT");
+        let ended = say.wait_with_output().unwrap();
+        (
+            ended.status.code(),
+            String::from_utf8(ended.stderr).unwrap(),
+        )
     }
 
     fn say(&self, arguments: &[&str]) -> Output {
@@ -287,6 +306,22 @@ fn a_sentence_is_followed_through_all_processes() {
     assert_eq!(lines[4..], ["done"]);
 }
 
+/// Without a connection, as between hosts.
+#[test]
+fn a_sentence_may_be_broadcast() {
+    let stage = Stage::both("broadcast");
+    let lines = format!("line = 'broadcast'\n{CONFIG}{}", stage.corner.as_toml());
+    stage.bench.write("robot.toml", lines);
+    // Ctrl-C reaches the robot by the same way.
+    stage.works.store(false, Ordering::Relaxed);
+    let (code, message) = stage.interrupt_when_under_way();
+    assert_eq!(code, Some(2));
+    assert_eq!(message, "nsrm: stopping the robot …\nnsrm: cancelled\n");
+    stage.works.store(true, Ordering::Relaxed);
+    let said = done(&stage.say(&[SENTENCE]));
+    assert!(said.ends_with("\ndone\n"), "{said}");
+}
+
 #[test]
 fn planning_alone_and_json() {
     let stage = Stage::both("json");
@@ -327,6 +362,46 @@ fn what_is_refused_is_told_with_exit_code_2() {
 }
 
 #[test]
+fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
+    let stage = Stage::both("watched");
+    let mut watch = stage
+        .command(&["watch", "--json"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(watch.stdout.take().unwrap()).lines();
+    let refused = stage.say(&["put the green block on the blue block"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let view: Value = lines
+        .map(|line| serde_json::from_str(&line.unwrap()).unwrap())
+        .find(|view: &Value| {
+            let nodes = view["nodes"].as_array().unwrap();
+            nodes.len() >= 3 && !view["replies"][0].is_null()
+        })
+        .unwrap();
+    signal(watch.id(), "-TERM");
+    assert!(watch.wait().unwrap().success());
+    let nodes = view["nodes"].as_array().unwrap();
+    for name in ["controller", "perception", "planner"] {
+        let node = nodes.iter().find(|node| node["node"] == name).unwrap();
+        assert_eq!(
+            (&node["lives"], &node["restarts"]),
+            (&true.into(), &0.into())
+        );
+    }
+    assert!(view["scene"]["count"].as_u64().unwrap() > 0);
+    assert_eq!(view["objects"], 2);
+    let said = view["replies"][0]["said"].as_str().unwrap();
+    assert!(said.starts_with("no_such_object: step 1"), "{said}");
+
+    let text = done(&stage.command(&["watch", "--once"]).output().unwrap());
+    assert!(text.starts_with("robot left\n"), "{text}");
+    for part in ["planner     idle", "objects in the last scene", " ms"] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
 fn no_planner_and_a_second_one_are_told_of() {
     let mut stage = Stage::new("second");
     refused(
@@ -349,18 +424,8 @@ fn no_planner_and_a_second_one_are_told_of() {
 fn ctrl_c_stops_the_robot_too() {
     let stage = Stage::both("ctrl-c");
     stage.works.store(false, Ordering::Relaxed);
-    let mut say = stage
-        .command(&["say", SENTENCE])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
-    assert!(lines.any(|line| line.unwrap().contains("is on its way")));
-    signal(say.id(), "-INT");
-    let ended = say.wait_with_output().unwrap();
-    assert_eq!(ended.status.code(), Some(2));
-    let message = String::from_utf8(ended.stderr).unwrap();
+    let (code, message) = stage.interrupt_when_under_way();
+    assert_eq!(code, Some(2));
     assert_eq!(message, "nsrm: stopping the robot …\nnsrm: cancelled\n");
 }
 

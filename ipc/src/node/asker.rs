@@ -9,7 +9,7 @@ use super::life::{Life, Peer};
 use crate::clock::now_ns;
 use crate::executive::Mode;
 use crate::message::{PlanReply, PlanRequest, PlanRequestError, Role, State};
-use crate::service::{Bell, PLAN, PlanClient, Robot, RobotName, ServiceError};
+use crate::service::{Bell, PLAN, PlanClient, Receiver, Robot, RobotName, Sender, ServiceError};
 
 /// Why nothing was asked, or nothing more will be heard.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,12 +52,22 @@ impl core::error::Error for AskError {}
 
 type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
-/// A person's end of `plan`.
+/// By which services a planner is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Line {
+    /// `plan`: the planner notices at once when who asked is gone.
+    #[default]
+    Connection,
+    /// `ask` and `answer`: goes through what carries publish-subscribe alone, such as a
+    /// tunnel to another host.
+    Broadcast,
+}
+
+/// A person's end.
 #[derive(Debug)]
 pub struct Asker {
     robot: Robot,
-    client: PlanClient,
-    bell: Bell,
+    ports: Ports,
     life: Life,
     planner: Peer,
     silence_ns: u64,
@@ -65,10 +75,23 @@ pub struct Asker {
     sequence: u64,
 }
 
+#[derive(Debug)]
+enum Ports {
+    Connection {
+        client: PlanClient,
+        bell: Bell,
+    },
+    Broadcast {
+        ask: Sender<PlanRequest>,
+        answers: Receiver<PlanReply>,
+    },
+}
+
 /// A sentence that was asked, until its last reply.
 #[derive(Debug)]
 pub struct Conversation {
-    pending: Pending,
+    /// The connection, if there is one.
+    pending: Option<Pending>,
     sequence: u64,
     /// Of the next reply.
     number: u32,
@@ -79,11 +102,19 @@ impl Asker {
     /// Takes one of the askers' places at a robot.
     ///
     /// * `silence_ns`: how long the planner may be silent before it is held to be dead
-    pub fn begin(robot: Robot, silence_ns: u64) -> Result<Self, ServiceError> {
+    pub fn begin(robot: Robot, line: Line, silence_ns: u64) -> Result<Self, ServiceError> {
         let now_ns = now_ns();
         Ok(Self {
-            client: robot.plan_client()?,
-            bell: robot.bell(PLAN)?,
+            ports: match line {
+                Line::Connection => Ports::Connection {
+                    client: robot.plan_client()?,
+                    bell: robot.bell(PLAN)?,
+                },
+                Line::Broadcast => Ports::Broadcast {
+                    ask: robot.sender()?,
+                    answers: robot.receiver()?,
+                },
+            },
             life: Life::begin(&robot, Role::Asker, now_ns)?,
             planner: Peer::default(),
             silence_ns,
@@ -114,14 +145,45 @@ impl Asker {
             .map(|_| ())
     }
 
-    fn send(&self, request: PlanRequest) -> Result<Pending, AskError> {
-        let sent = self.client.send_copy(request);
-        let pending = sent.map_err(|error| AskError::Iceoryx(format!("{error:?}")))?;
-        if pending.number_of_server_connections() == 0 {
+    fn send(&self, request: PlanRequest) -> Result<Option<Pending>, AskError> {
+        let (pending, hearers) = match &self.ports {
+            Ports::Connection { client, bell } => {
+                let sent = client.send_copy(request);
+                let pending = sent.map_err(|error| AskError::Iceoryx(format!("{error:?}")))?;
+                bell.ring();
+                let hearers = pending.number_of_server_connections();
+                (Some(pending), hearers)
+            }
+            Ports::Broadcast { ask, .. } => {
+                let sent = ask.send(&request);
+                let hearers = sent.map_err(|failure| AskError::Iceoryx(failure.to_string()))?;
+                (None, hearers)
+            }
+        };
+        if hearers == 0 {
             return Err(AskError::NoPlanner(self.robot.name().clone()));
         }
-        self.bell.ring();
         Ok(pending)
+    }
+
+    /// What was said next in a conversation.
+    fn receive(&self, conversation: &Conversation) -> Result<Option<PlanReply>, AskError> {
+        let says = |error: &dyn fmt::Debug| AskError::Iceoryx(format!("{error:?}"));
+        match (&self.ports, &conversation.pending) {
+            (Ports::Broadcast { answers, .. }, _) => loop {
+                let Some(reply) = answers.receive().map_err(|error| says(&error))? else {
+                    return Ok(None);
+                };
+                if (reply.asker, reply.request) == (self.asker, conversation.sequence) {
+                    return Ok(Some(*reply));
+                }
+            },
+            (_, Some(pending)) => {
+                let reply = pending.receive().map_err(|error| says(&error))?;
+                Ok(reply.map(|reply| *reply))
+            }
+            (_, None) => Ok(None),
+        }
     }
 
     /// The next reply, if there is one now; after the last one, an error.
@@ -137,10 +199,9 @@ impl Asker {
         // Not being heard by anyone does not keep it from hearing.
         let _ = self.life.beat(State::Busy, now_ns);
         // Asked first, since replies may come in between.
-        let goes_on = conversation.pending.is_connected();
-        let received = conversation.pending.receive();
-        let received = received.map_err(|error| AskError::Iceoryx(format!("{error:?}")))?;
-        if let Some(reply) = received.map(|reply| *reply) {
+        let pending = conversation.pending.as_ref();
+        let goes_on = pending.is_none_or(PendingResponse::is_connected);
+        if let Some(reply) = self.receive(conversation)? {
             let number = conversation.number;
             if reply.number != number {
                 return Err(AskError::ReplyLost { number });

@@ -4,8 +4,10 @@ mod asker;
 mod life;
 mod perception;
 mod planner;
+mod watcher;
 
-pub use asker::{AskError, Asker, Conversation};
+pub use asker::{AskError, Asker, Conversation, Line};
 pub use life::{HEARTBEAT_NS, Life, Peer};
 pub use perception::{FrameFault, PerceptionNode, see};
 pub use planner::{Busyness, PlannerNode};
+pub use watcher::{Flow, NodeView, View, Watcher};

@@ -11,7 +11,7 @@ use tracing::{info, warn};
 
 use super::life::{HEARTBEAT_NS, Life, Peer};
 use crate::clock::now_ns;
-use crate::executive::{Busy, Event, Executive, Failure, Limits, Sentence};
+use crate::executive::{Event, Executive, Failure, Limits, Sentence};
 use crate::message::{
     Asked, Feedback, PlanReply, PlanRequest, ReplyTo, Role, SceneMessage, State, SubGoal,
 };
@@ -36,6 +36,10 @@ type Active = ActiveRequest<ipc::Service, PlanRequest, (), PlanReply, ()>;
 pub struct PlannerNode<'m> {
     robot: Robot,
     server: PlanServer,
+    /// Requests without a connection.
+    asked: Receiver<PlanRequest>,
+    /// All replies, for who looks on and for who asked without a connection.
+    answers: Sender<PlanReply>,
     scenes: Receiver<SceneMessage>,
     commands: Sender<SubGoal>,
     feedback: Receiver<Feedback>,
@@ -50,7 +54,8 @@ pub struct PlannerNode<'m> {
 /// The request that is being followed.
 #[derive(Debug)]
 struct Current {
-    active: Active,
+    /// The connection, if it came by one.
+    active: Option<Active>,
     to: ReplyTo,
     sentence: Sentence,
 }
@@ -61,6 +66,8 @@ impl<'m> PlannerNode<'m> {
         let now_ns = now_ns();
         Ok(Self {
             server: robot.plan_server()?,
+            asked: robot.receiver()?,
+            answers: robot.sender()?,
             scenes: robot.receiver()?,
             commands: robot.sender()?,
             feedback: robot.receiver()?,
@@ -82,6 +89,7 @@ impl<'m> PlannerNode<'m> {
             .map_err(|error| self.robot.fault(PLAN, &error))?;
         let listeners = [
             self.robot.listen(PLAN)?,
+            self.robot.listen(PlanRequest::SERVICE)?,
             self.robot.listen(SceneMessage::SERVICE)?,
             self.robot.listen(Feedback::SERVICE)?,
         ];
@@ -116,9 +124,8 @@ impl<'m> PlannerNode<'m> {
         self.hear_feedback(now_ns);
         self.see(now_ns);
         self.hear_requests();
-        if let Some(current) = &self.current
-            && !current.active.is_connected()
-        {
+        let connection = self.current.as_ref().and_then(|it| it.active.as_ref());
+        if connection.is_some_and(|active| !active.is_connected()) {
             self.executive.cancel();
         }
         let event = self.executive.poll(now_ns);
@@ -169,18 +176,22 @@ impl<'m> PlannerNode<'m> {
 
     fn hear_requests(&mut self) {
         while let Ok(Some(active)) = self.server.receive() {
-            self.hear_request(active);
+            let request = *active;
+            self.hear_request(&request, Some(active));
+        }
+        while let Ok(Some(request)) = self.asked.receive() {
+            self.hear_request(&request, None);
         }
     }
 
-    fn hear_request(&mut self, active: Active) {
+    fn hear_request(&mut self, request: &PlanRequest, active: Option<Active>) {
         let mut to = ReplyTo {
-            asker: active.asker,
-            request: active.sequence,
+            asker: request.asker,
+            request: request.sequence,
             plan: 0,
             number: 1,
         };
-        match active.read() {
+        let said = match request.read() {
             Ok(Asked::Follow { sentence, mode }) => {
                 match self.executive.ask(sentence.clone(), mode) {
                     Ok(plan) => {
@@ -191,26 +202,32 @@ impl<'m> PlannerNode<'m> {
                             to,
                             sentence,
                         });
+                        return;
                     }
-                    Err(busy) => reply(&active, &refuse_busy(to, busy)),
+                    Err(busy) => Some(PlanReply::refused(to, "busy", busy)),
                 }
             }
             Ok(Asked::Cancel) => {
                 let is_it = self.current.as_ref().is_some_and(|current| {
                     (current.to.asker, current.to.request) == (to.asker, to.request)
                 });
-                let said = if is_it {
+                if is_it {
                     self.executive.cancel();
+                    // To who asked without a connection it would look like the
+                    // sentence's own end, which follows.
+                    if active.is_none() {
+                        return;
+                    }
                     PlanReply::about(to, &Event::Ended(Ok(())), self.executive.model(), "")
                 } else {
                     let message = "no request of this number is being followed";
                     Some(PlanReply::refused(to, "no_such_request", message))
-                };
-                if let Some(said) = said {
-                    reply(&active, &said);
                 }
             }
-            Err(error) => reply(&active, &PlanReply::refused(to, "bad_request", error)),
+            Err(error) => Some(PlanReply::refused(to, "bad_request", error)),
+        };
+        if let Some(said) = said {
+            self.reply(active.as_ref(), &said);
         }
     }
 
@@ -224,17 +241,18 @@ impl<'m> PlannerNode<'m> {
             Event::Ended(Err(why)) => warn!(%why, "not done"),
             _ => {}
         }
-        let Some(current) = &mut self.current else {
+        let Some(mut current) = self.current.take() else {
             return;
         };
         let (model, sentence) = (self.executive.model(), current.sentence.as_str());
         if let Some(said) = PlanReply::about(current.to, event, model, sentence) {
-            reply(&current.active, &said);
+            self.reply(current.active.as_ref(), &said);
             current.to.number = current.to.number.saturating_add(1);
         }
         if matches!(event, Event::Ended(_)) {
             info!(plan = current.to.plan, "ended");
-            self.current = None;
+        } else {
+            self.current = Some(current);
         }
     }
 
@@ -251,22 +269,19 @@ impl<'m> PlannerNode<'m> {
 
     fn refuse_current(&mut self, reason: &str, message: &str) {
         if let Some(current) = self.current.take() {
-            reply(
-                &current.active,
-                &PlanReply::refused(current.to, reason, message),
-            );
+            let said = PlanReply::refused(current.to, reason, message);
+            self.reply(current.active.as_ref(), &said);
         }
     }
-}
 
-fn refuse_busy(to: ReplyTo, busy: Busy) -> PlanReply {
-    PlanReply::refused(to, "busy", busy)
-}
-
-/// Who asked may be gone, or may not take its replies; then it is cancelled, or has
-/// itself to blame.
-fn reply(active: &Active, said: &PlanReply) {
-    if let Err(error) = active.send_copy(*said) {
-        warn!(?error, "reply not sent");
+    /// Who asked may be gone, or may not take its replies; then it is cancelled, or
+    /// has itself to blame.
+    fn reply(&self, active: Option<&Active>, said: &PlanReply) {
+        if let Some(Err(error)) = active.map(|active| active.send_copy(*said)) {
+            warn!(?error, "reply not sent");
+        }
+        if let Err(failure) = self.answers.send(said) {
+            warn!(%failure, "answer");
+        }
     }
 }

@@ -5,6 +5,7 @@
 //! | `camera` | slices with a `CameraFrame` in front | the latest frame and none before it: an old picture is of no use. One publisher |
 //! | `scene` | `SceneMessage` | the latest scene, also for who comes late. One publisher |
 //! | `plan` | `PlanRequest`, and `PlanReply`s until the last | one server; a request that finds no room is an error of the asker's; replies of a whole sentence fit in |
+//! | `ask`, `answer` | `PlanRequest`, `PlanReply` | the same without a connection, for what carries publish-subscribe alone, such as a tunnel between hosts; the last 8 and 64. `answer` has all replies, for who looks on |
 //! | `sub_goal` | `SubGoal` | none is dropped: a full buffer is an error of the sender's, who never waits. One publisher and one subscriber: no robot has two masters, no command two servants |
 //! | `feedback` | `Feedback` | the last 64; a gap shows in the numbers. A controller never waits for who reads it. One publisher |
 //! | `heartbeat` | `Heartbeat` | the last 16 of every node |

@@ -2,7 +2,7 @@ use core::fmt::Debug;
 
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::message::{Feedback, Heartbeat, Message, SceneMessage, SubGoal};
+use crate::message::{Feedback, Heartbeat, Message, PlanReply, PlanRequest, SceneMessage, SubGoal};
 
 /// What a publish-subscribe service promises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +70,28 @@ impl Carried for Heartbeat {
         history: 0,
         overflow: true,
         publishers: ONLOOKERS,
+        subscribers: ONLOOKERS,
+    };
+}
+
+impl Carried for PlanRequest {
+    const SERVICE: &'static str = "ask";
+    const QUALITY: Quality = Quality {
+        buffer: 8,
+        history: 0,
+        overflow: true,
+        publishers: ASKERS,
+        subscribers: 2,
+    };
+}
+
+impl Carried for PlanReply {
+    const SERVICE: &'static str = "answer";
+    const QUALITY: Quality = Quality {
+        buffer: 64,
+        history: 0,
+        overflow: true,
+        publishers: 1,
         subscribers: ONLOOKERS,
     };
 }

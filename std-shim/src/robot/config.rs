@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use iceoryx2::config::Config as Iceoryx;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
 use nsrm_ipc::executive::{Limits, LimitsError};
+use nsrm_ipc::node::Line;
 use nsrm_ipc::service::{RobotName, RobotNameError};
 use serde::Deserialize;
 
@@ -14,10 +15,19 @@ use serde::Deserialize;
 struct File {
     robot: Option<String>,
     model: Option<PathBuf>,
+    line: Option<LineFile>,
     #[serde(default)]
     limits: LimitsFile,
     #[serde(default)]
     shared_memory: SharedMemoryFile,
+}
+
+/// [`Line`], by its name.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum LineFile {
+    Connection,
+    Broadcast,
 }
 
 /// Where iceoryx2 keeps what processes share, if not at its usual place.
@@ -49,6 +59,8 @@ pub(crate) struct Config {
     pub(crate) robot: RobotName,
     /// The model file; none: the built-in model.
     pub(crate) model: Option<PathBuf>,
+    /// By which services a planner is asked.
+    pub(crate) line: Line,
     /// How the planner works.
     pub(crate) limits: Limits,
     /// Where processes meet.
@@ -106,6 +118,10 @@ impl Config {
         Ok(Self {
             robot: robot.parse().map_err(ConfigError::Robot)?,
             model: model.cloned().or(file.model),
+            line: match file.line {
+                None | Some(LineFile::Connection) => Line::Connection,
+                Some(LineFile::Broadcast) => Line::Broadcast,
+            },
             limits,
             shared_memory: file.shared_memory.read()?,
         })

@@ -2,6 +2,7 @@
 
 mod config;
 mod say;
+mod watch;
 
 use std::io::IsTerminal as _;
 use std::path::PathBuf;
@@ -30,6 +31,18 @@ pub(crate) enum RobotCommand {
     },
     /// Be a robot's perception: make scenes of its camera's frames.
     Perceive {
+        #[command(flatten)]
+        options: RobotOptions,
+    },
+    /// Show who of a robot's processes lives, what flows between them, and what the
+    /// planner said last.
+    Watch {
+        /// Print JSON, a line every half second.
+        #[arg(long)]
+        json: bool,
+        /// Print once and end.
+        #[arg(long)]
+        once: bool,
         #[command(flatten)]
         options: RobotOptions,
     },
@@ -85,6 +98,11 @@ impl RobotCommand {
         match self {
             Self::Serve { options } => serve(&options.read()?),
             Self::Perceive { options } => perceive(&options.read()?),
+            Self::Watch {
+                json,
+                once,
+                options,
+            } => watch::watch(&options.read()?, *json, *once),
             Self::Say {
                 sentence,
                 plan_only,

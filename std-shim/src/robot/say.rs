@@ -29,7 +29,11 @@ pub(super) fn say(
     let any = open(config)?;
     let model = any.model();
     let stop = stop_on_signals()?;
-    let mut asker = Asker::begin(join(config, Role::Asker)?, config.limits.silence_ns)?;
+    let mut asker = Asker::begin(
+        join(config, Role::Asker)?,
+        config.line,
+        config.limits.silence_ns,
+    )?;
     let mut conversation = asker.ask(sentence, mode)?;
     let mut cancelled = false;
     let mut told = Told::default();

@@ -1,0 +1,203 @@
+//! `nsrm watch`: who lives, what flows, and what was said last.
+
+use std::fmt::Write as _;
+use std::io::{IsTerminal as _, Write as _};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use nsrm::json::decimal;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::message::{PlanReply, Reply, Role};
+use nsrm_ipc::node::{Flow, View, Watcher};
+use serde_json::{Value, json};
+
+use super::config::Config;
+use super::{join, stop_on_signals};
+use crate::Failure;
+
+/// Between two looks.
+const NAP: Duration = Duration::from_millis(10);
+/// Nanoseconds between two pictures of what is seen.
+const PICTURE_NS: u64 = 500_000_000;
+/// Clears a terminal and goes to its upper left corner.
+const CLEAR: &str = "\x1b[H\x1b[2J";
+
+/// Shows a robot until it is told to stop, or once.
+pub(super) fn watch(config: &Config, as_json: bool, once: bool) -> Result<(), Failure> {
+    let stop = stop_on_signals()?;
+    let mut watcher = Watcher::begin(join(config, Role::Watcher)?)?;
+    let clears = std::io::stdout().is_terminal() && !as_json && !once;
+    let mut next_ns = now_ns() + PICTURE_NS;
+    while !stop.load(Ordering::Relaxed) {
+        std::thread::sleep(NAP);
+        let now_ns = now_ns();
+        let view = watcher.look(now_ns);
+        if now_ns < next_ns {
+            continue;
+        }
+        next_ns = now_ns + PICTURE_NS;
+        let silence_ns = config.limits.silence_ns;
+        let picture = if as_json {
+            format!("{}\n", view_json(view, silence_ns, now_ns))
+        } else {
+            let clear = if clears { CLEAR } else { "" };
+            format!("{clear}{}", view_text(config, view, now_ns))
+        };
+        let mut out = std::io::stdout();
+        // Who no longer reads has seen enough.
+        if out
+            .write_all(picture.as_bytes())
+            .and_then(|()| out.flush())
+            .is_err()
+            || once
+        {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn seconds(from_ns: u64, to_ns: u64) -> f64 {
+    to_ns.saturating_sub(from_ns) as f64 * 1e-9
+}
+
+fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
+    let mut text = format!("robot {}\n\n", config.robot);
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        text,
+        "  {:<12}{:<10}{:>10}{:>12}{:>10}",
+        "node", "state", "up", "heard", "restarts"
+    );
+    for role in [
+        Role::Controller,
+        Role::Perception,
+        Role::Planner,
+        Role::Camera,
+        Role::Asker,
+    ] {
+        let node = view.nodes.iter().flatten().find(|node| node.role == role);
+        let needed = matches!(role, Role::Controller | Role::Perception | Role::Planner);
+        let _ = match node {
+            Some(node) => {
+                let heard_s = seconds(node.heard_ns, now_ns);
+                let lives = now_ns.saturating_sub(node.heard_ns) <= config.limits.silence_ns;
+                if !lives && role == Role::Asker {
+                    // They come and go.
+                    continue;
+                }
+                let state = if lives {
+                    format!("{:?}", node.state).to_lowercase()
+                } else {
+                    "GONE".into()
+                };
+                let up_s = seconds(node.started_ns, node.heard_ns);
+                writeln!(
+                    text,
+                    "  {:<12}{state:<10}{up_s:>9.0}s{heard_s:>9.1}s ago{:>6}",
+                    role.word(),
+                    node.restarts
+                )
+            }
+            None if needed => writeln!(text, "  {:<12}not heard", role.word()),
+            None => Ok(()),
+        };
+    }
+    let _ = writeln!(
+        text,
+        "\n  {:<12}{:>8}{:>8}{:>8}{:>12}{:>10}",
+        "stream", "count", "lost", "rate", "latency", "age"
+    );
+    for (name, flow) in [("scene", &view.scenes), ("feedback", &view.feedback)] {
+        let _ = writeln!(text, "  {name:<12}{}", flow_text(flow, now_ns));
+    }
+    let _ = writeln!(text, "  {} objects in the last scene", view.objects);
+    if !view.replies.is_empty() {
+        text.push_str("\n  what the planner said last\n");
+    }
+    for reply in &view.replies {
+        let _ = writeln!(
+            text,
+            "  plan {} #{:<3} {}",
+            reply.plan,
+            reply.number,
+            reply_text(reply)
+        );
+    }
+    text
+}
+
+fn flow_text(flow: &Flow, now_ns: u64) -> String {
+    if flow.count == 0 {
+        return format!("{:>8}", "none");
+    }
+    format!(
+        "{:>8}{:>8}{:>8}{:>9.1} ms{:>9.1}s",
+        flow.count,
+        flow.lost,
+        // Of a few in a row there is no rate.
+        if flow.count > 20 {
+            format!("{:.1}/s", flow.rate_hz)
+        } else {
+            "-".into()
+        },
+        flow.latency_ns as f64 * 1e-6,
+        seconds(flow.made_ns, now_ns)
+    )
+}
+
+fn reply_text(reply: &PlanReply) -> String {
+    match reply.read() {
+        Ok(Reply::Planned { steps, .. }) => format!("understood, {} steps", steps.len()),
+        Ok(Reply::Commanded { step }) => format!("step {}: on its way", step + 1),
+        Ok(Reply::Reached { step, .. }) => format!("step {}: done", step + 1),
+        Ok(Reply::Again { message, .. }) => format!("{message}; trying again"),
+        Ok(Reply::Done) => "done".into(),
+        Ok(Reply::Failed { reason, message }) => format!("{reason}: {message}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
+    let nodes: Vec<Value> = view
+        .nodes
+        .iter()
+        .flatten()
+        .map(|node| {
+            json!({
+                "node": node.role.word(),
+                "state": format!("{:?}", node.state).to_lowercase(),
+                "lives": now_ns.saturating_sub(node.heard_ns) <= silence_ns,
+                "up_s": rounded(seconds(node.started_ns, node.heard_ns)),
+                "heard_s": rounded(seconds(node.heard_ns, now_ns)),
+                "restarts": node.restarts,
+            })
+        })
+        .collect();
+    let flow = |flow: &Flow| {
+        json!({
+            "count": flow.count,
+            "lost": flow.lost,
+            "rate_hz": rounded(flow.rate_hz),
+            "latency_ms": rounded(flow.latency_ns as f64 * 1e-6),
+            "age_s": (flow.count > 0).then(|| rounded(seconds(flow.made_ns, now_ns))),
+        })
+    };
+    let replies: Vec<Value> = view
+        .replies
+        .iter()
+        .map(|reply| json!({"plan": reply.plan, "number": reply.number, "said": reply_text(reply)}))
+        .collect();
+    json!({
+        "nodes": nodes,
+        "scene": flow(&view.scenes),
+        "objects": view.objects,
+        "feedback": flow(&view.feedback),
+        "replies": replies,
+    })
+}
+
+/// To a thousandth, as the figures of a plan are.
+fn rounded(value: f64) -> f64 {
+    decimal((value * 1000.0).round() as f32 / 1000.0)
+}
