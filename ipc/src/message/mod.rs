@@ -6,7 +6,8 @@ mod feedback;
 mod heartbeat;
 pub(crate) mod layout;
 mod number;
-mod plan;
+mod plan_reply;
+mod plan_request;
 mod scene;
 mod sub_goal;
 mod text;
@@ -15,9 +16,9 @@ pub use camera_frame::{CameraFrame, CameraFrameError, DetectedBox, Frame};
 pub use feedback::{Feedback, FeedbackError, Outcome, Report};
 pub use heartbeat::{Heartbeat, HeartbeatError, Role, State};
 pub use layout::{Element, Field, Message, Type};
-pub use plan::{
-    Asked, MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, PlanRequest, PlanRequestError, REASONS,
-    Reply, ReplyTo, Status, StepMessage,
+pub use plan_reply::{
+    MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, REASONS, Reply, ReplyTo, Status, StepMessage,
 };
+pub use plan_request::{Asked, PlanRequest, PlanRequestError};
 pub use scene::{CameraMessage, ObjectMessage, SceneMessage};
 pub use sub_goal::{Order, SubGoal, SubGoalError};

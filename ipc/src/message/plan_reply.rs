@@ -1,40 +1,20 @@
-//! What a person asks of a robot, and what becomes of it (service `plan`): one
-//! [`PlanRequest`], then a [`PlanReply`] for each thing that happens, the last of
-//! which says how it ended.
+//! What becomes of what a person asked (services `plan` and `answer`): a [`PlanReply`]
+//! for each thing that happens, the last of which says how it ended.
 
 use core::fmt;
 
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::dsl::Description;
 use nsrm_core::planner::PlannedStep;
-use nsrm_core::{MAX_FILTERS, MAX_SENTENCE_BYTES, MAX_STEPS, Model, Plan};
+use nsrm_core::{MAX_FILTERS, MAX_STEPS, Model, Plan};
 
 use super::layout::message;
 use super::number::{all_finite, is_unit};
-use super::text::{self, Clamped, TextFault};
-use crate::executive::{Event, Failure, Mode, Sentence};
+use super::text::{self, Clamped};
+use crate::executive::{Event, Failure};
 
 /// Bytes of a message for a person; a longer one is cut.
 pub const MAX_MESSAGE_BYTES: usize = 1024;
-
-message! {
-    /// Asks for a sentence to be followed.
-    "nsrm.v1.PlanRequest.49797f639851b5df"
-    pub struct PlanRequest {
-        /// Who asks: a number that it has drawn at random.
-        pub asker: u64,
-        /// Number of the request, the asker's own.
-        pub sequence: u64,
-        /// How far it is to be followed: 1 to say what would be done, 2 to do it
-        /// and look after each step, 3 to do it without looking; 4 to cancel the
-        /// request of this number.
-        pub purpose: u32,
-        /// Bytes of the sentence; 0 to cancel.
-        pub sentence_length: u32,
-        /// The sentence in UTF-8.
-        pub sentence: [u8; MAX_SENTENCE_BYTES],
-    }
-}
 
 message! {
     /// A step as understood and, where it is still to be done, as grounded.
@@ -73,7 +53,7 @@ message! {
 }
 
 message! {
-    /// What has become of a [`PlanRequest`].
+    /// What has become of a `PlanRequest`.
     "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
     pub struct PlanReply {
         /// Who asked.
@@ -157,123 +137,6 @@ pub enum Status {
     Done = 5,
     /// It won't be followed, or not further. The last reply.
     Failed = 6,
-}
-
-/// What is asked for, checked.
-#[derive(Debug, Clone, PartialEq, Eq)]
-// One at a time, and handed on at once.
-#[allow(clippy::large_enum_variant)]
-pub enum Asked {
-    /// That a sentence be followed.
-    Follow {
-        /// The sentence.
-        sentence: Sentence,
-        /// How far.
-        mode: Mode,
-    },
-    /// That the request of this number be no longer followed.
-    Cancel,
-}
-
-/// Why a request is none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PlanRequestError {
-    /// More bytes than a request holds.
-    TooLong {
-        /// Bytes of the sentence.
-        length: usize,
-    },
-    /// The sentence is not UTF-8.
-    Utf8,
-    /// No such purpose.
-    Purpose(u32),
-}
-
-impl fmt::Display for PlanRequestError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLong { length } => write!(
-                f,
-                "plan request: a sentence of {length} bytes, at most {MAX_SENTENCE_BYTES} are read"
-            ),
-            Self::Utf8 => f.write_str("plan request: the sentence is not UTF-8"),
-            Self::Purpose(number) => write!(
-                f,
-                "plan request: {number} is no purpose; 1 plans, 2 carries out, 3 does so without \
-                 looking, 4 cancels"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for PlanRequestError {}
-
-/// [`PlanRequest::purpose`]: cancel.
-const CANCEL: u32 = 4;
-const MODES: [(u32, Mode); 3] = [
-    (1, Mode::PlanOnly),
-    (2, Mode::ClosedLoop),
-    (3, Mode::OpenLoop),
-];
-
-impl PlanRequest {
-    /// Asks for a sentence to be followed.
-    pub fn new(
-        asker: u64,
-        sequence: u64,
-        mode: Mode,
-        sentence: &str,
-    ) -> Result<Self, PlanRequestError> {
-        let length = sentence.len();
-        if length > MAX_SENTENCE_BYTES {
-            return Err(PlanRequestError::TooLong { length });
-        }
-        let purpose = match mode {
-            Mode::PlanOnly => 1,
-            Mode::ClosedLoop => 2,
-            Mode::OpenLoop => 3,
-        };
-        let text = Clamped::new(sentence);
-        Ok(Self {
-            asker,
-            sequence,
-            purpose,
-            sentence_length: text.length,
-            sentence: text.bytes,
-        })
-    }
-
-    /// Asks for the request of this number to be no longer followed.
-    pub const fn cancel(asker: u64, sequence: u64) -> Self {
-        Self {
-            asker,
-            sequence,
-            purpose: CANCEL,
-            sentence_length: 0,
-            sentence: [0; MAX_SENTENCE_BYTES],
-        }
-    }
-
-    /// What is asked for.
-    pub fn read(&self) -> Result<Asked, PlanRequestError> {
-        if self.purpose == CANCEL {
-            return Ok(Asked::Cancel);
-        }
-        let mode = MODES
-            .into_iter()
-            .find_map(|(number, mode)| (number == self.purpose).then_some(mode))
-            .ok_or(PlanRequestError::Purpose(self.purpose))?;
-        let too_long = PlanRequestError::TooLong {
-            length: self.sentence_length as usize,
-        };
-        let text = text::read(self.sentence_length, &self.sentence);
-        let text = text.map_err(|fault| match fault {
-            TextFault::Length => too_long,
-            TextFault::Utf8 => PlanRequestError::Utf8,
-        })?;
-        let sentence = Sentence::try_from(text).map_err(|_| too_long)?;
-        Ok(Asked::Follow { sentence, mode })
-    }
 }
 
 /// What a reply says, its parts still in place.
@@ -613,44 +476,6 @@ mod tests {
         plan: 9,
         number: 2,
     };
-
-    fn asked(sentence: &str) -> PlanRequest {
-        PlanRequest::new(1, 3, Mode::ClosedLoop, sentence).unwrap()
-    }
-
-    #[test]
-    fn a_sentence_comes_back_or_is_too_long() {
-        let longest = "x".repeat(MAX_SENTENCE_BYTES);
-        for text in ["put the rötliche block …", &longest] {
-            for mode in [Mode::PlanOnly, Mode::ClosedLoop, Mode::OpenLoop] {
-                let request = PlanRequest::new(1, 3, mode, text).unwrap();
-                let sentence = Sentence::try_from(text).unwrap();
-                assert_eq!(request.read(), Ok(Asked::Follow { sentence, mode }));
-            }
-        }
-        let length = MAX_SENTENCE_BYTES + 1;
-        let refused = PlanRequest::new(1, 3, Mode::PlanOnly, &"x".repeat(length));
-        assert_eq!(refused, Err(PlanRequestError::TooLong { length }));
-        assert_eq!(PlanRequest::cancel(1, 3).read(), Ok(Asked::Cancel));
-    }
-
-    #[test]
-    fn a_received_sentence_is_checked() {
-        let mut request = asked("put");
-        request.sentence_length = u32::MAX;
-        let length = u32::MAX as usize;
-        assert_eq!(request.read(), Err(PlanRequestError::TooLong { length }));
-        request.sentence_length = 3;
-        request.sentence[1] = 0xff;
-        assert_eq!(request.read(), Err(PlanRequestError::Utf8));
-        for purpose in [0, 5, u32::MAX] {
-            let request = PlanRequest {
-                purpose,
-                ..asked("put")
-            };
-            assert_eq!(request.read(), Err(PlanRequestError::Purpose(purpose)));
-        }
-    }
 
     #[test]
     fn a_program_is_checked_step_by_step() {
