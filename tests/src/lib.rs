@@ -3,10 +3,12 @@
 //! * [`by_hand`]: a model whose weights were set by hand, so that what it does
 //!   with a sentence is known without training;
 //! * [`corner`]: shared memory of a test's own, and what was left behind in it;
+//! * [`counting`]: an allocator that counts;
 //! * [`golden`]: what the trainer computed, for everything to agree with;
 //! * [`picture`]: a picture of coloured squares, for what must run on any image.
 
 pub mod by_hand;
 pub mod corner;
+pub mod counting;
 pub mod golden;
 pub mod picture;

@@ -1,46 +1,14 @@
 //! Nothing is allocated from image and sentence to plan or refusal.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Model, Planner, Refusal, Scene};
 use nsrm_tests::by_hand::{self, Parts, block};
+use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::picture::{SIZE, camera, squares};
-
-thread_local! {
-    /// Calls of the allocator on this thread; const, so that reading it makes none.
-    static CALLS: Cell<u64> = const { Cell::new(0) };
-}
-
-/// The system's allocator, counting.
-struct Counting;
-
-// SAFETY: every call is passed on unchanged to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        CALLS.set(CALLS.get() + 1);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        CALLS.set(CALLS.get() + 1);
-        // SAFETY: the caller keeps the contract of `dealloc`.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
-
-/// What `work` returns, and how often it called the allocator.
-fn counted<T>(work: impl FnOnce() -> T) -> (T, u64) {
-    let before = CALLS.get();
-    let result = work();
-    (result, CALLS.get() - before)
-}
 
 #[test]
 fn the_counter_counts() {

@@ -15,7 +15,11 @@ use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
 use nsrm_tests::corner::Corner;
+use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::picture;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 const SENTENCE: &str = "put the small red block on the blue block then put the green block on the \
                         small red block";
@@ -192,6 +196,65 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
     assert_eq!(objects, [1, 3]);
 }
 
+/// Calls of the allocator for each message that iceoryx2 sends: it makes one thing and
+/// throws it away. For each request that it receives, too.
+const A_MESSAGE: u64 = 2;
+
+/// From its second sentence on, and its second frame.
+#[test]
+fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
+    let corner = Corner::new("allocation");
+    let parts = Parts::new();
+    let model = parts.model();
+    let robot = join(Role::Planner, &corner.config);
+    let mut planner = PlannerNode::begin(robot, &model, Limits::default()).unwrap();
+    let mut world = World::new(&model, &corner.config);
+    let standing = world.scene;
+    for sequence in 1..=3 {
+        world.scene.objects = standing.objects;
+        let pending = ask(&world, sequence, SENTENCE);
+        let (mut calls, mut messages, mut ended) = (0, 1, false);
+        while !ended {
+            world.turn();
+            calls += counted(|| planner.poll(now_ns())).1;
+            while let Some(reply) = pending.receive().unwrap() {
+                // To who asked, and to who looks on; a command is sent as well.
+                let is_command = matches!(reply.read(), Ok(Reply::Commanded { .. }));
+                messages += 2 + u64::from(is_command);
+                ended |= matches!(reply.read(), Ok(Reply::Done));
+            }
+        }
+        // Heartbeats come when it is time to.
+        let beats = [0, 1, 2].map(|beats| A_MESSAGE * (messages + beats));
+        assert!(
+            sequence == 1 || beats.contains(&calls),
+            "{calls}, {messages}"
+        );
+    }
+
+    let model = &nsrm_core::pretrained::TABLETOP;
+    let camera = join(Role::Camera, &corner.config);
+    let picture = picture::squares();
+    let bytes = picture.pixels.len() / 3 * 7;
+    let out = camera.frames_out(bytes).unwrap();
+    drop(world);
+    let robot = join(Role::Perception, &corner.config);
+    let mut perception = PerceptionNode::begin(robot, model).unwrap();
+    let began_ns = now_ns();
+    let mut calls = Vec::new();
+    for _ in 0..3 {
+        let header = frame(&picture);
+        let write =
+            |image: &mut [u8]| image[..picture.pixels.len()].copy_from_slice(&picture.pixels);
+        assert_eq!(out.send(header, bytes, write), Ok(1));
+        // Long before its next heartbeat.
+        let (seen, more) = counted(|| perception.poll(began_ns));
+        assert!(seen);
+        calls.push(more);
+    }
+    assert_eq!(calls[1..], [A_MESSAGE; 2], "{calls:?}");
+}
+
 #[test]
 fn refusals_and_a_busy_planner_are_told_in_words() {
     let corner = Corner::new("refused");
@@ -328,21 +391,7 @@ fn perception_makes_a_scene_of_a_frame() {
     let out = camera.frames_out(bytes).unwrap();
     let scenes = camera.receiver::<SceneMessage>().unwrap();
     let mut perception = PerceptionNode::begin(join(Role::Perception, config), model).unwrap();
-    let mut frame = CameraFrame {
-        sequence: 4,
-        timestamp_ns: 5,
-        camera: CameraMessage::from(picture::camera()),
-        ..CameraFrame::default()
-    };
-    for detection in &picture.detections {
-        let [x1, y1, x2, y2, depth_m] = detection.location;
-        frame.boxes[frame.count as usize] = DetectedBox {
-            id: detection.id,
-            corners: [x1, y1, x2, y2],
-            depth_m,
-        };
-        frame.count += 1;
-    }
+    let mut frame = frame(&picture);
     let write = |image: &mut [u8]| image[..picture.pixels.len()].copy_from_slice(&picture.pixels);
     assert_eq!(out.send(frame, bytes, write), Ok(1));
     assert!(perception.poll(now_ns()));
@@ -368,4 +417,24 @@ fn perception_makes_a_scene_of_a_frame() {
     assert!(perception.poll(now_ns()));
     assert!(scenes.receive().unwrap().is_none());
     assert!(!perception.poll(now_ns()));
+}
+
+/// The picture's header, with its boxes.
+fn frame(picture: &picture::Picture) -> CameraFrame {
+    let mut frame = CameraFrame {
+        sequence: 4,
+        timestamp_ns: 5,
+        camera: CameraMessage::from(picture::camera()),
+        ..CameraFrame::default()
+    };
+    for detection in &picture.detections {
+        let [x1, y1, x2, y2, depth_m] = detection.location;
+        frame.boxes[frame.count as usize] = DetectedBox {
+            id: detection.id,
+            corners: [x1, y1, x2, y2],
+            depth_m,
+        };
+        frame.count += 1;
+    }
+    frame
 }

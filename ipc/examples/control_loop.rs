@@ -1,0 +1,184 @@
+//! A planner inside a control loop of 1 kHz, in place of `nsrm serve`:
+//!
+//! ```sh
+//! cargo harness world --robot left --seed 4 &
+//! target/release/nsrm perceive --robot left &
+//! cargo run --release -p nsrm-ipc --example control_loop -- --robot left --seconds 20 &
+//! target/release/nsrm say --robot left "put the small red block on the magenta block"
+//! ```
+//!
+//! Each tick gives the planner a budget of time, in which it takes in what has come
+//! through shared memory and does pieces of work; what is left waits for the next
+//! tick. Nothing in a tick waits, and nothing but iceoryx2's sending allocates: once for
+//! each heartbeat, command and reply. Beside it runs a loop that does
+//! nothing: what that one misses, the machine is to blame for.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+
+use hdrhistogram::Histogram;
+use iceoryx2::config::Config;
+use iceoryx2::prelude::{LogLevel, set_log_level};
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::Limits;
+use nsrm_ipc::message::Role;
+use nsrm_ipc::node::{Busyness, PlannerNode};
+use nsrm_ipc::service::Robot;
+use rustix::thread::{ClockId, Timespec, clock_nanosleep_absolute};
+use thread_priority::{
+    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy,
+    set_thread_priority_and_policy, thread_native_id,
+};
+
+/// Time between two ticks, nanoseconds.
+const PERIOD_NS: u64 = 1_000_000;
+/// What the planner may take of a tick; the last piece of work begun in it takes up
+/// to some tens of microseconds more.
+const BUDGET_NS: u64 = 200_000;
+/// The longest that is counted, nanoseconds; what takes longer counts as this.
+const LONGEST_NS: u64 = 1_000_000_000;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut robot = "robot".to_owned();
+    let mut seconds = 10;
+    let mut arguments = std::env::args().skip(1);
+    while let Some(option) = arguments.next() {
+        let value = arguments.next();
+        match (option.as_str(), value) {
+            ("--robot", Some(name)) => robot = name,
+            ("--seconds", Some(number)) => seconds = number.parse()?,
+            _ => return Err("usage: control_loop [--robot NAME] [--seconds N]".into()),
+        }
+    }
+    let robot = robot.parse()?;
+    set_log_level(LogLevel::Fatal);
+    let locked = rustix::mm::mlockall(
+        rustix::mm::MlockAllFlags::CURRENT | rustix::mm::MlockAllFlags::FUTURE,
+    );
+    println!("memory locked: {}", said(locked.is_ok()));
+    let stop = Arc::new(AtomicBool::new(false));
+    let empty = {
+        let stop = Arc::clone(&stop);
+        std::thread::spawn(move || {
+            let realtime = become_realtime();
+            let mut ticks = Ticks::new();
+            while !stop.load(Ordering::Relaxed) {
+                ticks.next(|| {});
+            }
+            (ticks, realtime)
+        })
+    };
+    let planning: JoinHandle<Result<_, String>> = std::thread::spawn(move || {
+        // Ports are made in the thread that uses them.
+        let robot = Robot::join(robot, Role::Planner, Config::global_config());
+        let node = robot.and_then(|robot| PlannerNode::begin(robot, &TABLETOP, Limits::default()));
+        let mut node = node.map_err(|error| error.to_string())?;
+        let realtime = become_realtime();
+        println!("planning, in a loop of 1 kHz for {seconds} s");
+        let mut ticks = Ticks::new();
+        for _ in 0..seconds * (1_000_000_000 / PERIOD_NS) {
+            ticks.next(|| {
+                let end_ns = now_ns() + BUDGET_NS;
+                while node.poll(now_ns()) == Busyness::Working && now_ns() < end_ns {}
+            });
+        }
+        Ok((ticks, realtime))
+    });
+    let planned = planning.join().expect("the loop does not panic");
+    stop.store(true, Ordering::Relaxed);
+    let (empty, _) = empty.join().expect("the loop does not panic");
+    let (ticks, realtime) = planned?;
+    println!("SCHED_FIFO: {}", said(realtime));
+    ticks.print("planner's loop");
+    empty.print("empty loop beside it");
+    println!(
+        "missed: {} of {} ticks by work longer than a period, {} by a late start; the empty loop \
+         began {} late",
+        ticks.overrun,
+        ticks.work.len(),
+        ticks.late,
+        empty.late
+    );
+    Ok(())
+}
+
+fn said(granted: bool) -> &'static str {
+    if granted { "yes" } else { "not permitted" }
+}
+
+/// Asks for a place before all that is not real-time; whether it was granted.
+fn become_realtime() -> bool {
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    let priority =
+        ThreadPriority::from_posix(thread_priority::ScheduleParams { sched_priority: 50 });
+    set_thread_priority_and_policy(thread_native_id(), priority, policy).is_ok()
+}
+
+/// What a loop has seen of its ticks.
+struct Ticks {
+    /// How long after its time each began, nanoseconds.
+    lateness: Histogram<u64>,
+    /// How long its work took, nanoseconds.
+    work: Histogram<u64>,
+    /// Ticks whose work took longer than a period.
+    overrun: u64,
+    /// Ticks that began more than a period late though the work before them did not.
+    late: u64,
+    next_ns: u64,
+}
+
+impl Ticks {
+    fn new() -> Self {
+        let histogram = || Histogram::new_with_bounds(1, LONGEST_NS, 3).expect("sound bounds");
+        Self {
+            lateness: histogram(),
+            work: histogram(),
+            overrun: 0,
+            late: 0,
+            next_ns: now_ns() + PERIOD_NS,
+        }
+    }
+
+    /// Waits for the next tick and does its work.
+    fn next(&mut self, work: impl FnOnce()) {
+        let wake = Timespec {
+            tv_sec: (self.next_ns / 1_000_000_000).cast_signed(),
+            tv_nsec: (self.next_ns % 1_000_000_000).cast_signed(),
+        };
+        // A signal that wakes it early makes the tick early by so much.
+        let _ = clock_nanosleep_absolute(ClockId::Monotonic, &wake);
+        let begun_ns = now_ns();
+        work();
+        let ended_ns = now_ns();
+        let (late_ns, work_ns) = (begun_ns.saturating_sub(self.next_ns), ended_ns - begun_ns);
+        self.lateness.saturating_record(late_ns.max(1));
+        self.work.saturating_record(work_ns.max(1));
+        self.overrun += u64::from(work_ns > PERIOD_NS);
+        self.late += u64::from(late_ns > PERIOD_NS);
+        self.next_ns += PERIOD_NS;
+        if ended_ns > self.next_ns {
+            // Ticks that have gone by are not made up for.
+            self.next_ns = ended_ns + PERIOD_NS - (ended_ns - self.next_ns) % PERIOD_NS;
+        }
+    }
+
+    fn print(&self, name: &str) {
+        println!("{name}, microseconds");
+        println!(
+            "  {:>10}{:>10}{:>10}{:>10}{:>10}",
+            "", "p50", "p99", "p99.99", "most"
+        );
+        for (what, histogram) in [("late by", &self.lateness), ("work", &self.work)] {
+            print!("  {what:>10}");
+            for quantile in [0.5, 0.99, 0.9999] {
+                print!(
+                    "{:>10.1}",
+                    histogram.value_at_quantile(quantile) as f64 / 1000.0
+                );
+            }
+            println!("{:>10.1}", histogram.max() as f64 / 1000.0);
+        }
+    }
+}
