@@ -35,7 +35,7 @@ fn main() {
     let planner = Planner::new(&workshop::WORKSHOP);
     for sentence in std::io::stdin().lines() {
         match planner.parse(&sentence.unwrap()) {
-            Ok(program) => println!("{}", program.notation(&workshop::WORKSHOP)),
+            Ok(parsed) => println!("{}", parsed.program.notation(&workshop::WORKSHOP)),
             Err(refusal) => println!("{}", refusal.kind()),
         }
         println!("--");
