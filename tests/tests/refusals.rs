@@ -473,6 +473,14 @@ const KINDS: [&str; 16] = [
     "other_model",
 ];
 
+/// A kind that is not listed there would reach other processes as no reason.
+#[test]
+fn every_kind_is_a_reason_of_a_reply() {
+    for kind in KINDS {
+        assert!(nsrm_ipc::message::REASONS.contains(&kind), "{kind}");
+    }
+}
+
 #[test]
 fn the_cases_cover_every_kind() {
     let mut covered = [false; KINDS.len()];

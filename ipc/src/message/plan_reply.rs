@@ -330,7 +330,8 @@ impl PlanReply {
     fn because(self, reason: &str, message: impl fmt::Display) -> Self {
         let place = REASONS.iter().position(|known| *known == reason);
         Self {
-            // Every reason is one of them: a test goes through all. They are few.
+            // Every reason is one of them: of failures a test here goes through all, of
+            // refusals one in `tests/tests/refusals.rs`. They are few.
             reason: place.map_or(0, |place| place as u32 + 1),
             ..self.saying(message)
         }

@@ -59,7 +59,7 @@ pub enum Line {
     #[default]
     Connection,
     /// `ask` and `answer`: goes through what carries publish-subscribe alone, such as a
-    /// tunnel to another host.
+    /// tunnel to another host. The planner does not notice when who asked is gone.
     Broadcast,
 }
 

@@ -81,6 +81,7 @@ impl Carried for PlanRequest {
         history: 0,
         overflow: true,
         publishers: ASKERS,
+        // The planner, and a tunnel to the host where it is.
         subscribers: 2,
     };
 }
@@ -111,6 +112,7 @@ pub const CAMERA_QUALITY: Quality = Quality {
 pub const PLAN: &str = "plan";
 /// How many may ask at once; one is answered, the others are told that it is busy.
 pub(super) const ASKERS: usize = 16;
-/// How many replies wait for an asker at most: of the longest sentence with retries,
-/// four for each step, there are not half as many.
+/// How many replies wait for an asker at most. Eight steps without a retry have 25, and
+/// each retry at most four more for each step that it goes back; who takes none of 128
+/// does not listen.
 pub(super) const REPLIES: usize = 128;

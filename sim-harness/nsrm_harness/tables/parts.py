@@ -33,8 +33,8 @@ def comparison_sections(comparison: Comparison) -> list[str]:
     merged = ", ".join(f"{name} (seed {seed})" for name, seed in comparison.merged)
     return [
         "## What the parts are worth",
-        "The same data, one thing changed in each row; minutes of one processor a seed. Mean over "
-        "the seeds, in brackets the least and the greatest.",
+        "The same data, one thing changed in each row; minutes on the clock a seed, beside "
+        "whatever else ran. Mean over the seeds, in brackets the least and the greatest.",
         "\n".join(lines),
         *([f"Two actions were learned as one by: {merged}."] if merged else []),
         *_reinforce(comparison),
