@@ -148,7 +148,7 @@ SPLITS = {
         Settings("paraphrase", 2000, held_out_wordings=True),
         Settings("new_relations", 2000, held_out_wordings=True, held_out_phrases=True),
         # The same scenes and programs whatever the disturbance.
-        Settings("disturbed", 500),
+        Settings("disturbed", 2000),
     )
 }
 
