@@ -169,20 +169,24 @@ impl Asker {
     /// What was said next in a conversation.
     fn receive(&self, conversation: &Conversation) -> Result<Option<PlanReply>, AskError> {
         let says = |error: &dyn fmt::Debug| AskError::Iceoryx(format!("{error:?}"));
-        match (&self.ports, &conversation.pending) {
-            (Ports::Broadcast { answers, .. }, _) => loop {
-                let Some(reply) = answers.receive().map_err(|error| says(&error))? else {
-                    return Ok(None);
-                };
-                if (reply.asker, reply.request) == (self.asker, conversation.sequence) {
-                    return Ok(Some(*reply));
+        loop {
+            let reply = match (&self.ports, &conversation.pending) {
+                (Ports::Broadcast { answers, .. }, _) => {
+                    let reply = answers.receive().map_err(|error| says(&error))?;
+                    reply.map(|reply| *reply)
                 }
-            },
-            (_, Some(pending)) => {
-                let reply = pending.receive().map_err(|error| says(&error))?;
-                Ok(reply.map(|reply| *reply))
+                (_, Some(pending)) => {
+                    let reply = pending.receive().map_err(|error| says(&error))?;
+                    reply.map(|reply| *reply)
+                }
+                (_, None) => None,
+            };
+            // Who takes a dead asker's place in shared memory may get its replies, too.
+            match reply {
+                Some(reply)
+                    if (reply.asker, reply.request) != (self.asker, conversation.sequence) => {}
+                reply => return Ok(reply),
             }
-            (_, None) => Ok(None),
         }
     }
 

@@ -45,6 +45,7 @@ pub struct PlannerNode<'m> {
     feedback: Receiver<Feedback>,
     life: Life,
     controller: Peer,
+    controller_lives: bool,
     began_ns: u64,
     silence_ns: u64,
     executive: Executive<'m>,
@@ -73,6 +74,7 @@ impl<'m> PlannerNode<'m> {
             feedback: robot.receiver()?,
             life: Life::begin(&robot, Role::Planner, now_ns)?,
             controller: Peer::default(),
+            controller_lives: true,
             began_ns: now_ns,
             silence_ns: limits.silence_ns,
             executive: Executive::new(model, limits, now_ns),
@@ -145,7 +147,8 @@ impl<'m> PlannerNode<'m> {
                 lost |= controller.hear(heartbeat, now_ns);
             }
         });
-        if lost || !controller.may_live(self.began_ns, self.silence_ns, now_ns) {
+        self.controller_lives = controller.may_live(self.began_ns, self.silence_ns, now_ns);
+        if lost || !self.controller_lives {
             self.executive.lose_controller();
         }
         let state = if self.current.is_some() {
@@ -234,6 +237,8 @@ impl<'m> PlannerNode<'m> {
     /// Sends what an event calls for.
     fn act(&mut self, event: &Event) {
         match event {
+            // One that hangs would carry it out when it goes on, whatever was said since.
+            Event::Command(_) if !self.controller_lives => self.executive.miss_controller(),
             Event::Command(command) => self.send(&SubGoal::from(command)),
             Event::Stop(id) => self.send(&SubGoal::stop(*id)),
             Event::Again { step, why } => warn!(step, %why, "tried again"),

@@ -1,0 +1,104 @@
+//! Who asks, and a planner of the test's that answers as none should, or to none that
+//! lives.
+
+use nsrm_core::RawScene;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::{Limits, Mode};
+use nsrm_ipc::message::{PlanReply, Reply, ReplyTo, Role, SceneMessage, SubGoal};
+use nsrm_ipc::node::{Asker, Conversation, Line, PlannerNode};
+use nsrm_ipc::service::{Robot, Sender};
+use nsrm_tests::by_hand::{Parts, block, raw_scene};
+use nsrm_tests::corner::Corner;
+
+const SENTENCE: &str = "put the small red block on the blue block";
+const MS: u64 = 1_000_000;
+
+fn join(role: Role, corner: &Corner) -> Robot {
+    Robot::join("left".parse().unwrap(), role, &corner.config).unwrap()
+}
+
+/// iceoryx2 was seen to hand the reply for an asker that was killed to the next one.
+#[test]
+fn what_is_said_to_another_asker_is_passed_over() {
+    let corner = Corner::new("another-asker");
+    let planner = join(Role::Planner, &corner);
+    let server = planner.plan_server().unwrap();
+    let silence_ns = 60_000 * MS;
+    let mut asker = Asker::begin(join(Role::Asker, &corner), Line::Connection, silence_ns).unwrap();
+    let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    let active = server.receive().unwrap().unwrap();
+    let own = ReplyTo {
+        asker: active.asker,
+        request: active.sequence,
+        plan: 7,
+        number: 1,
+    };
+    let before = ReplyTo { request: 99, ..own };
+    let dead = ReplyTo {
+        asker: own.asker ^ 1,
+        number: 3,
+        ..own
+    };
+    for to in [dead, before, own] {
+        let reply = PlanReply::refused(to, "busy", "as it is");
+        active.send_copy(reply).unwrap();
+    }
+    let reply = asker.hear(&mut conversation).unwrap().unwrap();
+    assert_eq!((reply.request, reply.number), (own.request, 1));
+}
+
+/// A planner without a controller whose heartbeats it would hear.
+struct Stage<'m> {
+    planner: PlannerNode<'m>,
+    scene: RawScene,
+    scenes: Sender<SceneMessage>,
+    asker: Asker,
+    conversation: Conversation,
+}
+
+impl Stage<'_> {
+    fn turn(&mut self, now_ns: u64) -> Option<PlanReply> {
+        self.scene.header.sequence += 1;
+        self.scene.header.timestamp_ns = now_ns;
+        self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
+        let _ = self.planner.poll(now_ns);
+        self.asker.hear(&mut self.conversation).unwrap()
+    }
+}
+
+/// One that hangs would carry it out whenever it goes on.
+#[test]
+fn a_controller_that_is_silent_is_commanded_nothing() {
+    let corner = Corner::new("silent-controller");
+    let parts = Parts::new();
+    let model = parts.model();
+    let hung = join(Role::Controller, &corner);
+    let commands = hung.receiver::<SubGoal>().unwrap();
+    let limits = Limits {
+        // The asker's and the scenes' time is not the planner's here.
+        scene_age_ns: u64::MAX,
+        ..Limits::default()
+    };
+    let mut asker =
+        Asker::begin(join(Role::Asker, &corner), Line::Connection, 600_000 * MS).unwrap();
+    let planner = PlannerNode::begin(join(Role::Planner, &corner), &model, limits).unwrap();
+    let conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    let mut stage = Stage {
+        planner,
+        scene: raw_scene(&model, &[block("small", "red"), block("lego", "blue")]),
+        scenes: join(Role::Perception, &corner).sender().unwrap(),
+        asker,
+        conversation,
+    };
+    let late_ns = now_ns() + limits.silence_ns + MS;
+    let replies = (0..).find_map(|tick| {
+        let reply = stage.turn(late_ns + tick)?;
+        matches!(reply.read(), Ok(Reply::Failed { .. })).then_some(reply)
+    });
+    let reply = replies.unwrap();
+    let Ok(Reply::Failed { reason, message }) = reply.read() else {
+        panic!("{reply:?}");
+    };
+    assert_eq!(reason, "not_accepted", "{message}");
+    assert!(commands.receive().unwrap().is_none());
+}
