@@ -5,6 +5,19 @@ use std::path::PathBuf;
 use iceoryx2::config::Config;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
 
+/// For nodes that are to meet under this folder and prefix.
+///
+/// # Panics
+/// Where they are too long for iceoryx2, or no UTF-8.
+pub fn config(root: &std::path::Path, prefix: &str) -> Config {
+    let mut config = Config::default();
+    let path = root.to_str().expect("a path in UTF-8").as_bytes();
+    let path = Path::new(path).expect("a path of moderate length");
+    config.global.set_root_path(&path);
+    config.global.prefix = FileName::new(prefix.as_bytes()).expect("a short name");
+    config
+}
+
 /// What a test's nodes share; what they leave behind is removed with it. To be made
 /// before them, so that it goes after them.
 #[derive(Debug)]
@@ -21,17 +34,21 @@ impl Corner {
         let name = format!("nsrm-test-{}-{test}", std::process::id());
         let root = std::env::temp_dir().join(&name);
         let prefix = format!("{name}_");
-        let mut config = Config::default();
-        let path = root.to_str().expect("a path in UTF-8").as_bytes();
-        config
-            .global
-            .set_root_path(&Path::new(path).expect("a path of moderate length"));
-        config.global.prefix = FileName::new(prefix.as_bytes()).expect("a short name");
         Self {
-            config,
+            config: config(&root, &prefix),
             root,
             prefix,
         }
+    }
+
+    /// The folder of its files.
+    pub fn root(&self) -> &std::path::Path {
+        &self.root
+    }
+
+    /// What its names in shared memory begin with.
+    pub fn prefix(&self) -> &str {
+        &self.prefix
     }
 
     /// The lines of a configuration file by which a command meets here.
@@ -43,31 +60,47 @@ impl Corner {
         )
     }
 
-    /// What lies in shared memory under its name, apart from the one segment that
-    /// iceoryx2 keeps for all nodes to come.
+    /// What lies in shared memory and in files under its name, apart from the one segment
+    /// that iceoryx2 keeps for all nodes to come.
     pub fn left_behind(&self) -> Vec<String> {
         let entries = std::fs::read_dir("/dev/shm").expect("shared memory");
-        entries
+        let mut left: Vec<String> = entries
             .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
             .filter(|name| name.starts_with(&self.prefix) && !name.ends_with(".global_mgmt"))
-            .collect()
+            .collect();
+        let mut folders = vec![self.root.clone()];
+        while let Some(folder) = folders.pop() {
+            // What is gone was not left.
+            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+                if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+                    folders.push(entry.path());
+                } else {
+                    left.push(entry.path().display().to_string());
+                }
+            }
+        }
+        left
+    }
+}
+
+impl Corner {
+    /// Removes what lies under its name.
+    pub fn clear(&self) {
+        let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
+        for entry in shared.flatten() {
+            let name = entry.file_name();
+            if name.to_string_lossy().starts_with(&self.prefix) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+        let _ = std::fs::remove_dir_all(&self.root);
     }
 }
 
 impl Drop for Corner {
     fn drop(&mut self) {
         let left = self.left_behind();
-        let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
-        for entry in shared.flatten() {
-            if entry
-                .file_name()
-                .to_string_lossy()
-                .starts_with(&self.prefix)
-            {
-                let _ = std::fs::remove_file(entry.path());
-            }
-        }
-        let _ = std::fs::remove_dir_all(&self.root);
+        self.clear();
         // A test that fails has told enough.
         assert!(
             std::thread::panicking() || left.is_empty(),

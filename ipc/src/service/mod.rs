@@ -17,6 +17,7 @@
 
 mod error;
 mod fault;
+mod half_made;
 mod name;
 mod port;
 mod quality;
@@ -28,6 +29,7 @@ pub use quality::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, PLAN, Quality};
 
 use core::fmt::Debug;
 use core::time::Duration;
+use std::time::Instant;
 
 use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
@@ -36,15 +38,19 @@ use iceoryx2::port::client::Client;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
+use tracing::warn;
 
 use crate::message::{CameraFrame, PlanReply, PlanRequest, Role};
 use fault::Fault;
 use quality::{ASKERS, REPLIES};
 
-/// How often a service that is just being made or removed is tried to be opened.
-const TRIES: u32 = 50;
-/// How long is waited in between.
+/// How long a service that is just being made or removed is waited for; long enough to
+/// find that its maker has given it up.
+const IN_FLUX: Duration = Duration::from_secs(4);
+/// How long is waited in between two tries.
 const BETWEEN_TRIES: Duration = Duration::from_millis(10);
+/// How long a try itself waits.
+const TRY: Duration = Duration::from_millis(100);
 
 /// The server of `plan`.
 pub type PlanServer = Server<ipc::Service, PlanRequest, (), PlanReply, ()>;
@@ -71,11 +77,13 @@ impl Robot {
             says: format!("{error:?}"),
         };
         let node_name = node_name(&name, role);
+        let mut config = config.clone();
+        config.global.creation_timeout = TRY;
         let node_name = NodeName::new(&node_name).map_err(|error| says(&error))?;
         let node = NodeBuilder::new()
             .name(&node_name)
             .signal_handling_mode(SignalHandlingMode::Disabled)
-            .config(config)
+            .config(&config)
             .create::<ipc::Service>()
             .map_err(|error| says(&error))?;
         let robot = Self { node, name };
@@ -182,7 +190,7 @@ impl Robot {
             publishers,
             subscribers,
         } = M::QUALITY;
-        self.open(M::SERVICE, |builder| {
+        self.open(M::SERVICE, MessagingPattern::PublishSubscribe, |builder| {
             builder
                 .publish_subscribe::<M>()
                 .subscriber_max_buffer_size(buffer)
@@ -199,7 +207,7 @@ impl Robot {
         &self,
     ) -> Result<publish_subscribe::PortFactory<ipc::Service, [u8], CameraFrame>, ServiceError> {
         let quality = CAMERA_QUALITY;
-        self.open(CAMERA, |builder| {
+        self.open(CAMERA, MessagingPattern::PublishSubscribe, |builder| {
             builder
                 .publish_subscribe::<[u8]>()
                 .user_header::<CameraFrame>()
@@ -219,7 +227,7 @@ impl Robot {
         request_response::PortFactory<ipc::Service, PlanRequest, (), PlanReply, ()>,
         ServiceError,
     > {
-        self.open(PLAN, |builder| {
+        self.open(PLAN, MessagingPattern::RequestResponse, |builder| {
             builder
                 .request_response::<PlanRequest, PlanReply>()
                 .max_servers(1)
@@ -237,7 +245,7 @@ impl Robot {
         &self,
         service: &'static str,
     ) -> Result<event::PortFactory<ipc::Service>, ServiceError> {
-        self.open(service, |builder| {
+        self.open(service, MessagingPattern::Event, |builder| {
             builder
                 .event()
                 .max_notifiers(ONLOOKERS)
@@ -251,6 +259,7 @@ impl Robot {
     fn open<T, E: Into<Fault>>(
         &self,
         service: &'static str,
+        pattern: MessagingPattern,
         open: impl Fn(iceoryx2::service::builder::Builder<ipc::Service>) -> Result<T, E>,
     ) -> Result<T, ServiceError> {
         let name = format!("nsrm/v1/{}/{service}", self.name);
@@ -260,12 +269,14 @@ impl Robot {
             service,
             says: format!("{error:?}"),
         })?;
-        let mut tries = 0;
+        let begun = Instant::now();
         let fault = loop {
             match open(self.node.service_builder(&name)).map_err(Into::into) {
                 Ok(opened) => return Ok(opened),
-                Err(Fault::InFlux) if tries < TRIES => {
-                    tries += 1;
+                Err(Fault::InFlux) if begun.elapsed() < IN_FLUX => {
+                    if half_made::remove(&self.node, &name, pattern) {
+                        warn!(%name, "removed what a process that died had begun to make");
+                    }
                     std::thread::sleep(BETWEEN_TRIES);
                 }
                 Err(fault) => break fault,

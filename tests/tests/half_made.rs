@@ -1,0 +1,89 @@
+//! A service whose maker was killed while it made it is made anew.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use nsrm_ipc::message::{Feedback, Role};
+use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError};
+use nsrm_tests::corner::Corner;
+
+fn join(role: Role, corner: &Corner) -> Robot {
+    Robot::join("left".parse().unwrap(), role, &corner.config).unwrap()
+}
+
+/// The files that describe services.
+fn described(corner: &Corner) -> Vec<PathBuf> {
+    let folder = corner.root().join("services");
+    let files = std::fs::read_dir(folder).unwrap();
+    files.map(|file| file.unwrap().path()).collect()
+}
+
+/// As they stand when their maker is killed between the two parts of a service: there is no
+/// second one.
+fn break_all(corner: &Corner) {
+    for segment in std::fs::read_dir("/dev/shm").unwrap().flatten() {
+        let name = segment.file_name().into_string().unwrap();
+        if name.starts_with(corner.prefix()) && name.ends_with(".dynamic") {
+            std::fs::remove_file(segment.path()).unwrap();
+        }
+    }
+}
+
+fn age(file: &Path, by: Duration) {
+    let file = std::fs::File::open(file).unwrap();
+    file.set_modified(SystemTime::now() - by).unwrap();
+}
+
+fn sends(sender: &Sender<Feedback>, receiver: &Receiver<Feedback>) -> bool {
+    let feedback = Feedback {
+        plan: 1,
+        sequence: 1,
+        timestamp_ns: 1,
+        command: 1,
+        outcome: 1,
+    };
+    sender.send(&feedback).unwrap();
+    receiver.receive().unwrap().is_some()
+}
+
+#[test]
+fn what_was_begun_and_given_up_is_made_anew() {
+    let corner = Corner::new("half-made");
+    let dead = join(Role::Controller, &corner);
+    let lost = dead.sender::<Feedback>().unwrap();
+    break_all(&corner);
+    for file in described(&corner) {
+        age(&file, Duration::from_secs(60));
+    }
+    let (one, other) = (
+        join(Role::Controller, &corner),
+        join(Role::Planner, &corner),
+    );
+    let sender = one.sender::<Feedback>().unwrap();
+    let receiver = other.receiver::<Feedback>().unwrap();
+    assert!(sends(&sender, &receiver));
+    // Who had begun it and lives after all is heard by nobody.
+    assert!(!sends(&lost, &receiver));
+}
+
+#[test]
+fn what_is_just_being_made_is_left_alone() {
+    let corner = Corner::new("being-made");
+    let maker = join(Role::Controller, &corner);
+    let service = maker.sender::<Feedback>().unwrap();
+    break_all(&corner);
+    let before = described(&corner);
+    // A clock that is set forward makes nothing old.
+    for file in &before {
+        let file = std::fs::File::open(file).unwrap();
+        file.set_modified(SystemTime::now() + Duration::from_secs(60))
+            .unwrap();
+    }
+    let refused = join(Role::Planner, &corner).receiver::<Feedback>();
+    assert!(
+        matches!(refused, Err(ServiceError::Iceoryx { .. })),
+        "{refused:?}"
+    );
+    assert_eq!(described(&corner).len(), before.len());
+    drop(service);
+}
