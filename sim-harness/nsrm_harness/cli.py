@@ -30,6 +30,9 @@ COMMANDS = {
     "publish": "A finished report and its model into the project.",
     "robot": "All processes of a robot in a simulated world, for one sentence.",
     "world": "A simulated world as a robot's camera and controller.",
+    "chaos": "Kill a robot's processes at random and see what becomes of its commands.",
+    "soak": "A robot's processes at work for hours: what they hold, how fast they are.",
+    "latency": "How fast a robot's processes answer, and what that is made of.",
     "golden": "Write the golden vectors of a model file.",
 }
 

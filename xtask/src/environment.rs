@@ -35,7 +35,15 @@ const MODULE_SOURCES: [&str; 12] = [
 ];
 
 /// Commands of the harness that need no more than the demo's requirements.
-const LIGHT_COMMANDS: [&str; 6] = ["calibration", "demo", "episodes", "look", "robot", "world"];
+const LIGHT_COMMANDS: [&str; 7] = [
+    "calibration",
+    "chaos",
+    "demo",
+    "episodes",
+    "look",
+    "robot",
+    "world",
+];
 
 /// A set of requirements, each with all of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

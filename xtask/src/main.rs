@@ -5,6 +5,8 @@
 //! * `cargo harness COMMAND [ARGUMENTS]`: any command of the Python package in
 //!   `sim-harness`, in the project's own environment.
 //! * `cargo robot [SENTENCE]`: all processes of a robot in a simulated world.
+//! * `cargo chaos [--kills N]`, `cargo soak [--hours H]`, `cargo latency`: a robot's
+//!   processes killed at random, at work for long, and measured.
 //! * `cargo verify [--only NAME]… [--list] [--install]`: every check.
 //!
 //! What they need of Python is installed into `.venv` in the checkout when it is
@@ -26,6 +28,7 @@ use project::Project;
 const USAGE: &str = "\
 usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--json]   (cargo demo --help for all)
        cargo robot [SENTENCE] [--seed N] [--open-loop] [--json]
+       cargo chaos [--kills N] [--seed N] | cargo soak [--hours H] | cargo latency
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
        cargo verify [--only NAME]... [--list] [--install]";
 
@@ -43,7 +46,10 @@ fn main() -> ExitCode {
                 .collect(),
         ),
         Some("harness") => harness(arguments),
-        Some("robot") => robot(arguments),
+        Some("robot") => with_programs("robot", &["nsrm"], arguments),
+        Some(trial @ ("chaos" | "latency" | "soak")) => {
+            with_programs(trial, &["nsrm", "nsrm-trials"], arguments)
+        }
         Some("verify") => verify::run(&arguments),
         _ => {
             eprintln!("{USAGE}");
@@ -56,24 +62,23 @@ fn main() -> ExitCode {
     })
 }
 
-/// `harness robot` with the command `nsrm` as it is now.
-fn robot(arguments: Vec<OsString>) -> Result<ExitCode> {
+/// A command of the harness that is told where our programs, as they are now, are; each
+/// is that of the package of its name.
+fn with_programs(command: &str, programs: &[&str], arguments: Vec<OsString>) -> Result<ExitCode> {
     let project = Project::find()?;
-    let nsrm = project.target().join("release/nsrm");
     let mut build = Command::new("cargo");
-    build.args([
-        "build",
-        "--quiet",
-        "--locked",
-        "--release",
-        "--package",
-        "nsrm",
-    ]);
+    build.args(["build", "--quiet", "--locked", "--release"]);
+    let mut words: Vec<OsString> = vec![command.into()];
+    for program in programs {
+        build.args(["--package", program]);
+        words.push(format!("--{program}").into());
+        let path = project.target().join("release").join(program);
+        words.push(path.into_os_string());
+    }
     build.current_dir(project.root());
     project::run_on_stderr(&mut build)?;
-    let mut with_nsrm = vec!["robot".into(), "--nsrm".into(), nsrm.into_os_string()];
-    with_nsrm.extend(arguments);
-    harness(with_nsrm)
+    words.extend(arguments);
+    harness(words)
 }
 
 /// Becomes `python -m nsrm_harness.cli ARGUMENTS`, so that signals and the exit

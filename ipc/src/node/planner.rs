@@ -106,7 +106,7 @@ impl<'m> PlannerNode<'m> {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            while self.poll(now_ns()) == Busyness::Working {}
+            self.work(now_ns());
             let _ = waiting
                 .wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, NAP)
                 .map_err(|error| self.robot.fault(PLAN, &error))?;
@@ -122,6 +122,19 @@ impl<'m> PlannerNode<'m> {
     /// Takes in what has arrived and does one piece of work
     /// ([`Executive::poll`]); never waits. For a loop of one's own.
     pub fn poll(&mut self, now_ns: u64) -> Busyness {
+        self.take_in(now_ns);
+        self.go_on(now_ns)
+    }
+
+    /// Takes in what has arrived and does all that it calls for, at most a sentence's
+    /// work; never waits. To look at every port once a piece would take longer than the
+    /// pieces.
+    pub fn work(&mut self, now_ns: u64) {
+        self.take_in(now_ns);
+        while self.go_on(now_ns) == Busyness::Working {}
+    }
+
+    fn take_in(&mut self, now_ns: u64) {
         self.hear_life(now_ns);
         self.hear_feedback(now_ns);
         self.see(now_ns);
@@ -130,6 +143,9 @@ impl<'m> PlannerNode<'m> {
         if connection.is_some_and(|active| !active.is_connected()) {
             self.executive.cancel();
         }
+    }
+
+    fn go_on(&mut self, now_ns: u64) -> Busyness {
         let event = self.executive.poll(now_ns);
         let busyness = match event {
             Event::Waiting => Busyness::Idle,

@@ -108,6 +108,12 @@ pub(super) const CHECKS: &[Check] = &[
         about: "2 min",
         steps: robot,
     },
+    Check {
+        name: "trials",
+        title: "50 kills at random lose nothing and do nothing twice; a soak and latencies in small",
+        about: "3 min",
+        steps: trials,
+    },
 ];
 
 /// A command that a check runs in the root of the checkout.
@@ -335,6 +341,21 @@ fn tables(context: &Context) -> Result<Vec<Step>> {
 
 fn robot(context: &Context) -> Result<Vec<Step>> {
     Ok(vec![pytest(context, "tests/robot")?])
+}
+
+/// Their exit codes tell; what they wrote lies beside the logs.
+fn trials(context: &Context) -> Result<Vec<Step>> {
+    let trial = |name: &str, options: &[&str]| {
+        let mut step = Step::cargo(&[&[name], options].concat());
+        let out = context.logs().join(name).into_os_string();
+        step.arguments.extend(["--out".into(), out]);
+        step
+    };
+    Ok(vec![
+        trial("chaos", &["--kills", "50"]),
+        trial("soak", &["--hours", "0.01", "--every", "1"]),
+        trial("latency", &["--samples", "500"]),
+    ])
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {

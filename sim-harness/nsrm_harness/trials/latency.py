@@ -1,0 +1,135 @@
+"""Reads what was measured of how fast processes answer, and draws it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from nsrm_harness.errors import HarnessError
+
+ALONE = ", computation alone"
+"""What the computation of a row is called behind its name."""
+PIPE = ("pipe", "")
+"""The row of a wake-up and back."""
+
+
+class LatencyError(HarnessError):
+    """Measurements that can't be read."""
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """A histogram.
+
+    * `us`: `[bins]`, rising, microseconds, three digits exact
+    * `counts`: `[bins]`
+    """
+
+    us: NDArray[np.float64]
+    counts: NDArray[np.float64]
+
+    def at(self, share: float) -> float:
+        """The time within which this share lies, microseconds."""
+        reached = np.cumsum(self.counts) >= share * self.counts.sum()
+        return float(self.us[int(np.argmax(reached))])
+
+    @property
+    def count(self) -> int:
+        """How many were measured."""
+        return int(self.counts.sum())
+
+
+Rows = dict[tuple[str, str], Times]
+"""By what was measured and how."""
+
+
+def read(path: Path) -> Rows:
+    """The rows of a file. Raises `LatencyError`."""
+    rows: Rows = {}
+    try:
+        for line in path.read_text(encoding="utf-8").splitlines():
+            row = json.loads(line)
+            us, counts = np.array(row["counts_ns"], dtype=np.float64).T
+            rows[row["what"], row["how"]] = Times(us / 1000.0, counts)
+    except (OSError, ValueError, KeyError) as error:
+        raise LatencyError(f"{path}: {error}") from error
+    if PIPE not in rows:
+        raise LatencyError(f"{path}: the pipe is missing: the measurement was broken off")
+    return rows
+
+
+def table(rows: Rows) -> str:
+    """For a person: a table in Markdown, and what lies between the rows."""
+    lines = [
+        "| microseconds | p50 | p99 | p99.99 | most | measured |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for key, times in rows.items():
+        shares = [f"{times.at(share):.1f}" for share in (0.5, 0.99, 0.9999, 1.0)]
+        lines.append(f"| {_title(*key)} | {' | '.join(shares)} | {times.count:,} |")
+    lines.append("")
+    pipe_us = rows[PIPE].at(0.5)
+    for (what, how), times in rows.items():
+        alone = rows.get((what + ALONE, how))
+        if alone is None:
+            continue
+        above_us = times.at(0.5) - alone.at(0.5)
+        text = f"{_title(what, how)}: {above_us:.1f} µs above the computation alone (p50)"
+        if how == "waiting":
+            text += f", {above_us / pipe_us:.2f} of a pipe's way there and back"
+        lines.append(f"- {text}.")
+    small, large = (rows[key].at(0.5) for key in rows if key[0] == "hand-over")
+    lines.append(f"- A frame of 27 times the pixels: {large / small:.2f} of the time (p50).")
+    return "\n".join(lines)
+
+
+def _title(what: str, how: str) -> str:
+    names = {
+        "pipe": "a byte by a pipe to another process and back",
+        "sentence": "sentence to first sub-goal",
+        "frame": "frame to scene",
+        "hand-over": "frame to another process, and word of it back",
+    }
+    name, _, alone = what.partition(",")
+    return names[name] + (f",{alone}" if alone else "") + (f", {how}" if how else "")
+
+
+def draw(rows: Rows, path: Path) -> None:
+    """Share of what takes longer, against the time, as a PNG."""
+    figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.2), layout="constrained", sharey=True)
+    for axis, what, title in zip(
+        axes,
+        ("sentence", "frame", "hand-over"),
+        ("sentence to first sub-goal", "frame to scene", "frame to another process, and back"),
+        strict=True,
+    ):
+        colors = iter(("tab:blue", "tab:orange"))
+        for key, times in rows.items():
+            if key[0] != what:
+                continue
+            color = next(colors)
+            _tail(axis, times, color, "-", key[1])
+            if alone := rows.get((what + ALONE, key[1])):
+                _tail(axis, alone, color, ":", f"{key[1]}, computation alone")
+        _tail(axis, rows[PIPE], "tab:gray", "--", "pipe, there and back")
+        axis.set(title=title, xlabel="microseconds", xscale="log", yscale="log")
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize=8)
+    axes[0].set_ylabel("share that takes longer")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _tail(axis: Axes, times: Times, color: str, line: str, label: str) -> None:
+    longer = 1.0 - np.cumsum(times.counts) / times.counts.sum()
+    # The last one has none behind it, which has no logarithm.
+    axis.step(times.us[:-1], longer[:-1], line, color=color, label=label, where="post")

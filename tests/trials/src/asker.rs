@@ -1,0 +1,136 @@
+//! Those who ask, one sentence after the other, each by a process of its own.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result};
+use serde_json::{Value, json};
+
+use crate::cast::Cast;
+use crate::journal::Journal;
+use crate::world::{REFUSED, SENTENCES};
+
+/// Between two looks whether a process has ended.
+const NAP: Duration = Duration::from_millis(1);
+/// Between two sentences.
+const PAUSE_MS: std::ops::Range<u64> = 1..40;
+/// One of so many sentences is refused.
+const REFUSED_OF: usize = 8;
+
+/// Numbers of sentences, over all who ask.
+static NEXT: AtomicU64 = AtomicU64::new(1);
+
+/// Asks until it is told to stop, in a thread.
+#[derive(Debug)]
+pub(crate) struct Asker {
+    current: Arc<Mutex<Option<Child>>>,
+    stop: Arc<AtomicBool>,
+    thread: JoinHandle<Result<()>>,
+}
+
+impl Asker {
+    /// Begins.
+    pub(crate) fn begin(cast: &Cast, seed: u64) -> Result<Self> {
+        let current = Arc::new(Mutex::new(None));
+        let stop = Arc::new(AtomicBool::new(false));
+        let journal = cast.journal().also("asker")?;
+        let say = cast.nsrm(&["say", "--json"]);
+        let (shared, stopped) = (Arc::clone(&current), Arc::clone(&stop));
+        let thread = std::thread::spawn(move || {
+            let mut rng = fastrand::Rng::with_seed(seed);
+            while !stopped.load(Ordering::Relaxed) {
+                let sentence = if rng.usize(..REFUSED_OF) == 0 {
+                    REFUSED[rng.usize(..REFUSED.len())]
+                } else {
+                    SENTENCES[rng.usize(..SENTENCES.len())]
+                };
+                ask(&say, sentence, &journal, &shared)?;
+                std::thread::sleep(Duration::from_millis(rng.u64(PAUSE_MS)));
+            }
+            Ok(())
+        });
+        Ok(Self {
+            current,
+            stop,
+            thread,
+        })
+    }
+
+    /// Kills the process that asks now; which it was, if there is one.
+    pub(crate) fn kill(&self, note: impl FnOnce(u32) -> Result<()>) -> Result<bool> {
+        let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(child) = current.as_mut() else {
+            return Ok(false);
+        };
+        note(child.id())?;
+        child.kill()?;
+        Ok(true)
+    }
+
+    /// Lets it end its sentence.
+    pub(crate) fn end(self) -> Result<()> {
+        self.stop.store(true, Ordering::Relaxed);
+        let ended = self.thread.join();
+        ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    }
+}
+
+/// Has a sentence carried out and notes what becomes of it; whether it was done.
+pub(crate) fn ask_once(cast: &Cast, sentence: &str) -> Result<bool> {
+    let journal = cast.journal().also("asker")?;
+    let say = cast.nsrm(&["say", "--json"]);
+    let code = ask(&say, sentence, &journal, &Mutex::new(None))?;
+    Ok(code == Some(0))
+}
+
+fn ask(
+    say: &Command,
+    sentence: &str,
+    journal: &Journal,
+    current: &Mutex<Option<Child>>,
+) -> Result<Option<i32>> {
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    journal.write("ask", json!({"ask": number, "sentence": sentence}))?;
+    let mut command = Command::new(say.get_program());
+    let mut child = command
+        .args(say.get_args())
+        .arg(sentence)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()?;
+    let said = BufReader::new(child.stdout.take().context("no pipe")?);
+    let mut errors = child.stderr.take().context("no pipe")?;
+    let lock = || current.lock().unwrap_or_else(PoisonError::into_inner);
+    *lock() = Some(child);
+    for line in said.lines() {
+        let line = line?;
+        // Who is killed may have written half of its last line.
+        if let Ok(event) = serde_json::from_str::<Value>(&line) {
+            journal.write("said", json!({"ask": number, "event": event}))?;
+        }
+    }
+    let mut message = String::new();
+    errors.read_to_string(&mut message)?;
+    let status = loop {
+        // Under the lock: who is waited for can't be killed any more.
+        let mut current = lock();
+        let ended = match current.as_mut() {
+            Some(child) => child.try_wait()?,
+            None => None,
+        };
+        if let Some(status) = ended {
+            *current = None;
+            break status;
+        }
+        drop(current);
+        std::thread::sleep(NAP);
+    };
+    let more = json!({"ask": number, "code": status.code(), "message": message.trim_end()});
+    journal.write("answered", more)?;
+    Ok(status.code())
+}

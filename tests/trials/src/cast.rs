@@ -1,0 +1,245 @@
+//! The processes of one robot, started, killed and started anew.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::message::Role;
+use nsrm_ipc::node::Watcher;
+use nsrm_ipc::service::Robot;
+use nsrm_tests::corner::Corner;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::json;
+
+use crate::journal::Journal;
+
+/// The robot of a trial.
+pub(crate) const ROBOT: &str = "trial";
+/// How long processes may take to be ready, or to end, in all.
+const PATIENCE_NS: u64 = 30_000_000_000;
+/// Between two looks.
+const NAP: Duration = Duration::from_millis(2);
+
+/// Who is started.
+pub(crate) const PARTS: [Role; 4] = [
+    Role::Camera,
+    Role::Perception,
+    Role::Planner,
+    Role::Controller,
+];
+
+/// Name of the file for what one has to say.
+fn log(role: Role) -> String {
+    format!("{}.log", role.word())
+}
+
+/// All processes of a robot but those that ask.
+#[derive(Debug)]
+pub(crate) struct Cast {
+    folder: PathBuf,
+    nsrm: PathBuf,
+    running: BTreeMap<&'static str, (Role, Child)>,
+    journal: Journal,
+    rng: fastrand::Rng,
+    corner: Corner,
+}
+
+impl Cast {
+    /// Nobody yet.
+    ///
+    /// * `folder`: where the journal and the logs are written, in place of older ones
+    /// * `nsrm`: the command
+    pub(crate) fn new(folder: &Path, nsrm: &Path, seed: u64) -> Result<Self> {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        let corner = Corner::new("trial");
+        let journal = folder.join("journal.jsonl");
+        for old in PARTS
+            .map(log)
+            .iter()
+            .map(|log| folder.join(log))
+            .chain([journal.clone()])
+        {
+            if let Err(error) = std::fs::remove_file(&old) {
+                let is_new = error.kind() == std::io::ErrorKind::NotFound;
+                ensure!(is_new, "{}: {error}", old.display());
+            }
+        }
+        let configuration = format!("robot = \"{ROBOT}\"\n\n{}", corner.as_toml());
+        std::fs::write(folder.join("robot.toml"), configuration)?;
+        Ok(Self {
+            journal: Journal::open(&journal, "trial")?,
+            folder: std::path::absolute(folder)?,
+            nsrm: nsrm.to_owned(),
+            running: BTreeMap::new(),
+            rng: fastrand::Rng::with_seed(seed),
+            corner,
+        })
+    }
+
+    pub(crate) const fn journal(&self) -> &Journal {
+        &self.journal
+    }
+
+    /// Takes a place beside them.
+    pub(crate) fn join(&self, role: Role) -> Result<Robot> {
+        Ok(Robot::join(ROBOT.parse()?, role, &self.corner.config)?)
+    }
+
+    /// A command of `nsrm` for this robot.
+    pub(crate) fn nsrm(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.nsrm);
+        command
+            .args(arguments)
+            .arg("--config")
+            .arg(self.folder.join("robot.toml"))
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn own(&self, part: &str) -> Result<Command> {
+        let mut command = Command::new(std::env::current_exe()?);
+        command.arg(part).args(["--robot", ROBOT]);
+        command.arg("--root").arg(self.corner.root());
+        command.args(["--prefix", self.corner.prefix()]);
+        command
+            .arg("--journal")
+            .arg(self.folder.join("journal.jsonl"));
+        command.stdin(Stdio::null());
+        Ok(command)
+    }
+
+    /// Starts one; what it has to say goes into a file.
+    pub(crate) fn start(&mut self, role: Role) -> Result<()> {
+        let name = role.word();
+        let mut command = match role {
+            Role::Planner => self.nsrm(&["serve"]),
+            Role::Perception => self.nsrm(&["perceive"]),
+            Role::Camera => self.own("camera")?,
+            _ => {
+                let seed = self.rng.u64(..).to_string();
+                let mut command = self.own("controller")?;
+                command.args(["--seed", &seed]);
+                command
+            }
+        };
+        let log = self.folder.join(log(role));
+        let log = File::options().append(true).create(true).open(log)?;
+        let child = command.stdout(log.try_clone()?).stderr(log).spawn()?;
+        let more = json!({"node": name, "process": child.id()});
+        self.journal.write("started", more)?;
+        self.running.insert(name, (role, child));
+        Ok(())
+    }
+
+    /// Waits until all are heard.
+    pub(crate) fn ready(&mut self, watcher: &mut Watcher) -> Result<()> {
+        let end_ns = now_ns() + PATIENCE_NS;
+        loop {
+            let now_ns = now_ns();
+            let view = watcher.look(now_ns);
+            let live = view.nodes.iter().flatten().filter(|node| {
+                PARTS.contains(&node.role) && now_ns.saturating_sub(node.heard_ns) < 250_000_000
+            });
+            if live.count() == PARTS.len() && view.scenes.count > 0 {
+                return Ok(());
+            }
+            ensure!(now_ns < end_ns, "not all processes came to life: {view:?}");
+            if let Some((role, status)) = self.ended()?.first() {
+                bail!("{} ended before it began: {status}", role.word());
+            }
+            std::thread::sleep(NAP);
+        }
+    }
+
+    /// The process of a part, if it runs.
+    pub(crate) fn process(&self, role: Role) -> Option<u32> {
+        let (_, child) = self.running.get(role.word())?;
+        Some(child.id())
+    }
+
+    /// Files that the processes share, in memory and in their folder, and the bytes of those
+    /// in memory.
+    pub(crate) fn shared(&self) -> Result<(usize, u64)> {
+        let names = self.corner.left_behind();
+        // What has gone meanwhile counts nothing.
+        let bytes = names
+            .iter()
+            .filter_map(|name| std::fs::metadata(Path::new("/dev/shm").join(name)).ok())
+            .map(|file| file.len())
+            .sum();
+        Ok((names.len(), bytes))
+    }
+
+    /// Kills one; it has gone when this returns.
+    pub(crate) fn kill(&mut self, role: Role) -> Result<()> {
+        if let Some((_, mut child)) = self.running.remove(role.word()) {
+            child.kill()?;
+            child.wait()?;
+        }
+        Ok(())
+    }
+
+    /// Gives one a signal.
+    pub(crate) fn signal(&self, role: Role, signal: Signal) -> Result<()> {
+        if let Some((_, child)) = self.running.get(role.word()) {
+            kill_process(Pid::from_child(child), signal)?;
+        }
+        Ok(())
+    }
+
+    /// Those that have ended by themselves.
+    pub(crate) fn ended(&mut self) -> Result<Vec<(Role, ExitStatus)>> {
+        let mut ended = Vec::new();
+        for (role, child) in self.running.values_mut() {
+            if let Some(status) = child.try_wait()? {
+                let more = json!({
+                    "node": role.word(),
+                    "process": child.id(),
+                    "code": status.code(),
+                });
+                self.journal.write("ended", more)?;
+                ended.push((*role, status));
+            }
+        }
+        for (role, _) in &ended {
+            self.running.remove(role.word());
+        }
+        Ok(ended)
+    }
+
+    /// Stops all, and tells what they have left behind.
+    pub(crate) fn stop(mut self) -> Result<()> {
+        for (_, child) in self.running.values() {
+            kill_process(Pid::from_child(child), Signal::TERM)?;
+        }
+        let end_ns = now_ns() + PATIENCE_NS;
+        while !self.running.is_empty() {
+            self.ended()?;
+            ensure!(
+                now_ns() < end_ns,
+                "a process does not end: {:?}",
+                self.running
+            );
+            std::thread::sleep(NAP);
+        }
+        // Frees what the dead had, as each node does when it is started.
+        drop(self.join(Role::Watcher)?);
+        let left = self.corner.left_behind();
+        self.journal.write("left", json!({"names": left}))
+    }
+}
+
+impl Drop for Cast {
+    /// Nothing runs on when a trial breaks off, and nothing is left.
+    fn drop(&mut self) {
+        for (_, child) in self.running.values_mut() {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+        self.corner.clear();
+    }
+}

@@ -1,0 +1,271 @@
+//! Kills and stops processes at random moments under load, and starts them anew. What
+//! came of it stands in the journal; who reads it judges.
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use anyhow::{Result, ensure};
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::Limits;
+use nsrm_ipc::message::Role;
+use nsrm_ipc::node::{NodeView, Watcher};
+use rustix::process::Signal;
+use serde_json::json;
+
+use crate::asker::{Asker, ask_once};
+use crate::cast::{Cast, PARTS};
+use crate::parts::stop_on_signals;
+use crate::world::SENTENCES;
+
+const MS: u64 = 1_000_000;
+/// Between two looks of who looks on.
+const NAP: Duration = Duration::from_millis(1);
+/// Time from one kill to the next, milliseconds.
+const BETWEEN_MS: std::ops::Range<u64> = 30..500;
+/// Time from a kill to the next start of the same, milliseconds.
+const GONE_MS: std::ops::Range<u64> = 0..700;
+/// How long a process hangs, milliseconds.
+const HANG_MS: std::ops::Range<u64> = 600..1000;
+/// One of so many is stopped for a while in place of being killed.
+const HANGS_OF: u64 = 6;
+/// How many ask at once; all but one are told that the planner is busy.
+const ASKERS: u64 = 2;
+/// How often the last sentence may be asked until it is done.
+const LAST_TRIES: u32 = 20;
+
+/// What is told on the command line.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// The command `nsrm`.
+    #[arg(long)]
+    nsrm: PathBuf,
+    /// Folder for the journal and what processes print.
+    #[arg(long)]
+    out: PathBuf,
+    /// How often a process is killed.
+    #[arg(long, default_value_t = 1000)]
+    kills: u32,
+    /// Of all that is random.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+/// What a part of the cast is doing.
+#[derive(Debug, Clone, Copy)]
+enum Fate {
+    Lives,
+    /// To be started anew at that time, nanoseconds.
+    Gone(u64),
+    /// To go on at that time, nanoseconds.
+    Hangs(u64),
+}
+
+/// A death or a hang that was not noticed yet.
+#[derive(Debug, Clone, Copy)]
+struct Unnoticed {
+    process: u32,
+    since_ns: u64,
+    /// When it had been started, as its heartbeats say.
+    started_ns: u64,
+    /// How long who looks on was kept from looking since, nanoseconds.
+    kept_ns: u64,
+}
+
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let stop = stop_on_signals()?;
+    let mut cast = Cast::new(&options.out, &options.nsrm, options.seed)?;
+    let mut watcher = Watcher::begin(cast.join(Role::Watcher)?)?;
+    for role in PARTS {
+        cast.start(role)?;
+    }
+    cast.ready(&mut watcher)?;
+    let askers = (0..ASKERS).map(|number| Asker::begin(&cast, options.seed ^ (number + 1)));
+    let askers = askers.collect::<Result<Vec<_>>>()?;
+    let mut chaos = Chaos {
+        fates: [Fate::Lives; PARTS.len()],
+        unnoticed: [None; PARTS.len()],
+        looked_ns: now_ns(),
+        rng: fastrand::Rng::with_seed(options.seed),
+        cast,
+        watcher,
+    };
+    let mut kills = 0;
+    let mut next_ns = now_ns();
+    while kills < options.kills && !stop.load(Ordering::Relaxed) {
+        std::thread::sleep(NAP);
+        chaos.look()?;
+        chaos.go_on()?;
+        if now_ns() < next_ns {
+            continue;
+        }
+        if chaos.strike(&askers)? {
+            kills += 1;
+            if kills % 50 == 0 {
+                eprintln!("{kills} of {} kills", options.kills);
+            }
+        }
+        next_ns = now_ns() + chaos.rng.u64(BETWEEN_MS) * MS;
+    }
+    chaos.recover()?;
+    for asker in askers {
+        asker.end()?;
+    }
+    let Chaos {
+        mut cast,
+        mut watcher,
+        ..
+    } = chaos;
+    cast.ready(&mut watcher)?;
+    let mut done = false;
+    for _ in 0..LAST_TRIES {
+        done = done || ask_once(&cast, SENTENCES[0])?;
+    }
+    cast.journal().write("recovered", json!({"done": done}))?;
+    drop(watcher);
+    cast.stop()?;
+    ensure!(kills == options.kills, "stopped after {kills} kills");
+    Ok(())
+}
+
+struct Chaos {
+    cast: Cast,
+    watcher: Watcher,
+    fates: [Fate; PARTS.len()],
+    unnoticed: [Option<Unnoticed>; PARTS.len()],
+    looked_ns: u64,
+    rng: fastrand::Rng,
+}
+
+impl Chaos {
+    /// Notes which deaths and hangs can be known by now from heartbeats alone.
+    fn look(&mut self) -> Result<()> {
+        let now_ns = now_ns();
+        let kept_ns = (now_ns - self.looked_ns).saturating_sub(5 * MS);
+        self.looked_ns = now_ns;
+        let view = self.watcher.look(now_ns);
+        let silence_ns = Limits::default().silence_ns;
+        for (role, place) in PARTS.iter().zip(&mut self.unnoticed) {
+            let Some(unnoticed) = place else {
+                continue;
+            };
+            unnoticed.kept_ns += kept_ns;
+            let Some(node) = seen(&view.nodes, *role) else {
+                continue;
+            };
+            let how = if node.started_ns != unnoticed.started_ns {
+                "another one"
+            } else if now_ns.saturating_sub(node.heard_ns) > silence_ns {
+                "silence"
+            } else {
+                continue;
+            };
+            let more = json!({
+                "node": role.word(),
+                "process": unnoticed.process,
+                "how": how,
+                "after_ns": now_ns - unnoticed.since_ns,
+                "kept_ns": unnoticed.kept_ns,
+            });
+            *place = None;
+            self.cast.journal().write("noticed", more)?;
+        }
+        Ok(())
+    }
+
+    /// Starts anew and lets go on what it is time for, and what ended by itself.
+    fn go_on(&mut self) -> Result<()> {
+        for (role, _) in self.cast.ended()? {
+            let (place, _) = place(role);
+            self.fates[place] = Fate::Gone(now_ns() + 100 * MS);
+        }
+        for (place, role) in PARTS.into_iter().enumerate() {
+            match self.fates[place] {
+                Fate::Gone(until_ns) if now_ns() >= until_ns => self.cast.start(role)?,
+                Fate::Hangs(until_ns) if now_ns() >= until_ns => {
+                    self.note("goes on", role)?;
+                    self.cast.signal(role, Signal::CONT)?;
+                }
+                _ => continue,
+            }
+            self.fates[place] = Fate::Lives;
+        }
+        Ok(())
+    }
+
+    /// Kills or stops one of those that live; whether it was a kill.
+    fn strike(&mut self, askers: &[Asker]) -> Result<bool> {
+        let choice = self.rng.usize(..PARTS.len() + askers.len());
+        if let Some(asker) = choice.checked_sub(PARTS.len()) {
+            let journal = self.cast.journal();
+            return askers[asker].kill(|process| {
+                journal.write("kill", json!({"node": "asker", "process": process}))
+            });
+        }
+        let role = PARTS[choice];
+        if !matches!(self.fates[choice], Fate::Lives) {
+            return Ok(false);
+        }
+        let hangs = self.rng.u64(..HANGS_OF) == 0;
+        let now_ns = now_ns();
+        self.note(if hangs { "hang" } else { "kill" }, role)?;
+        if hangs {
+            self.cast.signal(role, Signal::STOP)?;
+            let until_ns = now_ns + self.rng.u64(HANG_MS) * MS;
+            self.fates[choice] = Fate::Hangs(until_ns);
+        }
+        // Who was not heard yet is nobody whom others could miss; nor is one who was
+        // missed already.
+        let view = self.watcher.look(now_ns);
+        let silence_ns = Limits::default().silence_ns;
+        self.unnoticed[choice] = seen(&view.nodes, role)
+            .filter(|node| now_ns.saturating_sub(node.heard_ns) <= silence_ns)
+            .filter(|_| self.unnoticed[choice].is_none())
+            .zip(self.cast.process(role))
+            .map(|(node, process)| Unnoticed {
+                process,
+                since_ns: now_ns,
+                started_ns: node.started_ns,
+                kept_ns: 0,
+            });
+        if !hangs {
+            self.cast.kill(role)?;
+            let until_ns = now_ns + self.rng.u64(GONE_MS) * MS;
+            self.fates[choice] = Fate::Gone(until_ns);
+        }
+        Ok(!hangs)
+    }
+
+    fn note(&self, what: &str, role: Role) -> Result<()> {
+        let process = self.cast.process(role);
+        let more = json!({"node": role.word(), "process": process});
+        self.cast.journal().write(what, more)
+    }
+
+    /// Lets all live.
+    fn recover(&mut self) -> Result<()> {
+        while self.fates.iter().any(|fate| !matches!(fate, Fate::Lives))
+            || self.unnoticed.iter().any(Option::is_some)
+        {
+            std::thread::sleep(NAP);
+            self.look()?;
+            self.go_on()?;
+        }
+        Ok(())
+    }
+}
+
+fn place(role: Role) -> (usize, Role) {
+    let mut places = PARTS.into_iter().enumerate();
+    places
+        .find(|(_, part)| *part == role)
+        .unwrap_or((0, PARTS[0]))
+}
+
+fn seen(nodes: &[Option<NodeView>], role: Role) -> Option<NodeView> {
+    nodes
+        .iter()
+        .flatten()
+        .find(|node| node.role == role)
+        .copied()
+}

@@ -1,0 +1,471 @@
+//! How long it takes from a sentence to its first sub-goal and from a frame to its scene,
+//! through shared memory and to another process, and what of it is computation.
+//!
+//! What is measured beside it in the same run: the computation alone, in this process; and
+//! what waking another process and being woken by it costs on this machine, by a pipe.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use clap::ValueEnum;
+use hdrhistogram::Histogram;
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::{Event, Executive, Limits, Mode};
+use nsrm_ipc::message::{
+    Asked, CameraFrame, Feedback, Outcome, PlanRequest, Reply, Role, SceneMessage, State, SubGoal,
+};
+use nsrm_ipc::node::{Life, PerceptionNode, PlannerNode, see};
+use nsrm_ipc::service::{CAMERA, Carried, PLAN, Robot};
+use nsrm_tests::corner::Corner;
+use rustix::process::{Pid, Signal, kill_process};
+use rustix::thread::{CpuSet, sched_setaffinity};
+use serde_json::json;
+
+use crate::cast::ROBOT;
+use crate::parts::{Place, stop_on_signals};
+use crate::world::{SENTENCES, World};
+
+/// The longest that is counted, nanoseconds; what takes longer counts as this.
+const LONGEST_NS: u64 = 1_000_000_000;
+/// The longest wait for an answer.
+const PATIENCE_NS: u64 = 10_000_000_000;
+/// Between two questions: who waits is asleep again.
+const REST: Duration = Duration::from_micros(300);
+/// Images of a frame whose hand-over is measured, pixels.
+const SIZES: [(u32, u32); 2] = [(640, 480), (3840, 2160)];
+/// Of so many questions one is asked of large frames: making one takes milliseconds.
+const LARGE_OF: u32 = 50;
+
+/// What is told on the command line.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Options {
+    /// The command `nsrm`; not needed, as its nodes run here.
+    #[arg(long, hide = true)]
+    nsrm: Option<PathBuf>,
+    /// Folder for what was measured.
+    #[arg(long)]
+    out: PathBuf,
+    /// How often each is measured.
+    #[arg(long, default_value_t = 20_000)]
+    samples: u32,
+}
+
+/// Who answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Peer {
+    /// A byte from stdin to stdout.
+    Pipe,
+    /// The planner.
+    Planner,
+    /// Perception.
+    Perception,
+    /// Whoever takes frames and says so.
+    Frames,
+}
+
+/// How a process looks for what comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Looks {
+    /// All the time.
+    Spinning,
+    /// When it is woken.
+    Waiting,
+}
+
+impl Looks {
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Spinning => "spinning",
+            Self::Waiting => "waiting",
+        }
+    }
+}
+
+/// Answers until it is stopped, in a process of its own.
+pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks) -> Result<()> {
+    let stop = stop_on_signals()?;
+    stay_on(1)?;
+    let is_spinning = looks == Looks::Spinning;
+    match peer {
+        Peer::Pipe => {
+            let (mut input, mut output) = (std::io::stdin(), std::io::stdout());
+            let mut byte = [0];
+            while input.read(&mut byte)? == 1 {
+                output.write_all(&byte)?;
+                output.flush()?;
+            }
+        }
+        Peer::Planner => {
+            let robot = place.join(Role::Planner)?;
+            let mut node = PlannerNode::begin(robot, &TABLETOP, Limits::default())?;
+            if is_spinning {
+                while !stop.load(Ordering::Relaxed) {
+                    node.work(now_ns());
+                }
+            } else {
+                node.run(&stop)?;
+            }
+        }
+        Peer::Perception => {
+            let robot = place.join(Role::Perception)?;
+            let mut node = PerceptionNode::begin(robot, &TABLETOP)?;
+            if is_spinning {
+                while !stop.load(Ordering::Relaxed) {
+                    node.poll(now_ns());
+                }
+            } else {
+                node.run(&stop)?;
+            }
+        }
+        Peer::Frames => take_frames(place, &stop)?,
+    }
+    Ok(())
+}
+
+/// Takes frames where they lie and says which.
+fn take_frames(place: &Place, stop: &AtomicBool) -> Result<()> {
+    let robot = place.join(Role::Controller)?;
+    let frames = robot.frames_in()?;
+    let said = robot.sender::<Feedback>()?;
+    let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
+    while !stop.load(Ordering::Relaxed) {
+        let _ = life.beat(State::Idle, now_ns());
+        if let Some(frame) = frames.receive()? {
+            said.send(&feedback(
+                1,
+                1,
+                frame.user_header().sequence,
+                Outcome::Accepted,
+            ))?;
+        }
+    }
+    Ok(())
+}
+
+fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome) -> Feedback {
+    Feedback {
+        plan,
+        sequence,
+        timestamp_ns: now_ns(),
+        command,
+        outcome: outcome as u32,
+    }
+}
+
+/// Measures all, and writes `latency.jsonl`: a line for each thing that was measured.
+pub(crate) fn run(options: &Options) -> Result<()> {
+    std::fs::create_dir_all(&options.out).with_context(|| options.out.display().to_string())?;
+    let path = options.out.join("latency.jsonl");
+    let file = File::create(&path).with_context(|| path.display().to_string())?;
+    let mut book = Book { file };
+    let samples = options.samples;
+    stay_on(0)?;
+    book.write("pipe", "", &pipe(samples)?)?;
+    for looks in [Looks::Spinning, Looks::Waiting] {
+        let (alone, through) = sentences(looks, samples)?;
+        book.write("sentence, computation alone", looks.word(), &alone)?;
+        book.write("sentence", looks.word(), &through)?;
+        let (alone, through) = scenes(looks, samples)?;
+        book.write("frame, computation alone", looks.word(), &alone)?;
+        book.write("frame", looks.word(), &through)?;
+    }
+    for (width, height) in SIZES {
+        let samples = samples.div_ceil(if width > 640 { LARGE_OF } else { 1 });
+        let taken = hand_over((width * height * 7) as usize, samples)?;
+        book.write("hand-over", &format!("{width}x{height}"), &taken)?;
+    }
+    Ok(())
+}
+
+/// Writes down what was measured.
+struct Book {
+    file: File,
+}
+
+impl Book {
+    fn write(&mut self, what: &str, how: &str, times: &Histogram<u64>) -> Result<()> {
+        eprintln!(
+            "{what} {how}: p50 {:.1} µs",
+            times.value_at_quantile(0.5) as f64 / 1000.0
+        );
+        let counts: Vec<_> = times
+            .iter_recorded()
+            .map(|step| (step.value_iterated_to(), step.count_since_last_iteration()))
+            .collect();
+        let line = json!({"what": what, "how": how, "counts_ns": counts});
+        writeln!(self.file, "{line}")?;
+        Ok(())
+    }
+}
+
+fn histogram() -> Result<Histogram<u64>> {
+    Ok(Histogram::new_with_bounds(1, LONGEST_NS, 3)?)
+}
+
+/// Another process that answers, until this is dropped.
+struct Answering {
+    child: Child,
+    corner: Corner,
+}
+
+impl Answering {
+    fn start(peer: Peer, looks: Looks) -> Result<Self> {
+        let corner = Corner::new(&format!("latency-{}", looks.word()));
+        let name = |value: &dyn ValueEnumName| value.name();
+        let child = Command::new(std::env::current_exe()?)
+            .args(["answer", "--robot", ROBOT, "--journal", "none", "--root"])
+            .arg(corner.root())
+            .args(["--prefix", corner.prefix()])
+            .args(["--peer", &name(&peer), "--looks", &name(&looks)])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        Ok(Self { child, corner })
+    }
+
+    fn join(&self, role: Role) -> Result<Robot> {
+        Ok(Robot::join(ROBOT.parse()?, role, &self.corner.config)?)
+    }
+
+    /// Stops it; what it shared is still there.
+    fn end(&mut self) -> Result<()> {
+        kill_process(Pid::from_child(&self.child), Signal::TERM)?;
+        let status = self.child.wait()?;
+        ensure!(status.success(), "who answers ended: {status}");
+        Ok(())
+    }
+}
+
+impl Drop for Answering {
+    /// Nothing runs on and nothing is left when a measurement breaks off.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.corner.clear();
+    }
+}
+
+/// Keeps this process on one core, the other one on another: how long waking takes depends
+/// on nothing so much.
+fn stay_on(core: usize) -> Result<()> {
+    let mut cores = CpuSet::new();
+    cores.set(core);
+    sched_setaffinity(None, &cores).with_context(|| format!("staying on core {core}"))
+}
+
+/// A value of the command line, by its name there.
+trait ValueEnumName {
+    fn name(&self) -> String;
+}
+
+impl<T: ValueEnum> ValueEnumName for T {
+    fn name(&self) -> String {
+        let value = self.to_possible_value();
+        value
+            .map(|value| value.get_name().into())
+            .unwrap_or_default()
+    }
+}
+
+/// Waking another process and being woken by it.
+fn pipe(samples: u32) -> Result<Histogram<u64>> {
+    let mut peer = Answering::start(Peer::Pipe, Looks::Waiting)?;
+    let mut input = peer.child.stdin.take().context("no pipe")?;
+    let mut output = peer.child.stdout.take().context("no pipe")?;
+    let mut times = histogram()?;
+    let mut byte = [7];
+    for _ in 0..samples {
+        std::thread::sleep(REST);
+        let begun_ns = now_ns();
+        input.write_all(&byte)?;
+        output.read_exact(&mut byte)?;
+        times.saturating_record(now_ns() - begun_ns);
+    }
+    drop(input);
+    ensure!(peer.child.wait()?.success(), "who answers failed");
+    Ok(times)
+}
+
+/// Waits until `take` has something: spinning, or woken at `listener`.
+fn until<T>(
+    looks: Looks,
+    listener: &iceoryx2::port::listener::Listener<iceoryx2::prelude::ipc::Service>,
+    mut take: impl FnMut() -> Result<Option<T>>,
+) -> Result<T> {
+    let end_ns = now_ns() + PATIENCE_NS;
+    loop {
+        if let Some(taken) = take()? {
+            return Ok(taken);
+        }
+        if now_ns() > end_ns {
+            bail!("no answer after {} s", PATIENCE_NS / 1_000_000_000);
+        }
+        if looks == Looks::Waiting {
+            let _ = listener.timed_wait(|_| {}, Duration::from_millis(100));
+        } else {
+            std::hint::spin_loop();
+        }
+    }
+}
+
+/// From a sentence to its first sub-goal: the computation alone, and through the planner's
+/// process.
+fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)> {
+    let mut peer = Answering::start(Peer::Planner, looks)?;
+    let robot = peer.join(Role::Controller)?;
+    let (scenes, commands) = (robot.sender()?, robot.receiver::<SubGoal>()?);
+    let feedbacks = robot.sender::<Feedback>()?;
+    let (client, bell) = (robot.plan_client()?, robot.bell(PLAN)?);
+    let listener = robot.listen(SubGoal::SERVICE)?;
+    let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
+    let (mut alone, mut through) = (histogram()?, histogram()?);
+    let world = World::new()?;
+    let mut image = vec![0; world.bytes()];
+    world.paint(&mut image);
+    let mut executive = Executive::new(&TABLETOP, Limits::default(), 1);
+    let mut warm = 0;
+    for number in 1..=u64::from(samples) {
+        let seen = see(&TABLETOP, &world.header(number, now_ns()), &image)?;
+        scenes.send(&seen)?;
+        let _ = life.beat(State::Idle, now_ns());
+        let request = PlanRequest::new(1, number, Mode::OpenLoop, SENTENCES[0])?;
+        executive.see(&seen, now_ns())?;
+        let computed_ns = compute(&mut executive, &request)?;
+        std::thread::sleep(REST);
+
+        let begun_ns = now_ns();
+        let pending = client.send_copy(request)?;
+        bell.ring();
+        let mut ended = None;
+        let command = until(looks, &listener, || {
+            let command = commands.receive()?.map(|command| *command);
+            if command.is_none() {
+                // A planner that has just begun has no scene yet.
+                while let Some(reply) = pending.receive()? {
+                    if let Ok(Reply::Failed { message, .. }) = reply.read() {
+                        ended = Some(message.to_owned());
+                    }
+                }
+            }
+            Ok(command.map(Some).or_else(|| ended.take().map(|_| None)))
+        })?;
+        let taken_ns = now_ns() - begun_ns;
+        let Some(command) = command else {
+            warm += 1;
+            if warm > 1000 {
+                bail!("the planner refuses: see its log");
+            }
+            continue;
+        };
+        alone.saturating_record(computed_ns);
+        through.saturating_record(taken_ns);
+        for outcome in [Outcome::Accepted, Outcome::Reached] {
+            feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
+        }
+        while pending.is_connected() || pending.receive()?.is_some() {
+            std::hint::spin_loop();
+        }
+    }
+    peer.end()?;
+    Ok((alone, through))
+}
+
+/// What a planner does between a sentence and its first sub-goal, and nothing else.
+fn compute(executive: &mut Executive<'_>, request: &PlanRequest) -> Result<u64> {
+    let begun_ns = now_ns();
+    let Asked::Follow { sentence, mode } = request.read()? else {
+        bail!("no sentence");
+    };
+    executive.ask(sentence, mode)?;
+    loop {
+        match executive.poll(now_ns()) {
+            Event::Command(command) => {
+                std::hint::black_box(SubGoal::from(&command));
+                break;
+            }
+            Event::Ended(end) => bail!("the sentence ended: {end:?}"),
+            _ => {}
+        }
+    }
+    let taken_ns = now_ns() - begun_ns;
+    executive.miss_controller();
+    while !matches!(executive.poll(now_ns()), Event::Ended(_)) {}
+    Ok(taken_ns)
+}
+
+/// From a frame to its scene: the computation alone, and through perception's process.
+fn scenes(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)> {
+    let mut peer = Answering::start(Peer::Perception, looks)?;
+    let robot = peer.join(Role::Camera)?;
+    let world = World::new()?;
+    let frames = robot.frames_out(world.bytes())?;
+    let scenes = robot.receiver::<SceneMessage>()?;
+    let listener = robot.listen(SceneMessage::SERVICE)?;
+    let (mut alone, mut through) = (histogram()?, histogram()?);
+    let mut image = vec![0; world.bytes()];
+    until(Looks::Spinning, &listener, || {
+        std::thread::sleep(Duration::from_millis(5));
+        let sent = frames.send(CameraFrame::default(), world.bytes(), |_| {})?;
+        Ok((sent > 0).then_some(()))
+    })?;
+    for number in 1..=u64::from(samples) {
+        world.paint(&mut image);
+        let header = world.header(number, now_ns());
+        let begun_ns = now_ns();
+        std::hint::black_box(see(&TABLETOP, &header, &image)?);
+        alone.saturating_record(now_ns() - begun_ns);
+        std::thread::sleep(REST);
+        while scenes.receive()?.is_some() {}
+
+        let mut begun_ns = 0;
+        frames.send(world.header(number, now_ns()), world.bytes(), |place| {
+            world.paint(place);
+            begun_ns = now_ns();
+        })?;
+        until(looks, &listener, || {
+            let scene = scenes.receive()?;
+            Ok(scene.filter(|scene| scene.sequence == number).map(|_| ()))
+        })?;
+        through.saturating_record(now_ns() - begun_ns);
+    }
+    peer.end()?;
+    Ok((alone, through))
+}
+
+/// From a frame that is written to its being in another process's hands, and back by a
+/// small message; both spin.
+fn hand_over(bytes: usize, samples: u32) -> Result<Histogram<u64>> {
+    let mut peer = Answering::start(Peer::Frames, Looks::Spinning)?;
+    let robot = peer.join(Role::Camera)?;
+    let frames = robot.frames_out(bytes)?;
+    let said = robot.receiver::<Feedback>()?;
+    let listener = robot.listen(CAMERA)?;
+    let mut times = histogram()?;
+    let mut number = 0;
+    while times.len() < u64::from(samples) {
+        number += 1;
+        let header = CameraFrame {
+            sequence: number,
+            ..CameraFrame::default()
+        };
+        let mut begun_ns = 0;
+        let sent = frames.send(header, bytes, |_| begun_ns = now_ns())?;
+        if sent == 0 {
+            std::thread::sleep(Duration::from_millis(5));
+            continue;
+        }
+        until(Looks::Spinning, &listener, || {
+            let said = said.receive()?;
+            Ok(said.filter(|said| said.sequence == number).map(|_| ()))
+        })?;
+        times.saturating_record(now_ns() - begun_ns);
+    }
+    peer.end()?;
+    Ok(times)
+}

@@ -1,0 +1,241 @@
+//! The processes of a trial that are not `nsrm`'s own: a camera, and a controller.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use anyhow::Result;
+use iceoryx2::config::Config;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::CommandId;
+use nsrm_ipc::message::{Feedback, Order, Outcome, Role, State, SubGoal};
+use nsrm_ipc::node::{HEARTBEAT_NS, Life};
+use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, Sender};
+use nsrm_tests::corner;
+use serde_json::json;
+use signal_hook::consts::{SIGINT, SIGTERM};
+
+use crate::journal::Journal;
+use crate::world::World;
+
+/// Time between two frames.
+const FRAME: Duration = Duration::from_millis(33);
+/// The longest time between two looks at what came.
+const NAP: Duration = Duration::from_millis(5);
+/// How long a move takes, in milliseconds.
+const MOVE_MS: std::ops::Range<u64> = 20..200;
+
+/// Where a process takes part.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct Place {
+    /// Which robot.
+    #[arg(long)]
+    robot: RobotName,
+    /// Folder of what the processes share.
+    #[arg(long)]
+    root: PathBuf,
+    /// What names in shared memory begin with.
+    #[arg(long)]
+    prefix: String,
+    /// The journal.
+    #[arg(long)]
+    journal: PathBuf,
+}
+
+impl Place {
+    pub(crate) fn config(&self) -> Config {
+        corner::config(&self.root, &self.prefix)
+    }
+
+    pub(crate) fn join(&self, role: Role) -> Result<Robot> {
+        Ok(Robot::join(self.robot.clone(), role, &self.config())?)
+    }
+
+    pub(crate) fn journal(&self) -> &Path {
+        &self.journal
+    }
+}
+
+/// Is set by SIGINT and SIGTERM.
+pub(crate) fn stop_on_signals() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))?;
+    }
+    Ok(stop)
+}
+
+/// Buries the dead now and then, as every node does.
+#[derive(Debug, Default)]
+struct Burials {
+    next_ns: u64,
+}
+
+impl Burials {
+    fn hold(&mut self, robot: &Robot) {
+        if now_ns() >= self.next_ns {
+            robot.bury();
+            self.next_ns = now_ns() + HEARTBEAT_NS;
+        }
+    }
+}
+
+/// Publishes a picture of the world thirty times a second.
+pub(crate) fn camera(place: &Place) -> Result<()> {
+    let stop = stop_on_signals()?;
+    let (mut world, mut moves) = World::of(place.journal())?;
+    let robot = place.join(Role::Camera)?;
+    let frames = robot.frames_out(world.bytes())?;
+    let mut life = Life::begin(&robot, Role::Camera, now_ns())?;
+    let (mut burials, mut sequence) = (Burials::default(), 0);
+    while !stop.load(Ordering::Relaxed) {
+        burials.hold(&robot);
+        let taken_ns = now_ns();
+        world.follow(&mut moves)?;
+        sequence += 1;
+        let header = world.header(sequence, taken_ns);
+        // Without a reader it is lost, as a camera's pictures are.
+        let _ = frames.send(header, world.bytes(), |image| world.paint(image));
+        let _ = life.beat(State::Idle, now_ns());
+        let passed = Duration::from_nanos(now_ns() - taken_ns);
+        std::thread::sleep(FRAME.saturating_sub(passed));
+    }
+    Ok(())
+}
+
+/// Carries out what it is told, once: a block is where it is to be after some time.
+pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
+    let stop = stop_on_signals()?;
+    let journal = Journal::open(place.journal(), "controller")?;
+    let robot = place.join(Role::Controller)?;
+    let listener = robot.listen(SubGoal::SERVICE)?;
+    let mut controller = Controller {
+        commands: robot.receiver()?,
+        feedback: robot.sender()?,
+        journal,
+        world: World::new()?,
+        rng: fastrand::Rng::with_seed(seed),
+        moving: None,
+        last: None,
+        sequence: 0,
+    };
+    let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
+    let mut burials = Burials::default();
+    while !stop.load(Ordering::Relaxed) {
+        burials.hold(&robot);
+        let state = if controller.moving.is_some() {
+            State::Busy
+        } else {
+            State::Idle
+        };
+        let _ = life.beat(state, now_ns());
+        while let Some(command) = controller.commands.receive()?.map(|sample| *sample) {
+            controller.obey(&command)?;
+        }
+        controller.move_on()?;
+        let _ = listener.timed_wait(|_| {}, NAP);
+    }
+    Ok(())
+}
+
+#[derive(Debug)]
+struct Controller {
+    commands: Receiver<SubGoal>,
+    feedback: Sender<Feedback>,
+    journal: Journal,
+    /// To know which blocks there are.
+    world: World,
+    rng: fastrand::Rng,
+    /// What it is doing, and until when.
+    moving: Option<(SubGoal, u64)>,
+    /// What it did last, and what came of it.
+    last: Option<(CommandId, Outcome)>,
+    sequence: u64,
+}
+
+impl Controller {
+    fn obey(&mut self, command: &SubGoal) -> Result<()> {
+        let id = command.id();
+        if let Some((last, outcome)) = self.last {
+            if last == id {
+                // It came again, or is to be stopped too late.
+                return self.say(id, outcome);
+            }
+            if (id.plan, id.command) < (last.plan, last.command) {
+                return self.say(id, Outcome::Impossible);
+            }
+        }
+        let doing = self.moving.map(|(command, _)| command.id());
+        match command.read() {
+            Ok(Order::Stop) => {
+                if doing == Some(id) {
+                    self.moving = None;
+                    self.note("stopped", command)?;
+                }
+                self.end(id, Outcome::Stopped)
+            }
+            Ok(Order::Move { object, .. }) => {
+                if doing == Some(id) {
+                    return self.say(id, Outcome::Accepted);
+                }
+                if doing.is_some() {
+                    return self.say(id, Outcome::Busy);
+                }
+                if !self.world.put(object, command.location) {
+                    return self.end(id, Outcome::Impossible);
+                }
+                self.note("accepted", command)?;
+                self.say(id, Outcome::Accepted)?;
+                let end_ns = now_ns() + self.rng.u64(MOVE_MS) * 1_000_000;
+                self.moving = Some((*command, end_ns));
+                Ok(())
+            }
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Ends the move when it is time to.
+    fn move_on(&mut self) -> Result<()> {
+        match self.moving {
+            Some((command, end_ns)) if now_ns() >= end_ns => {
+                self.moving = None;
+                // From this line on it stands there.
+                self.note("moved", &command)?;
+                self.end(command.id(), Outcome::Reached)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn note(&self, what: &str, command: &SubGoal) -> Result<()> {
+        self.journal.write(
+            what,
+            json!({
+                "plan": command.plan,
+                "command": command.command,
+                "step": command.step,
+                "object": command.object_id,
+                "location": command.location,
+            }),
+        )
+    }
+
+    fn end(&mut self, id: CommandId, outcome: Outcome) -> Result<()> {
+        self.last = Some((id, outcome));
+        self.say(id, outcome)
+    }
+
+    fn say(&mut self, id: CommandId, outcome: Outcome) -> Result<()> {
+        self.sequence += 1;
+        let feedback = Feedback {
+            plan: id.plan,
+            sequence: self.sequence,
+            timestamp_ns: now_ns(),
+            command: id.command,
+            outcome: outcome as u32,
+        };
+        self.feedback.send(&feedback)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,203 @@
+//! The world of the trials: four blocks of a picture, which are painted where they are put.
+//!
+//! `scene/` was written by `cargo demo --seed 4`.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use nsrm_ipc::message::{CameraFrame, CameraMessage, DetectedBox};
+use serde::Deserialize;
+
+use crate::journal::Moves;
+
+const SCENE: &str = include_str!("../scene/scene.json");
+const PICTURE: &[u8] = include_bytes!("../scene/camera.png");
+
+/// What can be said of it, whatever was said before. One block alone is moved, and beside
+/// others: nothing falls here, and what stands behind another is not seen to.
+pub(crate) const SENTENCES: [&str; 5] = [
+    "put the yellow block to the left of the red block",
+    "put the yellow block to the right of the small red block",
+    "put the yellow block to the left of the green block",
+    "put the yellow block to the left of the green block then put the yellow block to the left of \
+     the red block",
+    "put the yellow block to the right of the red block then put the yellow block to the left of \
+     the green block then put the yellow block to the left of the red block",
+];
+
+/// What is refused, whatever it looks like.
+pub(crate) const REFUSED: [&str; 2] = [
+    "put the purple block on the magenta block",
+    "put the yellow block under the magenta block",
+];
+
+#[derive(Deserialize)]
+struct SceneFile {
+    camera: CameraFile,
+    objects: Vec<ObjectFile>,
+}
+
+#[derive(Deserialize)]
+struct CameraFile {
+    width: u32,
+    height: u32,
+    fx: f32,
+    fy: f32,
+    cx: f32,
+    cy: f32,
+    position: [f32; 3],
+    orientation: [f32; 4],
+}
+
+#[derive(Deserialize)]
+struct ObjectFile {
+    id: u32,
+    #[serde(rename = "box")]
+    corners: [f32; 4],
+    depth: f32,
+}
+
+#[derive(Debug, Clone)]
+struct Block {
+    found: DetectedBox,
+    /// `[rows][columns][3]`
+    patch: Vec<u8>,
+    columns: usize,
+}
+
+/// Blocks, and the camera that looks at them.
+#[derive(Debug, Clone)]
+pub(crate) struct World {
+    camera: CameraMessage,
+    blocks: Vec<Block>,
+    /// `[height][width][3]`
+    table: Vec<u8>,
+}
+
+impl World {
+    /// As it is at first.
+    pub(crate) fn new() -> Result<Self> {
+        let scene: SceneFile = serde_json::from_str(SCENE).context("scene.json")?;
+        let picture = image::load_from_memory(PICTURE).context("camera.png")?;
+        let picture = picture.into_rgb8();
+        let CameraFile { width, height, .. } = scene.camera;
+        ensure!(picture.dimensions() == (width, height), "camera.png: size");
+        let blocks = scene.objects.iter().map(|object| {
+            let found = DetectedBox {
+                id: object.id,
+                corners: object.corners,
+                depth_m: object.depth,
+            };
+            let [left, top, right, bottom] = pixels(&found.corners, width, height);
+            let patch = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+            Block {
+                found,
+                patch: patch
+                    .flat_map(|(x, y)| picture.get_pixel(x as u32, y as u32).0)
+                    .collect(),
+                columns: right - left,
+            }
+        });
+        let blocks = blocks.collect();
+        // The lower left corner shows the bare table.
+        let table = picture.get_pixel(0, height - 1).0;
+        Ok(Self {
+            blocks,
+            table: table.repeat((width * height) as usize),
+            camera: CameraMessage {
+                width,
+                height,
+                fx: scene.camera.fx,
+                fy: scene.camera.fy,
+                cx: scene.camera.cx,
+                cy: scene.camera.cy,
+                position: scene.camera.position,
+                orientation: scene.camera.orientation,
+            },
+        })
+    }
+
+    /// As a journal says that it is; what happens from now on is read by
+    /// [`World::follow`].
+    pub(crate) fn of(journal: &Path) -> Result<(Self, Moves)> {
+        let (mut world, mut moves) = (Self::new()?, Moves::of(journal)?);
+        world.follow(&mut moves)?;
+        Ok((world, moves))
+    }
+
+    /// Moves what was moved since.
+    pub(crate) fn follow(&mut self, moves: &mut Moves) -> Result<()> {
+        while let Some((object, location)) = moves.next()? {
+            self.put(object, location);
+        }
+        Ok(())
+    }
+
+    /// Moves a block to where the camera is to see it; whether there is such a block.
+    pub(crate) fn put(&mut self, object: u32, location: [f32; 5]) -> bool {
+        let mut blocks = self.blocks.iter_mut();
+        let Some(block) = blocks.find(|block| block.found.id == object) else {
+            return false;
+        };
+        let [x1, y1, x2, y2, depth_m] = location;
+        (block.found.corners, block.found.depth_m) = ([x1, y1, x2, y2], depth_m);
+        true
+    }
+
+    /// Bytes of a frame's image.
+    pub(crate) const fn bytes(&self) -> usize {
+        // As many pixels as the table has, seven bytes each.
+        self.table.len() / 3 * 7
+    }
+
+    /// What stands in front of a frame's image.
+    pub(crate) fn header(&self, sequence: u64, timestamp_ns: u64) -> CameraFrame {
+        let mut header = CameraFrame {
+            sequence,
+            timestamp_ns,
+            camera: self.camera,
+            count: self.blocks.len() as u32,
+            ..CameraFrame::default()
+        };
+        for (place, block) in header.boxes.iter_mut().zip(&self.blocks) {
+            *place = block.found;
+        }
+        header
+    }
+
+    /// Paints it; nothing has a depth but the boxes.
+    pub(crate) fn paint(&self, image: &mut [u8]) {
+        let CameraMessage { width, height, .. } = self.camera;
+        image[..self.table.len()].copy_from_slice(&self.table);
+        let mut blocks: Vec<&Block> = self.blocks.iter().collect();
+        blocks.sort_by(|one, other| other.found.depth_m.total_cmp(&one.found.depth_m));
+        for block in blocks {
+            let [left, top, right, bottom] = pixels(&block.found.corners, width, height);
+            let rows = block.patch.len() / 3 / block.columns;
+            for y in top..bottom {
+                let row = (y - top) * rows / (bottom - top);
+                for x in left..right {
+                    let column = (x - left) * block.columns / (right - left);
+                    let (from, to) = (
+                        3 * (row * block.columns + column),
+                        3 * (y * width as usize + x),
+                    );
+                    image[to..to + 3].copy_from_slice(&block.patch[from..from + 3]);
+                }
+            }
+        }
+    }
+}
+
+/// Left, top, right and bottom in pixels, inside the picture and not empty.
+fn pixels(corners: &[f32; 4], width: u32, height: u32) -> [usize; 4] {
+    let [x1, y1, x2, y2] = *corners;
+    let span = |from: f32, to: f32, size: u32| {
+        // Not negative: `as` takes what is less than 0 as 0.
+        let from = ((from * size as f32).round() as usize).min(size as usize - 1);
+        let to = ((to * size as f32).round() as usize).clamp(from + 1, size as usize);
+        (from, to)
+    };
+    let ((left, right), (top, bottom)) = (span(x1, x2, width), span(y1, y2, height));
+    [left, top, right, bottom]
+}
