@@ -334,18 +334,22 @@ typedef struct nsrm_heartbeat {
     uint64_t timestamp_ns;
     /** When the node was started: tells it from one started in its place. */
     uint64_t started_ns;
+    /** How many messages it has received and passed over since then, because they
+     *  made no sense or came too late. */
+    uint64_t rejected;
     /** Who sends: the number of a `Role`. */
     uint32_t role;
     /** What it does: the number of a `State`. */
     uint32_t state;
 } nsrm_heartbeat;
-#define NSRM_HEARTBEAT_TYPE_NAME "nsrm.v1.Heartbeat.4ac013d523272913"
-NSRM_ASSERT(sizeof(nsrm_heartbeat) == 32, "size of nsrm_heartbeat");
+#define NSRM_HEARTBEAT_TYPE_NAME "nsrm.v1.Heartbeat.6f9d992f9581fe82"
+NSRM_ASSERT(sizeof(nsrm_heartbeat) == 40, "size of nsrm_heartbeat");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_heartbeat) == 8, "alignment of nsrm_heartbeat");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, sequence) == 0, "offset of sequence");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, timestamp_ns) == 8, "offset of timestamp_ns");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, started_ns) == 16, "offset of started_ns");
-NSRM_ASSERT(offsetof(nsrm_heartbeat, role) == 24, "offset of role");
-NSRM_ASSERT(offsetof(nsrm_heartbeat, state) == 28, "offset of state");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, rejected) == 24, "offset of rejected");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, role) == 32, "offset of role");
+NSRM_ASSERT(offsetof(nsrm_heartbeat, state) == 36, "offset of state");
 
 #endif /* NSRM_MESSAGES_H */

@@ -520,23 +520,27 @@ class Heartbeat(ctypes.Structure):
         ("timestamp_ns", ctypes.c_uint64),
         # When the node was started: tells it from one started in its place.
         ("started_ns", ctypes.c_uint64),
+        # How many messages it has received and passed over since then, because they
+        # made no sense or came too late.
+        ("rejected", ctypes.c_uint64),
         # Who sends: the number of a `Role`.
         ("role", ctypes.c_uint32),
         # What it does: the number of a `State`.
         ("state", ctypes.c_uint32),
     ]
-    LAYOUT: ClassVar = (32, 8)
+    LAYOUT: ClassVar = (40, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
         "sequence": 0,
         "timestamp_ns": 8,
         "started_ns": 16,
-        "role": 24,
-        "state": 28,
+        "rejected": 24,
+        "role": 32,
+        "state": 36,
     }
     """Bytes before each field, as Rust has them."""
 
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.Heartbeat.4ac013d523272913"
+        return "nsrm.v1.Heartbeat.6f9d992f9581fe82"

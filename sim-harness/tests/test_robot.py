@@ -12,7 +12,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.detector import detect
-from nsrm_harness.robot.controller import MOVE, STOP, Controller
+from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault
 from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
@@ -88,10 +88,15 @@ def test_a_new_object_gets_a_new_number(renderer: Renderer, world: World) -> Non
 
 
 class Ear:
-    """Remembers what the controller said."""
+    """Remembers what the controller said and passed over."""
 
     def __init__(self) -> None:
         self.said: list[tuple[int, int, Outcome]] = []
+        self.rejected: list[str] = []
+
+    def reject(self, service: str, why: str) -> None:
+        assert service == "sub_goal"
+        self.rejected.append(why)
 
     def __call__(self, plan: int, command: int, outcome: Outcome) -> None:
         self.said.append((plan, command, outcome))
@@ -104,6 +109,7 @@ class Ear:
 
 def move(plan: int, number: int, object_id: int, position: tuple[float, float, float]) -> SubGoal:
     command = SubGoal(plan=plan, command=number, kind=MOVE, object_id=object_id)
+    command.steps, command.reference_id = 1, 99
     command.position[:] = position
     command.orientation[:] = (0.0, 0.0, 0.0, 1.0)
     return command
@@ -112,7 +118,7 @@ def move(plan: int, number: int, object_id: int, position: tuple[float, float, f
 def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position)}
-    controller = Controller(world, seen.get, ear)
+    controller = Controller(world, seen.get, ear, ear.reject)
     there = move(5, 1, 7, (0.62, 0.0, 0.021))
     controller.obey(there)
     assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
@@ -125,10 +131,9 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
     controller.obey(SubGoal(plan=5, command=1, kind=STOP))
     assert ear.outcomes() == [Outcome.REACHED, Outcome.REACHED]
     assert world.pose(1) == moved
-    # What is older than the last is not done any more, nor is what makes no sense.
+    # What is older than the last is not done any more.
     controller.obey(move(4, 9, 7, (0.62, 0.0, 0.021)))
-    controller.obey(SubGoal(plan=6, command=1, kind=3))
-    assert ear.outcomes() == [Outcome.IMPOSSIBLE, Outcome.IMPOSSIBLE]
+    assert ear.outcomes() == [Outcome.IMPOSSIBLE]
     assert world.pose(1) == moved
     # A stop that comes before what it stops.
     controller.obey(SubGoal(plan=6, command=2, kind=STOP))
@@ -140,7 +145,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
 def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position), 8: np.array([0.5, -0.6, 0.0])}
-    controller = Controller(world, seen.get, ear)
+    controller = Controller(world, seen.get, ear, ear.reject)
     for number, (object_id, position, outcome) in enumerate(
         [
             (9, (0.62, 0.0, 0.021), Outcome.IMPOSSIBLE),
@@ -151,3 +156,50 @@ def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ):
         controller.obey(move(1, number, object_id, position))
         assert ear.outcomes() == [Outcome.ACCEPTED, outcome]
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "why"),
+    [
+        ("command", 0, "command 0"),
+        ("kind", 3, "3 is no kind"),
+        ("step", 1, "step 1 of 1"),
+        ("steps", 9, "step 0 of 9"),
+        ("object_id", 0, "object 0"),
+        ("reference_id", 0, "object 0"),
+        ("reference_id", 7, "in relation to itself"),
+        ("confidence", float("nan"), "not finite"),
+        ("position", (0.5, float("inf"), 0.0), "not finite"),
+        ("orientation", (0.0, 0.0, 0.0, 2.0), "length 1"),
+        ("location", (0.0, 0.0, 0.0, 0.0, float("nan")), "not finite"),
+        ("confidence", 1.5, "confidence of 1.5"),
+    ],
+)
+def test_each_fault_of_a_command_is_named(field: str, value: object, why: str) -> None:
+    command = move(5, 1, 7, (0.62, 0.0, 0.021))
+    assert fault(command) is None
+    setattr(command, field, value)
+    assert why in (fault(command) or "")
+
+
+def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
+    ear = Ear()
+    seen = {7: np.array(world.pose(1).position)}
+    controller = Controller(world, seen.get, ear, ear.reject)
+    before = world.poses()
+    size = len(bytes(SubGoal()))
+    rng = np.random.default_rng(7)
+    for content in [b"\0" * size, b"\xff" * size, *(rng.bytes(size) for _ in range(3000))]:
+        controller.obey(SubGoal.from_buffer_copy(content))
+    for _ in range(1000):
+        # Sound but for what is put into its middle.
+        command = move(int(rng.integers(1 << 63)), 1, 7, (0.62, 0.0, 0.021))
+        command.position[:] = np.frombuffer(rng.bytes(12), np.float32).tolist()
+        command.orientation[:] = (0.5, 0.0, 0.0, 0.0)
+        controller.obey(command)
+    assert len(ear.rejected) == 4002
+    assert set(ear.outcomes()) == {Outcome.IMPOSSIBLE}
+    assert world.poses() == before
+    # Whatever numbers those had.
+    controller.obey(move(1, 1, 7, (0.62, 0.0, 0.021)))
+    assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]

@@ -385,8 +385,8 @@ fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
     for name in ["controller", "perception", "planner"] {
         let node = nodes.iter().find(|node| node["node"] == name).unwrap();
         assert_eq!(
-            (&node["lives"], &node["restarts"]),
-            (&true.into(), &0.into())
+            (&node["lives"], &node["restarts"], &node["rejected"]),
+            (&true.into(), &0.into(), &0.into())
         );
     }
     assert!(view["scene"]["count"].as_u64().unwrap() > 0);
@@ -396,7 +396,12 @@ fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
 
     let text = done(&stage.command(&["watch", "--once"]).output().unwrap());
     assert!(text.starts_with("robot left\n"), "{text}");
-    for part in ["planner     idle", "objects in the last scene", " ms"] {
+    for part in [
+        "restarts  rejected",
+        "planner     idle",
+        "objects in the last scene",
+        " ms",
+    ] {
         assert!(text.contains(part), "{text}");
     }
 }

@@ -4,6 +4,14 @@ use std::path::PathBuf;
 
 use iceoryx2::config::Config;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
+use nsrm_ipc::message::Role;
+use nsrm_ipc::service::Robot;
+
+/// A process's place at a robot.
+pub fn join(robot: &str, role: Role, config: &Config) -> Robot {
+    let name = robot.parse().expect("a robot's name");
+    Robot::join(name, role, config).expect("a place to meet")
+}
 
 /// For nodes that are to meet under this folder and prefix.
 ///

@@ -2,13 +2,16 @@
 //!
 //! * [`by_hand`]: a model whose weights were set by hand, so that what it does
 //!   with a sentence is known without training;
+//! * [`controller`] and [`world`]: what stands around a planner;
 //! * [`corner`]: shared memory of a test's own, and what was left behind in it;
 //! * [`counting`]: an allocator that counts;
 //! * [`golden`]: what the trainer computed, for everything to agree with;
 //! * [`picture`]: a picture of coloured squares, for what must run on any image.
 
 pub mod by_hand;
+pub mod controller;
 pub mod corner;
 pub mod counting;
 pub mod golden;
 pub mod picture;
+pub mod world;

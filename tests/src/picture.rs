@@ -3,6 +3,7 @@
 
 use nsrm_core::Camera;
 use nsrm_core::vision::Detection;
+use nsrm_ipc::message::{CameraFrame, DetectedBox};
 
 /// Width and height in pixels.
 pub const SIZE: [u32; 2] = [640, 480];
@@ -26,6 +27,28 @@ pub struct Picture {
     pub pixels: Vec<u8>,
     /// One for each square, ids from 1.
     pub detections: Vec<Detection>,
+}
+
+impl Picture {
+    /// What a camera's process says of it.
+    pub fn frame(&self) -> CameraFrame {
+        let mut frame = CameraFrame {
+            sequence: 4,
+            timestamp_ns: 5,
+            camera: camera().into(),
+            ..CameraFrame::default()
+        };
+        for (place, detection) in frame.boxes.iter_mut().zip(&self.detections) {
+            let [x1, y1, x2, y2, depth_m] = detection.location;
+            *place = DetectedBox {
+                id: detection.id,
+                corners: [x1, y1, x2, y2],
+                depth_m,
+            };
+            frame.count += 1;
+        }
+        frame
+    }
 }
 
 /// A camera that looks straight down from a metre above the table.

@@ -2,151 +2,25 @@
 //! planner's and perception's own code, a controller and an asker of the test's.
 
 use iceoryx2::config::Config;
-use iceoryx2::prelude::*;
+use nsrm_core::Model;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Model, RawScene};
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::{Limits, Mode};
-use nsrm_ipc::message::{
-    CameraFrame, CameraMessage, DetectedBox, Feedback, Heartbeat, Order, Outcome, PlanReply,
-    PlanRequest, Reply, Role, SceneMessage, State, SubGoal,
-};
+use nsrm_ipc::message::{PlanReply, PlanRequest, Reply, Role, SceneMessage};
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
-use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
-use nsrm_tests::corner::Corner;
+use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::picture;
+use nsrm_tests::world::{SENTENCE, World, last_reason};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-const SENTENCE: &str = "put the small red block on the blue block then put the green block on the \
-                        small red block";
-
-fn join(role: Role, config: &Config) -> Robot {
-    Robot::join("left".parse().unwrap(), role, config).unwrap()
-}
-
-/// What stands around the planner.
-struct World {
-    _robot: Robot,
-    scene: RawScene,
-    scenes: Sender<SceneMessage>,
-    commands: Receiver<SubGoal>,
-    feedback: Sender<Feedback>,
-    heartbeats: Sender<Heartbeat>,
-    client: PlanClient,
-    started_ns: u64,
-    sequence: u64,
-    /// Commands that were carried out.
-    done: Vec<SubGoal>,
-    /// Whether the controller carries out what it accepts.
-    works: bool,
-}
-
-impl World {
-    fn new(model: &Model<'_>, config: &Config) -> Self {
-        let robot = join(Role::Controller, config);
-        let blocks = [
-            block("small", "red"),
-            block("lego", "blue"),
-            block("lego", "green"),
-        ];
-        Self {
-            scene: raw_scene(model, &blocks),
-            scenes: robot.sender().unwrap(),
-            commands: robot.receiver().unwrap(),
-            feedback: robot.sender().unwrap(),
-            heartbeats: robot.sender().unwrap(),
-            client: robot.plan_client().unwrap(),
-            started_ns: 1,
-            sequence: 0,
-            done: Vec::new(),
-            works: true,
-            _robot: robot,
-        }
-    }
-
-    fn say(&mut self, command: &SubGoal, outcome: Outcome) {
-        self.sequence += 1;
-        let feedback = Feedback {
-            plan: command.plan,
-            sequence: self.sequence,
-            timestamp_ns: now_ns(),
-            command: command.command,
-            outcome: outcome as u32,
-        };
-        self.feedback.send(&feedback).unwrap();
-    }
-
-    /// Looks, lives and carries out what it is told.
-    fn turn(&mut self) {
-        self.sequence += 1;
-        self.scene.header.sequence = self.sequence;
-        self.scene.header.timestamp_ns = now_ns();
-        self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
-        let heartbeat = Heartbeat {
-            sequence: self.sequence,
-            timestamp_ns: now_ns(),
-            started_ns: self.started_ns,
-            role: Role::Controller as u32,
-            state: State::Idle as u32,
-        };
-        self.heartbeats.send(&heartbeat).unwrap();
-        while let Some(command) = self.commands.receive().unwrap().map(|sample| *sample) {
-            match command.read().unwrap() {
-                Order::Stop => self.say(&command, Outcome::Stopped),
-                Order::Move { object, .. } => {
-                    self.say(&command, Outcome::Accepted);
-                    if !self.works {
-                        continue;
-                    }
-                    for seen in self
-                        .scene
-                        .objects
-                        .iter_mut()
-                        .filter(|seen| seen.id == object)
-                    {
-                        seen.location = command.location;
-                    }
-                    self.done.push(command);
-                    self.say(&command, Outcome::Reached);
-                }
-            }
-        }
-    }
-}
-
-fn ask(world: &World, sequence: u64, sentence: &str) -> Pending {
-    let request = PlanRequest::new(3, sequence, Mode::ClosedLoop, sentence).unwrap();
-    world.client.send_copy(request).unwrap()
-}
-
-type Pending =
-    iceoryx2::pending_response::PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
-
-/// All replies until the planner has no more to say.
-fn follow(planner: &mut PlannerNode<'_>, world: &mut World, pending: &Pending) -> Vec<PlanReply> {
-    let mut replies = Vec::new();
-    loop {
-        world.turn();
-        planner.poll(now_ns());
-        while let Some(reply) = pending.receive().unwrap() {
-            replies.push(*reply);
-        }
-        if !pending.is_connected() {
-            return replies;
-        }
-    }
-}
-
-fn last_reason(replies: &[PlanReply]) -> Option<&'static str> {
-    match replies.last().unwrap().read().unwrap() {
-        Reply::Failed { reason, .. } => Some(reason),
-        Reply::Done => None,
-        reply => panic!("{reply:?}"),
-    }
+/// Robot `left`'s planner.
+fn planner<'m>(model: &'m Model<'m>, config: &Config) -> PlannerNode<'m> {
+    let robot = join("left", Role::Planner, config);
+    PlannerNode::begin(robot, model, Limits::default()).unwrap()
 }
 
 #[test]
@@ -155,11 +29,10 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
     let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner =
-        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, config);
-    let pending = ask(&world, 7, SENTENCE);
-    let replies = follow(&mut planner, &mut world, &pending);
+    let mut planner = planner(&model, config);
+    let mut world = World::new("left", &model, config);
+    let pending = world.ask(7, SENTENCE);
+    let replies = world.follow(&mut planner, &pending, now_ns);
     let told: Vec<_> = replies
         .iter()
         .map(|reply| match reply.read().unwrap() {
@@ -192,7 +65,12 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
             .iter()
             .all(|reply| (reply.asker, reply.request) == (3, 7))
     );
-    let objects: Vec<_> = world.done.iter().map(|goal| goal.object_id).collect();
+    let objects: Vec<_> = world
+        .controller
+        .done
+        .iter()
+        .map(|goal| goal.object_id)
+        .collect();
     assert_eq!(objects, [1, 3]);
 }
 
@@ -206,16 +84,15 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
     let corner = Corner::new("allocation");
     let parts = Parts::new();
     let model = parts.model();
-    let robot = join(Role::Planner, &corner.config);
-    let mut planner = PlannerNode::begin(robot, &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, &corner.config);
+    let mut planner = planner(&model, &corner.config);
+    let mut world = World::new("left", &model, &corner.config);
     let standing = world.scene;
     for sequence in 1..=3 {
         world.scene.objects = standing.objects;
-        let pending = ask(&world, sequence, SENTENCE);
+        let pending = world.ask(sequence, SENTENCE);
         let (mut calls, mut messages, mut ended) = (0, 1, false);
         while !ended {
-            world.turn();
+            world.turn(now_ns());
             calls += counted(|| planner.poll(now_ns())).1;
             while let Some(reply) = pending.receive().unwrap() {
                 // To who asked, and to who looks on; a command is sent as well.
@@ -233,17 +110,17 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
     }
 
     let model = &nsrm_core::pretrained::TABLETOP;
-    let camera = join(Role::Camera, &corner.config);
+    let camera = join("left", Role::Camera, &corner.config);
     let picture = picture::squares();
     let bytes = picture.pixels.len() / 3 * 7;
     let out = camera.frames_out(bytes).unwrap();
     drop(world);
-    let robot = join(Role::Perception, &corner.config);
+    let robot = join("left", Role::Perception, &corner.config);
     let mut perception = PerceptionNode::begin(robot, model).unwrap();
     let began_ns = now_ns();
     let mut calls = Vec::new();
     for _ in 0..3 {
-        let header = frame(&picture);
+        let header = picture.frame();
         let write =
             |image: &mut [u8]| image[..picture.pixels.len()].copy_from_slice(&picture.pixels);
         assert_eq!(out.send(header, bytes, write), Ok(1));
@@ -261,11 +138,10 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner =
-        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, config);
-    let pending = ask(&world, 1, "put the purple block on the blue block");
-    let replies = follow(&mut planner, &mut world, &pending);
+    let mut planner = planner(&model, config);
+    let mut world = World::new("left", &model, config);
+    let pending = world.ask(1, "put the purple block on the blue block");
+    let replies = world.follow(&mut planner, &pending, now_ns);
     let Ok(Reply::Failed { reason, message }) = replies[0].read() else {
         panic!("{:?}", replies[0].read());
     };
@@ -273,14 +149,14 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     assert!(message.contains("\"purple\""), "{message}");
     drop(pending);
 
-    world.works = false;
-    let first = ask(&world, 2, SENTENCE);
+    world.controller.works = false;
+    let first = world.ask(2, SENTENCE);
     for _ in 0..200 {
-        world.turn();
+        world.turn(now_ns());
         planner.poll(now_ns());
     }
-    let second = ask(&world, 3, SENTENCE);
-    let replies = follow(&mut planner, &mut world, &second);
+    let second = world.ask(3, SENTENCE);
+    let replies = world.follow(&mut planner, &second, now_ns);
     assert_eq!(last_reason(&replies), Some("busy"));
     drop(second);
     // Another request can't be cancelled by number alone, its own can.
@@ -289,12 +165,12 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
             .client
             .send_copy(PlanRequest::cancel(3, sequence))
             .unwrap();
-        let replies = follow(&mut planner, &mut world, &cancel);
+        let replies = world.follow(&mut planner, &cancel, now_ns);
         assert_eq!(last_reason(&replies), expected);
     }
-    let replies = follow(&mut planner, &mut world, &first);
+    let replies = world.follow(&mut planner, &first, now_ns);
     assert_eq!(last_reason(&replies), Some("cancelled"));
-    assert!(world.done.is_empty());
+    assert!(world.controller.done.is_empty());
 }
 
 #[test]
@@ -303,19 +179,18 @@ fn who_asked_and_left_has_cancelled() {
     let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner =
-        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, config);
-    world.works = false;
-    drop(ask(&world, 1, SENTENCE));
+    let mut planner = planner(&model, config);
+    let mut world = World::new("left", &model, config);
+    world.controller.works = false;
+    drop(world.ask(1, SENTENCE));
     for _ in 0..200 {
-        world.turn();
+        world.turn(now_ns());
         planner.poll(now_ns());
     }
-    assert!(world.done.is_empty());
-    world.works = true;
-    let pending = ask(&world, 2, SENTENCE);
-    let replies = follow(&mut planner, &mut world, &pending);
+    assert!(world.controller.done.is_empty());
+    world.controller.works = true;
+    let pending = world.ask(2, SENTENCE);
+    let replies = world.follow(&mut planner, &pending, now_ns);
     assert_eq!(last_reason(&replies), None);
 }
 
@@ -325,24 +200,23 @@ fn a_controller_that_was_started_anew_ends_the_sentence() {
     let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner =
-        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
-    let mut world = World::new(&model, config);
-    world.works = false;
-    let pending = ask(&world, 1, SENTENCE);
+    let mut planner = planner(&model, config);
+    let mut world = World::new("left", &model, config);
+    world.controller.works = false;
+    let pending = world.ask(1, SENTENCE);
     let mut replies = Vec::new();
     while !replies
         .iter()
         .any(|reply: &PlanReply| matches!(reply.read(), Ok(Reply::Commanded { .. })))
     {
-        world.turn();
+        world.turn(now_ns());
         planner.poll(now_ns());
         replies.extend(pending.receive().unwrap().map(|reply| *reply));
     }
-    world.turn();
+    world.turn(now_ns());
     planner.poll(now_ns());
-    world.started_ns = 2;
-    let replies = follow(&mut planner, &mut world, &pending);
+    world.controller.started_ns = 2;
+    let replies = world.follow(&mut planner, &pending, now_ns);
     assert_eq!(last_reason(&replies), Some("controller_lost"));
 }
 
@@ -352,9 +226,8 @@ fn without_a_controller_nothing_is_accepted() {
     let config = &corner.config;
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner =
-        PlannerNode::begin(join(Role::Planner, config), &model, Limits::default()).unwrap();
-    let robot = join(Role::Asker, config);
+    let mut planner = planner(&model, config);
+    let robot = join("left", Role::Asker, config);
     let (scenes, client) = (
         robot.sender::<SceneMessage>().unwrap(),
         robot.plan_client().unwrap(),
@@ -385,13 +258,14 @@ fn perception_makes_a_scene_of_a_frame() {
     let corner = Corner::new("perception");
     let config = &corner.config;
     let model = &nsrm_core::pretrained::TABLETOP;
-    let camera = join(Role::Camera, config);
+    let camera = join("left", Role::Camera, config);
     let picture = picture::squares();
     let bytes = picture.pixels.len() / 3 * 7;
     let out = camera.frames_out(bytes).unwrap();
     let scenes = camera.receiver::<SceneMessage>().unwrap();
-    let mut perception = PerceptionNode::begin(join(Role::Perception, config), model).unwrap();
-    let mut frame = frame(&picture);
+    let mut perception =
+        PerceptionNode::begin(join("left", Role::Perception, config), model).unwrap();
+    let mut frame = picture.frame();
     let write = |image: &mut [u8]| image[..picture.pixels.len()].copy_from_slice(&picture.pixels);
     assert_eq!(out.send(frame, bytes, write), Ok(1));
     assert!(perception.poll(now_ns()));
@@ -417,24 +291,4 @@ fn perception_makes_a_scene_of_a_frame() {
     assert!(perception.poll(now_ns()));
     assert!(scenes.receive().unwrap().is_none());
     assert!(!perception.poll(now_ns()));
-}
-
-/// The picture's header, with its boxes.
-fn frame(picture: &picture::Picture) -> CameraFrame {
-    let mut frame = CameraFrame {
-        sequence: 4,
-        timestamp_ns: 5,
-        camera: CameraMessage::from(picture::camera()),
-        ..CameraFrame::default()
-    };
-    for detection in &picture.detections {
-        let [x1, y1, x2, y2, depth_m] = detection.location;
-        frame.boxes[frame.count as usize] = DetectedBox {
-            id: detection.id,
-            corners: [x1, y1, x2, y2],
-            depth_m,
-        };
-        frame.count += 1;
-    }
-    frame
 }

@@ -28,6 +28,7 @@ fn heartbeat(sequence: u64) -> Heartbeat {
         sequence,
         timestamp_ns: 6,
         started_ns: 4,
+        rejected: 3,
         role: Role::Planner as u32,
         state: State::Busy as u32,
     }
@@ -206,6 +207,16 @@ fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
     assert!(!active.is_connected());
 }
 
+/// [`Feedback`] as another version might have it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, ZeroCopySend)]
+#[type_name("nsrm.v1.Feedback.0000000000000000")]
+struct OtherFeedback {
+    numbers: [u64; 3],
+    outcome: u32,
+    command: u32,
+}
+
 #[test]
 fn a_peer_with_another_layout_is_refused() {
     let corner = Corner::new("layout");
@@ -215,10 +226,10 @@ fn a_peer_with_another_layout_is_refused() {
         .unwrap();
     let service = "nsrm/v1/left/feedback".try_into().unwrap();
     // Of the same size: only the type name tells them apart.
-    assert_eq!(size_of::<Feedback>(), size_of::<Heartbeat>());
+    assert_eq!(size_of::<Feedback>(), size_of::<OtherFeedback>());
     let _other = node
         .service_builder(&service)
-        .publish_subscribe::<Heartbeat>()
+        .publish_subscribe::<OtherFeedback>()
         .max_publishers(16)
         .max_subscribers(16)
         .max_nodes(32)

@@ -8,7 +8,7 @@ use super::layout::message;
 
 message! {
     /// A sign of life.
-    "nsrm.v1.Heartbeat.4ac013d523272913"
+    "nsrm.v1.Heartbeat.6f9d992f9581fe82"
     pub struct Heartbeat {
         /// Counts up with each heartbeat of one node.
         pub sequence: u64,
@@ -16,6 +16,9 @@ message! {
         pub timestamp_ns: u64,
         /// When the node was started: tells it from one started in its place.
         pub started_ns: u64,
+        /// How many messages it has received and passed over since then, because they
+        /// made no sense or came too late.
+        pub rejected: u64,
         /// Who sends: the number of a [`Role`].
         pub role: u32,
         /// What it does: the number of a [`State`].
@@ -124,6 +127,7 @@ mod tests {
             sequence: 0,
             timestamp_ns: 0,
             started_ns: 0,
+            rejected: 0,
             role,
             state,
         }

@@ -50,6 +50,9 @@ impl fmt::Display for AskError {
 
 impl core::error::Error for AskError {}
 
+/// How many replies are looked through at once for one that belongs to a conversation.
+const REPLIES_AT_ONCE: usize = 64;
+
 type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
 /// By which services a planner is asked.
@@ -166,10 +169,15 @@ impl Asker {
         Ok(pending)
     }
 
-    /// What was said next in a conversation.
-    fn receive(&self, conversation: &Conversation) -> Result<Option<PlanReply>, AskError> {
+    /// What was said next in a conversation. What makes no sense is passed over, and
+    /// missed when the next one comes.
+    fn receive(
+        &mut self,
+        conversation: &Conversation,
+        now_ns: u64,
+    ) -> Result<Option<PlanReply>, AskError> {
         let says = |error: &dyn fmt::Debug| AskError::Iceoryx(format!("{error:?}"));
-        loop {
+        for _ in 0..REPLIES_AT_ONCE {
             let reply = match (&self.ports, &conversation.pending) {
                 (Ports::Broadcast { answers, .. }, _) => {
                     let reply = answers.receive().map_err(|error| says(&error))?;
@@ -181,21 +189,36 @@ impl Asker {
                 }
                 (_, None) => None,
             };
+            let Some(reply) = reply else {
+                return Ok(None);
+            };
             // Who takes a dead asker's place in shared memory may get its replies, too.
-            match reply {
-                Some(reply)
-                    if (reply.asker, reply.request) != (self.asker, conversation.sequence) => {}
-                reply => return Ok(reply),
+            if let Err(error) = reply.read() {
+                self.life.reject(PLAN, &error, now_ns);
+            } else if (reply.asker, reply.request) == (self.asker, conversation.sequence) {
+                return Ok(Some(reply));
             }
         }
+        Ok(None)
     }
 
-    /// The next reply, if there is one now; after the last one, an error.
-    pub fn hear(&mut self, conversation: &mut Conversation) -> Result<Option<PlanReply>, AskError> {
-        let now_ns = now_ns();
+    /// How many messages it has passed over: heartbeats and replies that make no sense.
+    pub const fn rejected(&self) -> u64 {
+        self.life.rejected()
+    }
+
+    /// The next reply, if there is one now; after the last one, an error. Its
+    /// [`PlanReply::read`] has been tried and does not fail.
+    ///
+    /// * `now_ns`: the time, on the machine's clock
+    pub fn hear(
+        &mut self,
+        conversation: &mut Conversation,
+        now_ns: u64,
+    ) -> Result<Option<PlanReply>, AskError> {
         let planner = &mut self.planner;
         let mut is_other = false;
-        self.life.listen(|role, _, heartbeat| {
+        self.life.listen(now_ns, |role, _, heartbeat| {
             if role == Role::Planner {
                 is_other |= planner.hear(heartbeat, now_ns);
             }
@@ -205,7 +228,7 @@ impl Asker {
         // Asked first, since replies may come in between.
         let pending = conversation.pending.as_ref();
         let goes_on = pending.is_none_or(PendingResponse::is_connected);
-        if let Some(reply) = self.receive(conversation)? {
+        if let Some(reply) = self.receive(conversation, now_ns)? {
             let number = conversation.number;
             if reply.number != number {
                 return Err(AskError::ReplyLost { number });

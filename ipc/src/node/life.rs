@@ -1,10 +1,14 @@
 //! Who lives: every node says so ten times a second, and notices who no longer does.
 
+use core::fmt::Display;
+
+use super::rejected::Rejected;
 use crate::message::{Heartbeat, Role, State};
-use crate::service::{Receiver, Robot, SendFailure, Sender, ServiceError};
+use crate::service::{Carried, Receiver, Robot, SendFailure, Sender, ServiceError};
 
 /// Time between two heartbeats of a node, nanoseconds.
 pub const HEARTBEAT_NS: u64 = 100_000_000;
+
 /// A node's own heartbeat, and those of others.
 #[derive(Debug)]
 pub struct Life {
@@ -12,6 +16,7 @@ pub struct Life {
     receiver: Receiver<Heartbeat>,
     own: Heartbeat,
     next_ns: u64,
+    rejected: Rejected,
 }
 
 impl Life {
@@ -24,10 +29,12 @@ impl Life {
                 sequence: 0,
                 timestamp_ns: now_ns,
                 started_ns: now_ns,
+                rejected: 0,
                 role: role as u32,
                 state: State::Starting as u32,
             },
             next_ns: now_ns,
+            rejected: Rejected::default(),
         })
     }
 
@@ -39,6 +46,7 @@ impl Life {
         self.next_ns = now_ns.saturating_add(HEARTBEAT_NS);
         self.own.sequence = self.own.sequence.wrapping_add(1);
         self.own.timestamp_ns = now_ns;
+        self.own.rejected = self.rejected.count();
         self.own.state = state as u32;
         self.sender.send(&self.own).map(|_| true)
     }
@@ -48,13 +56,27 @@ impl Life {
         self.next_ns
     }
 
-    /// Takes in what others have said; what makes no sense is passed over.
-    pub fn listen(&self, mut heard: impl FnMut(Role, State, &Heartbeat)) {
-        while let Ok(Some(heartbeat)) = self.receiver.receive() {
-            if let Ok((role, state)) = heartbeat.read() {
-                heard(role, state, &heartbeat);
+    /// Takes in what others have said; what makes no sense is rejected.
+    pub fn listen(&mut self, now_ns: u64, mut heard: impl FnMut(Role, State, &Heartbeat)) {
+        for heartbeat in self.receiver.waiting() {
+            match heartbeat.read() {
+                Ok((role, state)) => heard(role, state, &heartbeat),
+                Err(error) => self.rejected.add(Heartbeat::SERVICE, &error, now_ns),
             }
         }
+    }
+
+    /// Counts a message that the node has received and passes over; the count goes
+    /// with its heartbeats. At most once a second one is logged.
+    ///
+    /// * `service`: through which it came
+    pub fn reject(&mut self, service: &str, why: &dyn Display, now_ns: u64) {
+        self.rejected.add(service, why, now_ns);
+    }
+
+    /// How many messages the node has passed over.
+    pub const fn rejected(&self) -> u64 {
+        self.rejected.count()
     }
 }
 
@@ -96,6 +118,7 @@ mod tests {
             sequence: 1,
             timestamp_ns: 0,
             started_ns,
+            rejected: 0,
             role: 1,
             state: 1,
         };

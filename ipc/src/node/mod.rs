@@ -4,6 +4,7 @@ mod asker;
 mod life;
 mod perception;
 mod planner;
+mod rejected;
 mod watcher;
 
 pub use asker::{AskError, Asker, Conversation, Line};

@@ -73,7 +73,8 @@ impl<'m> PerceptionNode<'m> {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            while self.poll(now_ns()) {}
+            // A camera without end must not keep it from stopping.
+            while self.poll(now_ns()) && !stop.load(Ordering::Relaxed) {}
             match listener.timed_wait(|_| {}, NAP) {
                 Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
                 Err(error) => return Err(self.robot.fault(CAMERA, &error)),
@@ -102,9 +103,14 @@ impl<'m> PerceptionNode<'m> {
                     warn!(%failure, "scene");
                 }
             }
-            Err(fault) => warn!(%fault, sequence = header.sequence, "frame passed over"),
+            Err(fault) => self.life.reject(CAMERA, &fault, now_ns),
         }
         true
+    }
+
+    /// How many frames it has passed over.
+    pub const fn rejected(&self) -> u64 {
+        self.life.rejected()
     }
 }
 

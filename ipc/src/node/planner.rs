@@ -29,6 +29,10 @@ pub enum Busyness {
 /// The longest sleep when nothing arrives: what waits for time looks so often.
 const NAP: Duration = Duration::from_millis(20);
 
+/// How many requests are answered in a call of [`PlannerNode::poll`], so that who asks
+/// without end can't keep it from its work.
+const REQUESTS_AT_ONCE: usize = 16;
+
 type Active = ActiveRequest<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
 /// A robot's planner.
@@ -138,7 +142,7 @@ impl<'m> PlannerNode<'m> {
         self.hear_life(now_ns);
         self.hear_feedback(now_ns);
         self.see(now_ns);
-        self.hear_requests();
+        self.hear_requests(now_ns);
         let connection = self.current.as_ref().and_then(|it| it.active.as_ref());
         if connection.is_some_and(|active| !active.is_connected()) {
             self.executive.cancel();
@@ -155,10 +159,15 @@ impl<'m> PlannerNode<'m> {
         busyness
     }
 
+    /// How many messages it has passed over: heartbeats, scenes, feedback, requests.
+    pub const fn rejected(&self) -> u64 {
+        self.life.rejected()
+    }
+
     fn hear_life(&mut self, now_ns: u64) {
         let mut lost = false;
         let (life, controller) = (&mut self.life, &mut self.controller);
-        life.listen(|role, _, heartbeat| {
+        life.listen(now_ns, |role, _, heartbeat| {
             if role == Role::Controller {
                 lost |= controller.hear(heartbeat, now_ns);
             }
@@ -178,9 +187,9 @@ impl<'m> PlannerNode<'m> {
     }
 
     fn hear_feedback(&mut self, now_ns: u64) {
-        while let Ok(Some(feedback)) = self.feedback.receive() {
+        for feedback in self.feedback.waiting() {
             if let Err(error) = self.executive.hear(&feedback, now_ns) {
-                warn!(%error, "feedback passed over");
+                self.life.reject(Feedback::SERVICE, &error, now_ns);
             }
         }
     }
@@ -189,21 +198,27 @@ impl<'m> PlannerNode<'m> {
         if let Ok(Some(scene)) = self.scenes.receive()
             && let Err(fault) = self.executive.see(&scene, now_ns)
         {
-            warn!(%fault, sequence = scene.sequence, "scene passed over");
+            self.life.reject(SceneMessage::SERVICE, &fault, now_ns);
         }
     }
 
-    fn hear_requests(&mut self) {
-        while let Ok(Some(active)) = self.server.receive() {
+    fn hear_requests(&mut self, now_ns: u64) {
+        for _ in 0..REQUESTS_AT_ONCE {
+            let Ok(Some(active)) = self.server.receive() else {
+                break;
+            };
             let request = *active;
-            self.hear_request(&request, Some(active));
+            self.hear_request(&request, Some(active), now_ns);
         }
-        while let Ok(Some(request)) = self.asked.receive() {
-            self.hear_request(&request, None);
+        for _ in 0..REQUESTS_AT_ONCE {
+            let Ok(Some(request)) = self.asked.receive() else {
+                break;
+            };
+            self.hear_request(&request, None, now_ns);
         }
     }
 
-    fn hear_request(&mut self, request: &PlanRequest, active: Option<Active>) {
+    fn hear_request(&mut self, request: &PlanRequest, active: Option<Active>, now_ns: u64) {
         let mut to = ReplyTo {
             asker: request.asker,
             request: request.sequence,
@@ -243,7 +258,10 @@ impl<'m> PlannerNode<'m> {
                     Some(PlanReply::refused(to, "no_such_request", message))
                 }
             }
-            Err(error) => Some(PlanReply::refused(to, "bad_request", error)),
+            Err(error) => {
+                self.life.reject(PLAN, &error, now_ns);
+                Some(PlanReply::refused(to, "bad_request", error))
+            }
         };
         if let Some(said) = said {
             self.reply(active.as_ref(), &said);

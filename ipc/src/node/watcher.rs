@@ -1,9 +1,12 @@
 //! Who looks on: who lives, what flows, and what was said last.
 
 use heapless::Deque;
+use nsrm_core::scene::SCENE_SCHEMA;
+use nsrm_core::{MAX_OBJECTS, SceneError};
 
+use super::rejected::Rejected;
 use crate::message::{Feedback, Heartbeat, PlanReply, Role, SceneMessage, State};
-use crate::service::{Receiver, Robot, ServiceError};
+use crate::service::{Carried, Receiver, Robot, ServiceError};
 
 /// How many of the last replies are kept.
 const REPLIES: usize = 8;
@@ -23,6 +26,8 @@ pub struct NodeView {
     pub heard_ns: u64,
     /// How often it was started anew while it was watched.
     pub restarts: u32,
+    /// How many messages it has received and passed over since it was started.
+    pub rejected: u64,
 }
 
 /// A stream of messages.
@@ -55,7 +60,7 @@ impl Flow {
                     NEWEST * (rate_hz - self.rate_hz)
                 };
             }
-            self.lost += steps.saturating_sub(1);
+            self.lost = self.lost.saturating_add(steps.saturating_sub(1));
         }
         self.count += 1;
         self.sequence = sequence;
@@ -77,6 +82,8 @@ pub struct View {
     pub feedback: Flow,
     /// What the planner said last, the latest last.
     pub replies: Deque<PlanReply, REPLIES>,
+    /// How many messages made no sense and are not in any of these.
+    pub rejected: u64,
 }
 
 /// Looks on; changes nothing.
@@ -87,6 +94,7 @@ pub struct Watcher {
     feedback: Receiver<Feedback>,
     answers: Receiver<PlanReply>,
     view: View,
+    rejected: Rejected,
     _robot: Robot,
 }
 
@@ -99,6 +107,7 @@ impl Watcher {
             feedback: robot.receiver()?,
             answers: robot.receiver()?,
             view: View::default(),
+            rejected: Rejected::default(),
             _robot: robot,
         })
     }
@@ -106,42 +115,73 @@ impl Watcher {
     /// Takes in what has come, and what is known now. A stream that can't be read now
     /// is read by the next call.
     pub fn look(&mut self, now_ns: u64) -> &View {
-        let view = &mut self.view;
-        while let Ok(Some(heartbeat)) = self.heartbeats.receive() {
-            hear(&mut view.nodes, &heartbeat, now_ns);
+        let (view, rejected) = (&mut self.view, &mut self.rejected);
+        for heartbeat in self.heartbeats.waiting() {
+            match heartbeat.read() {
+                Ok((role, state)) => hear(&mut view.nodes, role, state, &heartbeat, now_ns),
+                Err(error) => rejected.add(Heartbeat::SERVICE, &error, now_ns),
+            }
         }
-        while let Ok(Some(scene)) = self.scenes.receive() {
-            view.scenes.hear(scene.sequence, scene.timestamp_ns, now_ns);
-            view.objects = scene.count;
+        for scene in self.scenes.waiting() {
+            match count(&scene) {
+                Ok(objects) => {
+                    view.scenes.hear(scene.sequence, scene.timestamp_ns, now_ns);
+                    view.objects = objects;
+                }
+                Err(error) => rejected.add(SceneMessage::SERVICE, &error, now_ns),
+            }
         }
-        while let Ok(Some(feedback)) = self.feedback.receive() {
-            let Feedback {
-                sequence,
-                timestamp_ns,
-                ..
-            } = *feedback;
-            view.feedback.hear(sequence, timestamp_ns, now_ns);
+        for feedback in self.feedback.waiting() {
+            match feedback.read() {
+                Ok(report) => {
+                    let made_ns = report.timestamp_ns;
+                    view.feedback.hear(feedback.sequence, made_ns, now_ns);
+                }
+                Err(error) => rejected.add(Feedback::SERVICE, &error, now_ns),
+            }
         }
-        while let Ok(Some(reply)) = self.answers.receive() {
+        for reply in self.answers.waiting() {
+            if let Err(error) = reply.read() {
+                rejected.add(PlanReply::SERVICE, &error, now_ns);
+                continue;
+            }
             if view.replies.is_full() {
                 let _ = view.replies.pop_front();
             }
             let _ = view.replies.push_back(*reply);
         }
+        view.rejected = rejected.count();
         view
     }
 }
 
-fn hear(nodes: &mut [Option<NodeView>], heartbeat: &Heartbeat, now_ns: u64) {
-    let Ok((role, state)) = heartbeat.read() else {
-        return;
-    };
+/// How many objects a scene has; what else must be right of it only who has its model
+/// can tell.
+fn count(scene: &SceneMessage) -> Result<u32, SceneError> {
+    let (got, count) = (scene.schema, scene.count);
+    if got != SCENE_SCHEMA {
+        return Err(SceneError::Schema { got });
+    }
+    if count as usize > MAX_OBJECTS {
+        return Err(SceneError::TooManyObjects { count });
+    }
+    Ok(count)
+}
+
+fn hear(
+    nodes: &mut [Option<NodeView>],
+    role: Role,
+    state: State,
+    heartbeat: &Heartbeat,
+    now_ns: u64,
+) {
     let Some(place) = nodes.get_mut(role as usize - 1) else {
         return;
     };
     let before = place.as_ref();
     let restarts = before.map_or(0, |before| {
-        before.restarts + u32::from(before.started_ns != heartbeat.started_ns)
+        let more = u32::from(before.started_ns != heartbeat.started_ns);
+        before.restarts.saturating_add(more)
     });
     *place = Some(NodeView {
         role,
@@ -149,6 +189,7 @@ fn hear(nodes: &mut [Option<NodeView>], heartbeat: &Heartbeat, now_ns: u64) {
         started_ns: heartbeat.started_ns,
         heard_ns: now_ns,
         restarts,
+        rejected: heartbeat.rejected,
     });
 }
 
@@ -168,6 +209,11 @@ mod tests {
         // A publisher that was started anew.
         flow.hear(1, 600_000_000, 600_000_000);
         assert_eq!((flow.count, flow.lost), (5, 2));
+        // Numbers that nobody counts with.
+        for sequence in [u64::MAX, 0, u64::MAX] {
+            flow.hear(sequence, sequence, 0);
+        }
+        assert_eq!((flow.count, flow.lost), (8, u64::MAX));
     }
 
     #[test]
@@ -178,11 +224,13 @@ mod tests {
                 sequence: 1,
                 timestamp_ns: 0,
                 started_ns,
+                rejected: 3,
                 role: Role::Planner as u32,
                 state: State::Idle as u32,
             };
-            hear(&mut nodes, &heartbeat, 9);
-            assert_eq!(nodes[2].map(|node| node.restarts), Some(restarts));
+            hear(&mut nodes, Role::Planner, State::Idle, &heartbeat, 9);
+            let seen = nodes[2].map(|node| (node.restarts, node.rejected));
+            assert_eq!(seen, Some((restarts, 3)));
         }
         assert!(nodes[0].is_none());
     }

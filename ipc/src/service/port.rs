@@ -77,6 +77,14 @@ impl<M: Carried> Receiver<M> {
     pub fn receive(&self) -> Result<Option<Sample<ipc::Service, M, ()>>, ReceiveError> {
         self.subscriber.receive()
     }
+
+    /// What waits now, in order of each publisher. Ends after as many as can wait, so
+    /// that who sends without end keeps nobody from its work; what can't be read now is
+    /// there for the next call.
+    pub fn waiting(&self) -> impl Iterator<Item = Sample<ipc::Service, M, ()>> {
+        let most = M::QUALITY.buffer * M::QUALITY.publishers;
+        (0..most).map_while(|_| self.receive().ok().flatten())
+    }
 }
 
 /// Publishes frames.

@@ -3,6 +3,7 @@ above its sub-goal, and physics does the rest."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -21,9 +22,15 @@ MISPLACED_M = 0.02
 
 MOVE, STOP = 1, 2
 """Kinds of commands: `SubGoal.kind`."""
+MAX_STEPS = 8
+"""A plan has no more steps."""
+UNIT_TOLERANCE = 1e-3
+"""How far from 1 the squared length of an orientation may be."""
 
 Say = Callable[[int, int, Outcome], None]
 """Plan, command and how it goes."""
+Reject = Callable[[str, str], None]
+"""Service and why what came through it is passed over."""
 Seen = Callable[[int], NDArray[np.float64] | None]
 """Where an object is seen, world frame, metres."""
 
@@ -35,16 +42,50 @@ class _Done:
     outcome: Outcome
 
 
-class Controller:
-    """Carries out each command once; one that comes again gets the same answer again."""
+def fault(command: SubGoal) -> str | None:
+    """Why a command makes no sense, as `SubGoal::read` has it in Rust; None if it does."""
+    if command.command == 0:
+        return "command 0; commands count from 1"
+    if command.kind == STOP:
+        return None
+    if command.kind != MOVE:
+        return f"{command.kind} is no kind"
+    if command.step >= command.steps or command.steps > MAX_STEPS:
+        return f"step {command.step} of {command.steps}"
+    if not command.object_id or not command.reference_id:
+        return "object 0"
+    if command.object_id == command.reference_id:
+        return f"object {command.object_id} in relation to itself"
+    numbers = (*command.position, *command.orientation, *command.location, command.confidence)
+    if not all(math.isfinite(number) for number in numbers):
+        return "a number is not finite"
+    if abs(sum(part * part for part in command.orientation) - 1.0) > UNIT_TOLERANCE:
+        return "the orientation has not length 1"
+    if not 0.0 <= command.confidence <= 1.0:
+        return f"a confidence of {command.confidence}"
+    return None
 
-    def __init__(self, world: World, seen: Seen, say: Say) -> None:
-        self._world, self._seen, self._say = world, seen, say
+
+class Controller:
+    """Carries out each command once; one that comes again gets the same answer again.
+
+    * `reject`: is told why a command makes no sense
+    """
+
+    def __init__(self, world: World, seen: Seen, say: Say, reject: Reject) -> None:
+        self._world, self._seen, self._say, self._reject = world, seen, say, reject
         self._last = _Done(0, 0, Outcome.IMPOSSIBLE)
 
     def obey(self, command: SubGoal) -> None:
         """Carries out a command, or says why not."""
         plan, number = command.plan, command.command
+        why = fault(command)
+        if why is not None:
+            # Its numbers don't count: those of commands to come may be smaller.
+            self._reject("sub_goal", why)
+            if number > 0:
+                self._say(plan, number, Outcome.IMPOSSIBLE)
+            return
         if (plan, number) == (self._last.plan, self._last.command):
             # Again: its end is known. A stop that comes after it comes too late.
             self._say(plan, number, self._last.outcome)
@@ -52,7 +93,7 @@ class Controller:
         if (plan, number) < (self._last.plan, self._last.command):
             self._say(plan, number, Outcome.IMPOSSIBLE)
             return
-        outcome = Outcome.STOPPED if command.kind == STOP else Outcome.IMPOSSIBLE
+        outcome = Outcome.STOPPED
         if command.kind == MOVE:
             self._say(plan, number, Outcome.ACCEPTED)
             outcome = self._move(command)

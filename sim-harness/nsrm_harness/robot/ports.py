@@ -6,6 +6,7 @@ Ports belong to the process that opened them: a process that uses them must not 
 from __future__ import annotations
 
 import ctypes
+import logging
 import re
 import time
 from importlib import import_module
@@ -30,7 +31,12 @@ iox2: Any = import_module("iceoryx2")
 
 BEAT_S = 0.1
 """Time between two heartbeats."""
+LINE_S = 1.0
+"""The least time between two log lines about messages that are passed over."""
 NAME = re.compile(r"[a-z0-9_-]{1,32}")
+
+
+_LOG = logging.getLogger(__name__)
 
 
 class PortError(HarnessError):
@@ -141,12 +147,20 @@ def _with(builder: Any, quality: Quality) -> Any:
 
 
 class Life:
-    """Says ten times a second that a process lives."""
+    """Says ten times a second that a process lives, and how much it has passed over."""
 
     def __init__(self, robot: Robot, role: int) -> None:
         self._publisher = robot.publisher("heartbeat", Heartbeat)
         self._beat = Heartbeat(started_ns=now_ns(), role=role)
-        self._next_ns = 0
+        self._next_ns = self._next_line_ns = 0
+
+    def reject(self, service: str, why: str) -> None:
+        """Counts a message that makes no sense; logs one a second at most."""
+        self._beat.rejected += 1
+        now = now_ns()
+        if now >= self._next_line_ns:
+            self._next_line_ns = now + int(LINE_S * 1e9)
+            _LOG.warning("%s passed over: %s (%d so far)", service, why, self._beat.rejected)
 
     def beat(self, state: int) -> None:
         """A heartbeat, when it is time to."""

@@ -47,7 +47,9 @@ class Stage:
         self.world = World()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
-        self._controller = Controller(self.world, self._tracker.position, self._feedback.say)
+        self._controller = Controller(
+            self.world, self._tracker.position, self._feedback.say, self._life.reject
+        )
 
     def close(self) -> None:
         """Ends the world."""

@@ -7,6 +7,7 @@ use std::time::Duration;
 use nsrm::json;
 use nsrm_core::Model;
 use nsrm_core::dsl::Description;
+use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{PlanReply, Reply, Role, StepMessage};
 use nsrm_ipc::node::{AskError, Asker};
@@ -43,7 +44,7 @@ pub(super) fn say(
             eprintln!("nsrm: stopping the robot …");
             asker.cancel(&conversation)?;
         }
-        let Some(reply) = asker.hear(&mut conversation)? else {
+        let Some(reply) = asker.hear(&mut conversation, now_ns())? else {
             std::thread::sleep(NAP);
             continue;
         };

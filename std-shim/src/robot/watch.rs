@@ -66,8 +66,8 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
     // Writing to a string does not fail.
     let _ = writeln!(
         text,
-        "  {:<12}{:<10}{:>10}{:>12}{:>10}",
-        "node", "state", "up", "heard", "restarts"
+        "  {:<12}{:<10}{:>10}{:>12}{:>10}{:>10}",
+        "node", "state", "up", "heard", "restarts", "rejected"
     );
     for role in [
         Role::Controller,
@@ -94,9 +94,10 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
                 let up_s = seconds(node.started_ns, node.heard_ns);
                 writeln!(
                     text,
-                    "  {:<12}{state:<10}{up_s:>9.0}s{heard_s:>9.1}s ago{:>6}",
+                    "  {:<12}{state:<10}{up_s:>9.0}s{heard_s:>9.1}s ago{:>6}{:>10}",
                     role.word(),
-                    node.restarts
+                    node.restarts,
+                    node.rejected
                 )
             }
             None if needed => writeln!(text, "  {:<12}not heard", role.word()),
@@ -112,6 +113,9 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
         let _ = writeln!(text, "  {name:<12}{}", flow_text(flow, now_ns));
     }
     let _ = writeln!(text, "  {} objects in the last scene", view.objects);
+    if view.rejected > 0 {
+        let _ = writeln!(text, "  {} messages made no sense", view.rejected);
+    }
     if !view.replies.is_empty() {
         text.push_str("\n  what the planner said last\n");
     }
@@ -171,6 +175,7 @@ fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
                 "up_s": rounded(seconds(node.started_ns, node.heard_ns)),
                 "heard_s": rounded(seconds(node.heard_ns, now_ns)),
                 "restarts": node.restarts,
+                "rejected": node.rejected,
             })
         })
         .collect();
@@ -194,6 +199,7 @@ fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
         "objects": view.objects,
         "feedback": flow(&view.feedback),
         "replies": replies,
+        "rejected": view.rejected,
     })
 }
 

@@ -1,0 +1,53 @@
+//! What a node has received and passed over, since it made no sense or came too late.
+
+use core::fmt::Display;
+
+use tracing::warn;
+
+/// The least time between two log lines of a node about what it passes over,
+/// nanoseconds: who sends nonsense without end must not fill the log too.
+const BETWEEN_LINES_NS: u64 = 1_000_000_000;
+
+/// How many messages a node has passed over.
+#[derive(Debug, Default)]
+pub(super) struct Rejected {
+    count: u64,
+    /// When the next one may be logged.
+    next_line_ns: u64,
+}
+
+impl Rejected {
+    /// One more; is logged unless another one just was. Never allocates by itself.
+    pub(super) fn add(&mut self, service: &str, why: &dyn Display, now_ns: u64) {
+        self.count = self.count.saturating_add(1);
+        if now_ns >= self.next_line_ns {
+            self.next_line_ns = now_ns.saturating_add(BETWEEN_LINES_NS);
+            warn!(service, %why, rejected = self.count, "passed over");
+        }
+    }
+
+    /// How many there were.
+    pub(super) const fn count(&self) -> u64 {
+        self.count
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_are_counted_and_one_a_second_is_logged() {
+        let mut rejected = Rejected::default();
+        let lines: Vec<_> = [0, 1, 999_999_999, 1_000_000_000, 1_000_000_001]
+            .into_iter()
+            .filter(|now_ns| {
+                let before_ns = rejected.next_line_ns;
+                rejected.add("scene", &"no scene", *now_ns);
+                rejected.next_line_ns != before_ns
+            })
+            .collect();
+        assert_eq!(lines, [0, 1_000_000_000]);
+        assert_eq!(rejected.count(), 5);
+    }
+}

@@ -1,0 +1,120 @@
+//! A controller over shared memory that does in no time what it is told, by the rules
+//! that [`SubGoal`] states.
+
+use iceoryx2::config::Config;
+use nsrm_ipc::message::{Feedback, Heartbeat, Order, Outcome, Role, State, SubGoal};
+use nsrm_ipc::service::{Receiver, Robot, Sender};
+
+use crate::corner::join;
+
+/// A robot's controller.
+#[derive(Debug)]
+pub struct Controller {
+    /// When it says that it was started: another time, another controller.
+    pub started_ns: u64,
+    /// Whether it carries out what it accepts.
+    pub works: bool,
+    /// Commands that were carried out.
+    pub done: Vec<SubGoal>,
+    /// How many commands came, whatever became of them.
+    pub taken: u32,
+    /// How many made no sense.
+    pub rejected: u64,
+    commands: Receiver<SubGoal>,
+    feedback: Sender<Feedback>,
+    heartbeats: Sender<Heartbeat>,
+    sequence: u64,
+    /// The newest command, and what was said of it last.
+    last: Option<(SubGoal, Outcome)>,
+    _robot: Robot,
+}
+
+impl Controller {
+    /// Takes the controller's place at a robot.
+    pub fn new(robot: &str, config: &Config) -> Self {
+        let robot = join(robot, Role::Controller, config);
+        Self {
+            started_ns: 1,
+            works: true,
+            done: Vec::new(),
+            taken: 0,
+            rejected: 0,
+            commands: robot.receiver().expect("a controller's place"),
+            feedback: robot.sender().expect("a controller's place"),
+            heartbeats: robot.sender().expect("a place for heartbeats"),
+            sequence: 0,
+            last: None,
+            _robot: robot,
+        }
+    }
+
+    /// Lives, and does what it is told.
+    ///
+    /// * `carry_out`: brings a command's object to its place
+    pub fn turn(&mut self, now_ns: u64, mut carry_out: impl FnMut(&SubGoal)) {
+        self.sequence += 1;
+        let heartbeat = Heartbeat {
+            sequence: self.sequence,
+            timestamp_ns: now_ns,
+            started_ns: self.started_ns,
+            rejected: self.rejected,
+            role: Role::Controller as u32,
+            state: State::Idle as u32,
+        };
+        self.heartbeats.send(&heartbeat).expect("nobody must wait");
+        let commands: Vec<_> = self.commands.waiting().map(|command| *command).collect();
+        for command in commands {
+            self.taken += 1;
+            match command.read() {
+                Ok(order) => self.obey(&command, order, now_ns, &mut carry_out),
+                Err(_) => self.rejected += 1,
+            }
+        }
+    }
+
+    fn obey(
+        &mut self,
+        command: &SubGoal,
+        order: Order,
+        now_ns: u64,
+        carry_out: &mut impl FnMut(&SubGoal),
+    ) {
+        let number = |command: &SubGoal| (command.plan, command.command);
+        if let Some((last, outcome)) = self.last {
+            if number(command) < number(&last) {
+                return self.say(command, Outcome::Impossible, now_ns);
+            }
+            let is_under_way = outcome == Outcome::Accepted && order == Order::Stop;
+            if number(command) == number(&last) && !is_under_way {
+                return self.say(command, outcome, now_ns);
+            }
+        }
+        let outcome = match order {
+            Order::Stop => Outcome::Stopped,
+            Order::Move { .. } => {
+                self.say(command, Outcome::Accepted, now_ns);
+                if !self.works {
+                    self.last = Some((*command, Outcome::Accepted));
+                    return;
+                }
+                carry_out(command);
+                self.done.push(*command);
+                Outcome::Reached
+            }
+        };
+        self.last = Some((*command, outcome));
+        self.say(command, outcome, now_ns);
+    }
+
+    fn say(&mut self, command: &SubGoal, outcome: Outcome, now_ns: u64) {
+        self.sequence += 1;
+        let feedback = Feedback {
+            plan: command.plan,
+            sequence: self.sequence,
+            timestamp_ns: now_ns,
+            command: command.command,
+            outcome: outcome as u32,
+        };
+        self.feedback.send(&feedback).expect("nobody must wait");
+    }
+}
