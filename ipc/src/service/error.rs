@@ -1,4 +1,5 @@
 use core::fmt;
+use std::path::PathBuf;
 
 use super::RobotName;
 
@@ -29,12 +30,14 @@ pub enum ServiceError {
         /// Which service.
         service: &'static str,
     },
-    /// The service belongs to another user.
+    /// Where the processes meet belongs to another user.
     OtherUser {
         /// Of which robot.
         robot: RobotName,
-        /// Which service.
+        /// Which service; `node` before any is used.
         service: &'static str,
+        /// The folder by which they meet.
+        folder: PathBuf,
     },
     /// Anything else that iceoryx2 says.
     Iceoryx {
@@ -92,10 +95,12 @@ impl fmt::Display for ServiceError {
                 "robot `{robot}`: another version of NSRM uses `{service}`; use the same one for \
                  all of a robot's processes"
             ),
-            Self::OtherUser { robot, service } => write!(
+            Self::OtherUser { robot, folder, .. } => write!(
                 f,
-                "robot `{robot}`: `{service}` belongs to another user; start all of a robot's \
-                 processes as the same one"
+                "robot `{robot}`: its processes meet in {}, which belongs to another user; start \
+                 all of them as that one, or give this robot a folder of its own: `root` under \
+                 [shared_memory] in a configuration",
+                folder.display()
             ),
             Self::Iceoryx {
                 robot,

@@ -30,6 +30,8 @@ pub use quality::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, PLAN, Quality};
 use core::fmt::Debug;
 use core::time::Duration;
 use std::time::Instant;
+use std::os::unix::fs::MetadataExt as _;
+use std::path::PathBuf;
 
 use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
@@ -71,9 +73,10 @@ impl Robot {
     /// * `config`: where iceoryx2 keeps its files; [`Config::global_config`] but in
     ///   tests
     pub fn join(name: RobotName, role: Role, config: &Config) -> Result<Self, ServiceError> {
+        let service = "node";
         let says = |error: &dyn Debug| ServiceError::Iceoryx {
             robot: name.clone(),
-            service: "node",
+            service,
             says: format!("{error:?}"),
         };
         let node_name = node_name(&name, role);
@@ -85,7 +88,14 @@ impl Robot {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .config(&config)
             .create::<ipc::Service>()
-            .map_err(|error| says(&error))?;
+            .map_err(|error| match folder_of_other(&config) {
+                Some(folder) => ServiceError::OtherUser {
+                    robot: name.clone(),
+                    service,
+                    folder,
+                },
+                None => says(&error),
+            })?;
         let robot = Self { node, name };
         robot.bury();
         Ok(robot)
@@ -283,9 +293,20 @@ impl Robot {
             }
         };
         let robot = robot();
+        if let Some(folder) = folder_of_other(self.node.config()) {
+            return Err(ServiceError::OtherUser {
+                robot,
+                service,
+                folder,
+            });
+        }
         Err(match fault {
             Fault::OtherVersion => ServiceError::OtherVersion { robot, service },
-            Fault::OtherUser => ServiceError::OtherUser { robot, service },
+            Fault::OtherUser => ServiceError::OtherUser {
+                robot,
+                service,
+                folder: folder(self.node.config()),
+            },
             Fault::Full => ServiceError::Full { robot, service },
             Fault::InFlux => ServiceError::Iceoryx {
                 robot,
@@ -335,6 +356,23 @@ impl Robot {
             process,
         }
     }
+}
+
+/// By which processes meet.
+fn folder(config: &Config) -> PathBuf {
+    String::from_utf8_lossy(config.global.root_path().as_bytes())
+        .as_ref()
+        .into()
+}
+
+/// The folder by which processes meet, if it is another user's: iceoryx2 gives nobody
+/// else access to what lies in it and in shared memory, and has no error of its own for
+/// that. Root is kept from nothing.
+fn folder_of_other(config: &Config) -> Option<PathBuf> {
+    let folder = folder(config);
+    let owner = std::fs::metadata(&folder).ok()?.uid();
+    let user = rustix::process::geteuid();
+    (!user.is_root() && owner != user.as_raw()).then_some(folder)
 }
 
 fn node_name(robot: &RobotName, role: Role) -> String {

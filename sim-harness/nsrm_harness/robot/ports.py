@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import ctypes
 import logging
+import os
 import re
 import time
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,8 +72,25 @@ class Robot:
         )
         if config is not None:
             builder = builder.config(config)
-        self._node = builder.create(iox2.ServiceType.Ipc)
+        self._folder = Path(
+            (config or iox2.config.global_config()).global_cfg.root_path.to_string()
+        )
+        try:
+            self._node = builder.create(iox2.ServiceType.Ipc)
+        except iox2.NodeCreationFailure as error:
+            raise PortError(self._of_other_user() or f"robot `{name}`: {error}") from None
         self.bury()
+
+    def _of_other_user(self) -> str | None:
+        """That the processes meet in another user's folder, if so: iceoryx2 gives nobody
+        else access, and has no error of its own for that. Root is kept from nothing."""
+        user = os.geteuid()
+        if user == 0 or not self._folder.exists() or self._folder.stat().st_uid == user:
+            return None
+        return (
+            f"robot `{self.name}`: its processes meet in {self._folder}, which belongs to another "
+            "user; start all of them as that one"
+        )
 
     def bury(self) -> None:
         """Frees the places of processes that have died."""
@@ -120,7 +139,8 @@ class Robot:
         try:
             return builder.open_or_create()
         except Exception as error:
-            raise PortError(f"robot `{self.name}`: `{service}` can't be opened: {error}") from None
+            opened = f"robot `{self.name}`: `{service}` can't be opened: {error}"
+            raise PortError(self._of_other_user() or opened) from None
 
     def _create(self, service: str, builder: Any) -> Any:
         try:

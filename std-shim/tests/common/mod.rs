@@ -7,6 +7,11 @@
 //! object has the colour whose share of its mean colour is greatest; all are small.
 //! The moved object comes to stand where the reference is.
 
+// Not every test has processes.
+#[allow(dead_code)]
+#[cfg(feature = "command")]
+pub(crate) mod stage;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

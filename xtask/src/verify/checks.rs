@@ -49,6 +49,12 @@ pub(super) const CHECKS: &[Check] = &[
         steps: rust_tests,
     },
     Check {
+        name: "second-user",
+        title: "a robot's processes refuse another user's (needs root)",
+        about: "10 s",
+        steps: second_user,
+    },
+    Check {
         name: "generated",
         title: "core/src/pretrained.rs is what the generator writes from the model file",
         about: "10 s",
@@ -236,6 +242,19 @@ fn rust_tests(_: &Context) -> Result<Vec<Step>> {
         "--workspace",
         "--exclude=nsrm-tests",
         "--no-fail-fast",
+    ];
+    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+}
+
+/// Ignored in a plain `cargo test`, since only root can start processes as another user.
+fn second_user(_: &Context) -> Result<Vec<Step>> {
+    let arguments = [
+        "test",
+        "--locked",
+        "--package=nsrm",
+        "--test=second_user",
+        "--",
+        "--ignored",
     ];
     Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
 }

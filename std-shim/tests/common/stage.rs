@@ -1,0 +1,258 @@
+//! A robot's processes around `nsrm perceive` and `nsrm serve`: camera, controller and
+//! world are a thread of the test's.
+
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, ChildStderr, Command, Output, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use iceoryx2::config::Config;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::message::{CameraFrame, CameraMessage, DetectedBox, Role};
+use nsrm_ipc::service::FramesOut;
+use nsrm_tests::controller::Controller;
+use nsrm_tests::corner::{Corner, join};
+
+use super::Bench;
+
+/// What can be done with the two blocks.
+pub(crate) const SENTENCE: &str = "put the red block on the blue block";
+const SIZE: [u32; 2] = [640, 480];
+/// Nothing here is about time, and the machine may have other work.
+pub(crate) const CONFIG: &str = "
+robot = 'left'
+model = 'model.safetensors'
+
+[limits]
+scene_age_ms = 20000
+scene_wait_ms = 20000
+accept_wait_ms = 20000
+silence_ms = 20000
+
+";
+/// Red, and blue.
+const COLORS: [[u8; 3]; 2] = [[200, 20, 20], [20, 20, 200]];
+
+/// Two blocks, the camera that sees them and the robot that moves them.
+struct World {
+    boxes: [DetectedBox; 2],
+    frames: FramesOut,
+    controller: Controller,
+    sequence: u64,
+}
+
+impl World {
+    fn new(config: &Config) -> Self {
+        let camera = join("left", Role::Camera, config);
+        let at = |id, x: f32| DetectedBox {
+            id,
+            corners: [x, 0.4, x + 0.05, 0.45],
+            depth_m: 0.5,
+        };
+        Self {
+            boxes: [at(1, 0.2), at(3, 0.6)],
+            frames: camera.frames_out(Self::bytes()).unwrap(),
+            controller: Controller::new("left", config),
+            sequence: 0,
+        }
+    }
+
+    const fn bytes() -> usize {
+        (SIZE[0] * SIZE[1] * 7) as usize
+    }
+
+    fn look(&mut self) {
+        self.sequence += 1;
+        let [width, height] = SIZE;
+        let mut frame = CameraFrame {
+            sequence: self.sequence,
+            timestamp_ns: now_ns(),
+            camera: CameraMessage {
+                width,
+                height,
+                fx: 500.0,
+                fy: 500.0,
+                cx: 320.0,
+                cy: 240.0,
+                position: [0.5, 0.0, 1.0],
+                orientation: [0.0, 0.0, 0.0, 1.0],
+            },
+            count: 2,
+            ..CameraFrame::default()
+        };
+        frame.boxes[..2].copy_from_slice(&self.boxes);
+        let boxes = self.boxes;
+        let draw = |image: &mut [u8]| {
+            // The first one stands in front.
+            for (found, color) in boxes.iter().zip(COLORS).rev() {
+                let [x1, y1, x2, y2] = found.corners;
+                let columns = (x1 * width as f32) as usize..(x2 * width as f32) as usize;
+                for row in (y1 * height as f32) as usize..(y2 * height as f32) as usize {
+                    for column in columns.clone() {
+                        let place = 3 * (row * width as usize + column);
+                        image[place..place + 3].copy_from_slice(&color);
+                    }
+                }
+            }
+        };
+        self.frames.send(frame, Self::bytes(), draw).unwrap();
+    }
+
+    /// Looks, lives and obeys; how many commands have come so far.
+    fn turn(&mut self, works: bool) -> u32 {
+        let Self {
+            boxes, controller, ..
+        } = self;
+        controller.works = works;
+        controller.turn(now_ns(), |command| {
+            let [x1, y1, x2, y2, depth_m] = command.location;
+            let found = boxes.iter_mut();
+            for found in found.filter(|found| found.id == command.object_id) {
+                (found.corners, found.depth_m) = ([x1, y1, x2, y2], depth_m);
+            }
+        });
+        self.look();
+        self.controller.taken
+    }
+}
+
+/// A robot of its own, with camera, controller and world in a thread.
+pub(crate) struct Stage {
+    pub(crate) works: Arc<AtomicBool>,
+    pub(crate) taken: Arc<AtomicU32>,
+    stop: Arc<AtomicBool>,
+    world: Option<JoinHandle<()>>,
+    pub(crate) processes: Vec<Child>,
+    pub(crate) bench: Bench,
+    // Last, so that what is left behind is looked for when all have ended.
+    pub(crate) corner: Corner,
+    /// The command.
+    pub(crate) nsrm: PathBuf,
+}
+
+impl Stage {
+    pub(crate) fn new(test: &str) -> Self {
+        let corner = Corner::new(test);
+        let bench = Bench::new();
+        let shared = corner.as_toml();
+        bench.write("robot.toml", format!("{CONFIG}{shared}"));
+        let [works, stop] = [true, false].map(|value| Arc::new(AtomicBool::new(value)));
+        let taken = Arc::new(AtomicU32::new(0));
+        let shared = (Arc::clone(&works), Arc::clone(&taken), Arc::clone(&stop));
+        let config = corner.config.clone();
+        let world = std::thread::spawn(move || {
+            let (works, taken, stop) = shared;
+            let mut world = World::new(&config);
+            while !stop.load(Ordering::Relaxed) {
+                let more = world.turn(works.load(Ordering::Relaxed));
+                taken.store(more, Ordering::Relaxed);
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        });
+        Self {
+            works,
+            taken,
+            stop,
+            world: Some(world),
+            processes: Vec::new(),
+            bench,
+            corner,
+            nsrm: env!("CARGO_BIN_EXE_nsrm").into(),
+        }
+    }
+
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.nsrm);
+        command
+            .current_dir(self.bench.folder.path())
+            .args(arguments)
+            .args(["--config", "robot.toml"]);
+        command
+    }
+
+    /// Starts a node and waits until it says that it is at work; its place among
+    /// the processes.
+    pub(crate) fn start(&mut self, node: &str, at_work: &str) -> usize {
+        let mut child = self
+            .command(&[node])
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        while !line.contains(at_work) {
+            line.clear();
+            assert_ne!(lines.read_line(&mut line).unwrap(), 0, "{node} ended");
+        }
+        // What it says from now on is read, so that it never waits for a reader.
+        std::thread::spawn(move || drain(lines));
+        self.processes.push(child);
+        self.processes.len() - 1
+    }
+
+    pub(crate) fn both(test: &str) -> Self {
+        let mut stage = Self::new(test);
+        stage.start("perceive", "perceiving");
+        stage.start("serve", "planning");
+        stage
+    }
+
+    /// Says the sentence and presses Ctrl-C when the robot is at it; exit code and
+    /// messages.
+    pub(crate) fn interrupt_when_under_way(&self) -> (Option<i32>, String) {
+        let mut say = self
+            .command(&["say", SENTENCE])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
+        assert!(lines.any(|line| line.unwrap().contains("is on its way")));
+        signal(say.id(), "-INT");
+        let ended = say.wait_with_output().unwrap();
+        (
+            ended.status.code(),
+            String::from_utf8(ended.stderr).unwrap(),
+        )
+    }
+
+    pub(crate) fn say(&self, arguments: &[&str]) -> Output {
+        self.command(&[&["say"], arguments].concat())
+            .output()
+            .unwrap()
+    }
+}
+
+fn drain(lines: BufReader<ChildStderr>) {
+    for line in lines.lines().map_while(Result::ok) {
+        println!("{line}");
+    }
+}
+
+/// Sends a process a signal, by its name as `kill` has it.
+pub(crate) fn signal(process: u32, name: &str) {
+    let status = Command::new("kill")
+        .args([name, &process.to_string()])
+        .status();
+    assert!(status.unwrap().success());
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        for process in &mut self.processes {
+            if process.try_wait().unwrap().is_none() {
+                signal(process.id(), "-TERM");
+                let status = process.wait().unwrap();
+                assert!(status.success() || std::thread::panicking(), "{status}");
+            }
+        }
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(world) = self.world.take() {
+            let ended = world.join();
+            assert!(ended.is_ok() || std::thread::panicking());
+        }
+    }
+}

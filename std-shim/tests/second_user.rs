@@ -1,0 +1,69 @@
+//! A robot belongs to one user: another one's processes are told so, and disturb nothing.
+#![cfg(feature = "command")]
+
+// Not all of it is for processes.
+#[allow(dead_code)]
+mod common;
+
+use std::fs::Permissions;
+use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
+use std::os::unix::process::CommandExt as _;
+
+use common::stage::{SENTENCE, Stage};
+use common::{done, refused};
+
+/// User and group `nobody`, on Debian and most others.
+const OTHER: u32 = 65534;
+
+#[test]
+#[ignore = "needs root, for a second user; run by cargo verify"]
+fn a_second_user_is_refused_and_disturbs_nothing() {
+    let mut stage = Stage::new("second-user");
+    let user = std::fs::metadata(stage.bench.folder.path()).unwrap().uid();
+    assert_eq!(user, 0, "only root can start processes as another user");
+    stage.open_to_all();
+    stage.start("perceive", "perceiving");
+    stage.start("serve", "planning");
+    for arguments in [
+        &["say", SENTENCE][..],
+        &["say", SENTENCE, "--plan-only"],
+        &["watch", "--once"],
+        &["perceive"],
+        &["serve"],
+    ] {
+        let mut command = stage.command(arguments);
+        let ended = command.uid(OTHER).gid(OTHER).output().unwrap();
+        let message = "which belongs to another user; start all of them as that one";
+        refused(&ended, &["robot `left`: its processes meet in", message]);
+    }
+    for name in stage.corner.left_behind() {
+        // What is being removed just now is nobody's.
+        let owner = std::fs::metadata(format!("/dev/shm/{name}")).map_or(user, |it| it.uid());
+        assert_eq!(owner, user, "{name}");
+    }
+    let said = done(&stage.say(&[SENTENCE]));
+    assert!(said.ends_with("\ndone\n"), "{said}");
+    for process in &mut stage.processes {
+        assert!(process.try_wait().unwrap().is_none(), "it has ended");
+    }
+}
+
+impl Stage {
+    /// Lets other users read the folder with the configuration, and start the command
+    /// from there: they may not see where it was built.
+    fn open_to_all(&mut self) {
+        let path = self.bench.path("nsrm");
+        std::fs::copy(&self.nsrm, &path).unwrap();
+        let folder = self.bench.folder.path();
+        for (name, mode) in [
+            ("", 0o755),
+            ("nsrm", 0o755),
+            ("robot.toml", 0o644),
+            ("model.safetensors", 0o644),
+        ] {
+            let permissions = Permissions::from_mode(mode);
+            std::fs::set_permissions(folder.join(name), permissions).unwrap();
+        }
+        self.nsrm = path;
+    }
+}
