@@ -23,7 +23,8 @@ pub struct Controller {
     commands: Receiver<SubGoal>,
     feedback: Sender<Feedback>,
     heartbeats: Sender<Heartbeat>,
-    sequence: u64,
+    beats: u64,
+    said: u64,
     /// The newest command, and what was said of it last.
     last: Option<(SubGoal, Outcome)>,
     _robot: Robot,
@@ -42,7 +43,8 @@ impl Controller {
             commands: robot.receiver().expect("a controller's place"),
             feedback: robot.sender().expect("a controller's place"),
             heartbeats: robot.sender().expect("a place for heartbeats"),
-            sequence: 0,
+            beats: 0,
+            said: 0,
             last: None,
             _robot: robot,
         }
@@ -52,9 +54,9 @@ impl Controller {
     ///
     /// * `carry_out`: brings a command's object to its place
     pub fn turn(&mut self, now_ns: u64, mut carry_out: impl FnMut(&SubGoal)) {
-        self.sequence += 1;
+        self.beats += 1;
         let heartbeat = Heartbeat {
-            sequence: self.sequence,
+            sequence: self.beats,
             timestamp_ns: now_ns,
             started_ns: self.started_ns,
             rejected: self.rejected,
@@ -107,10 +109,10 @@ impl Controller {
     }
 
     fn say(&mut self, command: &SubGoal, outcome: Outcome, now_ns: u64) {
-        self.sequence += 1;
+        self.said += 1;
         let feedback = Feedback {
             plan: command.plan,
-            sequence: self.sequence,
+            sequence: self.said,
             timestamp_ns: now_ns,
             command: command.command,
             outcome: outcome as u32,
