@@ -260,10 +260,18 @@ NSRM_ASSERT(offsetof(nsrm_plan_reply, steps) == 1080, "offset of steps");
 
 /** A command (service `sub_goal`): bring an object to its sub-goal, or stop
  *  doing so. Each is acknowledged by a `crate::message::Feedback`; one that
- *  comes again is answered again and not carried out again. */
+ *  comes again is answered again and not carried out again.
+ *
+ *  A controller may have been held up, and find commands that nobody wants any
+ *  more: of all that wait it obeys stops first, and it answers without a move what
+ *  is read after `until_ns` or comes before a command that it has had (of a smaller
+ *  plan, or of the same one with a smaller number). */
 typedef struct nsrm_sub_goal {
     /** Number of the plan; a later plan has a greater one. */
     uint64_t plan;
+    /** Until when it may be begun, nanoseconds on the machine's monotonic clock:
+     *  then the planner gives it up. 0 for a stop, which is never too late. */
+    uint64_t until_ns;
     /** Counts the plan's commands from 1; a stop has that of what it stops. */
     uint32_t command;
     /** 1: bring the object there; 2: stop, and all below is 0. */
@@ -288,21 +296,22 @@ typedef struct nsrm_sub_goal {
      *  fractions of the image, mean depth in metres. */
     float location[5];
 } nsrm_sub_goal;
-#define NSRM_SUB_GOAL_TYPE_NAME "nsrm.v1.SubGoal.b3fc81ef4ff94c01"
-NSRM_ASSERT(sizeof(nsrm_sub_goal) == 88, "size of nsrm_sub_goal");
+#define NSRM_SUB_GOAL_TYPE_NAME "nsrm.v1.SubGoal.5b4da8ebaf1361ba"
+NSRM_ASSERT(sizeof(nsrm_sub_goal) == 96, "size of nsrm_sub_goal");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_sub_goal) == 8, "alignment of nsrm_sub_goal");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, plan) == 0, "offset of plan");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, command) == 8, "offset of command");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, kind) == 12, "offset of kind");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, step) == 16, "offset of step");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, steps) == 20, "offset of steps");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, action) == 24, "offset of action");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, object_id) == 28, "offset of object_id");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, reference_id) == 32, "offset of reference_id");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, confidence) == 36, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, position) == 40, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, orientation) == 52, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_sub_goal, location) == 68, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, until_ns) == 8, "offset of until_ns");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, command) == 16, "offset of command");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, kind) == 20, "offset of kind");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, step) == 24, "offset of step");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, steps) == 28, "offset of steps");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, action) == 32, "offset of action");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, object_id) == 36, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, reference_id) == 40, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, confidence) == 44, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, position) == 48, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, orientation) == 60, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, location) == 76, "offset of location");
 
 /** How a command went (service `feedback`). */
 typedef struct nsrm_feedback {

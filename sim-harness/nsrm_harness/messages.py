@@ -55,6 +55,7 @@ class Outcome(IntEnum):
     STOPPED = 7
     BUSY = 8
     IMPOSSIBLE = 9
+    TOO_LATE = 10
 
 
 class Role(IntEnum):
@@ -425,11 +426,19 @@ class PlanReply(ctypes.Structure):
 class SubGoal(ctypes.Structure):
     """A command (service `sub_goal`): bring an object to its sub-goal, or stop
     doing so. Each is acknowledged by a `crate::message::Feedback`; one that
-    comes again is answered again and not carried out again."""
+    comes again is answered again and not carried out again.
+
+    A controller may have been held up, and find commands that nobody wants any
+    more: of all that wait it obeys stops first, and it answers without a move what
+    is read after `until_ns` or comes before a command that it has had (of a smaller
+    plan, or of the same one with a smaller number)."""
 
     _fields_: ClassVar = [
         # Number of the plan; a later plan has a greater one.
         ("plan", ctypes.c_uint64),
+        # Until when it may be begun, nanoseconds on the machine's monotonic clock:
+        # then the planner gives it up. 0 for a stop, which is never too late.
+        ("until_ns", ctypes.c_uint64),
         # Counts the plan's commands from 1; a stop has that of what it stops.
         ("command", ctypes.c_uint32),
         # 1: bring the object there; 2: stop, and all below is 0.
@@ -454,28 +463,29 @@ class SubGoal(ctypes.Structure):
         # fractions of the image, mean depth in metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (88, 8)
+    LAYOUT: ClassVar = (96, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
         "plan": 0,
-        "command": 8,
-        "kind": 12,
-        "step": 16,
-        "steps": 20,
-        "action": 24,
-        "object_id": 28,
-        "reference_id": 32,
-        "confidence": 36,
-        "position": 40,
-        "orientation": 52,
-        "location": 68,
+        "until_ns": 8,
+        "command": 16,
+        "kind": 20,
+        "step": 24,
+        "steps": 28,
+        "action": 32,
+        "object_id": 36,
+        "reference_id": 40,
+        "confidence": 44,
+        "position": 48,
+        "orientation": 60,
+        "location": 76,
     }
     """Bytes before each field, as Rust has them."""
 
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.SubGoal.b3fc81ef4ff94c01"
+        return "nsrm.v1.SubGoal.5b4da8ebaf1361ba"
 
 
 class Feedback(ctypes.Structure):

@@ -12,7 +12,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.detector import detect
-from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault
+from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
 from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
@@ -20,6 +20,7 @@ from nsrm_harness.world.render import Light, Renderer, open_renderer
 from nsrm_harness.world.world import World
 
 SEED = 4
+NOW_NS = 10**15
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +110,7 @@ class Ear:
 
 def move(plan: int, number: int, object_id: int, position: tuple[float, float, float]) -> SubGoal:
     command = SubGoal(plan=plan, command=number, kind=MOVE, object_id=object_id)
-    command.steps, command.reference_id = 1, 99
+    command.steps, command.reference_id, command.until_ns = 1, 99, NOW_NS
     command.position[:] = position
     command.orientation[:] = (0.0, 0.0, 0.0, 1.0)
     return command
@@ -118,7 +119,7 @@ def move(plan: int, number: int, object_id: int, position: tuple[float, float, f
 def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position)}
-    controller = Controller(world, seen.get, ear, ear.reject)
+    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
     there = move(5, 1, 7, (0.62, 0.0, 0.021))
     controller.obey(there)
     assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
@@ -145,7 +146,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
 def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position), 8: np.array([0.5, -0.6, 0.0])}
-    controller = Controller(world, seen.get, ear, ear.reject)
+    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
     for number, (object_id, position, outcome) in enumerate(
         [
             (9, (0.62, 0.0, 0.021), Outcome.IMPOSSIBLE),
@@ -185,7 +186,7 @@ def test_each_fault_of_a_command_is_named(field: str, value: object, why: str) -
 def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position)}
-    controller = Controller(world, seen.get, ear, ear.reject)
+    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     size = len(bytes(SubGoal()))
     rng = np.random.default_rng(7)
@@ -202,4 +203,24 @@ def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
     assert world.poses() == before
     # Whatever numbers those had.
     controller.obey(move(1, 1, 7, (0.62, 0.0, 0.021)))
+    assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
+
+
+def test_what_waited_too_long_or_was_given_up_moves_nothing(world: World) -> None:
+    ear = Ear()
+    seen = {7: np.array(world.pose(1).position)}
+    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
+    before = world.poses()
+    late = move(5, 1, 7, (0.62, 0.0, 0.021))
+    late.until_ns = NOW_NS - 3_000_000
+    controller.obey(late)
+    assert ear.outcomes() == [Outcome.TOO_LATE]
+    assert ear.rejected == ["3 ms after its time"]
+    # In time, but its stop is there already when it is read.
+    given_up = move(6, 1, 7, (0.62, 0.0, 0.021))
+    for command in stops_first([given_up, SubGoal(plan=6, command=1, kind=STOP)]):
+        controller.obey(command)
+    assert ear.outcomes() == [Outcome.STOPPED, Outcome.STOPPED]
+    assert world.poses() == before
+    controller.obey(move(7, 1, 7, (0.62, 0.0, 0.021)))
     assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]

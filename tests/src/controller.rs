@@ -2,7 +2,7 @@
 //! that [`SubGoal`] states.
 
 use iceoryx2::config::Config;
-use nsrm_ipc::message::{Feedback, Heartbeat, Order, Outcome, Role, State, SubGoal};
+use nsrm_ipc::message::{Feedback, Heartbeat, Order, Outcome, Role, State, SubGoal, SubGoalError};
 use nsrm_ipc::service::{Receiver, Robot, Sender};
 
 use crate::corner::join;
@@ -18,7 +18,7 @@ pub struct Controller {
     pub done: Vec<SubGoal>,
     /// How many commands came, whatever became of them.
     pub taken: u32,
-    /// How many made no sense.
+    /// How many made no sense, or came too late.
     pub rejected: u64,
     commands: Receiver<SubGoal>,
     feedback: Sender<Feedback>,
@@ -64,20 +64,27 @@ impl Controller {
             state: State::Idle as u32,
         };
         self.heartbeats.send(&heartbeat).expect("nobody must wait");
-        let commands: Vec<_> = self.commands.waiting().map(|command| *command).collect();
+        let mut commands: Vec<_> = self.commands.waiting().map(|command| *command).collect();
+        commands.sort_by_key(|command| command.read(now_ns) != Ok(Order::Stop));
         for command in commands {
             self.taken += 1;
-            match command.read() {
-                Ok(order) => self.obey(&command, order, now_ns, &mut carry_out),
-                Err(_) => self.rejected += 1,
+            match command.read(now_ns) {
+                Ok(order) => self.obey(&command, Some(order), now_ns, &mut carry_out),
+                Err(error) => {
+                    self.rejected += 1;
+                    if matches!(error, SubGoalError::TooLate { .. }) {
+                        self.obey(&command, None, now_ns, &mut carry_out);
+                    }
+                }
             }
         }
     }
 
+    /// Obeys an order; none is a move that comes too late.
     fn obey(
         &mut self,
         command: &SubGoal,
-        order: Order,
+        order: Option<Order>,
         now_ns: u64,
         carry_out: &mut impl FnMut(&SubGoal),
     ) {
@@ -86,14 +93,15 @@ impl Controller {
             if number(command) < number(&last) {
                 return self.say(command, Outcome::Impossible, now_ns);
             }
-            let is_under_way = outcome == Outcome::Accepted && order == Order::Stop;
+            let is_under_way = outcome == Outcome::Accepted && order == Some(Order::Stop);
             if number(command) == number(&last) && !is_under_way {
                 return self.say(command, outcome, now_ns);
             }
         }
         let outcome = match order {
-            Order::Stop => Outcome::Stopped,
-            Order::Move { .. } => {
+            None => Outcome::TooLate,
+            Some(Order::Stop) => Outcome::Stopped,
+            Some(Order::Move { .. }) => {
                 self.say(command, Outcome::Accepted, now_ns);
                 if !self.works {
                     self.last = Some((*command, Outcome::Accepted));

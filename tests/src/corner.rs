@@ -13,14 +13,13 @@ pub fn join(robot: &str, role: Role, config: &Config) -> Robot {
     Robot::join(name, role, config).expect("a place to meet")
 }
 
-/// For nodes that are to meet under this folder and prefix.
+/// For nodes that are to meet under this folder, with names that begin so.
 ///
 /// # Panics
-/// Where they are too long for iceoryx2, or no UTF-8.
-pub fn config(root: &std::path::Path, prefix: &str) -> Config {
+/// Where they are too long for iceoryx2.
+pub fn config(root: &str, prefix: &str) -> Config {
     let mut config = Config::default();
-    let path = root.to_str().expect("a path in UTF-8").as_bytes();
-    let path = Path::new(path).expect("a path of moderate length");
+    let path = Path::new(root.as_bytes()).expect("a path of moderate length");
     config.global.set_root_path(&path);
     config.global.prefix = FileName::new(prefix.as_bytes()).expect("a short name");
     config
@@ -43,7 +42,7 @@ impl Corner {
         let root = std::env::temp_dir().join(&name);
         let prefix = format!("{name}_");
         Self {
-            config: config(&root, &prefix),
+            config: config(root.to_str().expect("a path in UTF-8"), &prefix),
             root,
             prefix,
         }
@@ -57,6 +56,13 @@ impl Corner {
     /// What its names in shared memory begin with.
     pub fn prefix(&self) -> &str {
         &self.prefix
+    }
+
+    /// What tells another process where to meet: the folder, and what names in shared
+    /// memory begin with; for [`config`].
+    pub fn arguments(&self) -> [&str; 2] {
+        let root = self.root.to_str().expect("a path in UTF-8");
+        [root, &self.prefix]
     }
 
     /// The lines of a configuration file by which a command meets here.

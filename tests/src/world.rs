@@ -5,7 +5,7 @@ use iceoryx2::config::Config;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::prelude::ipc;
 use nsrm_core::{Model, RawScene};
-use nsrm_ipc::executive::Mode;
+use nsrm_ipc::executive::{Limits, Mode};
 use nsrm_ipc::message::{PlanReply, PlanRequest, Reply, Role, SceneMessage};
 use nsrm_ipc::node::PlannerNode;
 use nsrm_ipc::service::{PlanClient, Sender};
@@ -23,6 +23,18 @@ pub const BLOCKS: [Block; 3] = [
 /// Two steps that can be carried out with [`BLOCKS`].
 pub const SENTENCE: &str = "put the small red block on the blue block then put the green block on \
                             the small red block";
+
+/// Limits that a machine with other work keeps: with them nothing is about time.
+pub fn patient() -> Limits {
+    let patience_ns = 20_000_000_000;
+    Limits {
+        scene_age_ns: patience_ns,
+        scene_wait_ns: patience_ns,
+        accept_wait_ns: patience_ns,
+        silence_ns: patience_ns,
+        ..Limits::default()
+    }
+}
 
 /// A request by connection, until its last reply.
 pub type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;

@@ -502,9 +502,10 @@ fn a_controller_that_says_nothing_is_stopped_and_told_of() {
     let model = parts.model();
     let mut world = World::new(&model, Limits::default());
     world.ask(TWO_STEPS, Mode::ClosedLoop);
-    until_command(&mut world);
+    let command = until_command(&mut world);
     let sent_ns = world.now_ns;
     assert_eq!(until_stop(&mut world), 1);
+    assert_eq!(command.until_ns, sent_ns + 500 * MS);
     let waited_ms = (world.now_ns - sent_ns) / MS;
     assert!((500..510).contains(&waited_ms), "{waited_ms}");
     assert_eq!(world.run(), Err(Failure::NotAccepted { step: 0 }));
@@ -526,6 +527,8 @@ fn a_lost_controller_ends_it_at_once_unless_it_had_said_how_it_went() {
     let command = until_command(&mut world);
     world.say(&command, Outcome::Accepted);
     world.executive.lose_controller();
+    // In case that it was only held up; its answer is not waited for.
+    assert_eq!(world.executive.poll(world.now_ns), Event::Stop(command.id));
     let ended = world.executive.poll(world.now_ns);
     let lost = Failure::ControllerLost { step: 0 };
     assert_eq!(ended, Event::Ended(Err(lost)));

@@ -14,7 +14,7 @@ use nsrm_tests::by_hand::{Parts, raw_scene};
 use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::picture;
-use nsrm_tests::world::{BLOCKS, SENTENCE, World, last_reason};
+use nsrm_tests::world::{BLOCKS, SENTENCE, World, last_reason, patient};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -188,7 +188,7 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
     let parts = Parts::new();
     let model = parts.model();
     let robot = join("left", Role::Planner, config);
-    let mut planner = PlannerNode::begin(robot, &model, Limits::default()).unwrap();
+    let mut planner = PlannerNode::begin(robot, &model, patient()).unwrap();
     let other = join("left", Role::Watcher, config);
     let (commands, replies, heard) = (
         other.receiver::<SubGoal>().unwrap(),
@@ -389,6 +389,7 @@ fn a_controller_moves_nothing_by_what_is_no_command() {
     let commands: Sender<SubGoal> = other.sender().unwrap();
     let valid = SubGoal {
         plan: 1,
+        until_ns: u64::MAX,
         command: 1,
         kind: 1,
         step: 0,

@@ -2,13 +2,12 @@
 //! nobody hears of another robot, everyone sees the latest scene.
 
 use nsrm_ipc::clock::now_ns;
-use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::{PlanReply, Role, SceneMessage, SubGoal};
 use nsrm_ipc::node::{PlannerNode, Watcher};
 use nsrm_ipc::service::{ONLOOKERS, Robot, ServiceError};
 use nsrm_tests::by_hand::{Block, Parts, block, raw_scene};
 use nsrm_tests::corner::{Corner, join};
-use nsrm_tests::world::{Pending, World, last_reason};
+use nsrm_tests::world::{Pending, World, last_reason, patient};
 
 const ONLOOKERS_EACH: usize = 8;
 
@@ -75,7 +74,7 @@ fn robots_side_by_side_don_t_hear_of_each_other() {
     let mut robots: Vec<Everyone<'_>> = Vec::new();
     for case in &CASES {
         let robot = join(case.name, Role::Planner, config);
-        let planner = PlannerNode::begin(robot, &model, Limits::default()).unwrap();
+        let planner = PlannerNode::begin(robot, &model, patient()).unwrap();
         let mut world = World::new(case.name, &model, config);
         world.scene = raw_scene(&model, case.blocks);
         let onlooker = |_| Watcher::begin(join(case.name, Role::Watcher, config)).unwrap();

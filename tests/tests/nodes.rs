@@ -5,14 +5,14 @@ use iceoryx2::config::Config;
 use nsrm_core::Model;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_ipc::clock::now_ns;
-use nsrm_ipc::executive::{Limits, Mode};
+use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{PlanReply, PlanRequest, Reply, Role, SceneMessage};
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
 use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::picture;
-use nsrm_tests::world::{SENTENCE, World, last_reason};
+use nsrm_tests::world::{SENTENCE, World, last_reason, patient};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -20,7 +20,7 @@ static ALLOCATOR: Counting = Counting;
 /// Robot `left`'s planner.
 fn planner<'m>(model: &'m Model<'m>, config: &Config) -> PlannerNode<'m> {
     let robot = join("left", Role::Planner, config);
-    PlannerNode::begin(robot, model, Limits::default()).unwrap()
+    PlannerNode::begin(robot, model, patient()).unwrap()
 }
 
 #[test]

@@ -226,7 +226,7 @@ impl<'m> Job<'m> {
                 };
                 Ok(Event::Planned(self.plan.clone()))
             }
-            Stage::Send => self.send(now_ns),
+            Stage::Send => self.send(limits, now_ns),
             &mut Stage::Commanded {
                 command,
                 since_ns,
@@ -241,7 +241,17 @@ impl<'m> Job<'m> {
                         self.stop(Failure::NoOutcome { step }, now_ns)
                     }
                     Heard::Nothing | Heard::Accepted => Ok(Event::Waiting),
-                    Heard::Lost => Err(Failure::ControllerLost { step }),
+                    Heard::Lost => {
+                        // Nobody is waited for; but one that was held up must not
+                        // begin, or go on, with what has been given up.
+                        self.stage = Stage::Stopping {
+                            id: command.id,
+                            since_ns: now_ns,
+                            confirmed: true,
+                            why: Failure::ControllerLost { step },
+                        };
+                        Ok(Event::Stop(command.id))
+                    }
                     Heard::Undelivered => Err(Failure::NotAccepted { step }),
                     Heard::Ended { outcome, at_ns } => {
                         self.end_command(&command, outcome, at_ns, limits, now_ns)
@@ -289,7 +299,7 @@ impl<'m> Job<'m> {
         Event::Working
     }
 
-    fn send(&mut self, now_ns: u64) -> Result<Event, Failure> {
+    fn send(&mut self, limits: &Limits, now_ns: u64) -> Result<Event, Failure> {
         let place = self.step.saturating_sub(self.plan.first());
         let planned = self.plan.steps().get(place).copied();
         // A plan has a step for each one left, and one was.
@@ -300,6 +310,7 @@ impl<'m> Job<'m> {
                 plan: self.number,
                 command: self.commands,
             },
+            until_ns: now_ns.saturating_add(limits.accept_wait_ns),
             // At most MAX_STEPS, both.
             step: self.step as u8,
             steps: self.steps() as u8,

@@ -50,6 +50,9 @@ pub struct CommandId {
 pub struct Command {
     /// Who the command is.
     pub id: CommandId,
+    /// Until when it may be begun, nanoseconds: then it is given up, and a stop
+    /// follows.
+    pub until_ns: u64,
     /// Which step of the program, from 0.
     pub step: u8,
     /// How many steps the program has.
@@ -187,7 +190,7 @@ impl<'m> Executive<'m> {
     }
 
     /// The controller died, hangs, or is another one than before: what it was
-    /// doing has an unknown end.
+    /// doing has an unknown end. It is told to stop, in case that it only was held up.
     pub fn lose_controller(&mut self) {
         if let Some(job) = &mut self.job {
             job.lose_controller();

@@ -47,11 +47,13 @@ pub enum Outcome {
     /// The command makes no sense, or its object isn't there; it won't be carried
     /// out.
     Impossible = 9,
+    /// It was read after its time; it won't be carried out.
+    TooLate = 10,
 }
 
 impl Outcome {
     /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Accepted,
         Self::Reached,
         Self::NoPath,
@@ -61,6 +63,7 @@ impl Outcome {
         Self::Stopped,
         Self::Busy,
         Self::Impossible,
+        Self::TooLate,
     ];
 
     /// What happened, for a person.
@@ -75,6 +78,7 @@ impl Outcome {
             Self::Stopped => "the robot was stopped",
             Self::Busy => "the controller carries out another command",
             Self::Impossible => "the controller can't carry it out",
+            Self::TooLate => "the controller was held up and read it too late",
         }
     }
 
@@ -158,7 +162,7 @@ mod tests {
             assert_eq!(report.id, CommandId { plan, command });
             assert_eq!((report.outcome, report.timestamp_ns), (outcome, 2));
         }
-        for number in [0, 10, u32::MAX] {
+        for number in [0, 11, u32::MAX] {
             let refused = feedback(3, number).read();
             assert_eq!(refused, Err(FeedbackError::Outcome(number)));
         }

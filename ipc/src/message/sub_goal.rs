@@ -14,10 +14,18 @@ message! {
     /// A command (service `sub_goal`): bring an object to its sub-goal, or stop
     /// doing so. Each is acknowledged by a [`crate::message::Feedback`]; one that
     /// comes again is answered again and not carried out again.
-    "nsrm.v1.SubGoal.b3fc81ef4ff94c01"
+    ///
+    /// A controller may have been held up, and find commands that nobody wants any
+    /// more: of all that wait it obeys stops first, and it answers without a move what
+    /// is read after `until_ns` or comes before a command that it has had (of a smaller
+    /// plan, or of the same one with a smaller number).
+    "nsrm.v1.SubGoal.5b4da8ebaf1361ba"
     pub struct SubGoal {
         /// Number of the plan; a later plan has a greater one.
         pub plan: u64,
+        /// Until when it may be begun, nanoseconds on the machine's monotonic clock:
+        /// then the planner gives it up. 0 for a stop, which is never too late.
+        pub until_ns: u64,
         /// Counts the plan's commands from 1; a stop has that of what it stops.
         pub command: u32,
         /// 1: bring the object there; 2: stop, and all below is 0.
@@ -90,6 +98,11 @@ pub enum SubGoalError {
     NotNormalised,
     /// The confidence is no probability.
     Confidence,
+    /// It makes sense, but its time has gone: it must not be begun.
+    TooLate {
+        /// By how much, milliseconds.
+        by_ms: u64,
+    },
 }
 
 impl fmt::Display for SubGoalError {
@@ -110,6 +123,10 @@ impl fmt::Display for SubGoalError {
                 f.write_str("sub-goal: orientation (x, y, z, w) must have length 1")
             }
             Self::Confidence => f.write_str("sub-goal: confidence must lie from 0 to 1"),
+            Self::TooLate { by_ms } => write!(
+                f,
+                "sub-goal: {by_ms} ms after its time; its plan has been given up"
+            ),
         }
     }
 }
@@ -119,6 +136,7 @@ impl core::error::Error for SubGoalError {}
 impl SubGoal {
     const EMPTY: Self = Self {
         plan: 0,
+        until_ns: 0,
         command: 0,
         kind: 0,
         step: 0,
@@ -152,18 +170,20 @@ impl SubGoal {
 
     /// What is to be done, checked; whether there are such objects only its
     /// receiver knows.
-    pub fn read(&self) -> Result<Order, SubGoalError> {
+    ///
+    /// * `now_ns`: the time, on the machine's clock
+    pub fn read(&self, now_ns: u64) -> Result<Order, SubGoalError> {
         if self.command == 0 {
             return Err(SubGoalError::NoCommand);
         }
         match self.kind {
-            MOVE => self.read_move(),
+            MOVE => self.read_move(now_ns),
             STOP => Ok(Order::Stop),
             kind => Err(SubGoalError::Kind(kind)),
         }
     }
 
-    fn read_move(&self) -> Result<Order, SubGoalError> {
+    fn read_move(&self, now_ns: u64) -> Result<Order, SubGoalError> {
         let (step, steps) = (self.step, self.steps);
         if step >= steps || steps > MAX_STEPS as u32 {
             return Err(SubGoalError::Step { step, steps });
@@ -182,6 +202,10 @@ impl SubGoal {
         if !(0.0..=1.0).contains(&self.confidence) {
             return Err(SubGoalError::Confidence);
         }
+        if now_ns > self.until_ns {
+            let by_ms = (now_ns - self.until_ns) / 1_000_000;
+            return Err(SubGoalError::TooLate { by_ms });
+        }
         let [x, y, z] = self.position;
         let [i, j, k, w] = self.orientation;
         let turned = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
@@ -196,6 +220,7 @@ impl From<&Command> for SubGoal {
     fn from(command: &Command) -> Self {
         let Command {
             id,
+            until_ns,
             step,
             steps,
             planned,
@@ -203,6 +228,7 @@ impl From<&Command> for SubGoal {
         let pose = &planned.sub_goal.pose;
         Self {
             plan: id.plan,
+            until_ns: *until_ns,
             command: id.command,
             kind: MOVE,
             step: (*step).into(),
@@ -226,6 +252,7 @@ pub(crate) mod tests {
     pub(crate) fn sub_goal() -> SubGoal {
         SubGoal {
             plan: 7,
+            until_ns: 9_000_000,
             command: 1,
             kind: MOVE,
             step: 1,
@@ -242,8 +269,8 @@ pub(crate) mod tests {
 
     #[test]
     fn the_pose_keeps_position_and_the_order_of_the_quaternion() {
-        let Ok(Order::Move { object: 3, pose }) = sub_goal().read() else {
-            panic!("{:?}", sub_goal().read());
+        let Ok(Order::Move { object: 3, pose }) = sub_goal().read(9_000_000) else {
+            panic!("{:?}", sub_goal().read(9_000_000));
         };
         assert_eq!(pose.translation.vector.as_slice(), [0.5, -0.1, 0.02]);
         let turned = pose.rotation.coords; // x, y, z, w
@@ -258,7 +285,7 @@ pub(crate) mod tests {
         };
         let stop = SubGoal::stop(id);
         assert_eq!(
-            (stop.id(), stop.kind, stop.read()),
+            (stop.id(), stop.kind, stop.read(u64::MAX)),
             (id, STOP, Ok(Order::Stop))
         );
     }
@@ -294,10 +321,12 @@ pub(crate) mod tests {
         for (break_it, expected) in cases {
             let mut broken = sub_goal();
             break_it(&mut broken);
-            assert_eq!(broken.read(), Err(expected));
+            assert_eq!(broken.read(0), Err(expected));
         }
         let mut broken = sub_goal();
         broken.orientation[3] = f32::NAN;
-        assert_eq!(broken.read(), Err(SubGoalError::NotNormalised));
+        assert_eq!(broken.read(0), Err(SubGoalError::NotNormalised));
+        let late = sub_goal().read(12_000_001);
+        assert_eq!(late, Err(SubGoalError::TooLate { by_ms: 3 }));
     }
 }

@@ -87,7 +87,8 @@ impl<'m> PlannerNode<'m> {
         })
     }
 
-    /// Answers until it is told to stop. Sleeps while there is nothing to do.
+    /// Answers until it is told to stop; then it stops what moves. Sleeps while there is
+    /// nothing to do.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
         let waiting = WaitSetBuilder::new()
             .signal_handling_mode(SignalHandlingMode::Disabled)
@@ -118,6 +119,10 @@ impl<'m> PlannerNode<'m> {
                 // What rang is taken in by the next poll, whatever it was.
                 let _ = listener.try_wait(|_| {});
             }
+        }
+        self.executive.cancel();
+        if let Event::Stop(id) = self.executive.poll(now_ns()) {
+            self.send(&SubGoal::stop(id));
         }
         self.refuse_current("stopping", "the planner was stopped");
         Ok(())
@@ -322,5 +327,20 @@ impl<'m> PlannerNode<'m> {
         if let Err(failure) = self.answers.send(said) {
             warn!(%failure, "answer");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A death is noticed within half a second, and three lost heartbeats are none.
+    #[test]
+    fn naps_and_silence_keep_what_is_promised() {
+        let silence_ns = Limits::default().silence_ns;
+        // The last heartbeat is heard a nap late, and its lack is seen another one late.
+        let noticed_ns = u128::from(silence_ns) + 2 * NAP.as_nanos();
+        assert!(noticed_ns <= 500_000_000, "{noticed_ns}");
+        assert!(silence_ns > 3 * HEARTBEAT_NS);
     }
 }

@@ -47,6 +47,13 @@ pub struct Flow {
     sequence: u64,
 }
 
+impl NodeView {
+    /// Whether it may be alive: it was heard no longer ago than it may be silent.
+    pub const fn lives(&self, silence_ns: u64, now_ns: u64) -> bool {
+        now_ns.saturating_sub(self.heard_ns) <= silence_ns
+    }
+}
+
 impl Flow {
     fn hear(&mut self, sequence: u64, made_ns: u64, now_ns: u64) {
         if self.count > 0 {

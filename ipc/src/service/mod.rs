@@ -37,6 +37,8 @@ use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::client::Client;
+use iceoryx2::port::listener::ListenerCreateError;
+use iceoryx2::port::notifier::NotifierCreateError;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
@@ -178,7 +180,10 @@ impl Robot {
     /// What wakes those who [`Robot::listen`] to a service.
     pub fn bell(&self, service: &'static str) -> Result<Bell, ServiceError> {
         let notifier = self.events(service)?.notifier_builder().create();
-        notifier.map(Bell::new).map_err(|_| self.full(service))
+        notifier.map(Bell::new).map_err(|error| match error {
+            NotifierCreateError::ExceedsMaxSupportedNotifiers => self.full(service),
+            error => self.fault(service, &error),
+        })
     }
 
     /// Is woken when something comes through a service.
@@ -187,7 +192,11 @@ impl Robot {
         service: &'static str,
     ) -> Result<iceoryx2::port::listener::Listener<ipc::Service>, ServiceError> {
         let listener = self.events(service)?.listener_builder().create();
-        listener.map_err(|_| self.full(service))
+        listener.map_err(|error| match error {
+            ListenerCreateError::ExceedsMaxSupportedListeners => self.full(service),
+            // Such as a folder whose path is too long for a socket's.
+            error => self.fault(service, &error),
+        })
     }
 
     fn stream<M: Carried>(

@@ -4,7 +4,7 @@ above its sub-goal, and physics does the rest."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,14 +66,25 @@ def fault(command: SubGoal) -> str | None:
     return None
 
 
-class Controller:
-    """Carries out each command once; one that comes again gets the same answer again.
+def stops_first(commands: Iterable[SubGoal]) -> list[SubGoal]:
+    """All that wait, in order, but stops before moves: a controller that was held up must
+    not begin with what is no longer wanted."""
+    return sorted(commands, key=lambda command: command.kind != STOP)
 
-    * `reject`: is told why a command makes no sense
+
+class Controller:
+    """Carries out each command once, and none after its time; one that comes again gets the
+    same answer again.
+
+    * `reject`: is told why a command makes no sense, or that it comes too late
+    * `clock`: the time, nanoseconds
     """
 
-    def __init__(self, world: World, seen: Seen, say: Say, reject: Reject) -> None:
+    def __init__(
+        self, world: World, seen: Seen, say: Say, reject: Reject, clock: Callable[[], int]
+    ) -> None:
         self._world, self._seen, self._say, self._reject = world, seen, say, reject
+        self._clock = clock
         self._last = _Done(0, 0, Outcome.IMPOSSIBLE)
 
     def obey(self, command: SubGoal) -> None:
@@ -93,8 +104,12 @@ class Controller:
         if (plan, number) < (self._last.plan, self._last.command):
             self._say(plan, number, Outcome.IMPOSSIBLE)
             return
+        late_ns = self._clock() - command.until_ns
         outcome = Outcome.STOPPED
-        if command.kind == MOVE:
+        if command.kind == MOVE and late_ns > 0:
+            self._reject("sub_goal", f"{late_ns // 1_000_000} ms after its time")
+            outcome = Outcome.TOO_LATE
+        elif command.kind == MOVE:
             self._say(plan, number, Outcome.ACCEPTED)
             outcome = self._move(command)
         self._last = _Done(plan, number, outcome)

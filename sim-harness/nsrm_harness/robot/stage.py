@@ -12,7 +12,7 @@ from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State
 from nsrm_harness.perception.detector import detect
-from nsrm_harness.robot.controller import Controller
+from nsrm_harness.robot.controller import Controller, stops_first
 from nsrm_harness.robot.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
 from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import Camera, default_camera
@@ -48,7 +48,7 @@ class Stage:
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
         self._controller = Controller(
-            self.world, self._tracker.position, self._feedback.say, self._life.reject
+            self.world, self._tracker.position, self._feedback.say, self._life.reject, now_ns
         )
 
     def close(self) -> None:
@@ -67,7 +67,7 @@ class Stage:
     def turn(self) -> None:
         """Obeys what it was told, then takes a picture and publishes it."""
         self._life.beat(State.IDLE)
-        for command in self._commands:
+        for command in stops_first(self._commands):
             self._controller.obey(command)
             self._life.beat(State.BUSY)
         self.look()

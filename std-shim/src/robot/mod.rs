@@ -37,7 +37,7 @@ pub(crate) enum RobotCommand {
     /// Show who of a robot's processes lives, what flows between them, and what the
     /// planner said last.
     Watch {
-        /// Print JSON, a line every half second.
+        /// Print JSON, a line every half second and when someone is gone.
         #[arg(long)]
         json: bool,
         /// Print once and end.

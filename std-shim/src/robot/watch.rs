@@ -28,15 +28,22 @@ pub(super) fn watch(config: &Config, as_json: bool, once: bool) -> Result<(), Fa
     let mut watcher = Watcher::begin(join(config, Role::Watcher)?)?;
     let clears = std::io::stdout().is_terminal() && !as_json && !once;
     let mut next_ns = now_ns() + PICTURE_NS;
+    // Which nodes were alive at the last look, if they have been heard.
+    let mut living = [None; Role::ALL.len()];
     while !stop.load(Ordering::Relaxed) {
         std::thread::sleep(NAP);
         let now_ns = now_ns();
         let view = watcher.look(now_ns);
-        if now_ns < next_ns {
+        let silence_ns = config.limits.silence_ns;
+        let nodes = view
+            .nodes
+            .map(|node| node.map(|node| node.lives(silence_ns, now_ns)));
+        let someone_is_gone = nodes != living && nodes.contains(&Some(false));
+        living = nodes;
+        if now_ns < next_ns && (!someone_is_gone || once) {
             continue;
         }
         next_ns = now_ns + PICTURE_NS;
-        let silence_ns = config.limits.silence_ns;
         let picture = if as_json {
             format!("{}\n", view_json(view, silence_ns, now_ns))
         } else {
@@ -81,7 +88,7 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
         let _ = match node {
             Some(node) => {
                 let heard_s = seconds(node.heard_ns, now_ns);
-                let lives = now_ns.saturating_sub(node.heard_ns) <= config.limits.silence_ns;
+                let lives = node.lives(config.limits.silence_ns, now_ns);
                 if !lives && role == Role::Asker {
                     // They come and go.
                     continue;
@@ -171,7 +178,7 @@ fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
             json!({
                 "node": node.role.word(),
                 "state": format!("{:?}", node.state).to_lowercase(),
-                "lives": now_ns.saturating_sub(node.heard_ns) <= silence_ns,
+                "lives": node.lives(silence_ns, now_ns),
                 "up_s": rounded(seconds(node.started_ns, node.heard_ns)),
                 "heard_s": rounded(seconds(node.heard_ns, now_ns)),
                 "restarts": node.restarts,

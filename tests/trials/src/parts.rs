@@ -34,7 +34,7 @@ pub(crate) struct Place {
     robot: RobotName,
     /// Folder of what the processes share.
     #[arg(long)]
-    root: PathBuf,
+    root: String,
     /// What names in shared memory begin with.
     #[arg(long)]
     prefix: String,

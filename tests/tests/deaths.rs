@@ -1,0 +1,289 @@
+//! Who dies or hangs is missed within half a second, by the clock that nodes are told;
+//! and who was held up does not do what was given up meanwhile.
+//!
+//! The other process is a real one; time stands still but for what the tests let go by.
+
+use std::cell::Cell;
+use std::io::{BufRead as _, BufReader};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use nsrm_core::{Model, RawScene};
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::{Limits, Mode};
+use nsrm_ipc::message::{Feedback, Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage};
+use nsrm_ipc::node::{AskError, Asker, Line, PlannerNode, Watcher};
+use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender};
+use nsrm_tests::by_hand::{Parts, raw_scene};
+use nsrm_tests::corner::{Corner, join};
+use nsrm_tests::world::{BLOCKS, Pending, SENTENCE, World, last_reason, patient};
+
+const MS: u64 = 1_000_000;
+/// How long a death may be unnoticed.
+const PROMISE_NS: u64 = 500 * MS;
+/// Nodes look around so often: the last heartbeat is heard, and its lack seen, so much
+/// later at most.
+const NAP_NS: u64 = 20 * MS;
+
+/// Another process.
+struct Other(Child);
+
+impl Other {
+    fn start(role: &str, corner: &Corner) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_node"))
+            .arg(role)
+            .args(corner.arguments())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        let stdout = child.stdout.take().unwrap();
+        BufReader::new(stdout).read_line(&mut line).unwrap();
+        assert_eq!(line, "at work\n");
+        Self(child)
+    }
+
+    /// Sends a signal; when it has had its effect, it says nothing any more.
+    fn silence(&mut self, signal: &str) {
+        self.signal(signal);
+        if signal == "-KILL" {
+            self.0.wait().unwrap();
+            return;
+        }
+        let path = format!("/proc/{}/stat", self.0.id());
+        while !std::fs::read_to_string(&path).unwrap().contains(") T ") {
+            std::thread::yield_now();
+        }
+    }
+
+    fn signal(&self, name: &str) {
+        let process = self.0.id().to_string();
+        let sent = Command::new("kill").args([name, &process]).status();
+        assert!(sent.unwrap().success());
+    }
+}
+
+impl Drop for Other {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Removes what the dead have left, when all others have ended. A process may be gone
+/// a moment before its locks are.
+fn bury(corner: &Corner) {
+    for _ in 0..1000 {
+        join("left", Role::Watcher, &corner.config).bury();
+        if corner.left_behind().is_empty() {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// A planner that was asked for a sentence; time is what it is told.
+struct Scene<'m> {
+    planner: PlannerNode<'m>,
+    scenes: Sender<SceneMessage>,
+    scene: RawScene,
+    heard: Receiver<Feedback>,
+    _client: PlanClient,
+    pending: Pending,
+    _robot: Robot,
+}
+
+impl<'m> Scene<'m> {
+    fn new(model: &'m Model<'m>, limits: Limits, corner: &Corner) -> Self {
+        let planner = join("left", Role::Planner, &corner.config);
+        let robot = join("left", Role::Asker, &corner.config);
+        let client = robot.plan_client().unwrap();
+        let (scenes, heard) = (robot.sender().unwrap(), robot.receiver().unwrap());
+        let planner = PlannerNode::begin(planner, model, limits).unwrap();
+        let request = PlanRequest::new(3, 1, Mode::ClosedLoop, SENTENCE).unwrap();
+        Self {
+            planner,
+            scenes,
+            scene: raw_scene(model, &BLOCKS),
+            heard,
+            pending: client.send_copy(request).unwrap(),
+            _client: client,
+            _robot: robot,
+        }
+    }
+
+    /// Shows a scene taken at this time and lets the planner work; what it says.
+    fn turn(&mut self, now_ns: u64) -> Vec<PlanReply> {
+        self.scene.header.timestamp_ns = now_ns;
+        let message = SceneMessage::from(&self.scene);
+        self.scenes.send(&message).unwrap();
+        self.planner.poll(now_ns);
+        let replies = std::iter::from_fn(|| self.pending.receive().unwrap());
+        replies.map(|reply| *reply).collect()
+    }
+
+    /// Turns until the first step has been sent.
+    fn until_commanded(&mut self, now_ns: u64) {
+        while !self
+            .turn(now_ns)
+            .iter()
+            .any(|reply| matches!(reply.read(), Ok(Reply::Commanded { .. })))
+        {}
+    }
+
+    /// What the controller says next.
+    fn outcome(&self) -> Outcome {
+        loop {
+            if let Some(feedback) = self.heard.receive().unwrap() {
+                return feedback.read().unwrap().outcome;
+            }
+            std::thread::yield_now();
+        }
+    }
+}
+
+#[test]
+fn a_controller_that_dies_or_hangs_is_lost_within_half_a_second() {
+    let parts = Parts::new();
+    let model = parts.model();
+    for signal in ["-STOP", "-KILL"] {
+        let corner = Corner::new(&format!("lost{signal}"));
+        let mut controller = Other::start("controller", &corner);
+        // The other process has a clock that goes.
+        let limits = Limits {
+            accept_wait_ns: patient().accept_wait_ns,
+            ..Limits::default()
+        };
+        let mut it = Scene::new(&model, limits, &corner);
+        let now = now_ns();
+        it.until_commanded(now);
+        assert_eq!(it.outcome(), Outcome::Accepted);
+        controller.silence(signal);
+        // All that it has said is heard now.
+        assert!(it.turn(now).is_empty());
+        assert!(it.turn(now + Limits::default().silence_ns).is_empty());
+        let noticed = now + PROMISE_NS - 2 * NAP_NS;
+        let mut replies = it.turn(noticed);
+        replies.extend(it.turn(noticed));
+        assert_eq!(last_reason(&replies), Some("controller_lost"), "{signal}");
+        if signal == "-STOP" {
+            // It goes on, and finds that it must not.
+            controller.signal("-CONT");
+            assert_eq!(it.outcome(), Outcome::Stopped);
+        }
+        drop((controller, it));
+        bury(&corner);
+    }
+}
+
+#[test]
+fn a_planner_that_dies_or_hangs_is_missed_within_half_a_second() {
+    let silence_ns = Limits::default().silence_ns;
+    let mut corners = 1..;
+    for signal in ["-STOP", "-KILL"] {
+        for line in [Line::Connection, Line::Broadcast] {
+            let corner = Corner::new(&format!("missed{}", corners.next().unwrap()));
+            let mut planner = Other::start("planner", &corner);
+            let robot = join("left", Role::Asker, &corner.config);
+            let mut asker = Asker::begin(robot, line, silence_ns).unwrap();
+            let robot = join("left", Role::Watcher, &corner.config);
+            let mut watcher = Watcher::begin(robot).unwrap();
+            let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+            let now = now_ns();
+            let lives = |watcher: &mut Watcher, now| {
+                let nodes = watcher.look(now).nodes;
+                let mut nodes = nodes.iter().flatten();
+                let planner = nodes.find(|node| node.role == Role::Planner);
+                planner.is_some_and(|planner| planner.lives(silence_ns, now))
+            };
+            while !lives(&mut watcher, now) {
+                assert_eq!(asker.hear(&mut conversation, now), Ok(None));
+            }
+            planner.silence(signal);
+            assert_eq!(asker.hear(&mut conversation, now), Ok(None));
+            assert!(lives(&mut watcher, now) && lives(&mut watcher, now + silence_ns));
+            assert_eq!(asker.hear(&mut conversation, now + silence_ns), Ok(None));
+            let noticed = now + PROMISE_NS - 2 * NAP_NS;
+            assert!(!lives(&mut watcher, noticed));
+            let lost = Err(AskError::PlannerLost("left".parse().unwrap()));
+            assert_eq!(asker.hear(&mut conversation, noticed), lost, "{signal}");
+            drop((planner, asker, watcher, conversation));
+            bury(&corner);
+        }
+    }
+}
+
+/// It was stopped before the command came, and goes on when nobody wants it any more.
+#[test]
+fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
+    let parts = Parts::new();
+    let model = parts.model();
+    for gives_up in [true, false] {
+        let corner = Corner::new(&format!("held-up-{gives_up}"));
+        let mut controller = Other::start("controller", &corner);
+        controller.silence("-STOP");
+        let mut it = Scene::new(&model, Limits::default(), &corner);
+        // Where the planner is never polled again, as one that has died, the command's
+        // time alone tells; here it has gone before it is sent.
+        let mut now = if gives_up {
+            now_ns()
+        } else {
+            now_ns() - 10_000 * MS
+        };
+        it.until_commanded(now);
+        let mut replies = Vec::new();
+        while gives_up && it.pending.is_connected() {
+            now += 50 * MS;
+            replies.extend(it.turn(now));
+        }
+        controller.signal("-CONT");
+        if gives_up {
+            assert_eq!(last_reason(&replies), Some("controller_lost"));
+            // To the stop, and then to the command.
+            assert_eq!([it.outcome(), it.outcome()], [Outcome::Stopped; 2]);
+        } else {
+            assert_eq!(it.outcome(), Outcome::TooLate);
+        }
+        drop((controller, it));
+        bury(&corner);
+    }
+}
+
+/// As above, by the rules alone: a later sentence is carried out.
+#[test]
+fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
+    let corner = Corner::new("too-late");
+    let parts = Parts::new();
+    let model = parts.model();
+    let robot = join("left", Role::Planner, &corner.config);
+    let mut planner = PlannerNode::begin(robot, &model, Limits::default()).unwrap();
+    let mut world = World::new("left", &model, &corner.config);
+    let pending = world.ask(1, SENTENCE);
+    let now = now_ns();
+    world.turn(now);
+    while !matches!(
+        pending.receive().unwrap().map(|reply| reply.status),
+        Some(2)
+    ) {
+        planner.poll(now);
+    }
+    // The controller sleeps for ten seconds; the planner gives the sentence up.
+    let late = now + 10_000 * MS;
+    world.turn(late);
+    assert_eq!(world.controller.rejected, 1);
+    let replies = world.follow(&mut planner, &pending, || late);
+    let expected = Some("unsuccessful");
+    assert_eq!(last_reason(&replies), expected);
+    assert!(world.controller.done.is_empty());
+
+    let pending = world.ask(2, SENTENCE);
+    let clock = Cell::new(late);
+    let replies = world.follow(&mut planner, &pending, || {
+        clock.set(clock.get() + MS);
+        clock.get()
+    });
+    assert_eq!(last_reason(&replies), None);
+    assert_eq!(world.controller.done.len(), 2);
+}
