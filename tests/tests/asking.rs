@@ -43,7 +43,7 @@ fn what_is_said_to_another_asker_is_passed_over() {
         let reply = PlanReply::refused(to, "busy", "as it is");
         active.send_copy(reply).unwrap();
     }
-    let reply = asker.hear(&mut conversation).unwrap().unwrap();
+    let reply = asker.hear(&mut conversation, now_ns()).unwrap().unwrap();
     assert_eq!((reply.request, reply.number), (own.request, 1));
 }
 
@@ -62,7 +62,7 @@ impl Stage<'_> {
         self.scene.header.timestamp_ns = now_ns;
         self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
         let _ = self.planner.poll(now_ns);
-        self.asker.hear(&mut self.conversation).unwrap()
+        self.asker.hear(&mut self.conversation, now_ns()).unwrap()
     }
 }
 

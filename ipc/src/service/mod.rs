@@ -29,9 +29,9 @@ pub use quality::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, PLAN, Quality};
 
 use core::fmt::Debug;
 use core::time::Duration;
-use std::time::Instant;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
