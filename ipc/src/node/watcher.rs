@@ -5,7 +5,10 @@ use nsrm_core::scene::SCENE_SCHEMA;
 use nsrm_core::{MAX_OBJECTS, SceneError};
 
 use super::rejected::Rejected;
-use crate::message::{Feedback, Heartbeat, PlanReply, Role, SceneMessage, State};
+use crate::message::{
+    Feedback, FeedbackError, Heartbeat, HeartbeatError, PlanReply, PlanReplyError, Role,
+    SceneMessage, State,
+};
 use crate::service::{Carried, Receiver, Robot, ServiceError};
 
 /// How many of the last replies are kept.
@@ -93,6 +96,65 @@ pub struct View {
     pub rejected: u64,
 }
 
+impl View {
+    /// A heartbeat has come.
+    pub fn hear_heartbeat(
+        &mut self,
+        heartbeat: &Heartbeat,
+        now_ns: u64,
+    ) -> Result<(), HeartbeatError> {
+        let (role, state) = heartbeat.read()?;
+        let Some(place) = self.nodes.get_mut(role as usize - 1) else {
+            return Ok(());
+        };
+        let before = place.as_ref();
+        let restarts = before.map_or(0, |before| {
+            let more = u32::from(before.started_ns != heartbeat.started_ns);
+            before.restarts.saturating_add(more)
+        });
+        *place = Some(NodeView {
+            role,
+            state,
+            started_ns: heartbeat.started_ns,
+            heard_ns: now_ns,
+            restarts,
+            rejected: heartbeat.rejected,
+        });
+        Ok(())
+    }
+
+    /// A scene has come. What else must be right of it only who has its model can tell.
+    pub fn hear_scene(&mut self, scene: &SceneMessage, now_ns: u64) -> Result<(), SceneError> {
+        let (got, count) = (scene.schema, scene.count);
+        if got != SCENE_SCHEMA {
+            return Err(SceneError::Schema { got });
+        }
+        if count as usize > MAX_OBJECTS {
+            return Err(SceneError::TooManyObjects { count });
+        }
+        self.scenes.hear(scene.sequence, scene.timestamp_ns, now_ns);
+        self.objects = count;
+        Ok(())
+    }
+
+    /// The controller has said something.
+    pub fn hear_feedback(&mut self, feedback: &Feedback, now_ns: u64) -> Result<(), FeedbackError> {
+        let made_ns = feedback.read()?.timestamp_ns;
+        self.feedback.hear(feedback.sequence, made_ns, now_ns);
+        Ok(())
+    }
+
+    /// The planner has said something; the oldest of what it said is forgotten.
+    pub fn hear_reply(&mut self, reply: &PlanReply) -> Result<(), PlanReplyError> {
+        reply.read()?;
+        if self.replies.is_full() {
+            let _ = self.replies.pop_front();
+        }
+        let _ = self.replies.push_back(*reply);
+        Ok(())
+    }
+}
+
 /// Looks on; changes nothing.
 #[derive(Debug)]
 pub struct Watcher {
@@ -124,80 +186,28 @@ impl Watcher {
     pub fn look(&mut self, now_ns: u64) -> &View {
         let (view, rejected) = (&mut self.view, &mut self.rejected);
         for heartbeat in self.heartbeats.waiting() {
-            match heartbeat.read() {
-                Ok((role, state)) => hear(&mut view.nodes, role, state, &heartbeat, now_ns),
-                Err(error) => rejected.add(Heartbeat::SERVICE, &error, now_ns),
+            if let Err(error) = view.hear_heartbeat(&heartbeat, now_ns) {
+                rejected.add(Heartbeat::SERVICE, &error, now_ns);
             }
         }
         for scene in self.scenes.waiting() {
-            match count(&scene) {
-                Ok(objects) => {
-                    view.scenes.hear(scene.sequence, scene.timestamp_ns, now_ns);
-                    view.objects = objects;
-                }
-                Err(error) => rejected.add(SceneMessage::SERVICE, &error, now_ns),
+            if let Err(error) = view.hear_scene(&scene, now_ns) {
+                rejected.add(SceneMessage::SERVICE, &error, now_ns);
             }
         }
         for feedback in self.feedback.waiting() {
-            match feedback.read() {
-                Ok(report) => {
-                    let made_ns = report.timestamp_ns;
-                    view.feedback.hear(feedback.sequence, made_ns, now_ns);
-                }
-                Err(error) => rejected.add(Feedback::SERVICE, &error, now_ns),
+            if let Err(error) = view.hear_feedback(&feedback, now_ns) {
+                rejected.add(Feedback::SERVICE, &error, now_ns);
             }
         }
         for reply in self.answers.waiting() {
-            if let Err(error) = reply.read() {
+            if let Err(error) = view.hear_reply(&reply) {
                 rejected.add(PlanReply::SERVICE, &error, now_ns);
-                continue;
             }
-            if view.replies.is_full() {
-                let _ = view.replies.pop_front();
-            }
-            let _ = view.replies.push_back(*reply);
         }
         view.rejected = rejected.count();
         view
     }
-}
-
-/// How many objects a scene has; what else must be right of it only who has its model
-/// can tell.
-fn count(scene: &SceneMessage) -> Result<u32, SceneError> {
-    let (got, count) = (scene.schema, scene.count);
-    if got != SCENE_SCHEMA {
-        return Err(SceneError::Schema { got });
-    }
-    if count as usize > MAX_OBJECTS {
-        return Err(SceneError::TooManyObjects { count });
-    }
-    Ok(count)
-}
-
-fn hear(
-    nodes: &mut [Option<NodeView>],
-    role: Role,
-    state: State,
-    heartbeat: &Heartbeat,
-    now_ns: u64,
-) {
-    let Some(place) = nodes.get_mut(role as usize - 1) else {
-        return;
-    };
-    let before = place.as_ref();
-    let restarts = before.map_or(0, |before| {
-        let more = u32::from(before.started_ns != heartbeat.started_ns);
-        before.restarts.saturating_add(more)
-    });
-    *place = Some(NodeView {
-        role,
-        state,
-        started_ns: heartbeat.started_ns,
-        heard_ns: now_ns,
-        restarts,
-        rejected: heartbeat.rejected,
-    });
 }
 
 #[cfg(test)]
@@ -225,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_node_that_was_started_anew_is_counted() {
-        let mut nodes = [None; Role::ALL.len()];
+        let mut view = View::default();
         for (started_ns, restarts) in [(5, 0), (5, 0), (6, 1)] {
             let heartbeat = Heartbeat {
                 sequence: 1,
@@ -235,10 +245,10 @@ mod tests {
                 role: Role::Planner as u32,
                 state: State::Idle as u32,
             };
-            hear(&mut nodes, Role::Planner, State::Idle, &heartbeat, 9);
-            let seen = nodes[2].map(|node| (node.restarts, node.rejected));
+            assert_eq!(view.hear_heartbeat(&heartbeat, 9), Ok(()));
+            let seen = view.nodes[2].map(|node| (node.restarts, node.rejected));
             assert_eq!(seen, Some((restarts, 3)));
         }
-        assert!(nodes[0].is_none());
+        assert!(view.nodes[0].is_none());
     }
 }
