@@ -28,4 +28,4 @@ pub use info::{info_json, info_text};
 pub use models::{AnyModel, LoadError, load_model};
 pub use nsrm_codegen::{ModelError, OwnedModel};
 #[cfg(feature = "scene-files")]
-pub use scenes::{SceneFileError, read_scene};
+pub use scenes::{SceneFileError, SceneText, read_scene, read_scene_text};

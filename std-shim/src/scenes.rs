@@ -184,26 +184,16 @@ pub fn read_scene(
 ) -> Result<Scene, SceneFileError> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|source| read_error(path, source))?;
-    let file: SceneFile =
-        serde_json::from_slice(&bytes).map_err(|source| SceneFileError::Json {
-            path: path.into(),
-            source,
-        })?;
-    if file.schema != SCHEMA {
-        return Err(SceneFileError::Schema {
-            path: path.into(),
-            got: file.schema,
-        });
-    }
+    let SceneText {
+        camera,
+        image,
+        detections,
+    } = read_scene_text(path, &bytes, model)?;
     let refused = |source| SceneFileError::Scene {
         path: path.into(),
         source,
     };
-    let camera = file.camera.camera();
-    let detections: Vec<Detection> = file.objects.iter().map(ObjectEntry::detection).collect();
-    // Before any image is decoded.
-    check(&detections, camera, model).map_err(refused)?;
-    match (crops, &file.image) {
+    match (crops, &image) {
         (Some(folder), _) => from_crops(folder, &detections, camera, model, refused),
         (None, Some(name)) => {
             let name = path.parent().unwrap_or(Path::new("")).join(name);
@@ -220,6 +210,52 @@ pub fn read_scene(
         }
         (None, None) => Err(SceneFileError::NoImage { path: path.into() }),
     }
+}
+
+/// What a scene file says, without its image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneText {
+    /// The camera.
+    pub camera: Camera,
+    /// The image as the file names it, if it names one.
+    pub image: Option<PathBuf>,
+    /// The objects: ids and boxes.
+    pub detections: Vec<Detection>,
+}
+
+/// Reads the text of a scene file and checks all that can be checked before an image
+/// is decoded; touches no file.
+///
+/// * `path`: where the bytes come from, for errors
+///
+/// # Errors
+/// As [`read_scene`].
+pub fn read_scene_text(
+    path: &Path,
+    bytes: &[u8],
+    model: &Model<'_>,
+) -> Result<SceneText, SceneFileError> {
+    let file: SceneFile = serde_json::from_slice(bytes).map_err(|source| SceneFileError::Json {
+        path: path.into(),
+        source,
+    })?;
+    if file.schema != SCHEMA {
+        return Err(SceneFileError::Schema {
+            path: path.into(),
+            got: file.schema,
+        });
+    }
+    let camera = file.camera.camera();
+    let detections: Vec<Detection> = file.objects.iter().map(ObjectEntry::detection).collect();
+    check(&detections, camera, model).map_err(|source| SceneFileError::Scene {
+        path: path.into(),
+        source,
+    })?;
+    Ok(SceneText {
+        camera,
+        image: file.image,
+        detections,
+    })
 }
 
 /// Everything that can be checked without looking at the objects.
