@@ -496,6 +496,47 @@ fn a_cancelled_sentence_stops_the_robot_and_waits_for_it() {
     assert_eq!(ended, Event::Ended(Err(Failure::Cancelled)));
 }
 
+/// Messages may come doubled or late; a poll sees all that came since the one before it.
+#[test]
+fn what_a_controller_says_first_of_a_commands_end_is_what_counts() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    for later in [Outcome::Accepted, Outcome::Reached, Outcome::NoPath] {
+        world.scene = raw_scene(&model, &BLOCKS);
+        world.ask(TWO_STEPS, Mode::ClosedLoop);
+        let command = until_command(&mut world);
+        world.say(&command, Outcome::Accepted);
+        world.say(&command, Outcome::Dropped);
+        world.say(&command, later);
+        let (step, outcome) = (0, Outcome::Dropped);
+        let why = Failure::Unsuccessful { step, outcome };
+        let event = world.executive.poll(world.now_ns);
+        assert_eq!(event, Event::Again { step, why }, "{later:?}");
+        assert_eq!(world.run(), Ok(()));
+    }
+}
+
+#[test]
+fn accepting_again_and_again_gives_no_more_time() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask(TWO_STEPS, Mode::ClosedLoop);
+    let command = until_command(&mut world);
+    let sent_ns = world.now_ns;
+    loop {
+        world.say(&command, Outcome::Accepted);
+        world.now_ns += 100 * MS;
+        match world.executive.poll(world.now_ns) {
+            Event::Waiting => {}
+            Event::Stop(id) => break assert_eq!(id, command.id),
+            event => panic!("{event:?}"),
+        }
+        assert!(world.now_ns - sent_ns <= 60_000 * MS);
+    }
+}
+
 #[test]
 fn a_controller_that_says_nothing_is_stopped_and_told_of() {
     let parts = Parts::new();

@@ -123,15 +123,20 @@ impl<'m> Job<'m> {
                 command,
                 since_ns,
                 heard,
-            } if command.id == report.id => match report.outcome {
-                Outcome::Accepted => {
+            } if command.id == report.id => match (report.outcome, &heard) {
+                (Outcome::Accepted, Heard::Nothing) => {
                     *heard = Heard::Accepted;
                     *since_ns = now_ns;
                 }
-                outcome => {
+                // Said again, it gives no more time and takes nothing back.
+                (Outcome::Accepted, _) => {}
+                // What is said first counts; it may have been on its way when the
+                // controller was lost.
+                (outcome, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
                     let at_ns = report.timestamp_ns;
                     *heard = Heard::Ended { outcome, at_ns };
                 }
+                (_, Heard::Ended { .. } | Heard::Undelivered) => {}
             },
             Stage::Stopping { id, confirmed, .. } if *id == report.id => {
                 *confirmed |= report.outcome != Outcome::Accepted;
