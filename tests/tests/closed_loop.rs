@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use nsrm_core::{Model, RawScene, Refusal, Scene, SceneError};
 use nsrm_ipc::executive::{
-    Busy, Command, Event, Executive, Failure, Limits, Mode, SceneFault, Sentence,
+    Busy, Command, CommandId, Event, Executive, Failure, Limits, Mode, SceneFault, Sentence,
 };
 use nsrm_ipc::message::{Feedback, FeedbackError, Outcome, SceneMessage};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
@@ -535,6 +535,31 @@ fn accepting_again_and_again_gives_no_more_time() {
         }
         assert!(world.now_ns - sent_ns <= 60_000 * MS);
     }
+}
+
+/// The controller's clock is behind: by it the step ended before it was commanded.
+#[test]
+fn a_scene_from_before_a_command_shows_nothing_of_what_came_of_it() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let command = until_command(&mut world);
+    world.carry_out(&command);
+    world.now_ns += MS;
+    let CommandId { plan, command } = command.id;
+    let feedback = Feedback {
+        plan,
+        sequence: 0,
+        timestamp_ns: 0,
+        command,
+        outcome: Outcome::Reached as u32,
+    };
+    world.executive.hear(&feedback, world.now_ns).unwrap();
+    assert_eq!(world.executive.poll(world.now_ns), Event::Working);
+    assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.log, ["reached 0"]);
 }
 
 #[test]

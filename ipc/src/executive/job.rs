@@ -58,6 +58,8 @@ enum Stage<'m> {
     /// Its outcome is waited for.
     Commanded {
         command: Command,
+        sent_ns: u64,
+        /// When it was sent, or accepted.
         since_ns: u64,
         heard: Heard,
     },
@@ -121,6 +123,7 @@ impl<'m> Job<'m> {
         match &mut self.stage {
             Stage::Commanded {
                 command,
+                sent_ns,
                 since_ns,
                 heard,
             } if command.id == report.id => match (report.outcome, &heard) {
@@ -133,7 +136,9 @@ impl<'m> Job<'m> {
                 // What is said first counts; it may have been on its way when the
                 // controller was lost.
                 (outcome, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
-                    let at_ns = report.timestamp_ns;
+                    // Not before the command, whatever the controller's clock says: a
+                    // scene from before it shows nothing of what came of it.
+                    let at_ns = report.timestamp_ns.max(*sent_ns);
                     *heard = Heard::Ended { outcome, at_ns };
                 }
                 (_, Heard::Ended { .. } | Heard::Undelivered) => {}
@@ -236,6 +241,7 @@ impl<'m> Job<'m> {
                 command,
                 since_ns,
                 heard,
+                ..
             } => {
                 let (step, waited_ns) = (command.step, now_ns.saturating_sub(since_ns));
                 match heard {
@@ -323,6 +329,7 @@ impl<'m> Job<'m> {
         };
         self.stage = Stage::Commanded {
             command,
+            sent_ns: now_ns,
             since_ns: now_ns,
             heard: Heard::Nothing,
         };
