@@ -62,7 +62,7 @@ impl Stage<'_> {
         self.scene.header.timestamp_ns = now_ns;
         self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
         let _ = self.planner.poll(now_ns);
-        self.asker.hear(&mut self.conversation, now_ns()).unwrap()
+        self.asker.hear(&mut self.conversation, now_ns).unwrap()
     }
 }
 

@@ -19,11 +19,13 @@ mod error;
 mod fault;
 mod half_made;
 mod name;
+mod place;
 mod port;
 mod quality;
 
 pub use error::{SendFailure, ServiceError};
 pub use name::{MAX_NAME, RobotName, RobotNameError};
+pub use place::settle;
 pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
 pub use quality::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, PLAN, Quality};
 

@@ -6,7 +6,7 @@ use iceoryx2::config::Config as Iceoryx;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
 use nsrm_ipc::executive::{Limits, LimitsError};
 use nsrm_ipc::node::Line;
-use nsrm_ipc::service::{RobotName, RobotNameError};
+use nsrm_ipc::service::{RobotName, RobotNameError, settle};
 use serde::Deserialize;
 
 /// A configuration file (TOML). Everything may be left out.
@@ -78,6 +78,7 @@ pub(crate) enum ConfigError {
     Robot(RobotNameError),
     Limits(LimitsError),
     SharedMemory(&'static str, String),
+    Settle(std::io::Error),
 }
 
 impl std::fmt::Display for ConfigError {
@@ -90,6 +91,11 @@ impl std::fmt::Display for ConfigError {
             Self::SharedMemory(key, value) => write!(
                 f,
                 "shared_memory.{key} = {value:?}: too long, or not a name that files may have"
+            ),
+            Self::Settle(error) => write!(
+                f,
+                "shared_memory: {error}; is {} writable?",
+                std::env::temp_dir().display()
             ),
         }
     }
@@ -130,7 +136,10 @@ impl Config {
 
 impl SharedMemoryFile {
     fn read(&self) -> Result<Iceoryx, ConfigError> {
-        let mut config = Iceoryx::global_config().clone();
+        if self.root.is_none() && self.prefix.is_none() {
+            return Ok(Iceoryx::global_config().clone());
+        }
+        let mut config = Iceoryx::default();
         if let Some(root) = &self.root {
             let path = Path::new(root.as_bytes());
             let path = path.map_err(|_| ConfigError::SharedMemory("root", root.clone()))?;
@@ -141,6 +150,7 @@ impl SharedMemoryFile {
             let name = name.map_err(|_| ConfigError::SharedMemory("prefix", prefix.clone()))?;
             config.global.prefix = name;
         }
+        settle(&config).map_err(ConfigError::Settle)?;
         Ok(config)
     }
 }

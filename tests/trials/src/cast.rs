@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::Watcher;
-use nsrm_ipc::service::Robot;
+use nsrm_ipc::service::{Robot, settle};
 use nsrm_tests::corner::Corner;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
@@ -56,6 +56,7 @@ impl Cast {
     pub(crate) fn new(folder: &Path, nsrm: &Path, seed: u64) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         let corner = Corner::new("trial");
+        settle(&corner.config)?;
         let journal = folder.join("journal.jsonl");
         for old in PARTS
             .map(log)

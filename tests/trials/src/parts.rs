@@ -6,12 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
-use iceoryx2::config::Config;
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::CommandId;
-use nsrm_ipc::message::{Feedback, Order, Outcome, Role, State, SubGoal};
+use nsrm_ipc::message::{Feedback, Order, Outcome, Role, State, SubGoal, SubGoalError};
 use nsrm_ipc::node::{HEARTBEAT_NS, Life};
-use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, Sender};
+use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, Sender, settle};
 use nsrm_tests::corner;
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -44,12 +43,10 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    pub(crate) fn config(&self) -> Config {
-        corner::config(&self.root, &self.prefix)
-    }
-
     pub(crate) fn join(&self, role: Role) -> Result<Robot> {
-        Ok(Robot::join(self.robot.clone(), role, &self.config())?)
+        let config = corner::config(&self.root, &self.prefix);
+        settle(&config)?;
+        Ok(Robot::join(self.robot.clone(), role, &config)?)
     }
 
     pub(crate) fn journal(&self) -> &Path {
@@ -130,7 +127,10 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
             State::Idle
         };
         let _ = life.beat(state, now_ns());
-        while let Some(command) = controller.commands.receive()?.map(|sample| *sample) {
+        let mut commands: Vec<_> = controller.commands.waiting().map(|it| *it).collect();
+        // A stop before the move that it stops.
+        commands.sort_by_key(|command| command.read(now_ns()) != Ok(Order::Stop));
+        for command in commands {
             controller.obey(&command)?;
         }
         controller.move_on()?;
@@ -167,7 +167,7 @@ impl Controller {
             }
         }
         let doing = self.moving.map(|(command, _)| command.id());
-        match command.read() {
+        match command.read(now_ns()) {
             Ok(Order::Stop) => {
                 if doing == Some(id) {
                     self.moving = None;
@@ -191,6 +191,7 @@ impl Controller {
                 self.moving = Some((*command, end_ns));
                 Ok(())
             }
+            Err(SubGoalError::TooLate { .. }) => self.end(id, Outcome::TooLate),
             Err(_) => Ok(()),
         }
     }
