@@ -1,4 +1,4 @@
-//! A service whose maker was killed while it made it is made anew.
+//! What a process had half made when it was killed: a service is made anew, a node removed.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -86,4 +86,28 @@ fn what_is_just_being_made_is_left_alone() {
     );
     assert_eq!(described(&corner).len(), before.len());
     drop(service);
+}
+
+/// As it stands when a process is killed before it shows that it lives.
+#[test]
+fn a_node_that_was_begun_and_given_up_is_removed() {
+    let corner = Corner::new("half-a-node");
+    let lives = join(Role::Planner, &corner);
+    let nodes = corner.root().join("nodes");
+    let dead = |number: &str| {
+        let folder = nodes.join(number);
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("node.details"), "{}").unwrap();
+        folder
+    };
+    let (old, new) = (dead("4711"), dead("4712"));
+    age(&old, Duration::from_secs(60));
+    let folders = || std::fs::read_dir(&nodes).unwrap().count();
+    let before = folders();
+    let other = join(Role::Perception, &corner);
+    assert!(!old.exists() && new.exists());
+    // The other one's own files, and those of the one that lives, are there.
+    assert!(folders() > before - 1);
+    assert!(lives.receiver::<Feedback>().is_ok() && other.sender::<Feedback>().is_ok());
+    std::fs::remove_dir_all(new).unwrap();
 }

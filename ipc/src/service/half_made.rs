@@ -1,5 +1,5 @@
-//! Services whose maker was killed while it made them: iceoryx2 leaves them half made, and
-//! then nobody can open or make them any more.
+//! What was half made when its maker was killed, which iceoryx2 leaves for ever: services,
+//! which then nobody can open or make any more, and nodes, whose files stay.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -10,14 +10,14 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
-/// Making a service takes a millisecond; what is half made for so long stays so.
+/// Making either takes a millisecond; what is half made for so long stays so.
 const GIVEN_UP: Duration = Duration::from_secs(1);
 
 /// Removes a service that was begun and given up; whether it was one.
 ///
 /// One process at a time does so, and only to what was begun long enough ago: what another
 /// one has begun anew meanwhile is left to it.
-pub(super) fn remove(
+pub(super) fn remove_service(
     node: &Node<ipc::Service>,
     name: &ServiceName,
     pattern: MessagingPattern,
@@ -40,6 +40,27 @@ pub(super) fn remove(
     let removed = unsafe { node.force_remove_service(name, pattern) };
     // What is not even readable yet is not removed by that.
     removed == Ok(true) || std::fs::remove_file(file).is_ok()
+}
+
+/// Removes what nodes have left that were killed between writing down who they are and
+/// showing that they live: a folder of that number, and nothing that is watched for its
+/// death.
+pub(super) fn remove_nodes(config: &Config) {
+    let folder = PathBuf::from(config.global.node_dir().to_string());
+    // What can't be looked at or removed now is so by the next node that joins.
+    for node in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+        let number = node.file_name();
+        let watched = format!(
+            "{}{}{}",
+            config.global.prefix,
+            number.to_string_lossy(),
+            config.global.node.monitor_suffix
+        );
+        let is_folder = node.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_folder && was_given_up(&node.path()) && !folder.join(watched).exists() {
+            let _ = std::fs::remove_dir_all(node.path());
+        }
+    }
 }
 
 /// The file in which a service is described.

@@ -100,6 +100,7 @@ impl Robot {
                 },
                 None => says(&error),
             })?;
+        half_made::remove_nodes(&config);
         let robot = Self { node, name };
         robot.bury();
         Ok(robot)
@@ -295,7 +296,7 @@ impl Robot {
             match open(self.node.service_builder(&name)).map_err(Into::into) {
                 Ok(opened) => return Ok(opened),
                 Err(Fault::InFlux) if begun.elapsed() < IN_FLUX => {
-                    if half_made::remove(&self.node, &name, pattern) {
+                    if half_made::remove_service(&self.node, &name, pattern) {
                         warn!(%name, "removed what a process that died had begun to make");
                     }
                     std::thread::sleep(BETWEEN_TRIES);

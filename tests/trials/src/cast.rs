@@ -21,6 +21,9 @@ use crate::journal::Journal;
 pub(crate) const ROBOT: &str = "trial";
 /// How long processes may take to be ready, or to end, in all.
 const PATIENCE_NS: u64 = 30_000_000_000;
+/// How often the dead are buried in the end, and how long is waited in between.
+const BURIALS: u32 = 20;
+const BETWEEN_BURIALS: Duration = Duration::from_millis(100);
 /// Between two looks.
 const NAP: Duration = Duration::from_millis(2);
 
@@ -227,9 +230,16 @@ impl Cast {
             );
             std::thread::sleep(NAP);
         }
-        // Frees what the dead had, as each node does when it is started.
-        drop(self.join(Role::Watcher)?);
-        let left = self.corner.left_behind();
+        // Frees what the dead had, as each node does when it is started and ever after.
+        let mut left = self.corner.left_behind();
+        for _ in 0..BURIALS {
+            drop(self.join(Role::Watcher)?);
+            left = self.corner.left_behind();
+            if left.is_empty() {
+                break;
+            }
+            std::thread::sleep(BETWEEN_BURIALS);
+        }
         self.journal.write("left", json!({"names": left}))
     }
 }
