@@ -5,13 +5,17 @@
 //! * [`controller`] and [`world`]: what stands around a planner;
 //! * [`corner`]: shared memory of a test's own, and what was left behind in it;
 //! * [`counting`]: an allocator that counts;
+//! * [`fuzz`]: what is done with bytes from anywhere, by the fuzz targets and by a test;
 //! * [`golden`]: what the trainer computed, for everything to agree with;
-//! * [`picture`]: a picture of coloured squares, for what must run on any image.
+//! * [`picture`]: a picture of coloured squares, for what must run on any image;
+//! * [`plans`]: what holds of every plan.
 
 pub mod by_hand;
 pub mod controller;
 pub mod corner;
 pub mod counting;
+pub mod fuzz;
 pub mod golden;
 pub mod picture;
+pub mod plans;
 pub mod world;

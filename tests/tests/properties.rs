@@ -2,59 +2,22 @@
 //! panic. On the pretrained model and on the one made by hand, each also with other
 //! thresholds, so that it goes on where it would refuse.
 
-use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING, Thresholds};
+use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING};
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::scene::{ObservedObject, SceneHeader};
 use nsrm_core::{Camera, MAX_OBJECTS, Model, Plan, Planner, RawScene, Refusal, Scene};
 use nsrm_tests::by_hand::{Block, Parts, embedding};
 use nsrm_tests::picture;
+use nsrm_tests::plans::{check_in, reckless};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-
-/// A model that is never unsure, and for which objects match from this score on.
-fn reckless(model: Model<'_>, match_score: f32) -> Model<'_> {
-    let mut model = model;
-    model.header.thresholds = Thresholds {
-        match_score,
-        decision: 0.0,
-    };
-    model
-}
-
-/// What holds of every plan.
-fn check(model: &Model<'_>, scene: &Scene, plan: &Plan) {
-    assert!(!plan.steps().is_empty());
-    assert_eq!(plan.steps().len(), plan.program().steps().len());
-    for step in plan.steps() {
-        let pose = &step.sub_goal.pose;
-        let position: [f32; 3] = pose.translation.vector.into();
-        assert!(model.header.work_space.contains(&position), "{position:?}");
-        assert!((pose.rotation.coords.norm() - 1.0).abs() < 1e-3);
-        assert!(step.location.iter().all(|number| number.is_finite()));
-        assert_ne!(step.object.object, step.reference.object);
-        assert_eq!(step.sub_goal.object, step.object.object);
-        for grounding in [step.object, step.reference] {
-            let object = &scene.objects()[usize::from(grounding.index)];
-            assert_eq!(object.id, grounding.object);
-        }
-        let confidence = step.confidence.joint();
-        assert!((0.0..=1.0).contains(&confidence), "{confidence}");
-    }
-    let confidence = plan.confidence();
-    let least = plan.steps().iter().map(|step| step.confidence.joint());
-    assert!(
-        (0.0..=least.fold(1.0, f32::min)).contains(&confidence),
-        "{confidence}"
-    );
-    assert!(!plan.program().notation(model).to_string().is_empty());
-}
 
 /// Plans; what comes of it must be in order.
 fn plan(model: &Model<'_>, scene: &Scene, sentence: &str) -> Result<Plan, Refusal> {
     let result = Planner::new(model).plan(scene, sentence);
     match &result {
-        Ok(plan) => check(model, scene, plan),
+        Ok(plan) => check_in(model, scene, plan),
         Err(refusal) => {
             assert!(!matches!(refusal, Refusal::InvalidModel));
             assert!(!refusal.in_context(model, sentence).to_string().is_empty());

@@ -1,0 +1,614 @@
+//! The loop between the messages, in a world that does whatever the bytes say: scenes
+//! late, old, broken or missing, a controller that obeys, fails, lies or is silent.
+//!
+//! What is written next to the loop by hand here is a second account of what it may do;
+//! the two must agree.
+
+use std::sync::LazyLock;
+
+use nsrm_core::planner::MAX_POLLS;
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_core::{MAX_STEPS, Model, RawScene};
+use nsrm_ipc::executive::{Command, CommandId, Event, Executive, Failure, Limits, Mode, Sentence};
+use nsrm_ipc::message::{
+    Feedback, Order, Outcome, PlanReply, Reply, ReplyTo, SceneMessage, SubGoal,
+};
+
+use super::bytes::{Script, bytes_of, message};
+use super::says;
+use super::text::SQUARES;
+use crate::by_hand::{Parts, block, raw_scene};
+use crate::plans::check;
+
+const MS: u64 = 1_000_000;
+
+/// What may be asked for with a byte; a greater one says that the sentence follows.
+pub(super) const SENTENCES: [&str; 7] = [
+    "put the small red block on the blue block then put the green block on the small red block",
+    "put the red block on the blue block",
+    "put the green block beside the blue block",
+    "put the red block on the blue block then put the red block on the green block then put the \
+     blue block on the red block",
+    "put the purple block on the blue block",
+    "put the small green block on the blue block",
+    "move the red block to the left of the green block, then put the yellow block on the red one",
+];
+
+/// What a byte of the script, modulo [`Op::ALL`], makes happen. Further bytes say how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Op {
+    /// A sentence and a mode.
+    Ask,
+    /// So many polls.
+    Poll,
+    /// Polls until there is nothing to do now, or something to send.
+    PollOn,
+    /// Milliseconds.
+    Wait,
+    /// Tenths of a second.
+    WaitLong,
+    /// Eight bytes of nanoseconds.
+    Leap,
+    /// The world as it is now.
+    See,
+    /// The world as it is, dated so many times 4 ms back.
+    SeeLate,
+    /// The world with four bytes of its message replaced, at a place of two bytes.
+    SeeBroken,
+    /// An object goes somewhere, or away.
+    Move,
+    /// The controller accepts the last command.
+    Accept,
+    /// It does what it was told, and says so.
+    Obey,
+    /// It says something of the last command, at some time.
+    Say,
+    /// It says anything.
+    Babble,
+    /// The sentence is no longer wanted.
+    Cancel,
+    /// The controller is lost, or could not be reached.
+    Lose,
+}
+
+impl Op {
+    const ALL: [Self; 16] = [
+        Self::Ask,
+        Self::Poll,
+        Self::PollOn,
+        Self::Wait,
+        Self::WaitLong,
+        Self::Leap,
+        Self::See,
+        Self::SeeLate,
+        Self::SeeBroken,
+        Self::Move,
+        Self::Accept,
+        Self::Obey,
+        Self::Say,
+        Self::Babble,
+        Self::Cancel,
+        Self::Lose,
+    ];
+}
+
+/// First byte of a script: the model by hand in place of the pretrained one, a
+/// controller that obeys once the script is at its end, and the number of retries.
+pub(super) const BY_HAND: u8 = 1;
+pub(super) const OBEDIENT: u8 = 2;
+const RETRIES: u8 = 3;
+
+static PARTS: LazyLock<Parts> = LazyLock::new(Parts::new);
+static MODEL: LazyLock<Model<'static>> = LazyLock::new(|| PARTS.model());
+
+/// A script of what happens; behind its end the sentence that is on its way must end, in a
+/// world that goes on well or in one that is silent.
+pub fn executive(bytes: &[u8]) {
+    play(bytes);
+}
+
+/// How each sentence of the script has ended: `done`, or the failure's kind.
+fn play(bytes: &[u8]) -> Vec<&'static str> {
+    let mut script = Script::new(bytes);
+    let settings = script.byte();
+    let (model, scene) = if settings & BY_HAND == 0 {
+        (&TABLETOP, *SQUARES.raw())
+    } else {
+        let blocks = [
+            block("small", "red"),
+            block("lego", "blue"),
+            block("lego", "green"),
+        ];
+        (&*MODEL, raw_scene(&MODEL, &blocks))
+    };
+    let limits = Limits {
+        retries: settings >> 6 & RETRIES,
+        ..Limits::default()
+    };
+    assert_eq!(limits.check(), Ok(()));
+    let mut world = World::new(model, limits, scene);
+    while !script.is_at_end() {
+        world.step(&mut script);
+    }
+    world.end(settings & OBEDIENT != 0);
+    world.ended
+}
+
+/// A sentence on its way, as seen from outside.
+#[derive(Debug)]
+struct Watched {
+    plan: u64,
+    mode: Mode,
+    sentence: Sentence,
+    /// Of the program, once it is known.
+    steps: usize,
+    commands: u32,
+    retries: u8,
+    reached: [bool; MAX_STEPS],
+    /// The command that the controller was given last, when, and the first thing that
+    /// it said of its end.
+    last: Option<(Command, u64)>,
+    ended: Option<Outcome>,
+    /// When it first said that it had accepted it.
+    accepted_ns: Option<u64>,
+    is_lost: bool,
+    is_stopping: bool,
+    cancelled_ns: Option<u64>,
+}
+
+struct World {
+    executive: Executive<'static>,
+    limits: Limits,
+    scene: RawScene,
+    now_ns: u64,
+    /// When the latest scene that was accepted had been taken.
+    seen_ns: u64,
+    last_plan: u64,
+    /// The last command of all.
+    command: Option<Command>,
+    watched: Option<Watched>,
+    /// How each sentence so far has ended.
+    ended: Vec<&'static str>,
+}
+
+impl World {
+    fn new(model: &'static Model<'static>, limits: Limits, scene: RawScene) -> Self {
+        let first_plan = 100;
+        Self {
+            executive: Executive::new(model, limits, first_plan),
+            limits,
+            scene,
+            now_ns: 10_000 * MS,
+            seen_ns: 0,
+            last_plan: first_plan - 1,
+            command: None,
+            watched: None,
+            ended: Vec::new(),
+        }
+    }
+
+    fn step(&mut self, script: &mut Script<'_>) {
+        let op = Op::ALL[usize::from(script.byte()) % Op::ALL.len()];
+        match op {
+            Op::Ask => self.ask(script),
+            Op::Poll => {
+                for _ in 0..script.byte() {
+                    let _ = self.poll();
+                }
+            }
+            Op::PollOn => self.poll_on(),
+            Op::Wait => self.pass(u64::from(script.byte()) * MS),
+            Op::WaitLong => self.pass(u64::from(script.byte()) * 100 * MS),
+            Op::Leap => self.pass(u64::from_le_bytes(script.array())),
+            Op::See => self.see(&self.view(self.now_ns)),
+            Op::SeeLate => {
+                let age_ns = u64::from(script.byte()) * 4 * MS;
+                self.see(&self.view(self.now_ns.saturating_sub(age_ns)));
+            }
+            Op::SeeBroken => {
+                let mut bytes = bytes_of(&self.view(self.now_ns)).to_vec();
+                let place = usize::from(u16::from_le_bytes(script.array()));
+                let place = place % (bytes.len() - 3);
+                bytes[place..place + 4].copy_from_slice(&script.array::<4>());
+                self.see(&message(&bytes).0);
+            }
+            Op::Move => {
+                let [which, x, y] = script.array();
+                let count = usize::from(which) % self.scene.objects.len();
+                if which >= 128 {
+                    self.scene.count = count as u32;
+                } else {
+                    let [x1, y1, x2, y2, _] = &mut self.scene.objects[count].location;
+                    let (width, height) = (*x2 - *x1, *y2 - *y1);
+                    (*x1, *y1) = (f32::from(x) / 300.0, f32::from(y) / 300.0);
+                    (*x2, *y2) = (*x1 + width, *y1 + height);
+                }
+            }
+            Op::Accept => self.say(Outcome::Accepted as u32, self.now_ns),
+            Op::Obey => self.obey(),
+            Op::Say => {
+                let [outcome, when] = script.array();
+                let at_ns = match when {
+                    0 => 0,
+                    255 => u64::MAX,
+                    when => {
+                        let ahead_ns = self.now_ns.saturating_add(64 * MS);
+                        ahead_ns.saturating_sub(u64::from(when) * MS)
+                    }
+                };
+                self.say(outcome.into(), at_ns);
+            }
+            Op::Babble => {
+                let (feedback, _): (Feedback, _) = message(script.take(size_of::<Feedback>()));
+                self.hear(&feedback);
+            }
+            Op::Cancel => {
+                self.executive.cancel();
+                if let Some(watched) = &mut self.watched {
+                    watched.cancelled_ns.get_or_insert(self.now_ns);
+                }
+            }
+            Op::Lose => {
+                if script.byte().is_multiple_of(2) {
+                    self.executive.lose_controller();
+                } else {
+                    self.executive.miss_controller();
+                }
+                if let Some(watched) = &mut self.watched {
+                    watched.is_lost = true;
+                }
+            }
+        }
+    }
+
+    fn pass(&mut self, by_ns: u64) {
+        self.now_ns = self.now_ns.saturating_add(by_ns);
+    }
+
+    fn ask(&mut self, script: &mut Script<'_>) {
+        let [mode, which] = script.array();
+        let mode = match mode % 3 {
+            0 => Mode::ClosedLoop,
+            1 => Mode::OpenLoop,
+            _ => Mode::PlanOnly,
+        };
+        let text = match SENTENCES.get(usize::from(which)) {
+            Some(text) => (*text).to_owned(),
+            None => String::from_utf8_lossy(script.take(which.into())).into_owned(),
+        };
+        let sentence = Sentence::try_from(text.as_str()).expect("255 bytes at most, each three");
+        let before = self.executive.plan();
+        match (self.executive.ask(sentence.clone(), mode), &self.watched) {
+            (Ok(plan), None) => {
+                assert_eq!((before, self.executive.plan()), (None, Some(plan)));
+                assert!(plan > self.last_plan);
+                self.last_plan = plan;
+                self.watched = Some(Watched {
+                    plan,
+                    mode,
+                    sentence,
+                    steps: 0,
+                    commands: 0,
+                    retries: 0,
+                    reached: [false; MAX_STEPS],
+                    last: None,
+                    ended: None,
+                    accepted_ns: None,
+                    is_lost: false,
+                    is_stopping: false,
+                    cancelled_ns: None,
+                });
+            }
+            (Err(busy), Some(watched)) => {
+                assert_eq!((busy.plan, self.executive.plan()), (watched.plan, before));
+                says(&busy);
+            }
+            (result, watched) => panic!("{result:?} while on its way is {watched:?}"),
+        }
+    }
+
+    /// The world as a message.
+    fn view(&self, taken_ns: u64) -> SceneMessage {
+        let mut raw = self.scene;
+        raw.header.timestamp_ns = taken_ns;
+        SceneMessage::from(&raw)
+    }
+
+    fn see(&mut self, message: &SceneMessage) {
+        match self.executive.see(message, self.now_ns) {
+            Ok(()) => {
+                assert!(message.to_scene(self.executive.model()).is_ok());
+                assert!(message.timestamp_ns >= self.seen_ns);
+                assert!(message.timestamp_ns <= self.now_ns.saturating_add(5 * MS));
+                let age_ns = self.now_ns.saturating_sub(message.timestamp_ns);
+                assert!(age_ns <= self.limits.scene_age_ns);
+                self.seen_ns = message.timestamp_ns;
+            }
+            Err(fault) => says(&fault),
+        }
+    }
+
+    /// The controller says this of the last command.
+    fn say(&mut self, outcome: u32, timestamp_ns: u64) {
+        let id = self.command.map(|command| command.id);
+        let CommandId { plan, command } = id.unwrap_or_default();
+        self.hear(&Feedback {
+            plan,
+            sequence: 0,
+            timestamp_ns,
+            command,
+            outcome,
+        });
+    }
+
+    fn hear(&mut self, feedback: &Feedback) {
+        let heard = self.executive.hear(feedback, self.now_ns);
+        assert_eq!(heard, feedback.read().map(|_| ()));
+        if let (Ok(report), Some(watched)) = (feedback.read(), &mut self.watched)
+            && watched.last.is_some_and(|(last, _)| last.id == report.id)
+        {
+            if report.outcome == Outcome::Accepted {
+                watched.accepted_ns.get_or_insert(self.now_ns);
+            } else {
+                watched.ended.get_or_insert(report.outcome);
+            }
+        }
+    }
+
+    /// The controller does what it was told.
+    fn obey(&mut self) {
+        let Some(command) = self.command else {
+            return;
+        };
+        self.say(Outcome::Accepted as u32, self.now_ns);
+        let moved = command.planned.sub_goal.object;
+        let objects = self.scene.objects.iter_mut();
+        for object in objects.filter(|object| object.id == moved) {
+            object.location = command.planned.location;
+        }
+        self.pass(MS);
+        self.say(Outcome::Reached as u32, self.now_ns);
+    }
+
+    fn poll_on(&mut self) {
+        for _ in 0..2 * MAX_POLLS {
+            match self.poll() {
+                Event::Waiting | Event::Command(_) | Event::Stop(_) | Event::Ended(_) => return,
+                _ => {}
+            }
+        }
+        panic!("no end of work: {:?}", self.watched);
+    }
+
+    /// Until the sentence has ended, which it must.
+    fn end(&mut self, is_obedient: bool) {
+        for tick in 0..200_000 {
+            if self.executive.plan().is_none() {
+                assert_eq!(self.executive.poll(self.now_ns), Event::Waiting);
+                return;
+            }
+            // Time comes to its end, too.
+            let is_over = self.now_ns > u64::MAX / 2;
+            if is_over {
+                return;
+            }
+            if is_obedient && tick % 10 == 0 {
+                self.see(&self.view(self.now_ns));
+            }
+            match self.poll() {
+                Event::Command(_) if is_obedient => self.obey(),
+                Event::Waiting if !is_obedient => self.pass(250 * MS),
+                _ => self.pass(MS),
+            }
+        }
+        panic!("no end: {:?}", self.watched);
+    }
+
+    fn poll(&mut self) -> Event {
+        let event = self.executive.poll(self.now_ns);
+        let Some(watched) = &mut self.watched else {
+            assert_eq!(event, Event::Waiting);
+            return event;
+        };
+        let model = self.executive.model();
+        watched.reply(&event, model);
+        let is_fresh = |watched: &Watched| {
+            // Of another time than before the robot moved, and not too old.
+            let age_ns = self.now_ns.saturating_sub(self.seen_ns);
+            assert!(age_ns <= self.limits.scene_age_ns, "{watched:?}");
+            let sent_ns = watched.last.map_or(0, |(_, sent_ns)| sent_ns);
+            assert!(self.seen_ns > sent_ns, "{watched:?}");
+        };
+        match &event {
+            Event::Working => {}
+            Event::Waiting => watched.wait(&self.limits, self.now_ns),
+            Event::Planned(plan) => {
+                check(model, plan);
+                is_fresh(watched);
+                watched.steps = plan.program().steps().len();
+            }
+            Event::Command(command) => {
+                watched.command(command, &self.limits, self.now_ns);
+                self.command = Some(*command);
+            }
+            &Event::Stop(id) => watched.stop(id),
+            &Event::Reached { step, off_m } => {
+                if watched.mode == Mode::ClosedLoop {
+                    assert!((0.0..=self.limits.tolerance_m).contains(&off_m), "{off_m}");
+                    assert!(self.seen_ns > watched.last.map_or(0, |(_, sent_ns)| sent_ns));
+                } else {
+                    assert!(off_m.is_nan());
+                }
+                watched.reach(step);
+            }
+            Event::Again { step, why } => {
+                assert!(usize::from(*step) < watched.steps);
+                watched.blame(why);
+                watched.retries += 1;
+                assert!(watched.retries <= self.limits.retries, "{watched:?}");
+            }
+            Event::Ended(result) => {
+                watched.end(result);
+                let kind = result.as_ref().map_or_else(Failure::kind, |()| "done");
+                self.ended.push(kind);
+                self.watched = None;
+                assert_eq!(self.executive.plan(), None);
+            }
+        }
+        event
+    }
+}
+
+impl Watched {
+    /// What is told of the event can be read by who has asked.
+    fn reply(&self, event: &Event, model: &Model<'_>) {
+        let to = ReplyTo {
+            asker: 1,
+            request: 2,
+            plan: self.plan,
+            number: 1,
+        };
+        let Some(reply) = PlanReply::about(to, event, model, &self.sentence) else {
+            let is_silent = matches!(event, Event::Waiting | Event::Working | Event::Stop(_));
+            assert!(is_silent, "{event:?}");
+            return;
+        };
+        let said = reply.read().expect("what is said can be read");
+        let is_same = match (event, said) {
+            (Event::Planned(plan), Reply::Planned { steps, .. }) => {
+                let grounded = steps.iter().filter(|step| step.is_grounded()).count();
+                grounded == plan.steps().len() && steps.len() == plan.program().steps().len()
+            }
+            (Event::Command(command), Reply::Commanded { step }) => step == u32::from(command.step),
+            (Event::Reached { step, .. }, Reply::Reached { step: said, .. }) => {
+                said == u32::from(*step)
+            }
+            (
+                Event::Again { why, .. },
+                Reply::Again {
+                    reason, message, ..
+                },
+            )
+            | (Event::Ended(Err(why)), Reply::Failed { reason, message }) => {
+                reason == why.kind() && !message.is_empty()
+            }
+            (Event::Ended(Ok(())), Reply::Done) => true,
+            _ => false,
+        };
+        assert!(is_same, "{event:?} is told as {said:?}");
+    }
+
+    fn wait(&self, limits: &Limits, now_ns: u64) {
+        let Some((_, sent_ns)) = self.last else {
+            return;
+        };
+        // A command is waited for no longer than it may take, however often the
+        // controller says that it has accepted it.
+        if self.ended.is_none() && self.mode != Mode::PlanOnly && !self.is_stopping {
+            let (since_ns, most_ns) = match self.accepted_ns {
+                Some(accepted_ns) => (accepted_ns, limits.move_wait_ns),
+                None => (sent_ns, limits.accept_wait_ns),
+            };
+            assert!(now_ns.saturating_sub(since_ns) <= most_ns, "{self:?}");
+        }
+    }
+
+    fn command(&mut self, command: &Command, limits: &Limits, now_ns: u64) {
+        assert!(self.mode != Mode::PlanOnly && !self.is_stopping);
+        assert_eq!(self.cancelled_ns, None);
+        // No two at once, and none has the number of another.
+        assert!(self.last.is_none() || self.ended.is_some(), "{self:?}");
+        let id = CommandId {
+            plan: self.plan,
+            command: self.commands + 1,
+        };
+        assert_eq!(command.id, id);
+        self.commands += 1;
+        assert_eq!(usize::from(command.steps), self.steps);
+        assert!(command.step < command.steps);
+        let most = self.steps * (usize::from(limits.retries) + 1);
+        assert!(self.commands as usize <= most, "{self:?}");
+        let sub_goal = SubGoal::from(command);
+        let order = sub_goal
+            .read(now_ns)
+            .expect("what is commanded can be read");
+        let Order::Move { object, pose } = order else {
+            panic!("{order:?}");
+        };
+        assert_eq!(object, command.planned.object.object);
+        let off = pose.translation.vector - command.planned.sub_goal.pose.translation.vector;
+        assert_eq!(off.norm(), 0.0);
+        self.last = Some((*command, now_ns));
+        self.ended = None;
+        self.accepted_ns = None;
+        self.is_lost = false;
+    }
+
+    fn stop(&mut self, id: CommandId) {
+        assert!(!self.is_stopping, "stopped twice: {self:?}");
+        assert_eq!(self.last.map(|(command, _)| command.id), Some(id));
+        assert!(self.ended.is_none() || self.is_lost, "{self:?}");
+        self.is_stopping = true;
+    }
+
+    fn reach(&mut self, step: u8) {
+        assert!(usize::from(step) < self.steps);
+        assert_eq!(self.ended, Some(Outcome::Reached), "{self:?}");
+        self.reached[usize::from(step)] = true;
+    }
+
+    /// What the controller said first is what counts.
+    fn blame(&self, why: &Failure) {
+        says(why);
+        if let Failure::Unsuccessful { outcome, .. } = why {
+            assert_eq!(self.ended, Some(*outcome), "{self:?}");
+            assert_ne!(*outcome, Outcome::Reached);
+        }
+    }
+
+    fn end(&self, result: &Result<(), Failure>) {
+        match result {
+            Ok(()) if self.mode == Mode::PlanOnly => assert_eq!(self.commands, 0),
+            Ok(()) => assert!(self.steps > 0 && self.reached[..self.steps].iter().all(|it| *it)),
+            Err(why) => {
+                self.blame(why);
+                let is_cancelled =
+                    matches!(why, Failure::Cancelled | Failure::CancelledUnconfirmed);
+                assert!(!is_cancelled || self.cancelled_ns.is_some(), "{self:?}");
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::play;
+    use crate::fuzz::seeds;
+
+    /// All that is asserted above would hold of a loop that never does anything.
+    #[test]
+    fn the_seeds_end_in_many_ways() {
+        let mut ends: Vec<_> = seeds::of("executive")
+            .iter()
+            .flat_map(|script| play(script))
+            .collect();
+        ends.sort_unstable();
+        ends.dedup();
+        let expected = [
+            "cancelled",
+            "cancelled_unconfirmed",
+            "controller_lost",
+            "done",
+            "no_outcome",
+            "no_scene",
+            "not_accepted",
+            "not_seen",
+            "not_there",
+            "outside_work_space",
+            "unknown_word",
+            "unsuccessful",
+        ];
+        assert_eq!(ends, expected);
+    }
+}

@@ -1,0 +1,154 @@
+//! What people and files say: sentences, scene files, model files.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use nsrm::{OwnedModel, SceneText, json, read_scene_text};
+use nsrm_core::planner::MAX_POLLS;
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
+use nsrm_core::{Camera, MAX_SENTENCE_BYTES, Model, Plan, Planner, Progress, Refusal, Scene};
+
+use super::bytes::Script;
+use super::messages::{check_scene, plan_in};
+use super::says;
+use crate::picture;
+use crate::plans::{check_in, reckless};
+
+/// The squares as the pretrained model sees them.
+pub(super) static SQUARES: LazyLock<Scene> = LazyLock::new(|| squares_by(&TABLETOP));
+
+fn squares_by(model: &Model<'_>) -> Scene {
+    let picture = picture::squares();
+    let [width, height] = picture::SIZE;
+    let image = RgbImage::new(&picture.pixels, width, height, 3 * width as usize);
+    let image = image.expect("an image");
+    let camera = picture::camera();
+    let detections = &picture.detections;
+    let task = ObservationTask::new(model, image, camera, detections, Stamp::default());
+    task.and_then(ObservationTask::finish).expect("a scene")
+}
+
+/// A sentence: what is no UTF-8 in it is replaced.
+pub fn sentence(bytes: &[u8]) {
+    follow(&String::from_utf8_lossy(bytes));
+}
+
+/// Parses and plans a sentence, twice each, with the model as it is and as one that
+/// refuses less.
+pub(super) fn follow(sentence: &str) {
+    let reckless = reckless(TABLETOP, 0.0);
+    for model in [&TABLETOP, &reckless] {
+        follow_with(model, &SQUARES, sentence);
+    }
+}
+
+fn follow_with(model: &Model<'_>, scene: &Scene, sentence: &str) {
+    let planner = Planner::new(model);
+    let parsed = planner.parse(sentence);
+    assert_eq!(parsed, planner.parse(sentence));
+    let planned = plan_counting(&planner, scene, sentence);
+    assert_eq!(planned, planner.plan(scene, sentence));
+    match &planned {
+        Ok(plan) => {
+            assert!(sentence.len() <= MAX_SENTENCE_BYTES);
+            check_in(model, scene, plan);
+            let program = parsed.as_ref().map(|parsed| &parsed.program);
+            assert_eq!(program, Ok(plan.program()));
+            let written = json::plan(model, plan);
+            let steps = written["steps"].as_array().map(Vec::len);
+            assert_eq!(steps, Some(plan.steps().len()));
+        }
+        Err(refusal) => {
+            assert!(!matches!(refusal, Refusal::InvalidModel));
+            says(&refusal.in_context(model, sentence));
+            assert!(json::refusal(model, refusal, sentence).is_object());
+        }
+    }
+    if let Err(refusal) = parsed {
+        assert_eq!(planned, Err(refusal));
+    }
+}
+
+fn plan_counting(planner: &Planner<'_>, scene: &Scene, sentence: &str) -> Result<Plan, Refusal> {
+    let mut task = planner.begin(scene, sentence);
+    for _ in 0..MAX_POLLS {
+        if let Progress::Done(planned) = task.poll() {
+            return planned;
+        }
+    }
+    panic!("not done after {MAX_POLLS} polls: {sentence:?}");
+}
+
+/// Sides up to this have the pictures that are made for a scene file.
+const SIDE: u32 = 24;
+
+/// The text of a scene file; then, with a picture that is small, the scene in it.
+pub fn scene_file(bytes: &[u8]) {
+    let path = Path::new("scene.json");
+    let text = match read_scene_text(path, bytes, &TABLETOP) {
+        Ok(text) => text,
+        Err(error) => {
+            assert!(error.to_string().starts_with("scene.json: "), "{error}");
+            return;
+        }
+    };
+    let SceneText {
+        camera, detections, ..
+    } = text;
+    assert_eq!(camera.check(), Ok(()));
+    let camera = Camera {
+        width: 1 + camera.width % SIDE,
+        height: 1 + camera.height % SIDE,
+        ..camera
+    };
+    let pixels = (camera.width * camera.height) as usize;
+    let colours = [204, 23, 23, 23, 51, 204].into_iter().cycle();
+    let image: Vec<u8> = colours.take(3 * pixels).collect();
+    let stride = 3 * camera.width as usize;
+    let image = RgbImage::new(&image, camera.width, camera.height, stride).expect("an image");
+    let task = ObservationTask::new(&TABLETOP, image, camera, &detections, Stamp::default());
+    match task.and_then(ObservationTask::finish) {
+        Ok(scene) => {
+            check_scene(&scene);
+            plan_in(&scene);
+        }
+        Err(error) => says(&error),
+    }
+}
+
+/// The model that is in the repository.
+pub(super) const MODEL: &[u8] = include_bytes!("../../../core/pretrained/tabletop.safetensors");
+
+/// Length of the file's header, which is JSON, and where its tensors begin.
+pub(super) fn header_of(file: &[u8]) -> (&[u8], &[u8]) {
+    let (length, rest) = file.split_first_chunk().expect("a model file");
+    let length = usize::try_from(u64::from_le_bytes(*length)).expect("a short header");
+    rest.split_at(length)
+}
+
+/// A model file. The first byte says what the others are: the whole file, or, so that
+/// the hash over the tensors does not keep everything out, a header for the tensors of
+/// the pretrained model.
+pub fn model_file(bytes: &[u8]) {
+    let mut script = Script::new(bytes);
+    let is_whole = script.byte().is_multiple_of(2);
+    let bytes = script.rest();
+    let file = if is_whole {
+        bytes.to_vec()
+    } else {
+        let length = (bytes.len() as u64).to_le_bytes();
+        [&length, bytes, header_of(MODEL).1].concat()
+    };
+    let owned = match OwnedModel::from_bytes(&file) {
+        Ok(owned) => owned,
+        Err(error) => return says(&error),
+    };
+    let model = owned.as_model();
+    assert_eq!(model.check(), Ok(()));
+    let scene = squares_by(&model);
+    for action in model.actions {
+        let sentence = format!("put the red block {} the blue block", action.phrase);
+        follow_with(&model, &scene, &sentence);
+    }
+}
