@@ -6,6 +6,7 @@
 
 mod checks;
 mod count;
+mod fuzz;
 mod packages;
 mod report;
 
@@ -14,6 +15,8 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
@@ -109,11 +112,13 @@ fn run_check(context: &Context, check: &Check) -> Result<Outcome> {
     let mut problem = None;
     match (check.steps)(context) {
         Ok(steps) => {
-            for step in steps {
-                match run_step(context, &step, &log) {
-                    Ok(of_step) => counts.add(of_step),
-                    Err(error) => {
-                        problem.get_or_insert(error);
+            for steps in steps.chunk_by(|one, next| one.beside && next.beside) {
+                for result in run_steps(context, steps, &log)? {
+                    match result {
+                        Ok(of_step) => counts.add(of_step),
+                        Err(error) => {
+                            problem.get_or_insert(error);
+                        }
                     }
                 }
             }
@@ -138,6 +143,50 @@ fn run_check(context: &Context, check: &Check) -> Result<Outcome> {
         counts,
         seconds: start.elapsed().as_secs_f32(),
     })
+}
+
+/// How many steps run at the same time, of those that may.
+const AT_ONCE: usize = 2;
+
+/// Runs one step, or several that may run beside each other. Those write logs of their
+/// own, which are put behind the check's in the order of the steps.
+fn run_steps(context: &Context, steps: &[Step], log: &Path) -> Result<Vec<Result<Counts>>> {
+    if let [step] = steps {
+        return Ok(vec![run_step(context, step, log)]);
+    }
+    let own_log = |index: usize| log.with_extension(format!("{index}.log"));
+    for index in 0..steps.len() {
+        let own_log = own_log(index);
+        fs::write(&own_log, "").with_context(|| format!("writing {}", own_log.display()))?;
+    }
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut results = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(step) = steps.get(index) else {
+                return results;
+            };
+            results.push((index, run_step(context, step, &own_log(index))));
+        }
+    };
+    let mut results: Vec<_> = thread::scope(|scope| {
+        let workers = [(); AT_ONCE].map(|()| scope.spawn(work));
+        workers
+            .into_iter()
+            .flat_map(|worker| worker.join().unwrap_or_default())
+            .collect()
+    });
+    results.sort_by_key(|(index, _)| *index);
+    for (index, _) in &results {
+        let own_log = own_log(*index);
+        append_to(log)?.write_all(&fs::read(&own_log)?)?;
+        fs::remove_file(&own_log)?;
+    }
+    if results.len() < steps.len() {
+        bail!("a step was not run to its end");
+    }
+    Ok(results.into_iter().map(|(_, result)| result).collect())
 }
 
 /// Runs one command with its output going into the log, and counts its tests.

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::count::Runner;
+use super::fuzz;
 use crate::environment::{Environment, Requirements};
 use crate::project::Project;
 
 /// The programs outside the workspace, which have profiles of their own.
-const APART: [&str; 1] = ["tests/no-std-plan/Cargo.toml"];
+const APART: [&str; 2] = ["tests/fuzz/Cargo.toml", "tests/no-std-plan/Cargo.toml"];
 
 /// Where the settings of the Python linters, of pyright and of pytest stand.
 const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
@@ -73,6 +74,12 @@ pub(super) const CHECKS: &[Check] = &[
         steps: proofs,
     },
     Check {
+        name: "fuzz",
+        title: "no bytes break a border: committed ones, then new ones for a minute each",
+        about: "12 min",
+        steps: fuzz::steps,
+    },
+    Check {
         name: "docs",
         title: "rustdoc has no warning",
         about: "1 min",
@@ -129,23 +136,42 @@ pub(super) struct Step {
     pub(super) variables: Vec<(&'static str, OsString)>,
     /// Whose tests it runs, if any.
     pub(super) tests: Option<Runner>,
+    /// Whether it may run at the same time as the steps next to it that may, too.
+    pub(super) beside: bool,
 }
 
 impl Step {
-    fn new(program: impl Into<PathBuf>, arguments: &[&str]) -> Self {
+    pub(super) fn new(program: impl Into<PathBuf>, arguments: &[&str]) -> Self {
         Self {
             program: program.into(),
             arguments: arguments.iter().map(Into::into).collect(),
             variables: Vec::new(),
             tests: None,
+            beside: false,
         }
     }
 
-    fn cargo(arguments: &[&str]) -> Self {
+    pub(super) fn cargo(arguments: &[&str]) -> Self {
         Self::new("cargo", arguments)
     }
 
-    fn counting(mut self, runner: Runner) -> Self {
+    /// Another argument, behind those that are there.
+    pub(super) fn argument(mut self, argument: impl Into<OsString>) -> Self {
+        self.arguments.push(argument.into());
+        self
+    }
+
+    pub(super) fn arguments(mut self, arguments: &[&str]) -> Self {
+        self.arguments.extend(arguments.iter().map(Into::into));
+        self
+    }
+
+    pub(super) fn beside_others(mut self) -> Self {
+        self.beside = true;
+        self
+    }
+
+    pub(super) fn counting(mut self, runner: Runner) -> Self {
         self.tests = Some(runner);
         self
     }
@@ -228,7 +254,9 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
     workspace.extend(strict);
     let mut steps = vec![Step::cargo(&workspace)];
     for manifest in APART {
-        let mut step = vec!["clippy", "--locked", "--manifest-path", manifest];
+        // The default of the fuzz targets is to build libFuzzer, which lints do without.
+        let mut step = vec!["clippy", "--locked", "--no-default-features"];
+        step.extend(["--manifest-path", manifest]);
         step.extend(strict);
         steps.push(Step::cargo(&step).building_in(context.project().target().join("apart")));
     }

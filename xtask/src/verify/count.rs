@@ -38,6 +38,8 @@ pub(super) enum Runner {
     Cargo,
     /// `pytest`: one summary line at the end.
     Pytest,
+    /// libFuzzer: one line when the time is over and nothing was found.
+    Fuzz,
 }
 
 /// Sums what a runner printed; that no test ran is an error, since a check
@@ -55,6 +57,10 @@ pub(super) fn in_output(runner: Runner, output: &str) -> Result<Counts> {
         Runner::Pytest => {
             let summary = output.lines().rev().find(|line| line.contains(" in "));
             counts = in_line(summary.unwrap_or_default());
+        }
+        Runner::Fuzz => {
+            let ended = |line: &&str| line.starts_with("Done ") && line.contains(" runs in ");
+            counts.passed = output.lines().filter(ended).count() as u32;
         }
     }
     if counts.passed + counts.failed == 0 {
@@ -105,6 +111,17 @@ mod tests {
             skipped: 2,
         };
         assert_eq!(in_output(Runner::Pytest, output).unwrap(), expected);
+    }
+
+    #[test]
+    fn libfuzzer_prints_one_line_when_nothing_was_found() {
+        let output = "#2\tINITED cov: 61\nDone 1443 runs in 61 second(s)\n";
+        let expected = Counts {
+            passed: 1,
+            ..Counts::default()
+        };
+        assert_eq!(in_output(Runner::Fuzz, output).unwrap(), expected);
+        assert!(in_output(Runner::Fuzz, "SUMMARY: libFuzzer: deadly signal").is_err());
     }
 
     #[test]

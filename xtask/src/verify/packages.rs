@@ -12,10 +12,14 @@ struct SystemPackage {
     without: &'static str,
 }
 
-const PACKAGES: [SystemPackage; 3] = [
+const PACKAGES: [SystemPackage; 4] = [
     SystemPackage {
         name: "gcc",
         without: "nothing can be linked",
+    },
+    SystemPackage {
+        name: "g++",
+        without: "no new inputs are fuzzed",
     },
     SystemPackage {
         name: "libegl1",

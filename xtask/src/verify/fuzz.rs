@@ -1,0 +1,82 @@
+//! The fuzz targets (`tests/fuzz`): the committed inputs on any machine, then new ones
+//! for a minute a target where libFuzzer can be built.
+//!
+//! Without a sanitizer, for which cargo-fuzz needs no nightly toolchain: what is fuzzed
+//! has no unsafe code, and overflow and debug assertions are checked.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+
+use super::checks::{Context, Step};
+use super::count::Runner;
+use crate::project::output_of;
+
+/// The version of cargo-fuzz that is installed into the target folder.
+const CARGO_FUZZ: &str = "0.13.2";
+/// The package of the targets.
+const FOLDER: &str = "tests/fuzz";
+/// How long each target is given new inputs, seconds.
+const TIME_S: u32 = 60;
+/// The longest that one input may take, seconds, before it counts as a find.
+const INPUT_S: u32 = 20;
+
+pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
+    let replay = ["test", "--locked", "--package=nsrm-tests", "--test=corpora"];
+    let mut steps = vec![Step::cargo(&replay).counting(Runner::Cargo)];
+    if output_of(Command::new("c++").arg("--version")).is_err() {
+        eprintln!("verify: no C++ compiler, which libFuzzer needs; only committed inputs are run");
+        return Ok(steps);
+    }
+    let target = context.project().target();
+    let tools = target.join("tools");
+    let program = tools.join("bin/cargo-fuzz");
+    let version = output_of(Command::new(&program).arg("--version"));
+    if !version.is_ok_and(|version| version.ends_with(&format!(" {CARGO_FUZZ}"))) {
+        let version = format!("--version={CARGO_FUZZ}");
+        let install = ["install", "cargo-fuzz", "--locked", &version, "--force"];
+        steps.push(Step::cargo(&install).argument("--root").argument(&tools));
+    }
+    let folder = target.join("fuzz");
+    let fuzz = |arguments: &[&str]| {
+        Step::new(&program, &["fuzz"])
+            .arguments(arguments)
+            .arguments(&["--sanitizer=none", "--fuzz-dir", FOLDER, "--target-dir"])
+            .argument(folder.join("build"))
+    };
+    steps.push(fuzz(&["build"]));
+    for name in targets(&context.project().path(FOLDER))? {
+        // What is found new is kept from run to run, apart from what is committed.
+        let new = folder.join("corpus").join(&name);
+        fs::create_dir_all(&new).with_context(|| format!("making {}", new.display()))?;
+        let mut step = fuzz(&["run", &name])
+            .argument(new)
+            .argument(format!("{FOLDER}/corpus/{name}"))
+            .argument("--")
+            .argument(format!("-max_total_time={TIME_S}"))
+            .argument(format!("-timeout={INPUT_S}"));
+        let words = format!("{FOLDER}/dictionaries/{name}.dict");
+        if context.project().path(&words).exists() {
+            step = step.argument(format!("-dict={words}"));
+        }
+        steps.push(step.counting(Runner::Fuzz).beside_others());
+    }
+    Ok(steps)
+}
+
+/// The names of all targets.
+fn targets(folder: &Path) -> Result<Vec<String>> {
+    let folder = folder.join("fuzz_targets");
+    let entries = fs::read_dir(&folder).with_context(|| format!("reading {}", folder.display()))?;
+    let mut names = Vec::new();
+    for entry in entries {
+        let path = entry?.path();
+        if let Some(stem) = path.file_stem() {
+            names.push(stem.to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
+}
