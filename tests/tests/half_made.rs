@@ -1,10 +1,12 @@
 //! What a process had half made when it was killed: a service is made anew, a node removed.
 
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime};
 
 use nsrm_ipc::message::{Feedback, Role};
-use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError};
+use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError, settle};
 use nsrm_tests::corner::Corner;
 
 fn join(role: Role, corner: &Corner) -> Robot {
@@ -110,4 +112,51 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     assert!(folders() > before - 1);
     assert!(lives.receiver::<Feedback>().is_ok() && other.sender::<Feedback>().is_ok());
     std::fs::remove_dir_all(new).unwrap();
+}
+
+/// As it stands when the one that buries it is killed, too, and a tag was half written.
+#[test]
+fn the_last_of_a_dead_node_is_removed() {
+    let corner = Corner::new("half-buried");
+    settle(&corner.config).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_node"))
+        .arg("controller")
+        .args(corner.arguments())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let stdout = BufReader::new(child.stdout.take().unwrap());
+    assert_eq!(stdout.lines().next().unwrap().unwrap(), "at work");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let nodes = corner.root().join("nodes");
+    let folders = std::fs::read_dir(&nodes).unwrap().flatten();
+    let folder = folders
+        .map(|entry| entry.path())
+        .find(|path| path.is_dir())
+        .unwrap();
+    for file in std::fs::read_dir(&folder).unwrap().flatten() {
+        if file.file_name().to_string_lossy().ends_with(".details") {
+            std::fs::remove_file(file.path()).unwrap();
+        }
+    }
+    let tag = format!("{}4711.service_tag", corner.prefix());
+    // Nobody may read what is being written: so iceoryx2 does not see it.
+    std::fs::write(folder.join("unfinished"), tag).unwrap();
+    let heir = join(Role::Planner, &corner);
+    heir.bury();
+    assert!(folder.exists());
+    // What is removed from a folder makes it young again.
+    age(&folder, Duration::from_secs(60));
+    heir.bury();
+    heir.bury();
+    assert!(!folder.exists());
+    drop(heir);
+    let left = corner.left_behind();
+    assert!(
+        !left.iter().any(|name| name.contains("/nodes/")),
+        "{left:?}"
+    );
+    corner.clear();
 }

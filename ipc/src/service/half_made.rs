@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use iceoryx2::config::Config;
+use iceoryx2::node::{NodeState, NodeView as _};
 use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
@@ -40,6 +41,24 @@ pub(super) fn remove_service(
     let removed = unsafe { node.force_remove_service(name, pattern) };
     // What is not even readable yet is not removed by that.
     removed == Ok(true) || std::fs::remove_file(file).is_ok()
+}
+
+/// Removes the last of dead nodes that iceoryx2 fails to remove: tags that they had begun to
+/// write, which are in the way of removing the folder behind them. That they have gone from
+/// their services before shows in that the node's description has.
+pub(super) fn remove_tags(config: &Config) {
+    let folder = PathBuf::from(config.global.node_dir().to_string());
+    let _ = Node::<ipc::Service>::list(config, |state| {
+        if let NodeState::Dead(node) = state
+            && node.details().is_none()
+        {
+            let folder = folder.join(node.id().value().to_string());
+            if was_given_up(&folder) {
+                let _ = std::fs::remove_dir_all(folder);
+            }
+        }
+        CallbackProgression::Continue
+    });
 }
 
 /// Removes what nodes have left that were killed between writing down who they are and

@@ -114,7 +114,10 @@ impl Robot {
     /// Frees the places of processes that have died; to be called a few times a
     /// second, since nobody else does.
     pub fn bury(&self) {
-        let _ = self.node.try_cleanup_dead_nodes();
+        if self.node.try_cleanup_dead_nodes().failed_cleanups > 0 {
+            // The next call then goes through.
+            half_made::remove_tags(self.node.config());
+        }
     }
 
     /// Sends messages of this type.
