@@ -11,6 +11,7 @@ from nsrm_harness.trials.latency import LatencyError, draw, read, table
 
 ROWS = {
     ("pipe", ""): [(40_000, 90), (50_000, 10)],
+    ("event", ""): [(55_000, 100)],
     ("sentence, computation alone", "waiting"): [(100_000, 60), (200_000, 40)],
     ("sentence", "waiting"): [(144_000, 99), (900_000, 1)],
     ("frame, computation alone", "spinning"): [(200_000, 100)],
@@ -38,6 +39,7 @@ def test_quantiles_and_what_lies_between_rows_are_told(tmp_path: Path) -> None:
     text = table(rows)
     assert "| sentence to first sub-goal, waiting | 144.0 | 144.0 | 900.0 | 900.0 | 100 |" in text
     assert "waiting: 44.0 µs above the computation alone (p50), 1.10 of a pipe's way" in text
+    assert "way there and back, 0.80 of an event's." in text
     assert "spinning: 3.0 µs above the computation alone (p50)." in text
     assert "27 times the pixels: 1.05 of the time" in text
     draw(rows, tmp_path / "latency.png")
@@ -47,7 +49,7 @@ def test_quantiles_and_what_lies_between_rows_are_told(tmp_path: Path) -> None:
 def test_what_was_broken_off_is_told(tmp_path: Path) -> None:
     with pytest.raises(LatencyError, match="No such file"):
         read(tmp_path / "latency.jsonl")
-    with pytest.raises(LatencyError, match="the pipe is missing"):
+    with pytest.raises(LatencyError, match="rows are missing"):
         read(write(tmp_path / "latency.jsonl", {("frame", "waiting"): [(1, 1)]}))
     (tmp_path / "latency.jsonl").write_text("{")
     with pytest.raises(LatencyError):

@@ -54,6 +54,8 @@ pub struct PlannerNode<'m> {
     silence_ns: u64,
     executive: Executive<'m>,
     current: Option<Current>,
+    /// [`Event::Planned`], until it is said.
+    planned: Option<Event>,
 }
 
 /// The request that is being followed.
@@ -83,6 +85,7 @@ impl<'m> PlannerNode<'m> {
             silence_ns: limits.silence_ns,
             executive: Executive::new(model, limits, now_ns),
             current: None,
+            planned: None,
             robot,
         })
     }
@@ -112,13 +115,18 @@ impl<'m> PlannerNode<'m> {
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
             self.work(now_ns());
+            let rang = |bell: WaitSetAttachmentId<ipc::Service>| {
+                for (listener, guard) in listeners.iter().zip(&guards) {
+                    if bell.has_event_from(guard) {
+                        // What it rang for is taken in by the next look, whatever it was.
+                        let _ = listener.try_wait(|_| {});
+                    }
+                }
+                CallbackProgression::Continue
+            };
             let _ = waiting
-                .wait_and_process_once_with_timeout(|_| CallbackProgression::Continue, NAP)
+                .wait_and_process_once_with_timeout(rang, NAP)
                 .map_err(|error| self.robot.fault(PLAN, &error))?;
-            for listener in &listeners {
-                // What rang is taken in by the next poll, whatever it was.
-                let _ = listener.try_wait(|_| {});
-            }
         }
         self.executive.cancel();
         if let Event::Stop(id) = self.executive.poll(now_ns()) {
@@ -160,7 +168,7 @@ impl<'m> PlannerNode<'m> {
             Event::Waiting => Busyness::Idle,
             _ => Busyness::Working,
         };
-        self.act(&event);
+        self.act(event);
         busyness
     }
 
@@ -273,8 +281,22 @@ impl<'m> PlannerNode<'m> {
         }
     }
 
-    /// Sends what an event calls for.
-    fn act(&mut self, event: &Event) {
+    /// Sends what an event calls for. What was planned is said behind the command that
+    /// follows it, for which the robot waits.
+    fn act(&mut self, event: Event) {
+        self.command(&event);
+        if matches!(event, Event::Planned(_)) {
+            self.planned = Some(event);
+            return;
+        }
+        if let Some(planned) = self.planned.take() {
+            self.tell(&planned);
+        }
+        self.tell(&event);
+    }
+
+    /// Sends what an event has the controller do.
+    fn command(&mut self, event: &Event) {
         match event {
             // One that hangs would carry it out when it goes on, whatever was said since.
             Event::Command(_) if !self.controller_lives => self.executive.miss_controller(),
@@ -285,6 +307,10 @@ impl<'m> PlannerNode<'m> {
             Event::Ended(Err(why)) => warn!(%why, "not done"),
             _ => {}
         }
+    }
+
+    /// Tells who asked of an event.
+    fn tell(&mut self, event: &Event) {
         let Some(mut current) = self.current.take() else {
             return;
         };

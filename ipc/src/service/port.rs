@@ -106,7 +106,8 @@ impl FramesOut {
     /// many.
     ///
     /// * `bytes`: of the image, seven a pixel: see [`CameraFrame`]
-    /// * `write`: is given the image's place, all 0
+    /// * `write`: is given the image's place, with what an earlier frame has left there;
+    ///   clearing it would take as long as writing it
     pub fn send(
         &self,
         header: CameraFrame,
@@ -114,10 +115,13 @@ impl FramesOut {
         write: impl FnOnce(&mut [u8]),
     ) -> Result<usize, SendFailure> {
         let says = |error: &dyn core::fmt::Debug| SendFailure::Iceoryx(format!("{error:?}"));
-        let mut frame = self
+        let frame = self
             .publisher
-            .loan_slice(bytes)
+            .loan_slice_uninit(bytes)
             .map_err(|error| says(&error))?;
+        // SAFETY: bytes of any value are bytes, and shared memory has been written since it
+        // was mapped: with 0 by the system, then by earlier frames.
+        let mut frame = unsafe { frame.assume_init() };
         *frame.user_header_mut() = header;
         write(frame.payload_mut());
         let receivers = frame.send().map_err(|error| says(&error))?;

@@ -18,8 +18,8 @@ from nsrm_harness.errors import HarnessError
 
 ALONE = ", computation alone"
 """What the computation of a row is called behind its name."""
-PIPE = ("pipe", "")
-"""The row of a wake-up and back."""
+PIPE, EVENT = ("pipe", ""), ("event", "")
+"""The rows of waking another process and being woken by it."""
 
 
 class LatencyError(HarnessError):
@@ -62,8 +62,8 @@ def read(path: Path) -> Rows:
             rows[row["what"], row["how"]] = Times(us / 1000.0, counts)
     except (OSError, ValueError, KeyError) as error:
         raise LatencyError(f"{path}: {error}") from error
-    if PIPE not in rows:
-        raise LatencyError(f"{path}: the pipe is missing: the measurement was broken off")
+    if not rows or ("hand-over" not in {what for what, _ in rows}):
+        raise LatencyError(f"{path}: rows are missing: the measurement was broken off")
     return rows
 
 
@@ -77,7 +77,6 @@ def table(rows: Rows) -> str:
         shares = [f"{times.at(share):.1f}" for share in (0.5, 0.99, 0.9999, 1.0)]
         lines.append(f"| {_title(*key)} | {' | '.join(shares)} | {times.count:,} |")
     lines.append("")
-    pipe_us = rows[PIPE].at(0.5)
     for (what, how), times in rows.items():
         alone = rows.get((what + ALONE, how))
         if alone is None:
@@ -85,7 +84,8 @@ def table(rows: Rows) -> str:
         above_us = times.at(0.5) - alone.at(0.5)
         text = f"{_title(what, how)}: {above_us:.1f} µs above the computation alone (p50)"
         if how == "waiting":
-            text += f", {above_us / pipe_us:.2f} of a pipe's way there and back"
+            pipe, event = (above_us / rows[key].at(0.5) for key in (PIPE, EVENT))
+            text += f", {pipe:.2f} of a pipe's way there and back, {event:.2f} of an event's"
         lines.append(f"- {text}.")
     small, large = (rows[key].at(0.5) for key in rows if key[0] == "hand-over")
     lines.append(f"- A frame of 27 times the pixels: {large / small:.2f} of the time (p50).")
@@ -95,9 +95,10 @@ def table(rows: Rows) -> str:
 def _title(what: str, how: str) -> str:
     names = {
         "pipe": "a byte by a pipe to another process and back",
+        "event": "a frame to another process that waits, and word of it back",
         "sentence": "sentence to first sub-goal",
         "frame": "frame to scene",
-        "hand-over": "frame to another process, and word of it back",
+        "hand-over": "frame to another process that spins, and word of it back",
     }
     name, _, alone = what.partition(",")
     return names[name] + (f",{alone}" if alone else "") + (f", {how}" if how else "")
@@ -120,7 +121,8 @@ def draw(rows: Rows, path: Path) -> None:
             _tail(axis, times, color, "-", key[1])
             if alone := rows.get((what + ALONE, key[1])):
                 _tail(axis, alone, color, ":", f"{key[1]}, computation alone")
-        _tail(axis, rows[PIPE], "tab:gray", "--", "pipe, there and back")
+        for key, line in ((PIPE, "--"), (EVENT, "-.")):
+            _tail(axis, rows[key], "tab:gray", line, f"{key[0]}, there and back")
         axis.set(title=title, xlabel="microseconds", xscale="log", yscale="log")
         axis.grid(alpha=0.3)
         axis.legend(fontsize=8)

@@ -86,6 +86,7 @@ impl World {
         frame.boxes[..2].copy_from_slice(&self.boxes);
         let boxes = self.boxes;
         let draw = |image: &mut [u8]| {
+            image.fill(0);
             // The first one stands in front.
             for (found, color) in boxes.iter().zip(COLORS).rev() {
                 let [x1, y1, x2, y2] = found.corners;

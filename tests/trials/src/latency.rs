@@ -2,7 +2,8 @@
 //! through shared memory and to another process, and what of it is computation.
 //!
 //! What is measured beside it in the same run: the computation alone, in this process; and
-//! what waking another process and being woken by it costs on this machine, by a pipe.
+//! what waking another process and being woken by it costs on this machine, by a pipe and by
+//! iceoryx2's events.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -39,8 +40,6 @@ const PATIENCE_NS: u64 = 10_000_000_000;
 const REST: Duration = Duration::from_micros(300);
 /// Images of a frame whose hand-over is measured, pixels.
 const SIZES: [(u32, u32); 2] = [(640, 480), (3840, 2160)];
-/// Of so many questions one is asked of large frames: making one takes milliseconds.
-const LARGE_OF: u32 = 50;
 
 /// What is told on the command line.
 #[derive(Debug, clap::Args)]
@@ -85,6 +84,19 @@ impl Looks {
             Self::Waiting => "waiting",
         }
     }
+
+    /// Before a computation: what the other process did before its own. One that is woken
+    /// begins with a processor that has slept, one that looks with caches full of ports.
+    fn rest<T>(self, look: impl Fn() -> T) {
+        if self == Self::Waiting {
+            std::thread::sleep(4 * REST);
+            return;
+        }
+        let end_ns = now_ns() + REST.as_nanos() as u64;
+        while now_ns() < end_ns {
+            std::hint::black_box(look());
+        }
+    }
 }
 
 /// Answers until it is stopped, in a process of its own.
@@ -123,26 +135,23 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks) -> Result<()> {
                 node.run(&stop)?;
             }
         }
-        Peer::Frames => take_frames(place, &stop)?,
+        Peer::Frames => take_frames(place, looks, &stop)?,
     }
     Ok(())
 }
 
 /// Takes frames where they lie and says which.
-fn take_frames(place: &Place, stop: &AtomicBool) -> Result<()> {
+fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
     let robot = place.join(Role::Controller)?;
     let frames = robot.frames_in()?;
+    let listener = robot.listen(CAMERA)?;
     let said = robot.sender::<Feedback>()?;
-    let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
     while !stop.load(Ordering::Relaxed) {
-        let _ = life.beat(State::Idle, now_ns());
         if let Some(frame) = frames.receive()? {
-            said.send(&feedback(
-                1,
-                1,
-                frame.user_header().sequence,
-                Outcome::Accepted,
-            ))?;
+            let number = frame.user_header().sequence;
+            said.send(&feedback(1, 1, number, Outcome::Accepted))?;
+        } else if looks == Looks::Waiting {
+            let _ = listener.timed_wait(|_| {}, Duration::from_millis(100));
         }
     }
     Ok(())
@@ -176,10 +185,13 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         book.write("frame", looks.word(), &through)?;
     }
     for (width, height) in SIZES {
-        let samples = samples.div_ceil(if width > 640 { LARGE_OF } else { 1 });
-        let taken = hand_over((width * height * 7) as usize, samples)?;
+        let bytes = (width * height * 7) as usize;
+        let taken = hand_over(Looks::Spinning, bytes, samples)?;
         book.write("hand-over", &format!("{width}x{height}"), &taken)?;
     }
+    let (width, height) = SIZES[0];
+    let woken = hand_over(Looks::Waiting, (width * height * 7) as usize, samples)?;
+    book.write("event", "", &woken)?;
     Ok(())
 }
 
@@ -336,6 +348,7 @@ fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u6
         let _ = life.beat(State::Idle, now_ns());
         let request = PlanRequest::new(1, number, Mode::OpenLoop, SENTENCES[0])?;
         executive.see(&seen, now_ns())?;
+        looks.rest(|| commands.receive().is_ok());
         let computed_ns = compute(&mut executive, &request)?;
         std::thread::sleep(REST);
 
@@ -417,6 +430,7 @@ fn scenes(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)
     for number in 1..=u64::from(samples) {
         world.paint(&mut image);
         let header = world.header(number, now_ns());
+        looks.rest(|| scenes.receive().is_ok());
         let begun_ns = now_ns();
         std::hint::black_box(see(&TABLETOP, &header, &image)?);
         alone.saturating_record(now_ns() - begun_ns);
@@ -438,14 +452,15 @@ fn scenes(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)
     Ok((alone, through))
 }
 
-/// From a frame that is written to its being in another process's hands, and back by a
-/// small message; both spin.
-fn hand_over(bytes: usize, samples: u32) -> Result<Histogram<u64>> {
-    let mut peer = Answering::start(Peer::Frames, Looks::Spinning)?;
+/// From a frame that stands there to its being in another process's hands, and back by a
+/// small message. Nothing is written into it meanwhile: that would leave nothing else in the
+/// caches, the more the larger it is.
+fn hand_over(looks: Looks, bytes: usize, samples: u32) -> Result<Histogram<u64>> {
+    let mut peer = Answering::start(Peer::Frames, looks)?;
     let robot = peer.join(Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
     let said = robot.receiver::<Feedback>()?;
-    let listener = robot.listen(CAMERA)?;
+    let listener = robot.listen(Feedback::SERVICE)?;
     let mut times = histogram()?;
     let mut number = 0;
     while times.len() < u64::from(samples) {
@@ -454,13 +469,16 @@ fn hand_over(bytes: usize, samples: u32) -> Result<Histogram<u64>> {
             sequence: number,
             ..CameraFrame::default()
         };
+        if looks == Looks::Waiting {
+            std::thread::sleep(REST);
+        }
         let mut begun_ns = 0;
         let sent = frames.send(header, bytes, |_| begun_ns = now_ns())?;
         if sent == 0 {
             std::thread::sleep(Duration::from_millis(5));
             continue;
         }
-        until(Looks::Spinning, &listener, || {
+        until(looks, &listener, || {
             let said = said.receive()?;
             Ok(said.filter(|said| said.sequence == number).map(|_| ()))
         })?;
