@@ -69,12 +69,13 @@ impl<'m> PerceptionNode<'m> {
         let listener = self.robot.listen(CAMERA)?;
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
+            // A camera without end must not keep it from stopping.
+            while self.poll(now_ns()) && !stop.load(Ordering::Relaxed) {}
+            // Behind the work: it takes some hundreds of microseconds.
             if now_ns() >= burial_ns {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            // A camera without end must not keep it from stopping.
-            while self.poll(now_ns()) && !stop.load(Ordering::Relaxed) {}
             match listener.timed_wait(|_| {}, NAP) {
                 Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
                 Err(error) => return Err(self.robot.fault(CAMERA, &error)),

@@ -110,11 +110,12 @@ impl<'m> PlannerNode<'m> {
         }
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
+            self.work(now_ns());
+            // Behind the work: it takes some hundreds of microseconds.
             if now_ns() >= burial_ns {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            self.work(now_ns());
             let rang = |bell: WaitSetAttachmentId<ipc::Service>| {
                 for (listener, guard) in listeners.iter().zip(&guards) {
                     if bell.has_event_from(guard) {

@@ -106,7 +106,7 @@ def _title(what: str, how: str) -> str:
 
 def draw(rows: Rows, path: Path) -> None:
     """Share of what takes longer, against the time, as a PNG."""
-    figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.2), layout="constrained", sharey=True)
+    figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.8), layout="constrained", sharey=True)
     for axis, what, title in zip(
         axes,
         ("sentence", "frame", "hand-over"),
@@ -125,7 +125,7 @@ def draw(rows: Rows, path: Path) -> None:
             _tail(axis, rows[key], "tab:gray", line, f"{key[0]}, there and back")
         axis.set(title=title, xlabel="microseconds", xscale="log", yscale="log")
         axis.grid(alpha=0.3)
-        axis.legend(fontsize=8)
+        axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
     axes[0].set_ylabel("share that takes longer")
     figure.savefig(path, dpi=110)
     plt.close(figure)
