@@ -90,7 +90,7 @@ fn what_is_just_being_made_is_left_alone() {
     drop(service);
 }
 
-/// As it stands when a process is killed before it shows that it lives.
+/// As it stands when a process is killed before it holds the lock that shows that it lives.
 #[test]
 fn a_node_that_was_begun_and_given_up_is_removed() {
     let corner = Corner::new("half-a-node");
@@ -103,11 +103,15 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
         folder
     };
     let (old, new) = (dead("4711"), dead("4712"));
-    age(&old, Duration::from_secs(60));
+    let watched = nodes.join(format!("{}4711.node_monitor_context", corner.prefix()));
+    std::fs::write(&watched, "").unwrap();
+    for part in [&old, &watched] {
+        age(part, Duration::from_secs(60));
+    }
     let folders = || std::fs::read_dir(&nodes).unwrap().count();
     let before = folders();
     let other = join(Role::Perception, &corner);
-    assert!(!old.exists() && new.exists());
+    assert!(!old.exists() && !watched.exists() && new.exists());
     // The other one's own files, and those of the one that lives, are there.
     assert!(folders() > before - 1);
     assert!(lives.receiver::<Feedback>().is_ok() && other.sender::<Feedback>().is_ok());
@@ -159,4 +163,24 @@ fn the_last_of_a_dead_node_is_removed() {
         "{left:?}"
     );
     corner.clear();
+}
+
+/// As it stands when a process is killed between making a segment and giving it a size, for
+/// which iceoryx2 would wait without end.
+#[test]
+fn a_segment_that_was_begun_and_given_up_is_removed() {
+    let corner = Corner::new("half-a-segment");
+    let lives = join(Role::Planner, &corner);
+    let segment = |name: &str| {
+        let path = Path::new("/dev/shm").join(format!("{}{name}.connection", corner.prefix()));
+        std::fs::write(&path, "").unwrap();
+        path
+    };
+    let (old, new) = (segment("1_2"), segment("3_4"));
+    age(&old, Duration::from_secs(60));
+    assert!(!lives.bury());
+    assert!(!old.exists() && new.exists());
+    age(&new, Duration::from_secs(60));
+    assert!(lives.bury());
+    assert!(!new.exists());
 }

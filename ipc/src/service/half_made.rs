@@ -1,7 +1,9 @@
 //! What was half made when its maker was killed, which iceoryx2 leaves for ever: services,
-//! which then nobody can open or make any more, and nodes, whose files stay.
+//! which then nobody can open or make any more, segments of shared memory, at which others
+//! wait for ever, and nodes, whose files stay.
 
 use std::fs::File;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -11,8 +13,37 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
-/// Making either takes a millisecond; what is half made for so long stays so.
+/// Making any of them takes a millisecond; what is half made for so long stays so.
 const GIVEN_UP: Duration = Duration::from_secs(1);
+
+/// Where Linux keeps named segments of shared memory.
+const SEGMENTS: &str = "/dev/shm";
+/// Permission of the owner to read, which a segment gets when it is made.
+const OWNER_READ: u32 = 0o400;
+
+/// Removes segments that were begun and given up; whether there are some that are being
+/// made, or may be.
+///
+/// To be called before iceoryx2 looks at what the dead have left: it waits without end for
+/// a segment that is still empty. Who waits so is freed by the next one that calls this.
+pub(super) fn remove_segments(config: &Config) -> bool {
+    let prefix = config.global.prefix.to_string();
+    let mut being_made = false;
+    for entry in std::fs::read_dir(SEGMENTS).into_iter().flatten().flatten() {
+        if !entry.file_name().to_string_lossy().starts_with(&prefix) {
+            continue;
+        }
+        // What has gone meanwhile is not half made.
+        let is_half_made = entry
+            .metadata()
+            .is_ok_and(|segment| segment.len() == 0 || segment.mode() & OWNER_READ == 0);
+        if is_half_made {
+            let is_gone = was_given_up(&entry.path()) && std::fs::remove_file(entry.path()).is_ok();
+            being_made |= !is_gone;
+        }
+    }
+    being_made
+}
 
 /// Removes a service that was begun and given up; whether it was one.
 ///
@@ -61,24 +92,32 @@ pub(super) fn remove_tags(config: &Config) {
     });
 }
 
-/// Removes what nodes have left that were killed between writing down who they are and
-/// showing that they live: a folder of that number, and nothing that is watched for its
-/// death.
+/// Removes what nodes have left that were killed while they began or ended: files without
+/// the lock that every node holds that lives, or that iceoryx2 will bury.
 pub(super) fn remove_nodes(config: &Config) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
+    let (prefix, suffix) = (config.global.prefix, config.global.node.monitor_suffix);
+    let (prefix, suffix) = (prefix.to_string(), suffix.to_string());
     // What can't be looked at or removed now is so by the next node that joins.
-    for node in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
-        let number = node.file_name();
-        let watched = format!(
-            "{}{}{}",
-            config.global.prefix,
-            number.to_string_lossy(),
-            config.global.node.monitor_suffix
-        );
-        let is_folder = node.file_type().is_ok_and(|kind| kind.is_dir());
-        if is_folder && was_given_up(&node.path()) && !folder.join(watched).exists() {
-            let _ = std::fs::remove_dir_all(node.path());
+    for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        // A node's folder has its number for a name, its files have more around it.
+        let number = if is_folder {
+            name.as_str()
+        } else {
+            let behind = name.strip_prefix(&prefix).unwrap_or_default();
+            behind.split_once(&suffix).map_or("", |(number, _)| number)
+        };
+        let lock = folder.join(format!("{prefix}{number}{suffix}_owner_lock"));
+        if number.is_empty() || lock.exists() || !was_given_up(&entry.path()) {
+            continue;
         }
+        let _ = if is_folder {
+            std::fs::remove_dir_all(entry.path())
+        } else {
+            std::fs::remove_file(entry.path())
+        };
     }
 }
 

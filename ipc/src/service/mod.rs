@@ -86,6 +86,10 @@ impl Robot {
         let node_name = node_name(&name, role);
         let mut config = config.clone();
         config.global.creation_timeout = TRY;
+        // The dead are buried by `bury` alone, which looks first whether that would hang.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
         let node_name = NodeName::new(&node_name).map_err(|error| says(&error))?;
         let node = NodeBuilder::new()
             .name(&node_name)
@@ -102,7 +106,10 @@ impl Robot {
             })?;
         half_made::remove_nodes(&config);
         let robot = Self { node, name };
-        robot.bury();
+        let begun = Instant::now();
+        while !robot.bury() && begun.elapsed() < IN_FLUX {
+            std::thread::sleep(BETWEEN_TRIES);
+        }
         Ok(robot)
     }
 
@@ -112,12 +119,18 @@ impl Robot {
     }
 
     /// Frees the places of processes that have died; to be called a few times a
-    /// second, since nobody else does.
-    pub fn bury(&self) {
+    /// second, since nobody else does. Whether it could be done now: not while something
+    /// is being made.
+    pub fn bury(&self) -> bool {
+        let config = self.node.config();
+        if half_made::remove_segments(config) {
+            return false;
+        }
         if self.node.try_cleanup_dead_nodes().failed_cleanups > 0 {
             // The next call then goes through.
-            half_made::remove_tags(self.node.config());
+            half_made::remove_tags(config);
         }
+        true
     }
 
     /// Sends messages of this type.

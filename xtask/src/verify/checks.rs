@@ -270,6 +270,9 @@ fn rust_tests(_: &Context) -> Result<Vec<Step>> {
         "--workspace",
         "--exclude=nsrm-tests",
         "--no-fail-fast",
+        // Run by the check second-user.
+        "--",
+        "--skip=a_second_user_is_refused",
     ];
     Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
 }
@@ -279,7 +282,9 @@ fn second_user(_: &Context) -> Result<Vec<Step>> {
     let arguments = [
         "test",
         "--locked",
-        "--package=nsrm",
+        // As rust-tests does, so that nothing is built with other features.
+        "--workspace",
+        "--exclude=nsrm-tests",
         "--test=second_user",
         "--",
         "--ignored",
