@@ -36,6 +36,9 @@ use crate::world::{SENTENCES, World};
 const LONGEST_NS: u64 = 1_000_000_000;
 /// The longest wait for an answer.
 const PATIENCE_NS: u64 = 10_000_000_000;
+/// How often the planner may not be there yet, or have no scene or no word of a controller
+/// on a machine with other work.
+const WARM: u32 = 1000;
 /// Between two questions: who waits is asleep again.
 const REST: Duration = Duration::from_micros(300);
 /// Images of a frame whose hand-over is measured, pixels.
@@ -341,7 +344,7 @@ fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u6
     let mut image = vec![0; world.bytes()];
     world.paint(&mut image);
     let mut executive = Executive::new(&TABLETOP, Limits::default(), 1);
-    let mut warm = 0;
+    let (mut refused, mut not_yet) = (0, 0);
     for number in 1..=u64::from(samples) {
         let seen = see(&TABLETOP, &world.header(number, now_ns()), &image)?;
         scenes.send(&seen)?;
@@ -355,6 +358,13 @@ fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u6
         let begun_ns = now_ns();
         let pending = client.send_copy(request)?;
         bell.ring();
+        if pending.number_of_server_connections() == 0 {
+            // The planner has not begun yet.
+            not_yet += 1;
+            ensure!(not_yet < WARM, "no planner was started");
+            std::thread::sleep(Duration::from_millis(5));
+            continue;
+        }
         let mut ended = None;
         let command = until(looks, &listener, || {
             let command = commands.receive()?.map(|command| *command);
@@ -370,10 +380,8 @@ fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u6
         })?;
         let taken_ns = now_ns() - begun_ns;
         let Some(command) = command else {
-            warm += 1;
-            if warm > 1000 {
-                bail!("the planner refuses: see its log");
-            }
+            refused += 1;
+            ensure!(refused < WARM, "the planner refuses what can be done");
             continue;
         };
         alone.saturating_record(computed_ns);
@@ -381,9 +389,10 @@ fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u6
         for outcome in [Outcome::Accepted, Outcome::Reached] {
             feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
         }
-        while pending.is_connected() || pending.receive()?.is_some() {
-            std::hint::spin_loop();
-        }
+        until(Looks::Spinning, &listener, || {
+            let has_ended = !pending.is_connected();
+            Ok((pending.receive()?.is_none() && has_ended).then_some(()))
+        })?;
     }
     peer.end()?;
     Ok((alone, through))
