@@ -171,6 +171,6 @@ def draw(soak: Soak, path: Path) -> None:
         axis.grid(alpha=0.3)
         axis.set_xlabel("hours")
         if axis is not axes[1, 1]:
-            axis.set_ylim(bottom=0.0)
+            axis.set_ylim(0.0, 1.15 * axis.dataLim.y1)
     figure.savefig(path, dpi=110)
     plt.close(figure)
