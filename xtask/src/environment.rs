@@ -78,7 +78,9 @@ impl Requirements {
     /// What is installed and about how long that takes, for people.
     fn announcement(self) -> &'static str {
         match self {
-            Self::Demo => "installing the Python packages of world and renderer (about a minute)",
+            Self::Demo => {
+                "installing the Python packages of world, camera and detector (about a minute)"
+            }
             Self::Train => "installing the Python packages of learning (about a minute, 600 MB)",
             Self::Dev => "installing the Python packages of the checks (some seconds)",
         }
