@@ -103,15 +103,22 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
         folder
     };
     let (old, new) = (dead("4711"), dead("4712"));
-    let watched = nodes.join(format!("{}4711.node_monitor_context", corner.prefix()));
-    std::fs::write(&watched, "").unwrap();
-    for part in [&old, &watched] {
+    let file = |name: &str| {
+        let file = nodes.join(format!("{}{name}", corner.prefix()));
+        std::fs::write(&file, "").unwrap();
+        file
+    };
+    let watched = file("4711.node_monitor_context");
+    // Whoever buried this one was killed when the first of three files had gone.
+    let buried = ["4713.node_monitor_context", "4713.node_monitor_owner_lock"].map(file);
+    for part in [&old, &watched, &buried[0], &buried[1]] {
         age(part, Duration::from_secs(60));
     }
     let folders = || std::fs::read_dir(&nodes).unwrap().count();
     let before = folders();
     let other = join(Role::Perception, &corner);
     assert!(!old.exists() && !watched.exists() && new.exists());
+    assert!(buried.iter().all(|file| !file.exists()));
     // The other one's own files, and those of the one that lives, are there.
     assert!(folders() > before - 1);
     assert!(lives.receiver::<Feedback>().is_ok() && other.sender::<Feedback>().is_ok());

@@ -92,8 +92,9 @@ pub(super) fn remove_tags(config: &Config) {
     });
 }
 
-/// Removes what nodes have left that were killed while they began or ended: files without
-/// the lock that every node holds that lives, or that iceoryx2 will bury.
+/// Removes what nodes have left that were killed while they began or ended, or while another
+/// one that was killed, too, buried them: files without the two that every node has that
+/// lives, or that iceoryx2 will bury.
 pub(super) fn remove_nodes(config: &Config) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
     let (prefix, suffix) = (config.global.prefix, config.global.node.monitor_suffix);
@@ -109,8 +110,10 @@ pub(super) fn remove_nodes(config: &Config) {
             let behind = name.strip_prefix(&prefix).unwrap_or_default();
             behind.split_once(&suffix).map_or("", |(number, _)| number)
         };
+        let state = folder.join(format!("{prefix}{number}{suffix}"));
         let lock = folder.join(format!("{prefix}{number}{suffix}_owner_lock"));
-        if number.is_empty() || lock.exists() || !was_given_up(&entry.path()) {
+        let is_whole = state.exists() && lock.exists();
+        if number.is_empty() || is_whole || !was_given_up(&entry.path()) {
             continue;
         }
         let _ = if is_folder {
