@@ -39,6 +39,7 @@ REASONS = (
     "bad_request",
     "no_such_request",
     "stopping",
+    "unanswered",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 

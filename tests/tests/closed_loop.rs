@@ -563,7 +563,7 @@ fn a_scene_from_before_a_command_shows_nothing_of_what_came_of_it() {
 }
 
 #[test]
-fn a_controller_that_says_nothing_is_stopped_and_told_of() {
+fn a_controller_that_says_nothing_in_time_is_stopped_and_told_of() {
     let parts = Parts::new();
     let model = parts.model();
     let mut world = World::new(&model, Limits::default());
@@ -574,7 +574,36 @@ fn a_controller_that_says_nothing_is_stopped_and_told_of() {
     assert_eq!(command.until_ns, sent_ns + 500 * MS);
     let waited_ms = (world.now_ns - sent_ns) / MS;
     assert!((500..510).contains(&waited_ms), "{waited_ms}");
-    assert_eq!(world.run(), Err(Failure::NotAccepted { step: 0 }));
+    // It may have begun, for all that is known.
+    assert_eq!(world.run(), Err(Failure::Unanswered { step: 0 }));
+
+    // It says after the stop that it has not begun; that it has; that it has ended.
+    for (said, expected) in [
+        (
+            [Outcome::Stopped, Outcome::Stopped],
+            Failure::NotAccepted { step: 0 },
+        ),
+        (
+            [Outcome::TooLate, Outcome::Stopped],
+            Failure::NotAccepted { step: 0 },
+        ),
+        (
+            [Outcome::Accepted, Outcome::Stopped],
+            Failure::Unanswered { step: 0 },
+        ),
+        (
+            [Outcome::Reached, Outcome::Reached],
+            Failure::Unanswered { step: 0 },
+        ),
+    ] {
+        world.ask(TWO_STEPS, Mode::ClosedLoop);
+        let command = until_command(&mut world);
+        assert_eq!(until_stop(&mut world), 1);
+        for outcome in said {
+            world.say(&command, outcome);
+        }
+        assert_eq!(world.run(), Err(expected), "{said:?}");
+    }
 
     world.ask(TWO_STEPS, Mode::ClosedLoop);
     let command = until_command(&mut world);

@@ -63,8 +63,14 @@ pub enum Failure {
         /// Why the last one that came was not.
         last: Option<SceneFault>,
     },
-    /// The controller did not accept the command.
+    /// The controller did not accept the command, and will not carry it out.
     NotAccepted {
+        /// Which step.
+        step: u8,
+    },
+    /// Nothing was heard of the controller in time, or too late that it had begun; whether the
+    /// step was carried out is unknown.
+    Unanswered {
         /// Which step.
         step: u8,
     },
@@ -114,6 +120,7 @@ impl Failure {
             Self::Refused(refusal) => refusal.kind(),
             Self::NoScene { .. } => "no_scene",
             Self::NotAccepted { .. } => "not_accepted",
+            Self::Unanswered { .. } => "unanswered",
             Self::NoOutcome { .. } => "no_outcome",
             Self::ControllerLost { .. } => "controller_lost",
             Self::Unsuccessful { .. } => "unsuccessful",
@@ -143,6 +150,12 @@ impl fmt::Display for Failure {
             Self::NotAccepted { step: at } => write!(
                 f,
                 "step {}: the controller did not accept it: is it running, and free?",
+                step(*at)
+            ),
+            Self::Unanswered { step: at } => write!(
+                f,
+                "step {}: the controller did not answer in time, so whether it was carried out is \
+                 unknown; look at the robot",
                 step(*at)
             ),
             Self::NoOutcome { step: at } => write!(

@@ -68,6 +68,8 @@ enum Stage<'m> {
         id: CommandId,
         since_ns: u64,
         confirmed: bool,
+        /// Whether it is known meanwhile that it was begun.
+        begun: bool,
         why: Failure,
     },
     Finished,
@@ -143,7 +145,13 @@ impl<'m> Job<'m> {
                 }
                 (_, Heard::Ended { .. } | Heard::Undelivered) => {}
             },
-            Stage::Stopping { id, confirmed, .. } if *id == report.id => {
+            Stage::Stopping {
+                id,
+                confirmed,
+                begun,
+                ..
+            } if *id == report.id => {
+                *begun |= matches!(report.outcome, Outcome::Accepted | Outcome::Reached);
                 *confirmed |= report.outcome != Outcome::Accepted;
             }
             _ => {}
@@ -259,6 +267,7 @@ impl<'m> Job<'m> {
                             id: command.id,
                             since_ns: now_ns,
                             confirmed: true,
+                            begun: false,
                             why: Failure::ControllerLost { step },
                         };
                         Ok(Event::Stop(command.id))
@@ -272,17 +281,20 @@ impl<'m> Job<'m> {
             &mut Stage::Stopping {
                 since_ns,
                 confirmed,
+                begun,
                 why,
                 ..
             } => {
-                if confirmed {
-                    return Err(why);
-                }
-                if now_ns.saturating_sub(since_ns) <= limits.accept_wait_ns {
+                let waited_ns = now_ns.saturating_sub(since_ns);
+                if !confirmed && waited_ns <= limits.accept_wait_ns {
                     return Ok(Event::Waiting);
                 }
                 Err(match why {
-                    Failure::Cancelled => Failure::CancelledUnconfirmed,
+                    Failure::Cancelled if !confirmed => Failure::CancelledUnconfirmed,
+                    // It says so late, or may have begun without being heard.
+                    Failure::NotAccepted { step } if begun || !confirmed => {
+                        Failure::Unanswered { step }
+                    }
                     why => why,
                 })
             }
@@ -478,6 +490,7 @@ impl<'m> Job<'m> {
             id,
             since_ns: now_ns,
             confirmed: false,
+            begun: false,
             why,
         };
         Ok(Event::Stop(id))

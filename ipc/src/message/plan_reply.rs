@@ -89,7 +89,7 @@ message! {
 /// Why a request is not followed, by the names of [`nsrm_core::Refusal::kind`] and
 /// [`Failure::kind`], and of what the planner's node finds: a number in
 /// [`PlanReply::reason`] is a place in here, counted from 1.
-pub const REASONS: [&str; 29] = [
+pub const REASONS: [&str; 30] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -119,6 +119,7 @@ pub const REASONS: [&str; 29] = [
     "bad_request",
     "no_such_request",
     "stopping",
+    "unanswered",
 ];
 
 /// What has become of a request.
@@ -538,6 +539,7 @@ mod tests {
             Failure::Refused(Refusal::NoWords),
             Failure::NoScene { last: None },
             Failure::NotAccepted { step },
+            Failure::Unanswered { step },
             Failure::NoOutcome { step },
             Failure::ControllerLost { step },
             Failure::Unsuccessful {

@@ -561,6 +561,10 @@ impl Watched {
     /// What the controller said first is what counts.
     fn blame(&self, why: &Failure) {
         says(why);
+        if let Failure::NotAccepted { .. } = why {
+            assert!(self.accepted_ns.is_none(), "{self:?}");
+            assert_ne!(self.ended, Some(Outcome::Reached), "{self:?}");
+        }
         if let Failure::Unsuccessful { outcome, .. } = why {
             assert_eq!(self.ended, Some(*outcome), "{self:?}");
             assert_ne!(*outcome, Outcome::Reached);
@@ -606,6 +610,7 @@ mod tests {
             "not_seen",
             "not_there",
             "outside_work_space",
+            "unanswered",
             "unknown_word",
             "unsuccessful",
         ];
