@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.detector import detect
+from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
 from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import default_camera
@@ -224,3 +226,38 @@ def test_what_waited_too_long_or_was_given_up_moves_nothing(world: World) -> Non
     assert world.poses() == before
     controller.obey(move(7, 1, 7, (0.62, 0.0, 0.021)))
     assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
+
+
+def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
+    file = tmp_path / "robot.toml"
+    for text, words in [
+        ("robot = ", "Invalid value"),
+        ('arms = 2\nrobot = "left"', "unknown: arms; known: robot, model"),
+        ('hosts = "two"', "hosts = 'two': it is one of one, several"),
+        ("shared_memory = 3", "[shared_memory] may have root and prefix"),
+        ("[shared_memory]\nfolder = 'x'", "[shared_memory] may have root and prefix"),
+        ("[shared_memory]\nprefix = 'a/b'", "shared_memory.prefix = 'a/b'"),
+        ("[shared_memory]\nroot = 3", "shared_memory.root = 3"),
+    ]:
+        file.write_text(text)
+        with pytest.raises(RobotConfigError) as refused:
+            read_config(file)
+        assert str(file) in str(refused.value) and words in str(refused.value)
+    with pytest.raises(RobotConfigError, match=r"none\.toml"):
+        read_config(tmp_path / "none.toml")
+
+
+def test_a_configuration_is_that_of_nsrm(tmp_path: Path) -> None:
+    file = tmp_path / "robot.toml"
+    file.write_text(
+        'robot = "left"\nmodel = "m"\nline = "broadcast"\nhosts = "several"\n'
+        "[limits]\nretries = 1\n[shared_memory]\nroot = '/tmp/here'\nprefix = 'mine_'\n"
+    )
+    config = read_config(file)
+    assert (config.robot, config.several_hosts) == ("left", True)
+    places = config.shared_memory.global_cfg
+    assert places.root_path.to_string() == "/tmp/here"
+    assert places.prefix.to_string() == "mine_"
+    assert read_config(file, "right").robot == "right"
+    assert read_config(None) == read_config(None, "robot")
+    assert not read_config(None).several_hosts

@@ -4,12 +4,16 @@ checkout."""
 from __future__ import annotations
 
 import json
+import os
 import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from nsrm_harness.robot.processes import Processes
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARED_MEMORY = Path("/dev/shm")
@@ -77,3 +81,30 @@ def test_what_is_refused_ends_with_2_and_moves_nothing() -> None:
         assert done.returncode == 2, done.stderr
         assert reason in done.stderr
         assert "on its way" not in done.stdout
+
+
+def test_one_configuration_serves_all_processes(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """As on one of several hosts, where all are on the same."""
+    # Short: iceoryx2 makes sockets in it.
+    tmp_path = tmp_path_factory.mktemp("r")
+    subprocess.run(
+        ["cargo", "build", "--quiet", "--release", "--package=nsrm"], cwd=ROOT, check=True
+    )
+    nsrm = str(Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "nsrm")
+    prefix = f"nsrm-test-{os.getpid()}_"
+    told = ["--config", str(tmp_path / "robot.toml")]
+    (tmp_path / "robot.toml").write_text(
+        'robot = "left"\nhosts = "several"\nline = "broadcast"\n'
+        f'[shared_memory]\nroot = "{tmp_path / "m"}"\nprefix = "{prefix}"\n'
+    )
+    with Processes() as processes:
+        world = [sys.executable, "-m", "nsrm_harness.cli", "world", "--seed", "4", *told]
+        line = processes.start("world", world, "try: ")
+        assert "robot left, seed 4" in line
+        processes.start("perception", [nsrm, "perceive", *told], "perceiving")
+        processes.start("planner", [nsrm, "serve", *told], "planning")
+        assert processes.run([nsrm, "say", *told, line.partition("try: ")[2]]) == 0
+    left = [path.name for path in SHARED_MEMORY.iterdir() if path.name.startswith(prefix)]
+    assert [name for name in left if not name.endswith(".global_mgmt")] == []
+    for name in left:
+        (SHARED_MEMORY / name).unlink()

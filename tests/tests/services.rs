@@ -1,12 +1,13 @@
 //! The services promise what their table says, between two nodes of one process.
 
+use iceoryx2::config::Config;
 use iceoryx2::prelude::*;
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{
     CameraFrame, CameraMessage, DetectedBox, Feedback, Heartbeat, Message, PlanReply, PlanRequest,
     ReplyTo, Role, SceneMessage, State, SubGoal,
 };
-use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, SendFailure, ServiceError};
+use nsrm_ipc::service::{Carried, Hosts, Receiver, Robot, RobotName, SendFailure, ServiceError};
 use nsrm_tests::corner::Corner;
 
 fn name(robot: &str) -> RobotName {
@@ -56,6 +57,20 @@ fn scene(sequence: u64) -> SceneMessage {
         sequence,
         ..SceneMessage::from(&raw)
     }
+}
+
+fn request(sequence: u64) -> PlanRequest {
+    PlanRequest::new(1, sequence, Mode::PlanOnly, "put the red block …").unwrap()
+}
+
+fn reply(number: u32) -> PlanReply {
+    let to = ReplyTo {
+        asker: 1,
+        request: 7,
+        plan: 0,
+        number,
+    };
+    PlanReply::refused(to, "busy", "wait")
 }
 
 #[test]
@@ -176,19 +191,9 @@ fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
     let (planner, asker) = pair(&corner);
     let server = planner.plan_server().unwrap();
     let client = asker.plan_client().unwrap();
-    let request = PlanRequest::new(1, 7, Mode::PlanOnly, "put the red block …").unwrap();
-    let pending = client.send_copy(request).unwrap();
+    let pending = client.send_copy(request(7)).unwrap();
     let active = server.receive().unwrap().expect("it was just sent");
-    assert_eq!(*active, request);
-    let reply = |number| {
-        let to = ReplyTo {
-            asker: 1,
-            request: 7,
-            plan: 0,
-            number,
-        };
-        PlanReply::refused(to, "busy", "wait")
-    };
+    assert_eq!(*active, request(7));
     for number in 1..=100 {
         active.send_copy(reply(number)).unwrap();
     }
@@ -201,7 +206,7 @@ fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
     assert!(!pending.is_connected());
 
     // The other way round: who asked is gone.
-    let pending = client.send_copy(request).unwrap();
+    let pending = client.send_copy(request(8)).unwrap();
     let active = server.receive().unwrap().expect("it was just sent");
     drop(pending);
     assert!(!active.is_connected());
@@ -240,6 +245,56 @@ fn a_peer_with_another_layout_is_refused() {
     let refused = robot.sender::<Feedback>().unwrap_err();
     let (robot, service) = (name("left"), "feedback");
     assert_eq!(refused, ServiceError::OtherVersion { robot, service });
+}
+
+/// What a tunnel makes of services that the other host alone has, as the documented file says.
+#[test]
+fn what_a_tunnel_makes_is_used_over_several_hosts() {
+    fn made<M: Carried + Copy>(tunnel: &Node<ipc::Service>, robot: &Robot, message: M) {
+        let service = format!("nsrm/v1/left/{}", M::SERVICE);
+        let service = tunnel
+            .service_builder(&service.as_str().try_into().unwrap())
+            .publish_subscribe::<M>()
+            .create()
+            .unwrap();
+        let (sender, receiver) = (robot.sender::<M>().unwrap(), robot.receiver::<M>().unwrap());
+        // It takes part as one more of each.
+        let _publisher = service.publisher_builder().create().unwrap();
+        let passes_on = service.subscriber_builder().create().unwrap();
+        assert_eq!(sender.send(&message), Ok(2), "{}", M::SERVICE);
+        assert!(receiver.receive().unwrap().is_some() && passes_on.receive().unwrap().is_some());
+    }
+    let corner = Corner::new("tunnel");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/hosts/iceoryx2.toml");
+    let mut config = Config::from_file(&FilePath::new(file.as_bytes()).unwrap()).unwrap();
+    config.global = corner.config.global.clone();
+    let tunnel = NodeBuilder::new()
+        .config(&config)
+        .create::<ipc::Service>()
+        .unwrap();
+    let robot = Robot::join(name("left"), Role::Planner, &corner.config).unwrap();
+    let robot = robot.over(Hosts::Several);
+    made(&tunnel, &robot, scene(1));
+    made(&tunnel, &robot, sub_goal(1));
+    made(&tunnel, &robot, feedback(1));
+    made(&tunnel, &robot, heartbeat(1));
+    made(&tunnel, &robot, request(1));
+    made(&tunnel, &robot, reply(1));
+}
+
+#[test]
+fn who_was_told_of_another_number_of_hosts_is_refused() {
+    let corner = Corner::new("hosts");
+    let join = || Robot::join(name("left"), Role::Planner, &corner.config).unwrap();
+    let (one, several) = (join(), join().over(Hosts::Several));
+    let _first = one.sender::<SubGoal>().unwrap();
+    let refused = several.receiver::<SubGoal>().unwrap_err();
+    let (robot, service) = (name("left"), "sub_goal");
+    assert_eq!(refused, ServiceError::OtherVersion { robot, service });
+    assert!(
+        refused.to_string().contains("the same `hosts` for"),
+        "{refused}"
+    );
 }
 
 #[test]

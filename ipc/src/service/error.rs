@@ -92,8 +92,9 @@ impl fmt::Display for ServiceError {
             ),
             Self::OtherVersion { robot, service } => write!(
                 f,
-                "robot `{robot}`: another version of NSRM uses `{service}`; use the same one for \
-                 all of a robot's processes"
+                "robot `{robot}`: another version of NSRM uses `{service}`, or a process that was \
+                 told of another number of hosts; use the same version and the same `hosts` for \
+                 all of a robot's processes, and a tunnel with the configuration in docs/hosts"
             ),
             Self::OtherUser { robot, folder, .. } => write!(
                 f,

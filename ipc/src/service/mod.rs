@@ -27,7 +27,7 @@ pub use error::{SendFailure, ServiceError};
 pub use name::{MAX_NAME, RobotName, RobotNameError};
 pub use place::settle;
 pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
-pub use quality::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, PLAN, Quality};
+pub use quality::{CAMERA, CAMERA_QUALITY, Carried, Hosts, ONLOOKERS, PLAN, Quality};
 
 use core::fmt::Debug;
 use core::time::Duration;
@@ -68,6 +68,7 @@ pub type PlanClient = Client<ipc::Service, PlanRequest, (), PlanReply, ()>;
 pub struct Robot {
     node: Node<ipc::Service>,
     name: RobotName,
+    hosts: Hosts,
 }
 
 impl Robot {
@@ -105,12 +106,23 @@ impl Robot {
                 None => says(&error),
             })?;
         half_made::remove_nodes(&config);
-        let robot = Self { node, name };
+        let robot = Self {
+            node,
+            name,
+            hosts: Hosts::One,
+        };
         let begun = Instant::now();
         while !robot.bury() && begun.elapsed() < IN_FLUX {
             std::thread::sleep(BETWEEN_TRIES);
         }
         Ok(robot)
+    }
+
+    /// The same place, at a robot whose processes are spread over so many hosts; to be said
+    /// by all of them.
+    pub const fn over(mut self, hosts: Hosts) -> Self {
+        self.hosts = hosts;
+        self
     }
 
     /// The robot's name.
@@ -151,6 +163,8 @@ impl Robot {
         let service = self.stream::<M>()?;
         let subscriber = service
             .subscriber_builder()
+            // A tunnel may have made the service, with room for more.
+            .buffer_size(M::QUALITY.buffer)
             .create()
             .map_err(|_| self.full(M::SERVICE))?;
         Ok(Receiver::new(subscriber))
@@ -173,6 +187,7 @@ impl Robot {
         let subscriber = self
             .frames()?
             .subscriber_builder()
+            .buffer_size(CAMERA_QUALITY.buffer)
             .create()
             .map_err(|_| self.full(CAMERA))?;
         Ok(Frames::new(subscriber))
@@ -227,7 +242,7 @@ impl Robot {
             overflow,
             publishers,
             subscribers,
-        } = M::QUALITY;
+        } = M::QUALITY.over(self.hosts);
         self.open(M::SERVICE, MessagingPattern::PublishSubscribe, |builder| {
             builder
                 .publish_subscribe::<M>()
@@ -244,7 +259,7 @@ impl Robot {
     fn frames(
         &self,
     ) -> Result<publish_subscribe::PortFactory<ipc::Service, [u8], CameraFrame>, ServiceError> {
-        let quality = CAMERA_QUALITY;
+        let quality = CAMERA_QUALITY.over(self.hosts);
         self.open(CAMERA, MessagingPattern::PublishSubscribe, |builder| {
             builder
                 .publish_subscribe::<[u8]>()

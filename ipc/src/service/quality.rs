@@ -19,6 +19,35 @@ pub struct Quality {
     pub subscribers: usize,
 }
 
+/// Over how many hosts a robot's processes are spread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Hosts {
+    /// All are in one machine.
+    #[default]
+    One,
+    /// A tunnel on each host carries what goes through the services. It has a publisher and a
+    /// subscriber of its own at each, and makes those anew that only the other host has, all
+    /// with the same promises: nothing for who comes late, and the oldest is lost, not the
+    /// newest. A command that is lost so is not accepted, which its sender sees.
+    Several,
+}
+
+impl Quality {
+    /// What can be promised over so many hosts.
+    pub const fn over(self, hosts: Hosts) -> Self {
+        match hosts {
+            Hosts::One => self,
+            Hosts::Several => Self {
+                buffer: self.buffer,
+                history: 0,
+                overflow: true,
+                publishers: self.publishers + 1,
+                subscribers: self.subscribers + 1,
+            },
+        }
+    }
+}
+
 /// A message that has a publish-subscribe service of its own.
 pub trait Carried: Message + ZeroCopySend + Debug + 'static {
     /// The end of the service's name.
@@ -81,8 +110,7 @@ impl Carried for PlanRequest {
         history: 0,
         overflow: true,
         publishers: ASKERS,
-        // The planner, and a tunnel to the host where it is.
-        subscribers: 2,
+        subscribers: 1,
     };
 }
 

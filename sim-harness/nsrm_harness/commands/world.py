@@ -5,31 +5,40 @@ from __future__ import annotations
 import signal
 import threading
 from contextlib import closing
+from pathlib import Path
 
 import click
 
 from nsrm_harness import domain as domains
 from nsrm_harness.commands.options import seed_option
+from nsrm_harness.robot.config import read_config
 from nsrm_harness.robot.stage import Stage
 from nsrm_harness.world.render import open_renderer
 
 
 @click.command("world")
-@click.option("--robot", default="robot", show_default=True, help="Which robot it is.")
+@click.option("--robot", help="Which robot it is.  [default: (the file's, or `robot`)]")
+@click.option(
+    "--config",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The robot's configuration (TOML), the same as that of `nsrm`.",
+)
 @seed_option
-def command(robot: str, seed: int) -> None:
+def command(robot: str | None, file: Path | None, seed: int) -> None:
     """The tabletop of a seed, as a robot's camera and controller, until SIGINT or SIGTERM.
 
     Its camera publishes frames with the boxes that the detector finds; its controller
     grasps a block where it is seen, lets it go above its sub-goal, and physics does the rest.
     """
+    config = read_config(file, robot)
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     with (
         closing(open_renderer()) as renderer,
-        closing(Stage(domains.load(), renderer, seed, robot)) as stage,
+        closing(Stage(domains.load(), renderer, seed, config)) as stage,
     ):
         stage.look()
-        click.echo(f"world: robot {robot}, seed {seed}; try: {stage.sentence}")
+        click.echo(f"world: robot {config.robot}, seed {seed}; try: {stage.sentence}")
         stage.run(stop)

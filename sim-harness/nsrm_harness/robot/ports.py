@@ -10,7 +10,6 @@ import logging
 import os
 import re
 import time
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +23,9 @@ from nsrm_harness.messages import (
     CameraFrame,
     Feedback,
     Heartbeat,
-    Quality,
     SubGoal,
 )
-
-# It has no types; its names are looked up when they are used.
-iox2: Any = import_module("iceoryx2")
+from nsrm_harness.robot.config import RobotConfig, iox2
 
 BEAT_S = 0.1
 """Time between two heartbeats."""
@@ -45,24 +41,35 @@ class PortError(HarnessError):
     """A service can't be used."""
 
 
+_clock = time.monotonic_ns
+
+
 def now_ns() -> int:
-    """The clock of all processes of the machine (`nsrm_ipc::clock`)."""
-    return time.monotonic_ns()
+    """The clock that all of a robot's processes go by (`nsrm_ipc::clock`): the machine's, or
+    the wall clock after `go_by_wall_clock`."""
+    return _clock()
+
+
+def go_by_wall_clock() -> None:
+    """Makes this process go by the clock that several hosts keep equal."""
+    global _clock
+    _clock = time.time_ns
 
 
 class Robot:
     """A process's place among those of one robot."""
 
-    def __init__(self, name: str, role: str, config: Any = None) -> None:
-        """Raises `PortError` for a name that a robot can't have.
-
-        * `config`: iceoryx2's; none: that of the machine
-        """
+    def __init__(self, config: RobotConfig, role: str) -> None:
+        """Raises `PortError` for a name that a robot can't have."""
+        name, shared_memory = config.robot, config.shared_memory
+        if config.several_hosts:
+            go_by_wall_clock()
         if NAME.fullmatch(name) is None:
             raise PortError(
                 f"{name!r}: a robot's name has from 1 to 32 of a to z, 0 to 9, '-' and '_'"
             )
         self.name = name
+        self._several_hosts = config.several_hosts
         iox2.set_log_level(iox2.LogLevel.Fatal)
         builder = (
             iox2.NodeBuilder.new()
@@ -70,10 +77,10 @@ class Robot:
             # Signals are Python's: KeyboardInterrupt.
             .signal_handling_mode(iox2.SignalHandlingMode.Disabled)
         )
-        if config is not None:
-            builder = builder.config(config)
+        if shared_memory is not None:
+            builder = builder.config(shared_memory)
         self._folder = Path(
-            (config or iox2.config.global_config()).global_cfg.root_path.to_string()
+            (shared_memory or iox2.config.global_config()).global_cfg.root_path.to_string()
         )
         try:
             self._node = builder.create(iox2.ServiceType.Ipc)
@@ -104,13 +111,13 @@ class Robot:
 
     def subscriber(self, service: str, message: type[ctypes.Structure]) -> Any:
         """Receives messages of one type."""
-        return self._create(service, self._stream(service, message).subscriber_builder())
+        builder = self._stream(service, message).subscriber_builder()
+        return self._create(service, builder.buffer_size(QUALITIES[service].buffer))
 
     def frames_out(self, size: int) -> Any:
         """Publishes frames of up to `size` bytes."""
-        quality = QUALITIES["camera"]
         builder = self._builder("camera").publish_subscribe(iox2.Slice[ctypes.c_uint8])
-        factory = self._open("camera", _with(builder.user_header(CameraFrame), quality))
+        factory = self._open("camera", self._with(builder.user_header(CameraFrame), "camera"))
         publisher = factory.publisher_builder().backpressure_strategy(_DISCARD)
         return self._create("camera", publisher.initial_max_slice_len(size))
 
@@ -124,7 +131,26 @@ class Robot:
 
     def _stream(self, service: str, message: type[ctypes.Structure]) -> Any:
         builder = self._builder(service).publish_subscribe(message)
-        return self._open(service, _with(builder, QUALITIES[service]))
+        return self._open(service, self._with(builder, service))
+
+    def _with(self, builder: Any, service: str) -> Any:
+        quality = QUALITIES[service]
+        if self._several_hosts:
+            # As `nsrm_ipc::service::Quality::over` has it.
+            quality = quality._replace(
+                history=0,
+                overflow=True,
+                publishers=quality.publishers + 1,
+                subscribers=quality.subscribers + 1,
+            )
+        return (
+            builder.subscriber_max_buffer_size(quality.buffer)
+            .history_size(quality.history)
+            .enable_safe_overflow(quality.overflow)
+            .max_publishers(quality.publishers)
+            .max_subscribers(quality.subscribers)
+            .max_nodes(ONLOOKERS + quality.publishers)
+        )
 
     def _events(self, service: str) -> Any:
         builder = self._builder(service).event()
@@ -146,24 +172,17 @@ class Robot:
         try:
             return builder.create()
         except Exception as error:
-            raise PortError(
-                f"robot `{self.name}`: all places at `{service}` are taken ({error}); choose "
-                "another name, or stop the process that has it"
-            ) from None
+            if str(error).startswith("ExceedsMaxSupported"):
+                told = "all places are taken; choose another name, or stop the process that has it"
+            else:
+                told = (
+                    f"{error}; the folder in which processes meet may be too long a path for its "
+                    "sockets, or not to be written to"
+                )
+            raise PortError(f"robot `{self.name}`: `{service}`: {told}") from None
 
 
 _DISCARD = iox2.BackpressureStrategy.DiscardData
-
-
-def _with(builder: Any, quality: Quality) -> Any:
-    return (
-        builder.subscriber_max_buffer_size(quality.buffer)
-        .history_size(quality.history)
-        .enable_safe_overflow(quality.overflow)
-        .max_publishers(quality.publishers)
-        .max_subscribers(quality.subscribers)
-        .max_nodes(ONLOOKERS + quality.publishers)
-    )
 
 
 class Life:

@@ -71,6 +71,7 @@ class Processes:
             except subprocess.TimeoutExpired:
                 process.kill()
                 code = process.wait()
+            lines.end()
             if code != 0:
                 failed.append(f"{name} ended with code {code}:\n{lines.text()}")
         if failed and error is None:
@@ -89,17 +90,22 @@ class _Lines:
 
     def _read(self, process: subprocess.Popen[str], ready: str) -> None:
         assert process.stdout is not None
-        for line in process.stdout:
-            self._lines.append(line.rstrip("\n"))
-            if self._ready is None and ready in line:
-                self._ready = self._lines[-1]
-                self._decided.set()
+        with process.stdout as printed:
+            for line in printed:
+                self._lines.append(line.rstrip("\n"))
+                if self._ready is None and ready in line:
+                    self._ready = self._lines[-1]
+                    self._decided.set()
         self._decided.set()
 
     def wait(self) -> str | None:
         """The line that was waited for; None if it did not come."""
         self._decided.wait(PATIENCE_S)
         return self._ready
+
+    def end(self) -> None:
+        """Waits until all is read that a process that has ended printed."""
+        self._thread.join(PATIENCE_S)
 
     def text(self) -> str:
         """All that was printed so far."""

@@ -4,7 +4,6 @@ controller."""
 from __future__ import annotations
 
 import threading
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State
 from nsrm_harness.perception.detector import detect
+from nsrm_harness.robot.config import RobotConfig
 from nsrm_harness.robot.controller import Controller, stops_first
 from nsrm_harness.robot.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
 from nsrm_harness.robot.tracking import Tracker
@@ -28,12 +28,10 @@ BURIAL_FRAMES = 2
 class Stage:
     """The tabletop of a seed, seen and moved by messages alone."""
 
-    def __init__(
-        self, domain: Domain, renderer: Renderer, seed: int, name: str, config: Any = None
-    ) -> None:
+    def __init__(self, domain: Domain, renderer: Renderer, seed: int, config: RobotConfig) -> None:
         """Raises `PortError` if the robot has a camera or a controller already."""
         self._renderer, self._camera = renderer, default_camera()
-        self._robot = Robot(name, "controller", config)
+        self._robot = Robot(config, "controller")
         self._commands = CommandsIn(self._robot)
         self._feedback = FeedbackOut(self._robot)
         self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use iceoryx2::config::Config as Iceoryx;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
+use nsrm_ipc::clock::{Clock, go_by};
 use nsrm_ipc::executive::{Limits, LimitsError};
 use nsrm_ipc::node::Line;
-use nsrm_ipc::service::{RobotName, RobotNameError, settle};
+use nsrm_ipc::service::{Hosts, RobotName, RobotNameError, settle};
 use serde::Deserialize;
 
 /// A configuration file (TOML). Everything may be left out.
@@ -16,6 +17,7 @@ struct File {
     robot: Option<String>,
     model: Option<PathBuf>,
     line: Option<LineFile>,
+    hosts: Option<HostsFile>,
     #[serde(default)]
     limits: LimitsFile,
     #[serde(default)]
@@ -28,6 +30,14 @@ struct File {
 enum LineFile {
     Connection,
     Broadcast,
+}
+
+/// [`Hosts`], by its name.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum HostsFile {
+    One,
+    Several,
 }
 
 /// Where iceoryx2 keeps what processes share, if not at its usual place.
@@ -61,6 +71,8 @@ pub(crate) struct Config {
     pub(crate) model: Option<PathBuf>,
     /// By which services a planner is asked.
     pub(crate) line: Line,
+    /// Over how many hosts the robot's processes are spread.
+    pub(crate) hosts: Hosts,
     /// How the planner works.
     pub(crate) limits: Limits,
     /// Where processes meet.
@@ -104,7 +116,8 @@ impl std::fmt::Display for ConfigError {
 impl std::error::Error for ConfigError {}
 
 impl Config {
-    /// From the file, if there is one; what the command line says comes first.
+    /// From the file, if there is one; what the command line says comes first. The process
+    /// goes by the clock that the hosts have in common from then on.
     pub(crate) fn read(
         path: Option<&PathBuf>,
         robot: Option<&str>,
@@ -121,7 +134,16 @@ impl Config {
         let robot = robot.or(file.robot.as_deref()).unwrap_or(ROBOT);
         let limits = file.limits.over(Limits::default());
         limits.check().map_err(ConfigError::Limits)?;
+        let hosts = match file.hosts {
+            None | Some(HostsFile::One) => Hosts::One,
+            Some(HostsFile::Several) => Hosts::Several,
+        };
+        go_by(match hosts {
+            Hosts::One => Clock::Machine,
+            Hosts::Several => Clock::Wall,
+        });
         Ok(Self {
+            hosts,
             robot: robot.parse().map_err(ConfigError::Robot)?,
             model: model.cloned().or(file.model),
             line: match file.line {

@@ -131,11 +131,8 @@ fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
 }
 
 fn join(config: &Config, role: Role) -> Result<Robot, Failure> {
-    Ok(Robot::join(
-        config.robot.clone(),
-        role,
-        &config.shared_memory,
-    )?)
+    let robot = Robot::join(config.robot.clone(), role, &config.shared_memory)?;
+    Ok(robot.over(config.hosts))
 }
 
 /// Log lines go to stderr, by `NSRM_LOG` (a level, or a filter of tracing's).

@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
-use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::clock::{Clock, go_by, now_ns};
 use nsrm_ipc::executive::CommandId;
 use nsrm_ipc::message::{Feedback, Order, Outcome, Role, State, SubGoal, SubGoalError};
 use nsrm_ipc::node::{HEARTBEAT_NS, Life};
-use nsrm_ipc::service::{Carried, Receiver, Robot, RobotName, Sender, settle};
+use nsrm_ipc::service::{Carried, Hosts, Receiver, Robot, RobotName, Sender, settle};
 use nsrm_tests::corner;
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -40,13 +40,21 @@ pub(crate) struct Place {
     /// The journal.
     #[arg(long)]
     journal: PathBuf,
+    /// The robot's other processes are on another host.
+    #[arg(long)]
+    several_hosts: bool,
 }
 
 impl Place {
     pub(crate) fn join(&self, role: Role) -> Result<Robot> {
         let config = corner::config(&self.root, &self.prefix);
         settle(&config)?;
-        Ok(Robot::join(self.robot.clone(), role, &config)?)
+        let robot = Robot::join(self.robot.clone(), role, &config)?;
+        if !self.several_hosts {
+            return Ok(robot);
+        }
+        go_by(Clock::Wall);
+        Ok(robot.over(Hosts::Several))
     }
 
     pub(crate) fn journal(&self) -> &Path {
@@ -191,7 +199,10 @@ impl Controller {
                 self.moving = Some((*command, end_ns));
                 Ok(())
             }
-            Err(SubGoalError::TooLate { .. }) => self.end(id, Outcome::TooLate),
+            Err(SubGoalError::TooLate { .. }) => {
+                self.note("came too late", command)?;
+                self.end(id, Outcome::TooLate)
+            }
             Err(_) => Ok(()),
         }
     }
