@@ -9,6 +9,7 @@ mod count;
 mod fuzz;
 mod packages;
 mod report;
+mod tools;
 
 use std::ffi::OsString;
 use std::fs::{self, File};

@@ -7,6 +7,7 @@ use anyhow::Result;
 
 use super::count::Runner;
 use super::fuzz;
+use super::tools::Tool;
 use crate::environment::{Environment, Requirements};
 use crate::project::Project;
 
@@ -127,7 +128,21 @@ pub(super) const CHECKS: &[Check] = &[
         about: "3 min",
         steps: trials,
     },
+    Check {
+        name: "hosts",
+        title: "a robot on two hosts: a sentence from each, a narrow cable, none (needs root)",
+        about: "4 min",
+        steps: hosts,
+    },
 ];
+
+/// Carries services between hosts. Not optimised, which is quicker to build.
+const TUNNEL: Tool = Tool {
+    package: "iceoryx2-integrations-zenoh-link-tunnel-cli",
+    program: "iox2-link-tunnel-zenoh",
+    version: "0.10.0",
+    options: &["--debug"],
+};
 
 /// A command that a check runs in the root of the checkout.
 pub(super) struct Step {
@@ -408,6 +423,15 @@ fn trials(context: &Context) -> Result<Vec<Step>> {
         trial("soak", &["--hours", "0.01", "--every", "1"]),
         trial("latency", &["--samples", "500"]),
     ])
+}
+
+/// A robot on two hosts, with the tunnel that carries what is said between them.
+fn hosts(context: &Context) -> Result<Vec<Step>> {
+    let (_, install) = TUNNEL.at_hand(context);
+    let programs = ["--package=nsrm", "--package=nsrm-trials"];
+    let build = Step::cargo(&["build", "--release", "--locked"]).arguments(&programs);
+    let test = pytest(context, "tests/hosts")?;
+    Ok(install.into_iter().chain([build, test]).collect())
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {

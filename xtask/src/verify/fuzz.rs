@@ -12,10 +12,15 @@ use anyhow::{Context as _, Result};
 
 use super::checks::{Context, Step};
 use super::count::Runner;
+use super::tools::Tool;
 use crate::project::output_of;
 
-/// The version of cargo-fuzz that is installed into the target folder.
-const CARGO_FUZZ: &str = "0.13.2";
+const CARGO_FUZZ: Tool = Tool {
+    package: "cargo-fuzz",
+    program: "cargo-fuzz",
+    version: "0.13.2",
+    options: &[],
+};
 /// The package of the targets.
 const FOLDER: &str = "tests/fuzz";
 /// How long each target is given new inputs, seconds.
@@ -30,16 +35,9 @@ pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
         eprintln!("verify: no C++ compiler, which libFuzzer needs; only committed inputs are run");
         return Ok(steps);
     }
-    let target = context.project().target();
-    let tools = target.join("tools");
-    let program = tools.join("bin/cargo-fuzz");
-    let version = output_of(Command::new(&program).arg("--version"));
-    if !version.is_ok_and(|version| version.ends_with(&format!(" {CARGO_FUZZ}"))) {
-        let version = format!("--version={CARGO_FUZZ}");
-        let install = ["install", "cargo-fuzz", "--locked", &version, "--force"];
-        steps.push(Step::cargo(&install).argument("--root").argument(&tools));
-    }
-    let folder = target.join("fuzz");
+    let (program, install) = CARGO_FUZZ.at_hand(context);
+    steps.extend(install);
+    let folder = context.project().target().join("fuzz");
     let fuzz = |arguments: &[&str]| {
         Step::new(&program, &["fuzz"])
             .arguments(arguments)

@@ -12,7 +12,7 @@ struct SystemPackage {
     without: &'static str,
 }
 
-const PACKAGES: [SystemPackage; 4] = [
+const PACKAGES: [SystemPackage; 5] = [
     SystemPackage {
         name: "gcc",
         without: "nothing can be linked",
@@ -20,6 +20,10 @@ const PACKAGES: [SystemPackage; 4] = [
     SystemPackage {
         name: "g++",
         without: "no new inputs are fuzzed",
+    },
+    SystemPackage {
+        name: "iproute2",
+        without: "two hosts can't be made",
     },
     SystemPackage {
         name: "libegl1",

@@ -1,0 +1,33 @@
+//! Programs that checks need beside cargo, installed into the target folder.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use super::checks::{Context, Step};
+use crate::project::output_of;
+
+/// A program from the registry.
+pub(super) struct Tool {
+    /// The package that it is in.
+    pub(super) package: &'static str,
+    pub(super) program: &'static str,
+    pub(super) version: &'static str,
+    /// How it is to be built, beyond what is usual.
+    pub(super) options: &'static [&'static str],
+}
+
+impl Tool {
+    /// Where it lies, and the step that puts it there, unless it does already.
+    pub(super) fn at_hand(&self, context: &Context) -> (PathBuf, Option<Step>) {
+        let tools = context.project().target().join("tools");
+        let program = tools.join("bin").join(self.program);
+        let told = output_of(Command::new(&program).arg("--version"));
+        if told.is_ok_and(|told| told.ends_with(&format!(" {}", self.version))) {
+            return (program, None);
+        }
+        let version = format!("--version={}", self.version);
+        let install = ["install", self.package, "--locked", "--force", &version];
+        let step = Step::cargo(&install).arguments(self.options);
+        (program, Some(step.argument("--root").argument(tools)))
+    }
+}
