@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +20,8 @@ from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
+from nsrm_harness.robot.half_made import SEGMENTS
+from nsrm_harness.robot.ports import FeedbackOut, PortError, Robot
 from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
@@ -261,3 +268,57 @@ def test_a_configuration_is_that_of_nsrm(tmp_path: Path) -> None:
     assert read_config(file, "right").robot == "right"
     assert read_config(None) == read_config(None, "robot")
     assert not read_config(None).several_hosts
+
+
+@pytest.fixture
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A configuration with a corner of shared memory of its own, with nothing left in the end."""
+    # Short: iceoryx2 makes sockets in it.
+    folder, prefix = tmp_path_factory.mktemp("r"), f"nsrm-test-{os.getpid()}_"
+    file = folder / "robot.toml"
+    file.write_text(f'[shared_memory]\nroot = "{folder}/m"\nprefix = "{prefix}"\n')
+    yield file
+    left = [path for path in SEGMENTS.iterdir() if path.name.startswith(prefix)]
+    for path in left:
+        path.unlink()
+    assert [path for path in left if not path.name.endswith(".global_mgmt")] == []
+
+
+def segment(place: Path, name: str, age_s: float) -> Path:
+    """A segment whose maker was killed before it gave it a size."""
+    config = read_config(place).shared_memory
+    path = SEGMENTS / f"{config.global_cfg.prefix.to_string()}{name}.connection"
+    path.touch()
+    then = time.time() - age_s
+    os.utime(path, (then, then))
+    return path
+
+
+def test_a_segment_that_was_given_up_keeps_nobody_waiting(place: Path) -> None:
+    old, new = segment(place, "1_2", 60.0), segment(place, "3_4", 0.5)
+    # Which waits until the second one has been given up, too.
+    robot = Robot(read_config(place), "controller")
+    assert not old.exists() and not new.exists()
+    young = segment(place, "5_6", -60.0)
+    assert not robot.bury() and young.exists()
+    young.unlink()
+    assert robot.bury()
+
+
+DIES = """
+import os, signal, sys
+from pathlib import Path
+from nsrm_harness.robot.config import read_config
+from nsrm_harness.robot.ports import FeedbackOut, Robot
+held = FeedbackOut(Robot(read_config(Path(sys.argv[1])), "controller"))
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_a_dead_ones_place_is_free(place: Path) -> None:
+    died = subprocess.run([sys.executable, "-c", DIES, str(place)], check=False)
+    assert died.returncode == -signal.SIGKILL
+    heir = FeedbackOut(Robot(read_config(place), "controller"))
+    with pytest.raises(PortError, match="all places are taken"):
+        FeedbackOut(Robot(read_config(place), "controller"))
+    del heir

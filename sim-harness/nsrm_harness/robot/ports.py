@@ -26,9 +26,13 @@ from nsrm_harness.messages import (
     SubGoal,
 )
 from nsrm_harness.robot.config import RobotConfig, iox2
+from nsrm_harness.robot.half_made import remove_segments
 
 BEAT_S = 0.1
 """Time between two heartbeats."""
+IN_FLUX_S = 4.0
+"""How long is waited, in joining, for what others are making."""
+BETWEEN_TRIES_S = 0.01
 LINE_S = 1.0
 """The least time between two log lines about messages that are passed over."""
 NAME = re.compile(r"[a-z0-9_-]{1,32}")
@@ -61,7 +65,7 @@ class Robot:
 
     def __init__(self, config: RobotConfig, role: str) -> None:
         """Raises `PortError` for a name that a robot can't have."""
-        name, shared_memory = config.robot, config.shared_memory
+        name, shared_memory = config.robot, config.shared_memory or iox2.config.global_config()
         if config.several_hosts:
             go_by_wall_clock()
         if NAME.fullmatch(name) is None:
@@ -71,22 +75,27 @@ class Robot:
         self.name = name
         self._several_hosts = config.several_hosts
         iox2.set_log_level(iox2.LogLevel.Fatal)
+        places = shared_memory.global_cfg
+        # The dead are buried by `bury` alone, which looks first whether that would hang.
+        places.node.cleanup_dead_nodes_on_creation = False
+        places.node.cleanup_dead_nodes_on_destruction = False
+        places.service.cleanup_dead_nodes_on_open = False
+        self._prefix = places.prefix.to_string()
+        self._folder = Path(places.root_path.to_string())
         builder = (
             iox2.NodeBuilder.new()
             .name(iox2.NodeName.new(f"nsrm/{name}/{role}"))
             # Signals are Python's: KeyboardInterrupt.
             .signal_handling_mode(iox2.SignalHandlingMode.Disabled)
-        )
-        if shared_memory is not None:
-            builder = builder.config(shared_memory)
-        self._folder = Path(
-            (shared_memory or iox2.config.global_config()).global_cfg.root_path.to_string()
+            .config(shared_memory)
         )
         try:
             self._node = builder.create(iox2.ServiceType.Ipc)
         except iox2.NodeCreationFailure as error:
             raise PortError(self._of_other_user() or f"robot `{name}`: {error}") from None
-        self.bury()
+        end = time.monotonic() + IN_FLUX_S
+        while not self.bury() and time.monotonic() < end:
+            time.sleep(BETWEEN_TRIES_S)
 
     def _of_other_user(self) -> str | None:
         """That the processes meet in another user's folder, if so: iceoryx2 gives nobody
@@ -99,9 +108,13 @@ class Robot:
             "user; start all of them as that one"
         )
 
-    def bury(self) -> None:
-        """Frees the places of processes that have died."""
+    def bury(self) -> bool:
+        """Frees the places of processes that have died, a few times a second; whether it could
+        be done now: not while something is being made."""
+        if remove_segments(self._prefix):
+            return False
         self._node.try_cleanup_dead_nodes()
+        return True
 
     def publisher(self, service: str, message: type[ctypes.Structure]) -> Any:
         """Publishes messages of one type."""
