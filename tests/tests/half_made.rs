@@ -2,10 +2,10 @@
 
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
 
-use nsrm_ipc::message::{Feedback, Role};
+use nsrm_ipc::message::{Feedback, Role, SubGoal};
 use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError, settle};
 use nsrm_tests::corner::Corner;
 
@@ -125,11 +125,8 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     std::fs::remove_dir_all(new).unwrap();
 }
 
-/// As it stands when the one that buries it is killed, too, and a tag was half written.
-#[test]
-fn the_last_of_a_dead_node_is_removed() {
-    let corner = Corner::new("half-buried");
-    settle(&corner.config).unwrap();
+/// A controller at work.
+fn controller(corner: &Corner) -> Child {
     let mut child = Command::new(env!("CARGO_BIN_EXE_node"))
         .arg("controller")
         .args(corner.arguments())
@@ -139,6 +136,33 @@ fn the_last_of_a_dead_node_is_removed() {
         .unwrap();
     let stdout = BufReader::new(child.stdout.take().unwrap());
     assert_eq!(stdout.lines().next().unwrap().unwrap(), "at work");
+    child
+}
+
+/// Also for who joined before it died, and buries nobody in between.
+#[test]
+fn the_place_of_one_that_was_just_killed_is_free() {
+    let corner = Corner::new("just-killed");
+    settle(&corner.config).unwrap();
+    let mut child = controller(&corner);
+    let heir = join(Role::Controller, &corner);
+    let taken = |service| ServiceError::Taken {
+        robot: "left".parse().unwrap(),
+        service,
+        process: Some(child.id()),
+    };
+    assert_eq!(heir.sender::<Feedback>().unwrap_err(), taken("feedback"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(heir.sender::<Feedback>().is_ok() && heir.receiver::<SubGoal>().is_ok());
+}
+
+/// As it stands when the one that buries it is killed, too, and a tag was half written.
+#[test]
+fn the_last_of_a_dead_node_is_removed() {
+    let corner = Corner::new("half-buried");
+    settle(&corner.config).unwrap();
+    let mut child = controller(&corner);
     child.kill().unwrap();
     child.wait().unwrap();
     let nodes = corner.root().join("nodes");

@@ -148,72 +148,85 @@ impl Robot {
     /// Sends messages of this type.
     pub fn sender<M: Carried>(&self) -> Result<Sender<M>, ServiceError> {
         let service = self.stream::<M>()?;
-        let publisher = service
-            .publisher_builder()
-            // The default waits for ever when a buffer is full; this says so.
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
-            .create()
-            .map_err(|_| self.taken(M::SERVICE))?;
+        let publisher = self.place(|| {
+            service
+                .publisher_builder()
+                // The default waits for ever when a buffer is full; this says so.
+                .backpressure_strategy(BackpressureStrategy::DiscardData)
+                .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
+                .create()
+        });
+        let publisher = publisher.map_err(|_| self.taken(M::SERVICE))?;
         Ok(Sender::new(publisher, self.bell(M::SERVICE)?))
     }
 
     /// Receives messages of this type.
     pub fn receiver<M: Carried>(&self) -> Result<Receiver<M>, ServiceError> {
         let service = self.stream::<M>()?;
-        let subscriber = service
-            .subscriber_builder()
-            // A tunnel may have made the service, with room for more.
-            .buffer_size(M::QUALITY.buffer)
-            .create()
-            .map_err(|_| self.full(M::SERVICE))?;
+        let subscriber = self.place(|| {
+            service
+                .subscriber_builder()
+                // A tunnel may have made the service, with room for more.
+                .buffer_size(M::QUALITY.buffer)
+                .create()
+        });
+        let subscriber = subscriber.map_err(|_| self.full(M::SERVICE))?;
         Ok(Receiver::new(subscriber))
     }
 
     /// Publishes frames of up to so many bytes.
     pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
-        let publisher = self
-            .frames()?
-            .publisher_builder()
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .initial_max_slice_len(bytes)
-            .create()
-            .map_err(|_| self.taken(CAMERA))?;
+        let service = self.frames()?;
+        let publisher = self.place(|| {
+            service
+                .publisher_builder()
+                .backpressure_strategy(BackpressureStrategy::DiscardData)
+                .initial_max_slice_len(bytes)
+                .create()
+        });
+        let publisher = publisher.map_err(|_| self.taken(CAMERA))?;
         Ok(FramesOut::new(publisher, self.bell(CAMERA)?))
     }
 
     /// Receives frames.
     pub fn frames_in(&self) -> Result<Frames, ServiceError> {
-        let subscriber = self
-            .frames()?
-            .subscriber_builder()
-            .buffer_size(CAMERA_QUALITY.buffer)
-            .create()
-            .map_err(|_| self.full(CAMERA))?;
+        let service = self.frames()?;
+        let subscriber = self.place(|| {
+            let builder = service.subscriber_builder();
+            builder.buffer_size(CAMERA_QUALITY.buffer).create()
+        });
+        let subscriber = subscriber.map_err(|_| self.full(CAMERA))?;
         Ok(Frames::new(subscriber))
     }
 
     /// Answers requests: the planner's end.
     pub fn plan_server(&self) -> Result<PlanServer, ServiceError> {
-        self.plan()?
-            .server_builder()
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .create()
-            .map_err(|_| self.taken(PLAN))
+        let service = self.plan()?;
+        let server = self.place(|| {
+            let builder = service.server_builder();
+            builder
+                .backpressure_strategy(BackpressureStrategy::DiscardData)
+                .create()
+        });
+        server.map_err(|_| self.taken(PLAN))
     }
 
     /// Asks.
     pub fn plan_client(&self) -> Result<PlanClient, ServiceError> {
-        self.plan()?
-            .client_builder()
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .create()
-            .map_err(|_| self.full(PLAN))
+        let service = self.plan()?;
+        let client = self.place(|| {
+            let builder = service.client_builder();
+            builder
+                .backpressure_strategy(BackpressureStrategy::DiscardData)
+                .create()
+        });
+        client.map_err(|_| self.full(PLAN))
     }
 
     /// What wakes those who [`Robot::listen`] to a service.
     pub fn bell(&self, service: &'static str) -> Result<Bell, ServiceError> {
-        let notifier = self.events(service)?.notifier_builder().create();
+        let events = self.events(service)?;
+        let notifier = self.place(|| events.notifier_builder().create());
         notifier.map(Bell::new).map_err(|error| match error {
             NotifierCreateError::ExceedsMaxSupportedNotifiers => self.full(service),
             error => self.fault(service, &error),
@@ -225,7 +238,8 @@ impl Robot {
         &self,
         service: &'static str,
     ) -> Result<iceoryx2::port::listener::Listener<ipc::Service>, ServiceError> {
-        let listener = self.events(service)?.listener_builder().create();
+        let events = self.events(service)?;
+        let listener = self.place(|| events.listener_builder().create());
         listener.map_err(|error| match error {
             ListenerCreateError::ExceedsMaxSupportedListeners => self.full(service),
             // Such as a folder whose path is too long for a socket's.
@@ -306,6 +320,36 @@ impl Robot {
                 .max_nodes(2 * ONLOOKERS)
                 .open_or_create()
         })
+    }
+
+    /// Takes a place at a service; one that a dead process still has is waited for while it is
+    /// buried, by this process or by another one that has begun to.
+    fn place<T, E>(&self, take: impl Fn() -> Result<T, E>) -> Result<T, E> {
+        let begun = Instant::now();
+        loop {
+            match take() {
+                Err(_) if begun.elapsed() < IN_FLUX && self.has_dead() => {
+                    self.bury();
+                    std::thread::sleep(BETWEEN_TRIES);
+                }
+                taken => return taken,
+            }
+        }
+    }
+
+    /// Whether there are dead processes that are not buried yet.
+    fn has_dead(&self) -> bool {
+        let mut found = false;
+        // Whoever can't be looked at keeps nobody waiting.
+        let _ = Node::<ipc::Service>::list(self.node.config(), |state| {
+            found = matches!(state, NodeState::Dead(_));
+            if found {
+                CallbackProgression::Stop
+            } else {
+                CallbackProgression::Continue
+            }
+        });
+        found
     }
 
     /// Opens a service, again and again while another process makes or removes it.
