@@ -167,7 +167,9 @@ impl<'m> Job<'m> {
     }
 
     pub(super) fn miss_controller(&mut self) {
-        if let Stage::Commanded { heard, .. } = &mut self.stage {
+        if let Stage::Commanded { heard, .. } = &mut self.stage
+            && matches!(heard, Heard::Nothing)
+        {
             *heard = Heard::Undelivered;
         }
     }
