@@ -1,6 +1,8 @@
 //! What a process had half made when it was killed: a service is made anew, a node removed.
 
+use std::fs::Permissions;
 use std::io::{BufRead as _, BufReader};
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
@@ -96,6 +98,8 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     let corner = Corner::new("half-a-node");
     let lives = join(Role::Planner, &corner);
     let nodes = corner.root().join("nodes");
+    let entries = || std::fs::read_dir(&nodes).unwrap().count();
+    let own = entries();
     let dead = |number: &str| {
         let folder = nodes.join(number);
         std::fs::create_dir(&folder).unwrap();
@@ -111,16 +115,29 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     let watched = file("4711.node_monitor_context");
     // Whoever buried this one was killed when the first of three files had gone.
     let buried = ["4713.node_monitor_context", "4713.node_monitor_owner_lock"].map(file);
-    for part in [&old, &watched, &buried[0], &buried[1]] {
+    // This one was killed before it gave its context the permissions that show that it lives.
+    let begun = [
+        "4715.node_monitor",
+        "4715.node_monitor_owner_lock",
+        "4715.node_monitor_context",
+    ];
+    let begun = begun.map(file);
+    let of_begun = dead("4715");
+    std::fs::set_permissions(&begun[2], Permissions::from_mode(0o200)).unwrap();
+    let old_ones = [&old, &watched, &of_begun]
+        .into_iter()
+        .chain(&buried)
+        .chain(&begun);
+    for part in old_ones.clone() {
         age(part, Duration::from_secs(60));
     }
-    let folders = || std::fs::read_dir(&nodes).unwrap().count();
-    let before = folders();
     let other = join(Role::Perception, &corner);
-    assert!(!old.exists() && !watched.exists() && new.exists());
-    assert!(buried.iter().all(|file| !file.exists()));
+    for part in old_ones {
+        assert!(!part.exists(), "{}", part.display());
+    }
+    assert!(new.exists());
     // The other one's own files, and those of the one that lives, are there.
-    assert!(folders() > before - 1);
+    assert_eq!(entries(), 2 * own + 1);
     assert!(lives.receiver::<Feedback>().is_ok() && other.sender::<Feedback>().is_ok());
     std::fs::remove_dir_all(new).unwrap();
 }

@@ -18,6 +18,10 @@ const GIVEN_UP: Duration = Duration::from_secs(1);
 
 /// Where Linux keeps named segments of shared memory.
 const SEGMENTS: &str = "/dev/shm";
+/// All permissions of a file.
+const ACCESS: u32 = 0o777;
+/// Those of a node's context until the node is made.
+const BEGUN: u32 = 0o200;
 /// Permission of the owner to read, which a segment gets when it is made.
 const OWNER_READ: u32 = 0o400;
 
@@ -93,8 +97,8 @@ pub(super) fn remove_tags(config: &Config) {
 }
 
 /// Removes what nodes have left that were killed while they began or ended, or while another
-/// one that was killed, too, buried them: files without the two that every node has that
-/// lives, or that iceoryx2 will bury.
+/// one that was killed, too, buried them: files without the three that every node has that
+/// lives or that iceoryx2 will bury, or whose third was never finished.
 pub(super) fn remove_nodes(config: &Config) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
     let (prefix, suffix) = (config.global.prefix, config.global.node.monitor_suffix);
@@ -110,9 +114,12 @@ pub(super) fn remove_nodes(config: &Config) {
             let behind = name.strip_prefix(&prefix).unwrap_or_default();
             behind.split_once(&suffix).map_or("", |(number, _)| number)
         };
-        let state = folder.join(format!("{prefix}{number}{suffix}"));
-        let lock = folder.join(format!("{prefix}{number}{suffix}_owner_lock"));
-        let is_whole = state.exists() && lock.exists();
+        let file = |end: &str| folder.join(format!("{prefix}{number}{suffix}{end}"));
+        let is_whole = file("").exists()
+            && file("_owner_lock").exists()
+            && file("_context")
+                .metadata()
+                .is_ok_and(|context| context.mode() & ACCESS != BEGUN);
         if number.is_empty() || is_whole || !was_given_up(&entry.path()) {
             continue;
         }
