@@ -114,6 +114,10 @@ def both(*spoils: Callable[[Lines], None]) -> Callable[[Lines], None]:
         (again("accepted"), "accepted twice"),
         (without("accepted"), "carried out and not accepted"),
         (lambda lines: lines.append(find(lines, "moved") | {"what": "stopped"}), "was stopped and"),
+        (
+            lambda lines: lines.append(find(lines, "moved") | {"what": "came too late"}),
+            "came too late and was accepted",
+        ),
         (without("kill"), "its controller lived and did nothing"),
         (both(without("moved"), but("accepted", pid=9)), "and its sentence said to be done"),
         (without("moved"), "of 1 steps 0"),

@@ -110,6 +110,7 @@ def judge(lines: Iterable[Line]) -> Verdict:
         "commands accepted": len(of["accepted"]),
         "carried out": len(of["moved"]),
         "stopped": len(of["stopped"]),
+        "came too late": len(of[TOO_LATE]),
         "nodes that ended by themselves": len(_early_ends(of)),
         "connections that iceoryx2 has left": sum(
             name.endswith(CONNECTION) for line in of["left"] for name in line["names"]
@@ -119,6 +120,8 @@ def judge(lines: Iterable[Line]) -> Verdict:
     return Verdict(tuple(faults), counts, times, tuple(_told_ms(of, asks)))
 
 
+TOO_LATE = "came too late"
+"""A command, to the controller."""
 _KINDS = (
     "started",
     "kill",
@@ -132,6 +135,7 @@ _KINDS = (
     "accepted",
     "moved",
     "stopped",
+    TOO_LATE,
     "recovered",
     "left",
 )
@@ -162,6 +166,7 @@ def _of_commands(
     accepted = {_command(line): line for line in of["accepted"]}
     moved = Counter(_command(line) for line in of["moved"])
     stopped = {_command(line) for line in of["stopped"]}
+    late = {_command(line) for line in of[TOO_LATE]}
     if len(accepted) != len(of["accepted"]):
         yield "a command was accepted twice"
     for command, times in moved.items():
@@ -171,6 +176,8 @@ def _of_commands(
             yield f"command {command} was carried out and not accepted"
         if command in stopped:
             yield f"command {command} was stopped and carried out"
+    for command in late & set(accepted):
+        yield f"command {command} came too late and was accepted"
     dead = {line["process"] for line in of["kill"]}
     by_plan = {ask.plan: ask for ask in asks.values() if ask.plan is not None}
     unclaimed = set()
