@@ -561,7 +561,8 @@ impl Watched {
     /// What the controller said first is what counts.
     fn blame(&self, why: &Failure) {
         says(why);
-        if let Failure::NotAccepted { .. } = why {
+        // One that could not be reached is not listened to any more.
+        if matches!(why, Failure::NotAccepted { .. }) && !self.is_lost {
             assert!(self.accepted_ns.is_none(), "{self:?}");
             assert_ne!(self.ended, Some(Outcome::Reached), "{self:?}");
         }
