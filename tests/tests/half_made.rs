@@ -3,6 +3,7 @@
 use std::fs::Permissions;
 use std::io::{BufRead as _, BufReader};
 use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
@@ -231,4 +232,37 @@ fn a_segment_that_was_begun_and_given_up_is_removed() {
     age(&new, Duration::from_secs(60));
     assert!(lives.bury());
     assert!(!new.exists());
+}
+
+/// As it stands when a process is killed before it has noted that it made a socket.
+#[test]
+fn a_socket_that_is_nobodys_is_removed() {
+    let corner = Corner::new("sockets");
+    let lives = join(Role::Controller, &corner);
+    let listener = lives.listen("sub_goal").unwrap();
+    let path = |name: &str| corner.root().join(format!("{}{name}", corner.prefix()));
+    let (nobodys, young) = (path("4711.event"), path("4712.event"));
+    for socket in [&nobodys, &young] {
+        drop(UnixDatagram::bind(socket).unwrap());
+    }
+    let sockets = || {
+        let entries = std::fs::read_dir(corner.root()).unwrap().flatten();
+        let names = entries.map(|entry| entry.path());
+        names.filter(|path| path.extension().is_some_and(|it| it == "event"))
+    };
+    for socket in sockets().filter(|socket| *socket != young) {
+        let mut touch = Command::new("touch");
+        touch.args(["-d", "1 minute ago"]).arg(socket);
+        assert!(touch.status().unwrap().success());
+    }
+    assert_eq!(sockets().count(), 3);
+    let bell = join(Role::Planner, &corner).bell("sub_goal").unwrap();
+    assert!(!nobodys.exists() && young.exists());
+    // Whose holder lives is older, and is there.
+    assert_eq!(sockets().count(), 2);
+    bell.ring();
+    let mut rung = 0;
+    listener.try_wait(|_| rung += 1).unwrap();
+    assert_eq!(rung, 1);
+    std::fs::remove_file(young).unwrap();
 }

@@ -1,9 +1,11 @@
 //! What was half made when its maker was killed, which iceoryx2 leaves for ever: services,
 //! which then nobody can open or make any more, segments of shared memory, at which others
-//! wait for ever, and nodes, whose files stay.
+//! wait for ever, sockets and nodes, whose files stay.
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt as _;
+use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -129,6 +131,27 @@ pub(super) fn remove_nodes(config: &Config) {
             std::fs::remove_file(entry.path())
         };
     }
+}
+
+/// Removes sockets by which nobody is woken any more: what was killed between making one and
+/// noting that it has, or while it was buried, leaves it.
+pub(super) fn remove_sockets(config: &Config) {
+    let folder = PathBuf::from(config.global.root_path().to_string());
+    let prefix = config.global.prefix.to_string();
+    let suffix = config.global.service.event_connection_suffix.to_string();
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_one = name.starts_with(&prefix) && name.ends_with(&suffix);
+        if is_one && was_given_up(&entry.path()) && is_nobodys(&entry.path()) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether no process holds the other end; nothing is sent to who does.
+fn is_nobodys(socket: &Path) -> bool {
+    let connected = UnixDatagram::unbound().and_then(|own| own.connect(socket));
+    connected.is_err_and(|error| error.kind() == ErrorKind::ConnectionRefused)
 }
 
 /// The file in which a service is described.

@@ -106,6 +106,7 @@ impl Robot {
                 None => says(&error),
             })?;
         half_made::remove_nodes(&config);
+        half_made::remove_sockets(&config);
         let robot = Self {
             node,
             name,
