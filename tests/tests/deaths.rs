@@ -11,9 +11,11 @@ use std::time::Duration;
 use nsrm_core::{Model, RawScene};
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::{Limits, Mode};
-use nsrm_ipc::message::{Feedback, Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage};
+use nsrm_ipc::message::{
+    Feedback, Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage, SubGoal,
+};
 use nsrm_ipc::node::{AskError, Asker, Line, PlannerNode, Watcher};
-use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender};
+use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender, ServiceError};
 use nsrm_tests::by_hand::{Parts, raw_scene};
 use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::world::{BLOCKS, Pending, SENTENCE, World, last_reason, patient};
@@ -286,4 +288,22 @@ fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
     });
     assert_eq!(last_reason(&replies), None);
     assert_eq!(world.controller.done.len(), 2);
+}
+
+/// Also for who joined before it died, and buries nobody in between.
+#[test]
+fn the_place_of_one_that_was_just_killed_is_free() {
+    let corner = Corner::new("just-killed");
+    let mut controller = Other::start("controller", &corner);
+    let heir = join("left", Role::Controller, &corner.config);
+    let taken = ServiceError::Taken {
+        robot: heir.name().clone(),
+        service: "feedback",
+        process: Some(controller.0.id()),
+    };
+    assert_eq!(heir.sender::<Feedback>().unwrap_err(), taken);
+    controller.silence("-KILL");
+    assert!(heir.sender::<Feedback>().is_ok() && heir.receiver::<SubGoal>().is_ok());
+    drop(heir);
+    bury(&corner);
 }

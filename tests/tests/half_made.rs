@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
 
-use nsrm_ipc::message::{Feedback, Role, SubGoal};
+use nsrm_ipc::message::{Feedback, Role};
 use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError, settle};
 use nsrm_tests::corner::Corner;
 
@@ -157,28 +157,11 @@ fn controller(corner: &Corner) -> Child {
     child
 }
 
-/// Also for who joined before it died, and buries nobody in between.
-#[test]
-fn the_place_of_one_that_was_just_killed_is_free() {
-    let corner = Corner::new("just-killed");
-    settle(&corner.config).unwrap();
-    let mut child = controller(&corner);
-    let heir = join(Role::Controller, &corner);
-    let taken = |service| ServiceError::Taken {
-        robot: "left".parse().unwrap(),
-        service,
-        process: Some(child.id()),
-    };
-    assert_eq!(heir.sender::<Feedback>().unwrap_err(), taken("feedback"));
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(heir.sender::<Feedback>().is_ok() && heir.receiver::<SubGoal>().is_ok());
-}
-
 /// As it stands when the one that buries it is killed, too, and a tag was half written.
 #[test]
 fn the_last_of_a_dead_node_is_removed() {
     let corner = Corner::new("half-buried");
+    // For the whole process: no other test in this file may, or bury one that died.
     settle(&corner.config).unwrap();
     let mut child = controller(&corner);
     child.kill().unwrap();
