@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -31,8 +32,9 @@ from nsrm_harness.tables.results import (
     summarize,
     write_rows,
 )
-from nsrm_harness.tables.run import Outcome, StudyError, Tables
+from nsrm_harness.tables.run import FIRST_MODELS, Outcome, StudyError, Tables
 from nsrm_harness.tables.study import JUDGED, full_study, quick_study
+from nsrm_harness.tables.times import Times, Took
 from nsrm_harness.tables.variants import EXACT, SAMPLED, disturbed_sets, training_sets, variants
 from nsrm_harness.tables.variants import JUDGED as COMPARED
 from nsrm_harness.workers import Processes
@@ -52,6 +54,7 @@ ROWS = tuple(
     )
     for seed in range(3)
 )
+TOOK = (Took("data", 900.0), Took("models and baselines", 1500.0), Took(FIRST_MODELS, 660.0))
 REFUSED = (
     "kind,set,count,refused,wrongly_accepted\nnegation,validation,9,1,8\nnegation,test,8,7,1\n"
 )
@@ -106,12 +109,16 @@ def test_seeds_are_summed_up() -> None:
 
 
 def test_the_report_tells_every_split_and_the_papers_figures() -> None:
-    text = markdown(Outcome(ROWS, (), FOUND, ("abc", "def"), Path("m"), Path("e")), full_study(5))
+    text = markdown(
+        Outcome(ROWS, (), FOUND, ("abc", "def"), Path("m"), Path("e"), TOOK, 2), full_study(5)
+    )
     assert all(title in text for title in TITLES.values())
     assert "| paper, model | 56.8 | 54.7 | 53.6 | 27.2 | 12.9 |" in text
     assert "| ours, baseline | - | 99.1 (99.0-99.2) |" in text
     assert "| 200, as programs of 3-5 steps leave them | 2 mm | 1018 | 1.0000, 0.9990 |" in text
     assert "at commits abc, def; seeds of the models 0, 1, 2, of the data 5" in text
+    # A part of another part is not counted twice.
+    assert f"| {FIRST_MODELS} | 11.0 |\n| all | 40.0 |" in text
 
 
 def a_comparison() -> Comparison:
@@ -143,7 +150,7 @@ def a_comparison() -> Comparison:
 
 
 def test_the_report_tells_what_the_parts_are_worth() -> None:
-    outcome = Outcome(ROWS, (), FOUND, ("abc",), Path("m"), Path("e"))
+    outcome = Outcome(ROWS, (), FOUND, ("abc",), Path("m"), Path("e"), TOOK, 2)
     text = markdown(outcome, full_study(5), a_comparison())
     assert "| no joint training | 99.0 (99.0-99.0) | 95.0 (95.0-95.0) |" in text
     assert "| REINFORCE | 97.2 (90.0-99.0) |" in text and "| 5 | 2.0 |" in text
@@ -196,6 +203,23 @@ def test_nothing_is_published_without_a_model(report: Path, tmp_path: Path) -> N
     with pytest.raises(PublishError, match=r"model\.safetensors: not there"):
         publish(report, tmp_path / "model.safetensors", root)
     assert [path.name for path in root.iterdir()] == ["README.md"]
+
+
+def test_times_go_on_where_the_making_was_broken_off(tmp_path: Path) -> None:
+    path = tmp_path / "times.json"
+    with pytest.raises(KeyboardInterrupt), Times(path).of("data"):
+        time.sleep(0.3)
+        raise KeyboardInterrupt
+    (broken_off,) = Times(path).all()
+    assert broken_off.seconds >= 0.3
+    times = Times(path)
+    with times.of("data"):
+        time.sleep(0.2)
+        with times.of("a part") as end:
+            end()
+            time.sleep(0.2)
+    data, part = times.all()
+    assert data.seconds >= broken_off.seconds + 0.4 and part.seconds < 0.2
 
 
 def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:

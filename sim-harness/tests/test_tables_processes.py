@@ -16,7 +16,9 @@ from nsrm_harness.tables.processes import Task, TaskError, run_all
 
 def test_every_task_runs_and_its_words_are_kept(tmp_path: Path) -> None:
     tasks = [Task(name, print, (name,), tmp_path / name / "log.txt") for name in "abc"]
-    run_all(tasks, 2, "tasks")
+    ended: list[Task] = []
+    run_all(tasks, 2, "tasks", ended.append)
+    assert sorted(ended) == tasks
     assert [task.log.read_text(encoding="utf-8") for task in tasks] == ["a\n", "b\n", "c\n"]
 
 

@@ -81,6 +81,14 @@ def test_the_report_is_named_and_its_figures_are_all_there(run: Run) -> None:
         assert float(found[split, "nsrm", "mask"]["program"]) >= least, found[split, "nsrm", "mask"]
 
 
+def test_the_report_tells_how_long_it_took(run: Run) -> None:
+    with (run.folder / "report" / "times.csv").open(encoding="utf-8", newline="") as file:
+        seconds = {row["part"]: float(row["seconds"]) for row in csv.DictReader(file)}
+    assert len(seconds) == 6 and all(value > 0.0 for value in seconds.values())
+    _, trainings, models, *_ = seconds.values()
+    assert models <= trainings
+
+
 def test_the_report_shows_all_of_its_pictures(run: Run) -> None:
     report = run.folder / "report"
     text = (report / "README.md").read_text(encoding="utf-8")

@@ -30,8 +30,14 @@ class Task(NamedTuple):
     """What it prints is appended here."""
 
 
-def run_all(tasks: Sequence[Task], jobs: int, title: str) -> None:
-    """Run every task, at most `jobs` at a time, each on a processor of its own.
+def run_all(
+    tasks: Sequence[Task],
+    jobs: int,
+    title: str,
+    done: Callable[[Task], None] = lambda task: None,
+) -> None:
+    """Run every task, at most `jobs` at a time, each on a processor of its own; `done` is told of
+    each when it has ended.
 
     Raises `TaskError` for the first that fails. Then, and on Ctrl-C, the others are ended.
     """
@@ -58,6 +64,7 @@ def run_all(tasks: Sequence[Task], jobs: int, title: str) -> None:
                         )
                     free.append(processor)
                     bar.update()
+                    done(task)
         finally:
             for _, process, _ in running.values():
                 process.terminate()

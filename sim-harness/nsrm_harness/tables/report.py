@@ -22,8 +22,9 @@ from nsrm_harness.tables.figures import draw_comparison, draw_steps
 from nsrm_harness.tables.lines import TITLES, cells_of, header_of, line_of, number
 from nsrm_harness.tables.parts import comparison_sections
 from nsrm_harness.tables.results import MEASURES, Row, select, write_records, write_rows
-from nsrm_harness.tables.run import Outcome
+from nsrm_harness.tables.run import FIRST_MODELS, Outcome
 from nsrm_harness.tables.study import FAMILIES, JUDGED, QUICK, Study
+from nsrm_harness.tables.times import Took
 
 REPORT = "README.md"
 TABLES = "tables.csv"
@@ -32,6 +33,7 @@ COMPARISON = "comparison.csv"
 """Variants and disturbed scenes, with the columns of the tables."""
 COSTS = "costs.csv"
 DETECTOR = "detector.csv"
+TIMES = "times.csv"
 
 
 def write_report(
@@ -45,6 +47,7 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / TABLES, outcome.rows)
     write_records(folder / DETECTOR, DETECTOR_COLUMNS, outcome.detections)
+    write_records(folder / TIMES, [field.name for field in fields(Took)], outcome.times)
     _write_refusals(folder / REFUSALS, outcome.refusals)
     draw_steps(outcome.rows, folder / "steps.png")
     model = nsrm.Model.load(outcome.model)
@@ -97,6 +100,8 @@ def markdown(outcome: Outcome, study: Study, comparison: Comparison | None = Non
         "## The worst episodes",
         "Of the test episodes with the boxes of the mask, the worst first.",
         "![the worst episodes](failures.png)",
+        "## How long it took",
+        _times(outcome.times, outcome.processes),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -121,6 +126,17 @@ def _origin(outcome: Outcome, study: Study) -> str:
         f"episodes for training: {families}. Models are judged through the Rust core alone; a "
         "refused sentence counts as wrong in every measure. The baseline is told where the "
         "steps of a sentence end."
+    )
+
+
+def _times(times: Sequence[Took], processes: int) -> str:
+    whole = sum(took.seconds for took in times if took.part != FIRST_MODELS)
+    parts = [(took.part, took.seconds) for took in times]
+    lines = ["| part | minutes |", "|---|---:|"]
+    lines += [f"| {part} | {s / 60:.1f} |" for part, s in [*parts, ("all", whole)]]
+    return (
+        f"On the clock, in {processes} processes, where it was broken off over all calls; pictures "
+        "and variants are not counted.\n\n" + "\n".join(lines)
     )
 
 

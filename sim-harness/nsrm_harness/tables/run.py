@@ -30,12 +30,16 @@ from nsrm_harness.tables.judging import Contender, Judging, judge_all
 from nsrm_harness.tables.processes import Task, run_all
 from nsrm_harness.tables.results import Row, write_json
 from nsrm_harness.tables.study import FAMILIES, Family, Study
+from nsrm_harness.tables.times import Times, Took
 from nsrm_harness.tables.trainings import Training, packed, train, train_elsewhere, unpack
 from nsrm_harness.workers import Processes, Workers
 
 REFUSAL_SETS = ("validation", "test")
 PUBLISHED = Path("runs") / f"nsrm-{FAMILIES[0].name}-0" / "model.safetensors"
 """The model that the project carries: the first seed's, in a study's folder."""
+TRAININGS = "models and baselines"
+FIRST_MODELS = "of these, until the models that were trained on everything were done"
+"""A part of the trainings' time."""
 
 
 class StudyError(HarnessError):
@@ -56,6 +60,9 @@ class Outcome:
     """The first seed's model file, of which there are pictures."""
     episodes: Path
     """The test episodes that they show."""
+    times: tuple[Took, ...]
+    processes: int
+    """How many worked at a time."""
 
 
 class Tables:
@@ -72,19 +79,32 @@ class Tables:
         self.study, self._domain, self.folder = study, domain, folder
         self.workers = workers
         self._commits = self._claim()
+        self._times = Times(folder / "times.json")
 
     def make(self) -> Outcome:
         """Everything; broken off, a further call goes on."""
-        for split in self.study.splits():
-            self.make_episodes(split, self.study.settings(split))
-        self._make_calibration()
-        self._train()
-        rows = [row for rows in self.judge(self._judgings(), "judging") for row in rows]
-        refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
-        first = self.model(FAMILIES[0], self.study.seeds[0])
-        folder, jobs = self.folder / "figures", self.workers.count
-        seen = detect_all(self._sightings(), folder, jobs)
-        return Outcome(tuple(rows), refusals, seen, self._commits, first, self.data("test"))
+        with self._times.of("data"):
+            for split in self.study.splits():
+                self.make_episodes(split, self.study.settings(split))
+            self._make_calibration()
+        with self._times.of(TRAININGS):
+            self._train()
+        with self._times.of("judging"):
+            rows = [row for rows in self.judge(self._judgings(), "judging") for row in rows]
+        with self._times.of("refusals"):
+            refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
+        with self._times.of("detector"):
+            seen = detect_all(self._sightings(), self.folder / "figures", self.workers.count)
+        return Outcome(
+            rows=tuple(rows),
+            refusals=refusals,
+            detections=seen,
+            commits=self._commits,
+            model=self.model(FAMILIES[0], self.study.seeds[0]),
+            episodes=self.data("test"),
+            times=self._times.all(),
+            processes=self.workers.count,
+        )
 
     def model(self, family: Family, seed: int) -> Path:
         """The model file of a family and a seed."""
@@ -151,24 +171,42 @@ class Tables:
             )
 
     def _train(self) -> None:
-        """What is not trained yet, seed by seed: of those that begin at once, none compiles what
-        another one does."""
+        """What is not trained yet."""
+        missing = [training for training in self._trainings() if not training.is_done]
+        with self._times.of(FIRST_MODELS) as end:
+            waited = {self._run_of("nsrm", FAMILIES[0], seed) for seed in self.study.seeds}
+            waited &= {training.out for training in missing}
+
+            def done(*folders: Path) -> None:
+                waited.difference_update(folders)
+                if not waited:
+                    end()
+
+            done()
+            if isinstance(self.workers, Processes):
+                tasks = [Task(t.out.name, train, (t,), t.out / "log.txt") for t in missing]
+                run_all(tasks, self.workers.count, TRAININGS, lambda task: done(task.log.parent))
+                return
+            sent = ((training.out, packed(training)) for training in missing)
+            with tqdm(total=len(missing), desc=f"{TRAININGS:>22}") as bar:
+                for out, made in self.workers.each(train_elsewhere, sent):
+                    unpack(made, out)
+                    bar.update()
+                    done(out)
+
+    def _trainings(self) -> list[Training]:
+        """The first family's models before all others, but for a baseline behind the very first:
+        what XLA compiles for that one meanwhile serves those that follow."""
         trainings = [
             Training(self.files(family), config, seed, self._run_of(kind, family, seed))
-            for seed in self.study.seeds
             for family in FAMILIES
             for kind, config in (("nsrm", self.study.config), ("baseline", self.study.baseline))
+            for seed in self.study.seeds
         ]
-        missing = [training for training in trainings if not training.is_done]
-        if isinstance(self.workers, Processes):
-            tasks = [Task(t.out.name, train, (t,), t.out / "log.txt") for t in missing]
-            run_all(tasks, self.workers.count, "models and baselines")
-            return
-        sent = ((training.out, packed(training)) for training in missing)
-        with tqdm(total=len(missing), desc=f"{'models and baselines':>22}") as bar:
-            for out, made in self.workers.each(train_elsewhere, sent):
-                unpack(made, out)
-                bar.update()
+        count = len(self.study.seeds)
+        first, *models = trainings[:count]
+        baseline, *others = trainings[count:]
+        return [first, baseline, *models, *others]
 
     def judge(self, judgings: Sequence[Judging], title: str) -> list[list[Row]]:
         """The rows of each, made on this machine unless they are there."""
