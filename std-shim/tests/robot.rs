@@ -172,14 +172,7 @@ fn a_planner_that_is_killed_is_missed_and_another_takes_its_place() {
     stage.start("perceive", "perceiving");
     let planner = stage.start("serve", "planning");
     stage.works.store(false, Ordering::Relaxed);
-    let mut say = stage
-        .command(&["say", SENTENCE])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
-    assert!(lines.any(|line| line.unwrap().contains("is on its way")));
+    let (say, _printed) = stage.say_and_wait_for_the_way();
     // A command that was sent is carried out, whoever has died since.
     while stage.taken.load(Ordering::Relaxed) == 0 {
         std::thread::yield_now();

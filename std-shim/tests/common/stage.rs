@@ -1,9 +1,9 @@
 //! A robot's processes around `nsrm perceive` and `nsrm serve`: camera, controller and
 //! world are a thread of the test's.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Lines};
 use std::path::PathBuf;
-use std::process::{Child, ChildStderr, Command, Output, Stdio};
+use std::process::{Child, ChildStderr, ChildStdout, Command, Output, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
@@ -201,9 +201,9 @@ impl Stage {
         stage
     }
 
-    /// Says the sentence and presses Ctrl-C when the robot is at it; exit code and
-    /// messages.
-    pub(crate) fn interrupt_when_under_way(&self) -> (Option<i32>, String) {
+    /// Says the sentence and waits until the robot is told to move: who says it, and what
+    /// that one still prints.
+    pub(crate) fn say_and_wait_for_the_way(&self) -> (Child, Lines<BufReader<ChildStdout>>) {
         let mut say = self
             .command(&["say", SENTENCE])
             .stdout(Stdio::piped())
@@ -212,6 +212,13 @@ impl Stage {
             .unwrap();
         let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
         assert!(lines.any(|line| line.unwrap().contains("is on its way")));
+        (say, lines)
+    }
+
+    /// Says the sentence and presses Ctrl-C when the robot is at it; exit code and
+    /// messages.
+    pub(crate) fn interrupt_when_under_way(&self) -> (Option<i32>, String) {
+        let (say, _printed) = self.say_and_wait_for_the_way();
         signal(say.id(), "-INT");
         let ended = say.wait_with_output().unwrap();
         (
