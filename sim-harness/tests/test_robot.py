@@ -240,6 +240,7 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
     for text, words in [
         ("robot = ", "Invalid value"),
         ('arms = 2\nrobot = "left"', "unknown: arms; known: robot, model"),
+        ("robot = 5", "robot = 5: a name is a text"),
         ('hosts = "two"', "hosts = 'two': it is one of one, several"),
         ("shared_memory = 3", "[shared_memory] may have root and prefix"),
         ("[shared_memory]\nfolder = 'x'", "[shared_memory] may have root and prefix"),

@@ -49,8 +49,11 @@ def read_config(path: Path | None, robot: str | None = None) -> RobotConfig:
     hosts = told.get("hosts", HOSTS[0])
     if hosts not in HOSTS:
         raise RobotConfigError(f"{path}: hosts = {hosts!r}: it is one of {', '.join(HOSTS)}")
+    name = robot or told.get("robot", ROBOT)
+    if not isinstance(name, str):
+        raise RobotConfigError(f"{path}: robot = {name!r}: a name is a text")
     return RobotConfig(
-        robot=robot or told.get("robot", ROBOT),
+        robot=name,
         several_hosts=hosts == HOSTS[1],
         shared_memory=_shared_memory(path, told.get("shared_memory", {})),
     )
