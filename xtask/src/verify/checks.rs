@@ -136,12 +136,11 @@ pub(super) const CHECKS: &[Check] = &[
     },
 ];
 
-/// Carries services between hosts. Not optimised, which is quicker to build.
+/// Carries services between hosts.
 const TUNNEL: Tool = Tool {
     package: "iceoryx2-integrations-zenoh-link-tunnel-cli",
     program: "iox2-link-tunnel-zenoh",
     version: "0.10.0",
-    options: &["--debug"],
 };
 
 /// A command that a check runs in the root of the checkout.
@@ -201,7 +200,7 @@ impl Step {
         self
     }
 
-    fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
+    pub(super) fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
         self.variables.push((name, value.into()));
         self
     }
@@ -393,10 +392,14 @@ fn pytest(context: &Context, folder: &str) -> Result<Step> {
 }
 
 fn python_tests(context: &Context) -> Result<Vec<Step>> {
-    PYTHON_PACKAGES
-        .iter()
-        .map(|package| pytest(context, &format!("{package}/tests")))
-        .collect()
+    let steps = PYTHON_PACKAGES.iter().map(|package| {
+        let step = pytest(context, &format!("{package}/tests"))?;
+        // Two files at a time, each in one process: what a file's tests share is made once.
+        // In their usual order: the longest file has few tests and would come last.
+        let files = ["--dist=loadfile", "--no-loadscope-reorder"];
+        Ok(step.argument("--numprocesses=2").arguments(&files))
+    });
+    steps.collect()
 }
 
 fn tables(context: &Context) -> Result<Vec<Step>> {

@@ -19,7 +19,6 @@ const CARGO_FUZZ: Tool = Tool {
     package: "cargo-fuzz",
     program: "cargo-fuzz",
     version: "0.13.2",
-    options: &[],
 };
 /// The package of the targets.
 const FOLDER: &str = "tests/fuzz";

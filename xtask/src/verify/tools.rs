@@ -12,8 +12,6 @@ pub(super) struct Tool {
     pub(super) package: &'static str,
     pub(super) program: &'static str,
     pub(super) version: &'static str,
-    /// How it is to be built, beyond what is usual.
-    pub(super) options: &'static [&'static str],
 }
 
 impl Tool {
@@ -26,8 +24,12 @@ impl Tool {
             return (program, None);
         }
         let version = format!("--version={}", self.version);
-        let install = ["install", self.package, "--locked", "--force", &version];
-        let step = Step::cargo(&install).arguments(self.options);
-        (program, Some(step.argument("--root").argument(tools)))
+        // Neither optimised nor with what a debugger reads, which is quicker to build.
+        let install = ["install", self.package, "--debug", "--locked", "--force"];
+        let step = Step::cargo(&install)
+            .arguments(&[&version, "--root"])
+            .argument(tools)
+            .with("CARGO_PROFILE_DEV_DEBUG", "0");
+        (program, Some(step))
     }
 }
