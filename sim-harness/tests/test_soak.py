@@ -45,6 +45,14 @@ def test_what_stays_is_no_fault_and_is_told(tmp_path: Path) -> None:
     assert (tmp_path / "soak.png").stat().st_size > 10_000
 
 
+def test_the_rest_at_the_end_goes_with_the_last_whole_minute() -> None:
+    soak = read_soak(journal())
+    # Of 39 minutes one has no sentence that was done.
+    assert len(soak.minutes) == len(soak.said_ms) == 38
+    assert soak.minutes[0] == pytest.approx(1 / 60)
+    assert soak.minutes[-1] == pytest.approx(soak.hours[-1]) == pytest.approx(39 / 60)
+
+
 @pytest.mark.parametrize(
     ("growth", "fault"),
     [

@@ -114,8 +114,10 @@ def read_soak(lines: Sequence[Line]) -> Soak:
     answered = [line for line in lines if line["what"] == "answered"]
     done = [line for line in answered if line["code"] == 0]
     by_minute: dict[int, list[float]] = {}
+    # The rest at the end goes with the last whole minute: the greatest of few are small.
+    last = max((samples[-1]["t"] - begun_ns) // MINUTE_NS - 1, 0)
     for line in done:
-        minute = (line["t"] - begun_ns) // MINUTE_NS
+        minute = min((line["t"] - begun_ns) // MINUTE_NS, last)
         by_minute.setdefault(minute, []).append((line["t"] - asked[line["ask"]]) / 1e6)
     minutes = sorted(by_minute)
 
@@ -136,7 +138,7 @@ def read_soak(lines: Sequence[Line]) -> Soak:
             for node in nodes
         },
         shared={what: series("shared", what) for what in ("files", "bytes")},
-        minutes=np.array(minutes, dtype=np.float64) / 60.0,
+        minutes=(np.array(minutes, dtype=np.float64) + 1.0) / 60.0,
         said_ms=np.array(
             [
                 [*np.percentile(by_minute[minute], [50, 99]), max(by_minute[minute])]
