@@ -10,9 +10,9 @@
 //! Each tick gives the planner a budget of time, in which it takes in what has come
 //! through shared memory and does pieces of work; what is left waits for the next
 //! tick. Nothing in a tick waits, and nothing but iceoryx2's sending allocates: once for
-//! each heartbeat, command and reply. A tick in which a process comes or goes takes
-//! longer than the budget, since the system maps that one's memory. Beside it runs a loop that does
-//! nothing: what that one misses, the machine is to blame for.
+//! each heartbeat, command and reply. A tick in which a process comes or goes may take
+//! longer than the budget: its memory is mapped or unmapped then. Beside it runs a loop
+//! that does nothing: what that one misses, the machine is to blame for.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

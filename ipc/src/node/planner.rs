@@ -140,9 +140,9 @@ impl<'m> PlannerNode<'m> {
     /// Takes in what has arrived and does one piece of work
     /// ([`Executive::poll`]); never waits. For a loop of one's own.
     ///
-    /// Cost: some microseconds beside the piece. Where a process comes or goes, who
-    /// asks among them, the call that first hears of it has its memory mapped or
-    /// unmapped by the system: 0.1 to 0.4 ms were seen.
+    /// Cost: some microseconds beside the piece. The call that first hears of a process
+    /// that comes or goes, who asks among them, has its memory mapped or unmapped: up to
+    /// 0.4 ms were seen (`docs/processes`).
     pub fn poll(&mut self, now_ns: u64) -> Busyness {
         self.take_in(now_ns);
         self.go_on(now_ns)

@@ -77,7 +77,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "fuzz",
         title: "no bytes break a border: committed ones, then new ones for a minute each",
-        about: "12 min",
+        about: "10 min",
         steps: fuzz::steps,
     },
     Check {
@@ -89,7 +89,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "environment",
         title: "the Python environment from hashed requirements, with the module",
-        about: "4 min",
+        about: "3 min",
         steps: environment,
     },
     Check {
@@ -101,13 +101,13 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "python-tests",
         title: "tests of harness and Python module, golden vectors among them",
-        about: "9 min",
+        about: "5 min",
         steps: python_tests,
     },
     Check {
         name: "tables",
         title: "the paper's tables in small, from nothing; a second domain the whole way",
-        about: "11 min",
+        about: "8 min",
         steps: tables,
     },
     Check {
