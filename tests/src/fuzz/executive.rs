@@ -1,24 +1,24 @@
 //! The loop between the messages, in a world that does whatever the bytes say: scenes
 //! late, old, broken or missing, a controller that obeys, fails, lies or is silent.
 //!
-//! What is written next to the loop by hand here is a second account of what it may do;
-//! the two must agree.
+//! `watched` is a second account of what the loop may do, written by hand; the two must
+//! agree.
+
+mod watched;
 
 use std::sync::LazyLock;
 
 use nsrm_core::planner::MAX_POLLS;
 use nsrm_core::pretrained::TABLETOP;
-use nsrm_core::{MAX_STEPS, Model, RawScene};
+use nsrm_core::{Model, RawScene};
 use nsrm_ipc::executive::{Command, CommandId, Event, Executive, Failure, Limits, Mode, Sentence};
-use nsrm_ipc::message::{
-    Feedback, Order, Outcome, PlanReply, Reply, ReplyTo, SceneMessage, SubGoal,
-};
+use nsrm_ipc::message::{Feedback, Outcome, SceneMessage};
 
+use self::watched::{Now, Watched};
 use super::bytes::{Script, bytes_of, message};
 use super::says;
 use super::text::SQUARES;
 use crate::by_hand::{Parts, block, raw_scene};
-use crate::plans::check;
 
 const MS: u64 = 1_000_000;
 
@@ -135,28 +135,6 @@ fn play(bytes: &[u8]) -> Vec<&'static str> {
     world.ended
 }
 
-/// A sentence on its way, as seen from outside.
-#[derive(Debug)]
-struct Watched {
-    plan: u64,
-    mode: Mode,
-    sentence: Sentence,
-    /// Of the program, once it is known.
-    steps: usize,
-    commands: u32,
-    retries: u8,
-    reached: [bool; MAX_STEPS],
-    /// The command that the controller was given last, when, and the first thing that
-    /// it said of its end.
-    last: Option<(Command, u64)>,
-    ended: Option<Outcome>,
-    /// When it first said that it had accepted it.
-    accepted_ns: Option<u64>,
-    is_lost: bool,
-    is_stopping: bool,
-    cancelled_ns: Option<u64>,
-}
-
 struct World {
     executive: Executive<'static>,
     limits: Limits,
@@ -246,7 +224,7 @@ impl World {
             Op::Cancel => {
                 self.executive.cancel();
                 if let Some(watched) = &mut self.watched {
-                    watched.cancelled_ns.get_or_insert(self.now_ns);
+                    watched.cancel(self.now_ns);
                 }
             }
             Op::Lose => {
@@ -256,7 +234,7 @@ impl World {
                     self.executive.miss_controller();
                 }
                 if let Some(watched) = &mut self.watched {
-                    watched.is_lost = true;
+                    watched.lose_controller();
                 }
             }
         }
@@ -284,24 +262,10 @@ impl World {
                 assert_eq!((before, self.executive.plan()), (None, Some(plan)));
                 assert!(plan > self.last_plan);
                 self.last_plan = plan;
-                self.watched = Some(Watched {
-                    plan,
-                    mode,
-                    sentence,
-                    steps: 0,
-                    commands: 0,
-                    retries: 0,
-                    reached: [false; MAX_STEPS],
-                    last: None,
-                    ended: None,
-                    accepted_ns: None,
-                    is_lost: false,
-                    is_stopping: false,
-                    cancelled_ns: None,
-                });
+                self.watched = Some(Watched::new(plan, mode, sentence));
             }
             (Err(busy), Some(watched)) => {
-                assert_eq!((busy.plan, self.executive.plan()), (watched.plan, before));
+                assert_eq!((busy.plan, self.executive.plan()), (watched.plan(), before));
                 says(&busy);
             }
             (result, watched) => panic!("{result:?} while on its way is {watched:?}"),
@@ -345,14 +309,8 @@ impl World {
     fn hear(&mut self, feedback: &Feedback) {
         let heard = self.executive.hear(feedback, self.now_ns);
         assert_eq!(heard, feedback.read().map(|_| ()));
-        if let (Ok(report), Some(watched)) = (feedback.read(), &mut self.watched)
-            && watched.last.is_some_and(|(last, _)| last.id == report.id)
-        {
-            if report.outcome == Outcome::Accepted {
-                watched.accepted_ns.get_or_insert(self.now_ns);
-            } else {
-                watched.ended.get_or_insert(report.outcome);
-            }
+        if let (Ok(report), Some(watched)) = (feedback.read(), &mut self.watched) {
+            watched.hear(&report, self.now_ns);
         }
     }
 
@@ -411,178 +369,26 @@ impl World {
             assert_eq!(event, Event::Waiting);
             return event;
         };
-        let model = self.executive.model();
-        watched.reply(&event, model);
-        let is_fresh = |watched: &Watched| {
-            // Of another time than before the robot moved, and not too old.
-            let age_ns = self.now_ns.saturating_sub(self.seen_ns);
-            assert!(age_ns <= self.limits.scene_age_ns, "{watched:?}");
-            let sent_ns = watched.last.map_or(0, |(_, sent_ns)| sent_ns);
-            assert!(self.seen_ns > sent_ns, "{watched:?}");
-        };
+        watched.follow(
+            &event,
+            Now {
+                model: self.executive.model(),
+                limits: &self.limits,
+                now_ns: self.now_ns,
+                seen_ns: self.seen_ns,
+            },
+        );
         match &event {
-            Event::Working => {}
-            Event::Waiting => watched.wait(&self.limits, self.now_ns),
-            Event::Planned(plan) => {
-                check(model, plan);
-                is_fresh(watched);
-                watched.steps = plan.program().steps().len();
-            }
-            Event::Command(command) => {
-                watched.command(command, &self.limits, self.now_ns);
-                self.command = Some(*command);
-            }
-            &Event::Stop(id) => watched.stop(id),
-            &Event::Reached { step, off_m } => {
-                if watched.mode == Mode::ClosedLoop {
-                    assert!((0.0..=self.limits.tolerance_m).contains(&off_m), "{off_m}");
-                    assert!(self.seen_ns > watched.last.map_or(0, |(_, sent_ns)| sent_ns));
-                } else {
-                    assert!(off_m.is_nan());
-                }
-                watched.reach(step);
-            }
-            Event::Again { step, why } => {
-                assert!(usize::from(*step) < watched.steps);
-                watched.blame(why);
-                watched.retries += 1;
-                assert!(watched.retries <= self.limits.retries, "{watched:?}");
-            }
+            Event::Command(command) => self.command = Some(*command),
             Event::Ended(result) => {
-                watched.end(result);
                 let kind = result.as_ref().map_or_else(Failure::kind, |()| "done");
                 self.ended.push(kind);
                 self.watched = None;
                 assert_eq!(self.executive.plan(), None);
             }
+            _ => {}
         }
         event
-    }
-}
-
-impl Watched {
-    /// What is told of the event can be read by who has asked.
-    fn reply(&self, event: &Event, model: &Model<'_>) {
-        let to = ReplyTo {
-            asker: 1,
-            request: 2,
-            plan: self.plan,
-            number: 1,
-        };
-        let Some(reply) = PlanReply::about(to, event, model, &self.sentence) else {
-            let is_silent = matches!(event, Event::Waiting | Event::Working | Event::Stop(_));
-            assert!(is_silent, "{event:?}");
-            return;
-        };
-        let said = reply.read().expect("what is said can be read");
-        let is_same = match (event, said) {
-            (Event::Planned(plan), Reply::Planned { steps, .. }) => {
-                let grounded = steps.iter().filter(|step| step.is_grounded()).count();
-                grounded == plan.steps().len() && steps.len() == plan.program().steps().len()
-            }
-            (Event::Command(command), Reply::Commanded { step }) => step == u32::from(command.step),
-            (Event::Reached { step, .. }, Reply::Reached { step: said, .. }) => {
-                said == u32::from(*step)
-            }
-            (
-                Event::Again { why, .. },
-                Reply::Again {
-                    reason, message, ..
-                },
-            )
-            | (Event::Ended(Err(why)), Reply::Failed { reason, message }) => {
-                reason == why.kind() && !message.is_empty()
-            }
-            (Event::Ended(Ok(())), Reply::Done) => true,
-            _ => false,
-        };
-        assert!(is_same, "{event:?} is told as {said:?}");
-    }
-
-    fn wait(&self, limits: &Limits, now_ns: u64) {
-        let Some((_, sent_ns)) = self.last else {
-            return;
-        };
-        // A command is waited for no longer than it may take, however often the
-        // controller says that it has accepted it.
-        if self.ended.is_none() && self.mode != Mode::PlanOnly && !self.is_stopping {
-            let (since_ns, most_ns) = match self.accepted_ns {
-                Some(accepted_ns) => (accepted_ns, limits.move_wait_ns),
-                None => (sent_ns, limits.accept_wait_ns),
-            };
-            assert!(now_ns.saturating_sub(since_ns) <= most_ns, "{self:?}");
-        }
-    }
-
-    fn command(&mut self, command: &Command, limits: &Limits, now_ns: u64) {
-        assert!(self.mode != Mode::PlanOnly && !self.is_stopping);
-        assert_eq!(self.cancelled_ns, None);
-        // No two at once, and none has the number of another.
-        assert!(self.last.is_none() || self.ended.is_some(), "{self:?}");
-        let id = CommandId {
-            plan: self.plan,
-            command: self.commands + 1,
-        };
-        assert_eq!(command.id, id);
-        self.commands += 1;
-        assert_eq!(usize::from(command.steps), self.steps);
-        assert!(command.step < command.steps);
-        let most = self.steps * (usize::from(limits.retries) + 1);
-        assert!(self.commands as usize <= most, "{self:?}");
-        let sub_goal = SubGoal::from(command);
-        let order = sub_goal
-            .read(now_ns)
-            .expect("what is commanded can be read");
-        let Order::Move { object, pose } = order else {
-            panic!("{order:?}");
-        };
-        assert_eq!(object, command.planned.object.object);
-        let off = pose.translation.vector - command.planned.sub_goal.pose.translation.vector;
-        assert_eq!(off.norm(), 0.0);
-        self.last = Some((*command, now_ns));
-        self.ended = None;
-        self.accepted_ns = None;
-        self.is_lost = false;
-    }
-
-    fn stop(&mut self, id: CommandId) {
-        assert!(!self.is_stopping, "stopped twice: {self:?}");
-        assert_eq!(self.last.map(|(command, _)| command.id), Some(id));
-        assert!(self.ended.is_none() || self.is_lost, "{self:?}");
-        self.is_stopping = true;
-    }
-
-    fn reach(&mut self, step: u8) {
-        assert!(usize::from(step) < self.steps);
-        assert_eq!(self.ended, Some(Outcome::Reached), "{self:?}");
-        self.reached[usize::from(step)] = true;
-    }
-
-    /// What the controller said first is what counts.
-    fn blame(&self, why: &Failure) {
-        says(why);
-        // One that could not be reached is not listened to any more.
-        if matches!(why, Failure::NotAccepted { .. }) && !self.is_lost {
-            assert!(self.accepted_ns.is_none(), "{self:?}");
-            assert_ne!(self.ended, Some(Outcome::Reached), "{self:?}");
-        }
-        if let Failure::Unsuccessful { outcome, .. } = why {
-            assert_eq!(self.ended, Some(*outcome), "{self:?}");
-            assert_ne!(*outcome, Outcome::Reached);
-        }
-    }
-
-    fn end(&self, result: &Result<(), Failure>) {
-        match result {
-            Ok(()) if self.mode == Mode::PlanOnly => assert_eq!(self.commands, 0),
-            Ok(()) => assert!(self.steps > 0 && self.reached[..self.steps].iter().all(|it| *it)),
-            Err(why) => {
-                self.blame(why);
-                let is_cancelled =
-                    matches!(why, Failure::Cancelled | Failure::CancelledUnconfirmed);
-                assert!(!is_cancelled || self.cancelled_ns.is_some(), "{self:?}");
-            }
-        }
     }
 }
 
