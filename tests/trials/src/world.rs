@@ -5,12 +5,13 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
+use nsrm::read_scene_text;
+use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::message::{CameraFrame, CameraMessage, DetectedBox};
-use serde::Deserialize;
 
 use crate::journal::Moves;
 
-const SCENE: &str = include_str!("../scene/scene.json");
+const SCENE: &[u8] = include_bytes!("../scene/scene.json");
 const PICTURE: &[u8] = include_bytes!("../scene/camera.png");
 
 /// What can be said of it, whatever was said before. One block alone is moved, and beside
@@ -30,32 +31,6 @@ pub(crate) const REFUSED: [&str; 2] = [
     "put the purple block on the magenta block",
     "put the yellow block under the magenta block",
 ];
-
-#[derive(Deserialize)]
-struct SceneFile {
-    camera: CameraFile,
-    objects: Vec<ObjectFile>,
-}
-
-#[derive(Deserialize)]
-struct CameraFile {
-    width: u32,
-    height: u32,
-    fx: f32,
-    fy: f32,
-    cx: f32,
-    cy: f32,
-    position: [f32; 3],
-    orientation: [f32; 4],
-}
-
-#[derive(Deserialize)]
-struct ObjectFile {
-    id: u32,
-    #[serde(rename = "box")]
-    corners: [f32; 4],
-    depth: f32,
-}
 
 #[derive(Debug, Clone)]
 struct Block {
@@ -77,16 +52,17 @@ pub(crate) struct World {
 impl World {
     /// As it is at first.
     pub(crate) fn new() -> Result<Self> {
-        let scene: SceneFile = serde_json::from_str(SCENE).context("scene.json")?;
+        let scene = read_scene_text(Path::new("scene.json"), SCENE, &TABLETOP)?;
         let picture = image::load_from_memory(PICTURE).context("camera.png")?;
         let picture = picture.into_rgb8();
-        let CameraFile { width, height, .. } = scene.camera;
+        let (width, height) = (scene.camera.width, scene.camera.height);
         ensure!(picture.dimensions() == (width, height), "camera.png: size");
-        let blocks = scene.objects.iter().map(|object| {
+        let blocks = scene.detections.iter().map(|detection| {
+            let [x1, y1, x2, y2, depth_m] = detection.location;
             let found = DetectedBox {
-                id: object.id,
-                corners: object.corners,
-                depth_m: object.depth,
+                id: detection.id,
+                corners: [x1, y1, x2, y2],
+                depth_m,
             };
             let [left, top, right, bottom] = pixels(&found.corners, width, height);
             let patch = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
@@ -104,16 +80,7 @@ impl World {
         Ok(Self {
             blocks,
             table: table.repeat((width * height) as usize),
-            camera: CameraMessage {
-                width,
-                height,
-                fx: scene.camera.fx,
-                fy: scene.camera.fy,
-                cx: scene.camera.cx,
-                cy: scene.camera.cy,
-                position: scene.camera.position,
-                orientation: scene.camera.orientation,
-            },
+            camera: scene.camera.into(),
         })
     }
 
