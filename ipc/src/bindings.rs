@@ -9,7 +9,7 @@ use crate::message::{
     Outcome, PlanReply, PlanRequest, REASONS, Role, SceneMessage, State, StepMessage, SubGoal,
     Type,
 };
-use crate::service::{CAMERA, CAMERA_QUALITY, Carried, ONLOOKERS, Quality};
+use crate::service::{CAMERA, CAMERA_QUALITY, Carried, FRAMES_AT_ONCE, ONLOOKERS, Quality, ROOM};
 
 /// A message as bindings tell of it.
 #[derive(Debug, Clone, Copy)]
@@ -183,7 +183,9 @@ fn python_constants(module: &mut String) {
     let _ = write!(
         module,
         "}}\n\"\"\"By the end of the service's name.\"\"\"\nONLOOKERS = {ONLOOKERS}\n\"\"\"How many \
-         may look on, beside those that a robot needs.\"\"\"\n"
+         may look on, beside those that a robot needs.\"\"\"\nROOM = {ROOM}\n\"\"\"Bytes of shared \
+         memory that must be left for a process to begin.\"\"\"\nFRAMES_AT_ONCE = \
+         {FRAMES_AT_ONCE}\n\"\"\"Frames that have memory at once with one reader.\"\"\"\n"
     );
 }
 

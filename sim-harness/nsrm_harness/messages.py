@@ -99,6 +99,10 @@ QUALITIES = {
 """By the end of the service's name."""
 ONLOOKERS = 16
 """How many may look on, beside those that a robot needs."""
+ROOM = 1048576
+"""Bytes of shared memory that must be left for a process to begin."""
+FRAMES_AT_ONCE = 4
+"""Frames that have memory at once with one reader."""
 
 
 class CameraMessage(ctypes.Structure):

@@ -21,7 +21,7 @@ from nsrm_harness.perception.detector import detect
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
 from nsrm_harness.robot.half_made import SEGMENTS
-from nsrm_harness.robot.ports import FeedbackOut, PortError, Robot
+from nsrm_harness.robot.ports import FeedbackOut, FramesOut, PortError, Robot
 from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
@@ -304,6 +304,26 @@ def test_a_segment_that_was_given_up_keeps_nobody_waiting(place: Path) -> None:
     assert not robot.bury() and young.exists()
     young.unlink()
     assert robot.bury()
+
+
+def test_too_little_shared_memory_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = list(os.statvfs(SEGMENTS))
+
+    def leave(size: int, limit: int = 100) -> None:
+        # Sizes of blocks, how many there are, how many are free, for users as well.
+        found[0:5] = [4096, 4096, limit, size // 4096, size // 4096]
+        monkeypatch.setattr(os, "statvfs", lambda _: os.statvfs_result(found))
+
+    leave(1 << 19)
+    with pytest.raises(PortError, match=r"`node` wants 1.0 MB of shared memory, and 0.5 are left"):
+        Robot(read_config(place), "camera")
+    # One without blocks has no limit.
+    leave(0, limit=0)
+    robot = Robot(read_config(place), "camera")
+    leave(3 << 20)
+    with pytest.raises(PortError, match=r"`camera` wants 5.0 MB .* and 3.1 are left in /dev/shm"):
+        FramesOut(robot, 500, 285)
+    FramesOut(robot, 100, 100)
 
 
 DIES = """

@@ -2,6 +2,7 @@ use core::fmt;
 use std::path::PathBuf;
 
 use super::RobotName;
+use super::half_made::SEGMENTS;
 
 /// Why a service can't be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,6 +39,17 @@ pub enum ServiceError {
         service: &'static str,
         /// The folder by which they meet.
         folder: PathBuf,
+    },
+    /// Shared memory has too little left.
+    NoRoom {
+        /// Of which robot.
+        robot: RobotName,
+        /// Which service; `node` before any is used.
+        service: &'static str,
+        /// Bytes that are left.
+        free: u64,
+        /// Bytes that must be.
+        wanted: u64,
     },
     /// Anything else that iceoryx2 says.
     Iceoryx {
@@ -103,6 +115,22 @@ impl fmt::Display for ServiceError {
                  [shared_memory] in a configuration",
                 folder.display()
             ),
+            Self::NoRoom {
+                robot,
+                service,
+                free,
+                wanted,
+            } => {
+                let megabytes = |bytes: u64| bytes as f64 / 1e6;
+                write!(
+                    f,
+                    "robot `{robot}`: `{service}` wants {:.1} MB of shared memory, and {:.1} are \
+                     left in {SEGMENTS}; remove what nobody uses there, or enlarge it (`mount -o \
+                     remount,size=...`; for a container `--shm-size`)",
+                    megabytes(*wanted),
+                    megabytes(*free),
+                )
+            }
             Self::Iceoryx {
                 robot,
                 service,

@@ -19,7 +19,7 @@ use iceoryx2::service::service_hash::ServiceHash;
 const GIVEN_UP: Duration = Duration::from_secs(1);
 
 /// Where Linux keeps named segments of shared memory.
-const SEGMENTS: &str = "/dev/shm";
+pub(super) const SEGMENTS: &str = "/dev/shm";
 /// All permissions of a file.
 const ACCESS: u32 = 0o777;
 /// Those of a node's context until the node is made.

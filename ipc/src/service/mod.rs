@@ -13,11 +13,13 @@
 //! Beside each stands an event service of the same name: who sends rings, who waits
 //! need not spin. What iceoryx2 does by itself and is changed here: a publisher with
 //! a full buffer waits for ever; the dead are found by nobody unless someone looks
-//! ([`Robot::bury`]); signals are taken over.
+//! ([`Robot::bury`]); signals are taken over; who writes where shared memory is full is
+//! ended by the system, so none begins without [`ROOM`].
 
 mod error;
 mod fault;
 mod half_made;
+mod memory;
 mod name;
 mod place;
 mod port;
@@ -27,7 +29,9 @@ pub use error::{SendFailure, ServiceError};
 pub use name::{MAX_NAME, RobotName, RobotNameError};
 pub use place::settle;
 pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
-pub use quality::{CAMERA, CAMERA_QUALITY, Carried, Hosts, ONLOOKERS, PLAN, Quality};
+pub use quality::{
+    CAMERA, CAMERA_QUALITY, Carried, FRAMES_AT_ONCE, Hosts, ONLOOKERS, PLAN, Quality, ROOM,
+};
 
 use core::fmt::Debug;
 use core::time::Duration;
@@ -48,6 +52,7 @@ use tracing::warn;
 
 use crate::message::{CameraFrame, PlanReply, PlanRequest, Role};
 use fault::Fault;
+use memory::find_room;
 use quality::{ASKERS, REPLIES};
 
 /// How long a service that is just being made or removed is waited for; long enough to
@@ -79,6 +84,7 @@ impl Robot {
     ///   tests
     pub fn join(name: RobotName, role: Role, config: &Config) -> Result<Self, ServiceError> {
         let service = "node";
+        find_room(&name, service, ROOM)?;
         let says = |error: &dyn Debug| ServiceError::Iceoryx {
             robot: name.clone(),
             service,
@@ -177,6 +183,7 @@ impl Robot {
 
     /// Publishes frames of up to so many bytes.
     pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
+        find_room(&self.name, CAMERA, FRAMES_AT_ONCE * bytes as u64 + ROOM)?;
         let service = self.frames()?;
         let publisher = self.place(|| {
             service

@@ -58,6 +58,12 @@ pub trait Carried: Message + ZeroCopySend + Debug + 'static {
 
 /// How many may look on, beside those that a robot needs.
 pub const ONLOOKERS: usize = 16;
+/// Bytes of shared memory that must be left for a process to begin. All of a robot's
+/// processes together were seen to take less than half of it, beside frames.
+pub const ROOM: u64 = 1 << 20;
+/// Frames that have memory at once with one reader: the one being written, the one that is
+/// kept for who comes late, one that waits and one that is read.
+pub const FRAMES_AT_ONCE: u64 = 4;
 
 impl Carried for SceneMessage {
     const SERVICE: &'static str = "scene";

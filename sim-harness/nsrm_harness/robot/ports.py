@@ -18,15 +18,17 @@ from numpy.typing import NDArray
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.messages import (
+    FRAMES_AT_ONCE,
     ONLOOKERS,
     QUALITIES,
+    ROOM,
     CameraFrame,
     Feedback,
     Heartbeat,
     SubGoal,
 )
 from nsrm_harness.robot.config import RobotConfig, iox2
-from nsrm_harness.robot.half_made import remove_segments
+from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
 
 BEAT_S = 0.1
 """Time between two heartbeats."""
@@ -64,7 +66,8 @@ class Robot:
     """A process's place among those of one robot."""
 
     def __init__(self, config: RobotConfig, role: str) -> None:
-        """Raises `PortError` for a name that a robot can't have."""
+        """Raises `PortError` for a name that a robot can't have, and where processes can't
+        meet."""
         name, shared_memory = config.robot, config.shared_memory or iox2.config.global_config()
         if config.several_hosts:
             go_by_wall_clock()
@@ -73,6 +76,7 @@ class Robot:
                 f"{name!r}: a robot's name has from 1 to 32 of a to z, 0 to 9, '-' and '_'"
             )
         self.name = name
+        self._find_room("node", ROOM)
         self._several_hosts = config.several_hosts
         iox2.set_log_level(iox2.LogLevel.Fatal)
         places = shared_memory.global_cfg
@@ -108,6 +112,19 @@ class Robot:
             "user; start all of them as that one"
         )
 
+    def _find_room(self, service: str, wanted: int) -> None:
+        """Refuses when shared memory has too little left: who writes where there is none is ended
+        by the system without a word."""
+        found = os.statvfs(SEGMENTS)
+        free = found.f_bavail * found.f_frsize
+        # One without blocks is without a limit.
+        if found.f_blocks > 0 and free < wanted:
+            raise PortError(
+                f"robot `{self.name}`: `{service}` wants {wanted / 1e6:.1f} MB of shared memory, "
+                f"and {free / 1e6:.1f} are left in {SEGMENTS}; remove what nobody uses there, or "
+                "enlarge it (`mount -o remount,size=...`; for a container `--shm-size`)"
+            )
+
     def bury(self) -> bool:
         """Frees the places of processes that have died, a few times a second; whether it could
         be done now: not while something is being made."""
@@ -129,6 +146,7 @@ class Robot:
 
     def frames_out(self, size: int) -> Any:
         """Publishes frames of up to `size` bytes."""
+        self._find_room("camera", FRAMES_AT_ONCE * size + ROOM)
         builder = self._builder("camera").publish_subscribe(iox2.Slice[ctypes.c_uint8])
         factory = self._open("camera", self._with(builder.user_header(CameraFrame), "camera"))
         publisher = factory.publisher_builder().backpressure_strategy(_DISCARD)

@@ -52,7 +52,7 @@ pub(super) const CHECKS: &[Check] = &[
     },
     Check {
         name: "second-user",
-        title: "a robot's processes refuse another user's (needs root)",
+        title: "a robot's processes refuse another user's memory, and too little (needs root)",
         about: "10 s",
         steps: second_user,
     },
@@ -287,11 +287,13 @@ fn rust_tests(_: &Context) -> Result<Vec<Step>> {
         // Run by the check second-user.
         "--",
         "--skip=a_second_user_is_refused",
+        "--skip=too_little_shared_memory_is_refused",
     ];
     Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
 }
 
-/// Ignored in a plain `cargo test`, since only root can start processes as another user.
+/// Ignored in a plain `cargo test`, since only root can start processes as another user and
+/// mount memory.
 fn second_user(_: &Context) -> Result<Vec<Step>> {
     let arguments = [
         "test",
@@ -300,6 +302,7 @@ fn second_user(_: &Context) -> Result<Vec<Step>> {
         "--workspace",
         "--exclude=nsrm-tests",
         "--test=second_user",
+        "--test=small_memory",
         "--",
         "--ignored",
     ];

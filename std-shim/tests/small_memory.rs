@@ -1,0 +1,48 @@
+//! Where shared memory is small, in a container for instance, a process says so; the system
+//! would end it without a word in the midst of its work.
+#![cfg(feature = "command")]
+
+// Not all of it is for processes.
+#[allow(dead_code)]
+mod common;
+
+use std::process::{Command, Output};
+
+use common::stage::{CONFIG, SENTENCE};
+use common::{Bench, refused};
+use nsrm_tests::corner::Corner;
+
+#[test]
+#[ignore = "needs root, to mount memory of its own; run by cargo verify"]
+fn too_little_shared_memory_is_refused() {
+    let corner = Corner::new("small-memory");
+    let bench = Bench::new();
+    bench.write("robot.toml", format!("{CONFIG}{}", corner.as_toml()));
+    for arguments in [
+        &["say", SENTENCE][..],
+        &["watch", "--once"],
+        &["perceive"],
+        &["serve"],
+    ] {
+        let ended = with_memory(&bench, 512, arguments);
+        let wants = "robot `left`: `node` wants 1.0 MB of shared memory, and 0.5 are left in \
+                     /dev/shm; remove what nobody uses there, or enlarge it";
+        refused(&ended, &[wants]);
+    }
+    // With a little more all is as ever.
+    let ended = with_memory(&bench, 2048, &["say", SENTENCE]);
+    refused(&ended, &["robot `left` has no planner"]);
+}
+
+/// Runs the command where shared memory has so many KiB, for it alone.
+fn with_memory(bench: &Bench, kib: u32, arguments: &[&str]) -> Output {
+    let mount = format!("mount -t tmpfs -o size={kib}k none /dev/shm && exec \"$@\"");
+    Command::new("unshare")
+        .args(["--mount", "--propagation=private", "sh", "-c", &mount, "sh"])
+        .arg(env!("CARGO_BIN_EXE_nsrm"))
+        .args(arguments)
+        .args(["--config", "robot.toml"])
+        .current_dir(bench.folder.path())
+        .output()
+        .unwrap()
+}
