@@ -12,6 +12,8 @@ from nsrm_harness.errors import HarnessError
 
 # It has no types; its names are looked up when they are used.
 iox2: Any = import_module("iceoryx2")
+# Errors say what went wrong; the rest is of no use to who reads a command's messages.
+iox2.set_log_level(iox2.LogLevel.Fatal)
 
 ROBOT = "robot"
 """The robot's name where none is given."""

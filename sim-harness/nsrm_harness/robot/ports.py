@@ -78,7 +78,6 @@ class Robot:
         self.name = name
         self._find_room("node", ROOM)
         self._several_hosts = config.several_hosts
-        iox2.set_log_level(iox2.LogLevel.Fatal)
         places = shared_memory.global_cfg
         # The dead are buried by `bury` alone, which looks first whether that would hang.
         places.node.cleanup_dead_nodes_on_creation = False
