@@ -1,0 +1,329 @@
+//! The executive on a hand-made model and a world of numbers: it does a sentence to
+//! its end, looks after each step, tries again a bounded number of times, and never
+//! acts on a scene that it should not.
+
+mod controller;
+mod world;
+
+use nsrm_core::{Refusal, SceneError};
+use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode, SceneFault};
+use nsrm_ipc::message::{Outcome, SceneMessage};
+use nsrm_tests::by_hand::{Parts, raw_scene};
+use nsrm_tests::world::{BLOCKS, SENTENCE};
+
+use crate::world::{MS, World};
+
+#[test]
+fn a_sentence_is_done_step_by_step_each_in_the_scene_after_the_one_before() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    let plan = world.ask(SENTENCE, Mode::ClosedLoop);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(
+        world.log,
+        [
+            "planned from 0",
+            "command 0",
+            "reached 0",
+            "planned from 1",
+            "command 1",
+            "reached 1"
+        ]
+    );
+    let [first, second] = world.commands[..] else {
+        panic!("{:?}", world.commands);
+    };
+    assert_eq!((first.id.plan, first.id.command, first.steps), (plan, 1, 2));
+    assert_eq!((second.id.plan, second.id.command), (plan, 2));
+    let objects = |command: &Command| {
+        let planned = &command.planned;
+        (planned.object.object, planned.reference.object)
+    };
+    assert_eq!((objects(&first), objects(&second)), ((1, 2), (3, 1)));
+    assert_eq!(
+        world.ask("put the red block on the blue block", Mode::PlanOnly),
+        plan + 1
+    );
+}
+
+#[test]
+fn open_loop_carries_out_the_first_plan_without_looking() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask(SENTENCE, Mode::OpenLoop);
+    // What it had put down falls, and it does not see it.
+    let result = world.run_with(|world, _| world.scene.objects[0].location[4] = 0.5);
+    assert_eq!(result, Ok(()));
+    assert_eq!(
+        world.log,
+        [
+            "planned from 0",
+            "command 0",
+            "reached 0",
+            "command 1",
+            "reached 1"
+        ]
+    );
+    world.ask(SENTENCE, Mode::OpenLoop);
+    world.scene = raw_scene(&model, &BLOCKS);
+    world.outcomes = [Outcome::Dropped].into();
+    let (step, outcome) = (0, Outcome::Dropped);
+    assert_eq!(world.run(), Err(Failure::Unsuccessful { step, outcome }));
+}
+
+#[test]
+fn planning_alone_commands_nothing() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask(SENTENCE, Mode::PlanOnly);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.log, ["planned from 0"]);
+}
+
+#[test]
+fn a_refusal_ends_it_before_anything_moves() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask(
+        "put the small green block on the blue block",
+        Mode::ClosedLoop,
+    );
+    let refused = world.run();
+    assert!(
+        matches!(
+            refused,
+            Err(Failure::Refused(Refusal::NoSuchObject { step: 0, .. }))
+        ),
+        "{refused:?}"
+    );
+    assert!(world.log.is_empty());
+}
+
+#[test]
+fn what_went_wrong_is_tried_again_a_bounded_number_of_times() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let limits = Limits {
+        retries: 2,
+        ..Limits::default()
+    };
+    let mut world = World::new(&model, limits);
+    world.outcomes = [Outcome::NotGrasped, Outcome::Dropped].into();
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    assert_eq!(world.run(), Ok(()));
+    let again = "again 0: unsuccessful";
+    let (planned, command) = ("planned from 0", "command 0");
+    assert_eq!(
+        world.log,
+        [
+            planned,
+            command,
+            again,
+            planned,
+            command,
+            again,
+            planned,
+            command,
+            "reached 0"
+        ]
+    );
+    let numbers: Vec<_> = world
+        .commands
+        .iter()
+        .map(|command| command.id.command)
+        .collect();
+    assert_eq!(numbers, [1, 2, 3]);
+
+    world.scene = raw_scene(&model, &BLOCKS);
+    world.outcomes = [Outcome::NotGrasped; 3].into();
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let (step, outcome) = (0, Outcome::NotGrasped);
+    assert_eq!(world.run(), Err(Failure::Unsuccessful { step, outcome }));
+    // That can't get better by itself.
+    for outcome in [
+        Outcome::NoPath,
+        Outcome::Stopped,
+        Outcome::Busy,
+        Outcome::Impossible,
+    ] {
+        world.outcomes = [outcome].into();
+        world.ask("put the red block on the blue block", Mode::ClosedLoop);
+        assert_eq!(world.run(), Err(Failure::Unsuccessful { step, outcome }));
+    }
+}
+
+#[test]
+fn a_step_that_is_seen_not_to_have_worked_is_done_again() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let mut times = 0;
+    let result = world.run_with(|world, _| {
+        times += 1;
+        if times == 1 {
+            // It slid off, 5 cm to the side.
+            world.scene.objects[0].location[0] += 0.05;
+            world.scene.objects[0].location[2] += 0.05;
+        }
+    });
+    assert_eq!(result, Ok(()));
+    assert_eq!(world.log[2], "again 0: not_there");
+    assert_eq!(world.commands.len(), 2);
+}
+
+/// The red block falls as the green one is put onto it: both are put back.
+#[test]
+fn an_earlier_step_that_came_undone_is_done_again_and_what_follows_too() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask(SENTENCE, Mode::ClosedLoop);
+    let result = world.run_with(|world, command| {
+        if command.id.command == 2 {
+            world.scene.objects[0].location = [0.1, 0.48, 0.115, 0.52, 0.95];
+            world.scene.objects[2].location = [0.2, 0.48, 0.215, 0.52, 0.95];
+        }
+    });
+    assert_eq!(result, Ok(()));
+    let steps: Vec<_> = world.commands.iter().map(|command| command.step).collect();
+    assert_eq!(steps, [0, 1, 0, 1]);
+    assert!(
+        world.log.contains(&"again 1: not_there".into()),
+        "{:?}",
+        world.log
+    );
+}
+
+#[test]
+fn an_object_that_is_no_longer_seen_is_waited_for_and_then_missed() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let limits = Limits {
+        retries: 0,
+        ..Limits::default()
+    };
+    let mut world = World::new(&model, limits);
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let result = world.run_with(|world, _| {
+        // The last one takes its place.
+        world.scene.objects[0] = world.scene.objects[2];
+        world.scene.count = 2;
+    });
+    assert_eq!(result, Err(Failure::NotSeen { step: 0, object: 1 }));
+}
+
+#[test]
+fn scenes_that_must_not_be_acted_upon_are_refused_by_name() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    let now_ns = world.now_ns;
+    world.see();
+    let mut see = |change: &dyn Fn(&mut SceneMessage)| {
+        let mut message = world.message(now_ns);
+        change(&mut message);
+        world.executive.see(&message, now_ns)
+    };
+    assert_eq!(see(&|_| {}), Ok(()));
+    assert_eq!(
+        see(&|scene| scene.timestamp_ns -= 501 * MS),
+        Err(SceneFault::OutOfOrder)
+    );
+    assert_eq!(
+        see(&|scene| scene.timestamp_ns += 9 * MS),
+        Err(SceneFault::FromTheFuture { by_ms: 9 })
+    );
+    assert!(matches!(
+        see(&|scene| scene.model_tag ^= 1),
+        Err(SceneFault::Invalid(SceneError::ModelTag { .. }))
+    ));
+    assert!(matches!(
+        see(&|scene| scene.count = 99),
+        Err(SceneFault::Invalid(SceneError::TooManyObjects { .. }))
+    ));
+    // No sentence was begun, so another camera is none too many.
+    assert_eq!(see(&|scene| scene.camera.position[0] += 0.1), Ok(()));
+    let late_ns = now_ns + 600 * MS;
+    let late = world.executive.see(&world.message(now_ns), late_ns);
+    let (age_ms, limit_ms) = (600, 500);
+    assert_eq!(late, Err(SceneFault::TooOld { age_ms, limit_ms }));
+}
+
+#[test]
+fn a_camera_that_moves_during_a_sentence_ends_it() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    world.see();
+    while !matches!(world.executive.poll(world.now_ns), Event::Command(_)) {}
+    world.now_ns += MS;
+    let mut message = world.message(world.now_ns);
+    message.camera.position[2] += 0.001;
+    let fault = world.executive.see(&message, world.now_ns);
+    assert_eq!(fault, Err(SceneFault::OtherCamera));
+}
+
+#[test]
+fn an_old_scene_is_not_acted_upon_and_waiting_ends() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.see();
+    world.now_ns += 501 * MS;
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let begun_ns = world.now_ns;
+    let ended = loop {
+        world.now_ns += MS;
+        match world.executive.poll(world.now_ns) {
+            Event::Waiting | Event::Working => {}
+            Event::Ended(result) => break result,
+            event => panic!("{event:?}"),
+        }
+    };
+    let Err(Failure::NoScene {
+        last: Some(SceneFault::TooOld { .. }),
+    }) = ended
+    else {
+        panic!("{ended:?}");
+    };
+    assert!(world.now_ns - begun_ns < 2200 * MS);
+}
+
+/// Grounding may be spread over so many ticks that the scene grows old meanwhile.
+#[test]
+fn a_plan_that_took_too_long_is_made_again() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    let begin = |world: &mut World<'_>| {
+        world.ask("put the red block on the blue block", Mode::PlanOnly);
+        world.see();
+        (1..)
+            .find(|_| match world.executive.poll(world.now_ns) {
+                Event::Planned(_) => true,
+                Event::Working => false,
+                event => panic!("{event:?}"),
+            })
+            .unwrap()
+    };
+    let polls = begin(&mut world);
+    assert_eq!(world.run(), Ok(()));
+
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    world.see();
+    for _ in 1..polls {
+        assert_eq!(world.executive.poll(world.now_ns), Event::Working);
+    }
+    world.now_ns += 501 * MS;
+    // What it comes to is of a scene too old; there is no other one yet.
+    assert_eq!(world.executive.poll(world.now_ns), Event::Working);
+    assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.log, ["planned from 0", "command 0", "reached 0"]);
+}

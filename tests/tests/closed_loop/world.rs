@@ -1,0 +1,146 @@
+//! Numbers instead of a camera, a robot and a clock.
+
+use std::collections::VecDeque;
+
+use nsrm_core::{Model, RawScene, Scene};
+use nsrm_ipc::executive::{Command, Event, Executive, Failure, Limits, Mode, Sentence};
+use nsrm_ipc::message::{Feedback, Outcome, SceneMessage};
+use nsrm_tests::by_hand::raw_scene;
+use nsrm_tests::world::BLOCKS;
+
+pub(crate) const MS: u64 = 1_000_000;
+
+/// What stands around an executive.
+pub(crate) struct World<'m> {
+    pub(crate) executive: Executive<'m>,
+    pub(crate) scene: RawScene,
+    pub(crate) now_ns: u64,
+    pub(crate) sequence: u64,
+    /// What the controller will say of the next commands; when none is left, that
+    /// they were reached.
+    pub(crate) outcomes: VecDeque<Outcome>,
+    /// What happened, in order.
+    pub(crate) log: Vec<String>,
+    pub(crate) commands: Vec<Command>,
+}
+
+impl<'m> World<'m> {
+    pub(crate) fn new(model: &'m Model<'m>, limits: Limits) -> Self {
+        Self {
+            executive: Executive::new(model, limits, 100),
+            scene: raw_scene(model, &BLOCKS),
+            now_ns: 10_000 * MS,
+            sequence: 0,
+            outcomes: VecDeque::new(),
+            log: Vec::new(),
+            commands: Vec::new(),
+        }
+    }
+
+    pub(crate) fn ask(&mut self, sentence: &str, mode: Mode) -> u64 {
+        let sentence = Sentence::try_from(sentence).unwrap();
+        self.executive.ask(sentence, mode).unwrap()
+    }
+
+    pub(crate) fn message(&self, taken_ns: u64) -> SceneMessage {
+        let mut raw = self.scene;
+        raw.header.sequence = self.sequence;
+        raw.header.timestamp_ns = taken_ns;
+        SceneMessage::from(&Scene::new(raw, self.executive.model()).unwrap())
+    }
+
+    pub(crate) fn see(&mut self) {
+        self.sequence += 1;
+        let message = self.message(self.now_ns);
+        self.executive.see(&message, self.now_ns).unwrap();
+    }
+
+    pub(crate) fn say(&mut self, command: &Command, outcome: Outcome) {
+        let feedback = Feedback {
+            plan: command.id.plan,
+            sequence: 0,
+            timestamp_ns: self.now_ns,
+            command: command.id.command,
+            outcome: outcome as u32,
+        };
+        self.executive.hear(&feedback, self.now_ns).unwrap();
+    }
+
+    /// The robot puts the object where it is told to.
+    pub(crate) fn carry_out(&mut self, command: &Command) {
+        let id = command.planned.sub_goal.object;
+        let objects = self.scene.objects.iter_mut();
+        for object in objects.filter(|object| object.id == id) {
+            object.location = command.planned.location;
+        }
+    }
+
+    /// Polls, with a scene every 10 ms, until the sentence has ended.
+    pub(crate) fn run(&mut self) -> Result<(), Failure> {
+        self.run_with(|_, _| {})
+    }
+
+    /// As [`World::run`]; something happens right after each command was reached.
+    pub(crate) fn run_with(
+        &mut self,
+        mut then: impl FnMut(&mut Self, &Command),
+    ) -> Result<(), Failure> {
+        for tick in 0..100_000 {
+            self.now_ns += MS;
+            if tick % 10 == 0 {
+                self.see();
+            }
+            match self.executive.poll(self.now_ns) {
+                Event::Waiting | Event::Working => {}
+                Event::Planned(plan) => self.log.push(format!("planned from {}", plan.first())),
+                Event::Command(command) => {
+                    self.log.push(format!("command {}", command.step));
+                    self.commands.push(command);
+                    self.say(&command, Outcome::Accepted);
+                    self.now_ns += 5000 * MS;
+                    let outcome = self.outcomes.pop_front().unwrap_or(Outcome::Reached);
+                    if outcome == Outcome::Reached {
+                        self.carry_out(&command);
+                        then(self, &command);
+                    }
+                    self.say(&command, outcome);
+                }
+                Event::Stop(id) => self.log.push(format!("stop {}", id.command)),
+                Event::Reached { step, .. } => self.log.push(format!("reached {step}")),
+                Event::Again { step, why } => {
+                    self.log.push(format!("again {step}: {}", why.kind()));
+                }
+                Event::Ended(result) => {
+                    assert_eq!(self.executive.plan(), None);
+                    assert_eq!(self.executive.poll(self.now_ns), Event::Waiting);
+                    return result;
+                }
+            }
+        }
+        panic!("no end: {:?}", self.log);
+    }
+
+    /// Polls, with scenes, until a command is sent, and does nothing with it.
+    pub(crate) fn until_command(&mut self) -> Command {
+        loop {
+            self.now_ns += MS;
+            self.see();
+            if let Event::Command(command) = self.executive.poll(self.now_ns) {
+                return command;
+            }
+        }
+    }
+
+    /// Polls, with scenes, until a stop is sent of a command: which one.
+    pub(crate) fn until_stop(&mut self) -> u32 {
+        loop {
+            self.now_ns += MS;
+            self.see();
+            match self.executive.poll(self.now_ns) {
+                Event::Waiting | Event::Working => {}
+                Event::Stop(id) => return id.command,
+                event => panic!("{event:?}"),
+            }
+        }
+    }
+}
