@@ -246,6 +246,7 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
         ("[shared_memory]\nfolder = 'x'", "[shared_memory] may have root and prefix"),
         ("[shared_memory]\nprefix = 'a/b'", "shared_memory.prefix = 'a/b'"),
         ("[shared_memory]\nroot = 3", "shared_memory.root = 3"),
+        ("[shared_memory]\nroot = 'here'", "shared_memory.root = 'here': a path from / is needed"),
     ]:
         file.write_text(text)
         with pytest.raises(RobotConfigError) as refused:

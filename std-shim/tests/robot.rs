@@ -7,11 +7,12 @@
 mod common;
 
 use std::io::{BufRead, BufReader};
-use std::process::Stdio;
+use std::process::{Command, Output, Stdio};
 use std::sync::atomic::Ordering;
 
 use common::stage::{CONFIG, SENTENCE, Stage, signal};
-use common::{done, refused};
+use common::{Bench, done, refused};
+use nsrm_tests::corner::Corner;
 use serde_json::Value;
 
 #[test]
@@ -217,11 +218,57 @@ fn bad_configurations_are_told_of() {
         &serve("[shared_memory]\nprefix = \"a/b\""),
         &["shared_memory.prefix = \"a/b\""],
     );
+    refused(
+        &serve("[shared_memory]\nroot = \"here\""),
+        &["shared_memory.root = \"here\": a path from / is needed"],
+    );
     let typo = serve("[limits]\nretry = 3");
     let message = String::from_utf8(typo.stderr).unwrap();
     assert_eq!(typo.status.code(), Some(2));
     assert!(
         message.contains("line 2") && message.contains("`retry`"),
         "{message}"
+    );
+}
+
+/// iceoryx2's errors say what could not be made, and not why.
+#[test]
+fn what_keeps_processes_from_meeting_is_found() {
+    let (corner, bench) = (Corner::new("meeting"), Bench::new());
+    let serve_in = |root: &str| {
+        let prefix = corner.prefix();
+        let places = format!("[shared_memory]\nroot = {root:?}\nprefix = {prefix:?}\n");
+        bench.write("robot.toml", places);
+        ["serve", "--config", "robot.toml"]
+    };
+    // The log has a line before the message.
+    let ends_with = |ended: &Output, cause: &str| {
+        let message = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(2), "{message}");
+        let last = message.lines().last().unwrap_or_default();
+        assert!(
+            last.starts_with("nsrm: robot `robot`: ") && last.contains(cause),
+            "{message}"
+        );
+    };
+    ends_with(
+        &bench.run(&serve_in("/proc/nothing")),
+        "the processes meet in /proc/nothing, which can't be made or written to: No such file",
+    );
+    let long = bench.path(&"long".repeat(20));
+    ends_with(
+        &bench.run(&serve_in(long.to_str().unwrap())),
+        "where the processes meet, is too long for sockets in it",
+    );
+    let short = bench.path("m");
+    let few = Command::new("sh")
+        .args(["-c", "ulimit -n 30; exec \"$@\"", "sh"])
+        .arg(env!("CARGO_BIN_EXE_nsrm"))
+        .args(serve_in(short.to_str().unwrap()))
+        .current_dir(bench.folder.path())
+        .output();
+    ends_with(
+        &few.unwrap(),
+        "of the 30 files that this process may have open",
     );
 }

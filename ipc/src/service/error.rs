@@ -59,6 +59,8 @@ pub enum ServiceError {
         service: &'static str,
         /// What it says.
         says: String,
+        /// Why, and what to do, if that could be found.
+        cause: Option<String>,
     },
 }
 
@@ -135,7 +137,14 @@ impl fmt::Display for ServiceError {
                 robot,
                 service,
                 says,
-            } => write!(f, "robot `{robot}`: `{service}`: {says}"),
+                cause,
+            } => {
+                write!(f, "robot `{robot}`: `{service}`: {says}")?;
+                if let Some(cause) = cause {
+                    write!(f, ": {cause}")?;
+                }
+                Ok(())
+            }
         }
     }
 }

@@ -1,7 +1,11 @@
-//! What iceoryx2's many errors on opening a service come down to.
+//! What iceoryx2's many errors on opening a service and on taking a place there come down to.
 
 use core::fmt::Debug;
 
+use iceoryx2::port::listener::ListenerCreateError;
+use iceoryx2::port::notifier::NotifierCreateError;
+use iceoryx2::port::publisher::PublisherCreateError;
+use iceoryx2::port::subscriber::SubscriberCreateError;
 use iceoryx2::service::builder::event::{EventCreateError, EventOpenError, EventOpenOrCreateError};
 use iceoryx2::service::builder::publish_subscribe::{
     PublishSubscribeCreateError, PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError,
@@ -9,8 +13,10 @@ use iceoryx2::service::builder::publish_subscribe::{
 use iceoryx2::service::builder::request_response::{
     RequestResponseCreateError, RequestResponseOpenError, RequestResponseOpenOrCreateError,
 };
+use iceoryx2::service::port_factory::client::ClientCreateError;
+use iceoryx2::service::port_factory::server::ServerCreateError;
 
-/// Why a service was not opened.
+/// Why a service was not opened, or no place taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Fault {
     /// It is just being made or removed.
@@ -122,4 +128,27 @@ impl From<EventOpenOrCreateError> for Fault {
             error => other(error),
         }
     }
+}
+
+/// Of an error on taking a place, the variant that says that there is none.
+macro_rules! full {
+    ($($error:ident :: $full:ident),+ $(,)?) => {$(
+        impl From<$error> for Fault {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::$full => Self::Full,
+                    error => other(error),
+                }
+            }
+        }
+    )+};
+}
+
+full! {
+    PublisherCreateError::ExceedsMaxSupportedPublishers,
+    SubscriberCreateError::ExceedsMaxSupportedSubscribers,
+    ServerCreateError::ExceedsMaxSupportedServers,
+    ClientCreateError::ExceedsMaxSupportedClients,
+    NotifierCreateError::ExceedsMaxSupportedNotifiers,
+    ListenerCreateError::ExceedsMaxSupportedListeners,
 }

@@ -16,6 +16,7 @@
 //! ([`Robot::bury`]); signals are taken over; who writes where shared memory is full is
 //! ended by the system, so none begins without [`ROOM`].
 
+mod cause;
 mod error;
 mod fault;
 mod half_made;
@@ -43,14 +44,13 @@ use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::client::Client;
-use iceoryx2::port::listener::ListenerCreateError;
-use iceoryx2::port::notifier::NotifierCreateError;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use tracing::warn;
 
 use crate::message::{CameraFrame, PlanReply, PlanRequest, Role};
+use cause::likely_cause;
 use fault::Fault;
 use memory::find_room;
 use quality::{ASKERS, REPLIES};
@@ -89,6 +89,7 @@ impl Robot {
             robot: name.clone(),
             service,
             says: format!("{error:?}"),
+            cause: likely_cause(config),
         };
         let node_name = node_name(&name, role);
         let mut config = config.clone();
@@ -155,29 +156,27 @@ impl Robot {
     /// Sends messages of this type.
     pub fn sender<M: Carried>(&self) -> Result<Sender<M>, ServiceError> {
         let service = self.stream::<M>()?;
-        let publisher = self.place(|| {
+        let publisher = self.place(M::SERVICE, Self::taken, || {
             service
                 .publisher_builder()
                 // The default waits for ever when a buffer is full; this says so.
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
                 .create()
-        });
-        let publisher = publisher.map_err(|_| self.taken(M::SERVICE))?;
+        })?;
         Ok(Sender::new(publisher, self.bell(M::SERVICE)?))
     }
 
     /// Receives messages of this type.
     pub fn receiver<M: Carried>(&self) -> Result<Receiver<M>, ServiceError> {
         let service = self.stream::<M>()?;
-        let subscriber = self.place(|| {
+        let subscriber = self.place(M::SERVICE, Self::full, || {
             service
                 .subscriber_builder()
                 // A tunnel may have made the service, with room for more.
                 .buffer_size(M::QUALITY.buffer)
                 .create()
-        });
-        let subscriber = subscriber.map_err(|_| self.full(M::SERVICE))?;
+        })?;
         Ok(Receiver::new(subscriber))
     }
 
@@ -185,60 +184,53 @@ impl Robot {
     pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
         find_room(&self.name, CAMERA, FRAMES_AT_ONCE * bytes as u64 + ROOM)?;
         let service = self.frames()?;
-        let publisher = self.place(|| {
+        let publisher = self.place(CAMERA, Self::taken, || {
             service
                 .publisher_builder()
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .initial_max_slice_len(bytes)
                 .create()
-        });
-        let publisher = publisher.map_err(|_| self.taken(CAMERA))?;
+        })?;
         Ok(FramesOut::new(publisher, self.bell(CAMERA)?))
     }
 
     /// Receives frames.
     pub fn frames_in(&self) -> Result<Frames, ServiceError> {
         let service = self.frames()?;
-        let subscriber = self.place(|| {
+        let subscriber = self.place(CAMERA, Self::full, || {
             let builder = service.subscriber_builder();
             builder.buffer_size(CAMERA_QUALITY.buffer).create()
-        });
-        let subscriber = subscriber.map_err(|_| self.full(CAMERA))?;
+        })?;
         Ok(Frames::new(subscriber))
     }
 
     /// Answers requests: the planner's end.
     pub fn plan_server(&self) -> Result<PlanServer, ServiceError> {
         let service = self.plan()?;
-        let server = self.place(|| {
+        self.place(PLAN, Self::taken, || {
             let builder = service.server_builder();
             builder
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .create()
-        });
-        server.map_err(|_| self.taken(PLAN))
+        })
     }
 
     /// Asks.
     pub fn plan_client(&self) -> Result<PlanClient, ServiceError> {
         let service = self.plan()?;
-        let client = self.place(|| {
+        self.place(PLAN, Self::full, || {
             let builder = service.client_builder();
             builder
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .create()
-        });
-        client.map_err(|_| self.full(PLAN))
+        })
     }
 
     /// What wakes those who [`Robot::listen`] to a service.
     pub fn bell(&self, service: &'static str) -> Result<Bell, ServiceError> {
         let events = self.events(service)?;
-        let notifier = self.place(|| events.notifier_builder().create());
-        notifier.map(Bell::new).map_err(|error| match error {
-            NotifierCreateError::ExceedsMaxSupportedNotifiers => self.full(service),
-            error => self.fault(service, &error),
-        })
+        let notifier = self.place(service, Self::full, || events.notifier_builder().create())?;
+        Ok(Bell::new(notifier))
     }
 
     /// Is woken when something comes through a service.
@@ -247,12 +239,7 @@ impl Robot {
         service: &'static str,
     ) -> Result<iceoryx2::port::listener::Listener<ipc::Service>, ServiceError> {
         let events = self.events(service)?;
-        let listener = self.place(|| events.listener_builder().create());
-        listener.map_err(|error| match error {
-            ListenerCreateError::ExceedsMaxSupportedListeners => self.full(service),
-            // Such as a folder whose path is too long for a socket's.
-            error => self.fault(service, &error),
-        })
+        self.place(service, Self::full, || events.listener_builder().create())
     }
 
     fn stream<M: Carried>(
@@ -332,17 +319,29 @@ impl Robot {
 
     /// Takes a place at a service; one that a dead process still has is waited for while it is
     /// buried, by this process or by another one that has begun to.
-    fn place<T, E>(&self, take: impl Fn() -> Result<T, E>) -> Result<T, E> {
+    ///
+    /// * `full`: the error when there is none
+    fn place<T, E: Into<Fault>>(
+        &self,
+        service: &'static str,
+        full: impl Fn(&Self, &'static str) -> ServiceError,
+        take: impl Fn() -> Result<T, E>,
+    ) -> Result<T, ServiceError> {
         let begun = Instant::now();
-        loop {
+        let fault = loop {
             match take() {
+                Ok(taken) => return Ok(taken),
                 Err(_) if begun.elapsed() < IN_FLUX && self.has_dead() => {
                     self.bury();
                     std::thread::sleep(BETWEEN_TRIES);
                 }
-                taken => return taken,
+                Err(error) => break error.into(),
             }
-        }
+        };
+        Err(match fault {
+            Fault::Other(says) => self.iceoryx(service, says),
+            _ => full(self, service),
+        })
     }
 
     /// Whether there are dead processes that are not buried yet.
@@ -369,11 +368,7 @@ impl Robot {
     ) -> Result<T, ServiceError> {
         let name = format!("nsrm/v1/{}/{service}", self.name);
         let robot = || self.name.clone();
-        let name = ServiceName::new(&name).map_err(|error| ServiceError::Iceoryx {
-            robot: robot(),
-            service,
-            says: format!("{error:?}"),
-        })?;
+        let name = ServiceName::new(&name).map_err(|error| self.fault(service, &error))?;
         let begun = Instant::now();
         let fault = loop {
             match open(self.node.service_builder(&name)).map_err(Into::into) {
@@ -403,25 +398,24 @@ impl Robot {
                 folder: folder(self.node.config()),
             },
             Fault::Full => ServiceError::Full { robot, service },
-            Fault::InFlux => ServiceError::Iceoryx {
-                robot,
-                service,
-                says: "it is being made or removed all the time".into(),
-            },
-            Fault::Other(says) => ServiceError::Iceoryx {
-                robot,
-                service,
-                says,
-            },
+            Fault::InFlux => {
+                self.iceoryx(service, "it is being made or removed all the time".into())
+            }
+            Fault::Other(says) => self.iceoryx(service, says),
         })
     }
 
     /// What iceoryx2 says, as an error.
     pub(crate) fn fault(&self, service: &'static str, error: &dyn Debug) -> ServiceError {
+        self.iceoryx(service, format!("{error:?}"))
+    }
+
+    fn iceoryx(&self, service: &'static str, says: String) -> ServiceError {
         ServiceError::Iceoryx {
             robot: self.name.clone(),
             service,
-            says: format!("{error:?}"),
+            says,
+            cause: likely_cause(self.node.config()),
         }
     }
 

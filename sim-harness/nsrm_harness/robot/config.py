@@ -71,6 +71,11 @@ def _shared_memory(path: Path | None, told: Any) -> Any:
         if key not in told:
             continue
         try:
+            if key == "root" and not Path(told[key]).is_absolute():
+                raise RobotConfigError(
+                    f"{path}: shared_memory.root = {told[key]!r}: a path from / is needed, for "
+                    "processes to meet wherever they are started"
+                )
             setattr(config.global_cfg, field, getattr(iox2, kind).new(told[key]))
         except (TypeError, iox2.SemanticStringError):
             raise RobotConfigError(

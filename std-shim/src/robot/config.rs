@@ -90,6 +90,7 @@ pub(crate) enum ConfigError {
     Robot(RobotNameError),
     Limits(LimitsError),
     SharedMemory(&'static str, String),
+    Relative(String),
     Settle(std::io::Error),
 }
 
@@ -103,6 +104,11 @@ impl std::fmt::Display for ConfigError {
             Self::SharedMemory(key, value) => write!(
                 f,
                 "shared_memory.{key} = {value:?}: too long, or not a name that files may have"
+            ),
+            Self::Relative(root) => write!(
+                f,
+                "shared_memory.root = {root:?}: a path from / is needed, for processes to meet \
+                 wherever they are started"
             ),
             Self::Settle(error) => write!(
                 f,
@@ -163,6 +169,9 @@ impl SharedMemoryFile {
         }
         let mut config = Iceoryx::default();
         if let Some(root) = &self.root {
+            if !std::path::Path::new(root).is_absolute() {
+                return Err(ConfigError::Relative(root.clone()));
+            }
             let path = Path::new(root.as_bytes());
             let path = path.map_err(|_| ConfigError::SharedMemory("root", root.clone()))?;
             config.global.set_root_path(&path);
