@@ -182,7 +182,8 @@ impl Robot {
 
     /// Publishes frames of up to so many bytes.
     pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
-        find_room(&self.name, CAMERA, FRAMES_AT_ONCE * bytes as u64 + ROOM)?;
+        let frames = FRAMES_AT_ONCE.saturating_mul(bytes as u64);
+        find_room(&self.name, CAMERA, frames.saturating_add(ROOM))?;
         let service = self.frames()?;
         let publisher = self.place(CAMERA, Self::taken, || {
             service
