@@ -3,7 +3,8 @@
 //!
 //! What is measured beside it in the same run: the computation alone, in this process; and
 //! what waking another process and being woken by it costs on this machine, by a pipe and by
-//! iceoryx2's events.
+//! iceoryx2's events. The two processes change cores for the second half of each, since one
+//! core may be faster than the other.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -103,9 +104,9 @@ impl Looks {
 }
 
 /// Answers until it is stopped, in a process of its own.
-pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks) -> Result<()> {
+pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Result<()> {
     let stop = stop_on_signals()?;
-    stay_on(1)?;
+    stay_on(core)?;
     let is_spinning = looks == Looks::Spinning;
     match peer {
         Peer::Pipe => {
@@ -177,25 +178,46 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let file = File::create(&path).with_context(|| path.display().to_string())?;
     let mut book = Book { file };
     let samples = options.samples;
-    stay_on(0)?;
-    book.write("pipe", "", &pipe(samples)?)?;
+    let [times] = on_both_cores(samples, pipe)?;
+    book.write("pipe", "", &times)?;
     for looks in [Looks::Spinning, Looks::Waiting] {
-        let (alone, through) = sentences(looks, samples)?;
+        let [alone, through] = on_both_cores(samples, |share, core| sentences(looks, share, core))?;
         book.write("sentence, computation alone", looks.word(), &alone)?;
         book.write("sentence", looks.word(), &through)?;
-        let (alone, through) = scenes(looks, samples)?;
+        let [alone, through] = on_both_cores(samples, |share, core| scenes(looks, share, core))?;
         book.write("frame, computation alone", looks.word(), &alone)?;
         book.write("frame", looks.word(), &through)?;
     }
     for (width, height) in SIZES {
         let bytes = (width * height * 7) as usize;
-        let taken = hand_over(Looks::Spinning, bytes, samples)?;
-        book.write("hand-over", &format!("{width}x{height}"), &taken)?;
+        let hand_over = |share, core| hand_over(Looks::Spinning, bytes, share, core);
+        let [times] = on_both_cores(samples, hand_over)?;
+        book.write("hand-over", &format!("{width}x{height}"), &times)?;
     }
     let (width, height) = SIZES[0];
-    let woken = hand_over(Looks::Waiting, (width * height * 7) as usize, samples)?;
-    book.write("event", "", &woken)?;
+    let bytes = (width * height * 7) as usize;
+    let woken = |share, core| hand_over(Looks::Waiting, bytes, share, core);
+    let [times] = on_both_cores(samples, woken)?;
+    book.write("event", "", &times)?;
     Ok(())
+}
+
+/// Measures half on one core and half on the other, with who answers on the one that is left.
+///
+/// * `measure`: is given how often, and the core of who answers
+fn on_both_cores<const N: usize>(
+    samples: u32,
+    measure: impl Fn(u32, usize) -> Result<[Histogram<u64>; N]>,
+) -> Result<[Histogram<u64>; N]> {
+    stay_on(0)?;
+    let mut all = measure(samples.div_ceil(2), 1)?;
+    if samples > 1 {
+        stay_on(1)?;
+        for (all, more) in all.iter_mut().zip(measure(samples / 2, 0)?) {
+            all.add(more)?;
+        }
+    }
+    Ok(all)
 }
 
 /// Writes down what was measured.
@@ -230,7 +252,7 @@ struct Answering {
 }
 
 impl Answering {
-    fn start(peer: Peer, looks: Looks) -> Result<Self> {
+    fn start(peer: Peer, looks: Looks, core: usize) -> Result<Self> {
         let corner = Corner::new(&format!("latency-{}", looks.word()));
         let name = |value: &dyn ValueEnumName| value.name();
         let child = Command::new(std::env::current_exe()?)
@@ -238,6 +260,7 @@ impl Answering {
             .arg(corner.root())
             .args(["--prefix", corner.prefix()])
             .args(["--peer", &name(&peer), "--looks", &name(&looks)])
+            .args(["--core", &core.to_string()])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;
@@ -289,8 +312,8 @@ impl<T: ValueEnum> ValueEnumName for T {
 }
 
 /// Waking another process and being woken by it.
-fn pipe(samples: u32) -> Result<Histogram<u64>> {
-    let mut peer = Answering::start(Peer::Pipe, Looks::Waiting)?;
+fn pipe(samples: u32, core: usize) -> Result<[Histogram<u64>; 1]> {
+    let mut peer = Answering::start(Peer::Pipe, Looks::Waiting, core)?;
     let mut input = peer.child.stdin.take().context("no pipe")?;
     let mut output = peer.child.stdout.take().context("no pipe")?;
     let mut times = histogram()?;
@@ -304,7 +327,7 @@ fn pipe(samples: u32) -> Result<Histogram<u64>> {
     }
     drop(input);
     ensure!(peer.child.wait()?.success(), "who answers failed");
-    Ok(times)
+    Ok([times])
 }
 
 /// Waits until `take` has something: spinning, or woken at `listener`.
@@ -331,8 +354,8 @@ fn until<T>(
 
 /// From a sentence to its first sub-goal: the computation alone, and through the planner's
 /// process.
-fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)> {
-    let mut peer = Answering::start(Peer::Planner, looks)?;
+fn sentences(looks: Looks, samples: u32, core: usize) -> Result<[Histogram<u64>; 2]> {
+    let mut peer = Answering::start(Peer::Planner, looks, core)?;
     let robot = peer.join(Role::Controller)?;
     let (scenes, commands) = (robot.sender()?, robot.receiver::<SubGoal>()?);
     let feedbacks = robot.sender::<Feedback>()?;
@@ -395,7 +418,7 @@ fn sentences(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u6
         })?;
     }
     peer.end()?;
-    Ok((alone, through))
+    Ok([alone, through])
 }
 
 /// What a planner does between a sentence and its first sub-goal, and nothing else.
@@ -422,8 +445,8 @@ fn compute(executive: &mut Executive<'_>, request: &PlanRequest) -> Result<u64> 
 }
 
 /// From a frame to its scene: the computation alone, and through perception's process.
-fn scenes(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)> {
-    let mut peer = Answering::start(Peer::Perception, looks)?;
+fn scenes(looks: Looks, samples: u32, core: usize) -> Result<[Histogram<u64>; 2]> {
+    let mut peer = Answering::start(Peer::Perception, looks, core)?;
     let robot = peer.join(Role::Camera)?;
     let world = World::new()?;
     let frames = robot.frames_out(world.bytes())?;
@@ -458,14 +481,14 @@ fn scenes(looks: Looks, samples: u32) -> Result<(Histogram<u64>, Histogram<u64>)
         through.saturating_record(now_ns() - begun_ns);
     }
     peer.end()?;
-    Ok((alone, through))
+    Ok([alone, through])
 }
 
 /// From a frame that stands there to its being in another process's hands, and back by a
 /// small message. Nothing is written into it meanwhile: that would leave nothing else in the
 /// caches, the more the larger it is.
-fn hand_over(looks: Looks, bytes: usize, samples: u32) -> Result<Histogram<u64>> {
-    let mut peer = Answering::start(Peer::Frames, looks)?;
+fn hand_over(looks: Looks, bytes: usize, samples: u32, core: usize) -> Result<[Histogram<u64>; 1]> {
+    let mut peer = Answering::start(Peer::Frames, looks, core)?;
     let robot = peer.join(Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
     let said = robot.receiver::<Feedback>()?;
@@ -494,5 +517,5 @@ fn hand_over(looks: Looks, bytes: usize, samples: u32) -> Result<Histogram<u64>>
         times.saturating_record(now_ns() - begun_ns);
     }
     peer.end()?;
-    Ok(times)
+    Ok([times])
 }

@@ -38,6 +38,9 @@ enum Trial {
         peer: latency::Peer,
         #[arg(long)]
         looks: latency::Looks,
+        /// The core that it stays on.
+        #[arg(long)]
+        core: usize,
     },
     /// Be the camera of a trial.
     #[command(hide = true)]
@@ -68,7 +71,12 @@ fn run(trial: &Trial) -> Result<()> {
         Trial::Chaos(options) => chaos::run(options),
         Trial::Soak(options) => soak::run(options),
         Trial::Latency(options) => latency::run(options),
-        Trial::Answer { place, peer, looks } => latency::answer(place, *peer, *looks),
+        Trial::Answer {
+            place,
+            peer,
+            looks,
+            core,
+        } => latency::answer(place, *peer, *looks, *core),
         Trial::Camera(place) => parts::camera(place),
         Trial::Controller { place, seed } => parts::controller(place, *seed),
     }
