@@ -1,6 +1,7 @@
 //! A corner of the machine's shared memory that no other test or robot uses.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use iceoryx2::config::Config;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
@@ -38,9 +39,13 @@ pub struct Corner {
 impl Corner {
     /// A corner of this name, of this process alone.
     pub fn new(test: &str) -> Self {
-        let name = format!("nsrm-test-{}-{test}", std::process::id());
-        let root = std::env::temp_dir().join(&name);
-        let prefix = format!("{name}_");
+        // The folder's path and the prefix stand in paths of sockets, of 107 bytes at most: the
+        // name of the test is in one of them.
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let process = std::process::id();
+        let root = std::env::temp_dir().join(format!("nsrm-test-{process}-{count}"));
+        let prefix = format!("nsrm-test-{process}-{test}_");
         Self {
             config: config(root.to_str().expect("a path in UTF-8"), &prefix),
             root,
