@@ -6,15 +6,14 @@
 //! iceoryx2's events. The two processes change cores for the second half of each, since one
 //! core may be faster than the other.
 
+mod answering;
+
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use clap::ValueEnum;
 use hdrhistogram::Histogram;
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::clock::now_ns;
@@ -22,15 +21,12 @@ use nsrm_ipc::executive::{Event, Executive, Limits, Mode};
 use nsrm_ipc::message::{
     Asked, CameraFrame, Feedback, Outcome, PlanRequest, Reply, Role, SceneMessage, State, SubGoal,
 };
-use nsrm_ipc::node::{Life, PerceptionNode, PlannerNode, see};
-use nsrm_ipc::service::{CAMERA, Carried, PLAN, Robot};
-use nsrm_tests::corner::Corner;
-use rustix::process::{Pid, Signal, kill_process};
-use rustix::thread::{CpuSet, sched_setaffinity};
+use nsrm_ipc::node::{Life, see};
+use nsrm_ipc::service::{Carried, PLAN};
 use serde_json::json;
 
-use crate::cast::ROBOT;
-use crate::parts::{Place, stop_on_signals};
+use self::answering::{Answering, feedback, stay_on};
+pub(crate) use self::answering::{Looks, Peer, answer};
 use crate::world::{SENTENCES, World};
 
 /// The longest that is counted, nanoseconds; what takes longer counts as this.
@@ -57,118 +53,6 @@ pub(crate) struct Options {
     /// How often each is measured.
     #[arg(long, default_value_t = 20_000)]
     samples: u32,
-}
-
-/// Who answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Peer {
-    /// A byte from stdin to stdout.
-    Pipe,
-    /// The planner.
-    Planner,
-    /// Perception.
-    Perception,
-    /// Whoever takes frames and says so.
-    Frames,
-}
-
-/// How a process looks for what comes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Looks {
-    /// All the time.
-    Spinning,
-    /// When it is woken.
-    Waiting,
-}
-
-impl Looks {
-    const fn word(self) -> &'static str {
-        match self {
-            Self::Spinning => "spinning",
-            Self::Waiting => "waiting",
-        }
-    }
-
-    /// Before a computation: what the other process did before its own. One that is woken
-    /// begins with a processor that has slept, one that looks with caches full of ports.
-    fn rest<T>(self, look: impl Fn() -> T) {
-        if self == Self::Waiting {
-            std::thread::sleep(4 * REST);
-            return;
-        }
-        let end_ns = now_ns() + REST.as_nanos() as u64;
-        while now_ns() < end_ns {
-            std::hint::black_box(look());
-        }
-    }
-}
-
-/// Answers until it is stopped, in a process of its own.
-pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Result<()> {
-    let stop = stop_on_signals()?;
-    stay_on(core)?;
-    let is_spinning = looks == Looks::Spinning;
-    match peer {
-        Peer::Pipe => {
-            let (mut input, mut output) = (std::io::stdin(), std::io::stdout());
-            let mut byte = [0];
-            while input.read(&mut byte)? == 1 {
-                output.write_all(&byte)?;
-                output.flush()?;
-            }
-        }
-        Peer::Planner => {
-            let robot = place.join(Role::Planner)?;
-            let mut node = PlannerNode::begin(robot, &TABLETOP, Limits::default())?;
-            if is_spinning {
-                while !stop.load(Ordering::Relaxed) {
-                    node.work(now_ns());
-                }
-            } else {
-                node.run(&stop)?;
-            }
-        }
-        Peer::Perception => {
-            let robot = place.join(Role::Perception)?;
-            let mut node = PerceptionNode::begin(robot, &TABLETOP)?;
-            if is_spinning {
-                while !stop.load(Ordering::Relaxed) {
-                    node.poll(now_ns());
-                }
-            } else {
-                node.run(&stop)?;
-            }
-        }
-        Peer::Frames => take_frames(place, looks, &stop)?,
-    }
-    Ok(())
-}
-
-/// Takes frames where they lie and says which.
-fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
-    let robot = place.join(Role::Controller)?;
-    let frames = robot.frames_in()?;
-    let listener = robot.listen(CAMERA)?;
-    let said = robot.sender::<Feedback>()?;
-    while !stop.load(Ordering::Relaxed) {
-        if let Some(frame) = frames.receive()? {
-            let number = frame.user_header().sequence;
-            said.send(&feedback(1, 1, number, Outcome::Accepted))?;
-        } else if looks == Looks::Waiting {
-            let _ = listener.timed_wait(|_| {}, Duration::from_millis(100));
-        }
-    }
-    Ok(())
-}
-
-fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome) -> Feedback {
-    Feedback {
-        plan,
-        sequence,
-        timestamp_ns: now_ns(),
-        command,
-        outcome: outcome as u32,
-    }
 }
 
 /// Measures all, and writes `latency.jsonl`: a line for each thing that was measured.
@@ -243,72 +127,6 @@ impl Book {
 
 fn histogram() -> Result<Histogram<u64>> {
     Ok(Histogram::new_with_bounds(1, LONGEST_NS, 3)?)
-}
-
-/// Another process that answers, until this is dropped.
-struct Answering {
-    child: Child,
-    corner: Corner,
-}
-
-impl Answering {
-    fn start(peer: Peer, looks: Looks, core: usize) -> Result<Self> {
-        let corner = Corner::new(&format!("latency-{}", looks.word()));
-        let name = |value: &dyn ValueEnumName| value.name();
-        let child = Command::new(std::env::current_exe()?)
-            .args(["answer", "--robot", ROBOT, "--journal", "none", "--root"])
-            .arg(corner.root())
-            .args(["--prefix", corner.prefix()])
-            .args(["--peer", &name(&peer), "--looks", &name(&looks)])
-            .args(["--core", &core.to_string()])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()?;
-        Ok(Self { child, corner })
-    }
-
-    fn join(&self, role: Role) -> Result<Robot> {
-        Ok(Robot::join(ROBOT.parse()?, role, &self.corner.config)?)
-    }
-
-    /// Stops it; what it shared is still there.
-    fn end(&mut self) -> Result<()> {
-        kill_process(Pid::from_child(&self.child), Signal::TERM)?;
-        let status = self.child.wait()?;
-        ensure!(status.success(), "who answers ended: {status}");
-        Ok(())
-    }
-}
-
-impl Drop for Answering {
-    /// Nothing runs on and nothing is left when a measurement breaks off.
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-        self.corner.clear();
-    }
-}
-
-/// Keeps this process on one core, the other one on another: how long waking takes depends
-/// on nothing so much.
-fn stay_on(core: usize) -> Result<()> {
-    let mut cores = CpuSet::new();
-    cores.set(core);
-    sched_setaffinity(None, &cores).with_context(|| format!("staying on core {core}"))
-}
-
-/// A value of the command line, by its name there.
-trait ValueEnumName {
-    fn name(&self) -> String;
-}
-
-impl<T: ValueEnum> ValueEnumName for T {
-    fn name(&self) -> String {
-        let value = self.to_possible_value();
-        value
-            .map(|value| value.get_name().into())
-            .unwrap_or_default()
-    }
 }
 
 /// Waking another process and being woken by it.

@@ -1,0 +1,201 @@
+//! The other process of a measurement, which answers: a planner, perception, or who takes
+//! frames or bytes and says so.
+
+use std::io::{Read, Write};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, ensure};
+use clap::ValueEnum;
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::Limits;
+use nsrm_ipc::message::{Feedback, Outcome, Role};
+use nsrm_ipc::node::{PerceptionNode, PlannerNode};
+use nsrm_ipc::service::{CAMERA, Robot};
+use nsrm_tests::corner::Corner;
+use rustix::process::{Pid, Signal, kill_process};
+use rustix::thread::{CpuSet, sched_setaffinity};
+
+use super::REST;
+use crate::cast::ROBOT;
+use crate::parts::{Place, stop_on_signals};
+
+/// Who answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Peer {
+    /// A byte from stdin to stdout.
+    Pipe,
+    /// The planner.
+    Planner,
+    /// Perception.
+    Perception,
+    /// Whoever takes frames and says so.
+    Frames,
+}
+
+/// How a process looks for what comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Looks {
+    /// All the time.
+    Spinning,
+    /// When it is woken.
+    Waiting,
+}
+
+impl Looks {
+    pub(super) const fn word(self) -> &'static str {
+        match self {
+            Self::Spinning => "spinning",
+            Self::Waiting => "waiting",
+        }
+    }
+
+    /// Before a computation: what the other process did before its own. One that is woken
+    /// begins with a processor that has slept, one that looks with caches full of ports.
+    pub(super) fn rest<T>(self, look: impl Fn() -> T) {
+        if self == Self::Waiting {
+            std::thread::sleep(4 * REST);
+            return;
+        }
+        let end_ns = now_ns() + REST.as_nanos() as u64;
+        while now_ns() < end_ns {
+            std::hint::black_box(look());
+        }
+    }
+}
+
+/// Answers until it is stopped, in a process of its own.
+pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Result<()> {
+    let stop = stop_on_signals()?;
+    stay_on(core)?;
+    let is_spinning = looks == Looks::Spinning;
+    match peer {
+        Peer::Pipe => {
+            let (mut input, mut output) = (std::io::stdin(), std::io::stdout());
+            let mut byte = [0];
+            while input.read(&mut byte)? == 1 {
+                output.write_all(&byte)?;
+                output.flush()?;
+            }
+        }
+        Peer::Planner => {
+            let robot = place.join(Role::Planner)?;
+            let mut node = PlannerNode::begin(robot, &TABLETOP, Limits::default())?;
+            if is_spinning {
+                while !stop.load(Ordering::Relaxed) {
+                    node.work(now_ns());
+                }
+            } else {
+                node.run(&stop)?;
+            }
+        }
+        Peer::Perception => {
+            let robot = place.join(Role::Perception)?;
+            let mut node = PerceptionNode::begin(robot, &TABLETOP)?;
+            if is_spinning {
+                while !stop.load(Ordering::Relaxed) {
+                    node.poll(now_ns());
+                }
+            } else {
+                node.run(&stop)?;
+            }
+        }
+        Peer::Frames => take_frames(place, looks, &stop)?,
+    }
+    Ok(())
+}
+
+/// Takes frames where they lie and says which.
+fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
+    let robot = place.join(Role::Controller)?;
+    let frames = robot.frames_in()?;
+    let listener = robot.listen(CAMERA)?;
+    let said = robot.sender::<Feedback>()?;
+    while !stop.load(Ordering::Relaxed) {
+        if let Some(frame) = frames.receive()? {
+            let number = frame.user_header().sequence;
+            said.send(&feedback(1, 1, number, Outcome::Accepted))?;
+        } else if looks == Looks::Waiting {
+            let _ = listener.timed_wait(|_| {}, Duration::from_millis(100));
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome) -> Feedback {
+    Feedback {
+        plan,
+        sequence,
+        timestamp_ns: now_ns(),
+        command,
+        outcome: outcome as u32,
+    }
+}
+
+/// Another process that answers, until this is dropped.
+pub(super) struct Answering {
+    pub(super) child: Child,
+    corner: Corner,
+}
+
+impl Answering {
+    pub(super) fn start(peer: Peer, looks: Looks, core: usize) -> Result<Self> {
+        let corner = Corner::new(&format!("latency-{}", looks.word()));
+        let name = |value: &dyn ValueEnumName| value.name();
+        let child = Command::new(std::env::current_exe()?)
+            .args(["answer", "--robot", ROBOT, "--journal", "none", "--root"])
+            .arg(corner.root())
+            .args(["--prefix", corner.prefix()])
+            .args(["--peer", &name(&peer), "--looks", &name(&looks)])
+            .args(["--core", &core.to_string()])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        Ok(Self { child, corner })
+    }
+
+    pub(super) fn join(&self, role: Role) -> Result<Robot> {
+        Ok(Robot::join(ROBOT.parse()?, role, &self.corner.config)?)
+    }
+
+    /// Stops it; what it shared is still there.
+    pub(super) fn end(&mut self) -> Result<()> {
+        kill_process(Pid::from_child(&self.child), Signal::TERM)?;
+        let status = self.child.wait()?;
+        ensure!(status.success(), "who answers ended: {status}");
+        Ok(())
+    }
+}
+
+impl Drop for Answering {
+    /// Nothing runs on and nothing is left when a measurement breaks off.
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.corner.clear();
+    }
+}
+
+/// Keeps this process on one core, the other one on another: how long waking takes depends
+/// on nothing so much.
+pub(super) fn stay_on(core: usize) -> Result<()> {
+    let mut cores = CpuSet::new();
+    cores.set(core);
+    sched_setaffinity(None, &cores).with_context(|| format!("staying on core {core}"))
+}
+
+/// A value of the command line, by its name there.
+trait ValueEnumName {
+    fn name(&self) -> String;
+}
+
+impl<T: ValueEnum> ValueEnumName for T {
+    fn name(&self) -> String {
+        let value = self.to_possible_value();
+        value
+            .map(|value| value.get_name().into())
+            .unwrap_or_default()
+    }
+}
