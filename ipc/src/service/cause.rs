@@ -2,6 +2,7 @@ use std::fs;
 
 use iceoryx2::config::Config;
 use rustix::fs::{Access, access};
+use rustix::io::Errno;
 use rustix::process::{Resource, getrlimit};
 
 use super::folder;
@@ -19,11 +20,8 @@ const CLOSED_AGAIN: u64 = 16;
 /// What iceoryx2 could not say when something failed, if it can be found: its errors tell
 /// what could not be made, and not why. Changes nothing.
 pub(super) fn likely_cause(config: &Config) -> Option<String> {
-    if let Some(most) = getrlimit(Resource::Nofile).current
-        && let Ok(entries) = fs::read_dir("/proc/self/fd")
-    {
-        // Apart from the one that lists them.
-        let open = (entries.count() as u64).saturating_sub(1);
+    if let Some(most) = getrlimit(Resource::Nofile).current {
+        let open = open_files(most);
         if open.saturating_add(CLOSED_AGAIN) > most {
             return Some(format!(
                 "of the {most} files that this process may have open, {open} are, and more are \
@@ -48,4 +46,15 @@ pub(super) fn likely_cause(config: &Config) -> Option<String> {
             length - SOCKET_PATH
         )
     })
+}
+
+/// How many files this process has open, of the `most` it may have.
+fn open_files(most: u64) -> u64 {
+    match fs::read_dir("/proc/self/fd") {
+        // Apart from the one that lists them.
+        Ok(entries) => (entries.count() as u64).saturating_sub(1),
+        // Not one is left to list them with.
+        Err(error) if error.raw_os_error() == Some(Errno::MFILE.raw_os_error()) => most,
+        Err(_) => 0,
+    }
 }
