@@ -282,7 +282,7 @@ impl<'m> PlannerNode<'m> {
             }
         };
         if let Some(said) = said {
-            self.reply(active.as_ref(), &said);
+            reply(&self.answers, active.as_ref(), &said);
         }
     }
 
@@ -316,18 +316,17 @@ impl<'m> PlannerNode<'m> {
 
     /// Tells who asked of an event.
     fn tell(&mut self, event: &Event) {
-        let Some(mut current) = self.current.take() else {
+        let Some(current) = &mut self.current else {
             return;
         };
         let (model, sentence) = (self.executive.model(), current.sentence.as_str());
         if let Some(said) = PlanReply::about(current.to, event, model, sentence) {
-            self.reply(current.active.as_ref(), &said);
+            reply(&self.answers, current.active.as_ref(), &said);
             current.to.number = current.to.number.saturating_add(1);
         }
         if matches!(event, Event::Ended(_)) {
             info!(plan = current.to.plan, "ended");
-        } else {
-            self.current = Some(current);
+            self.current = None;
         }
     }
 
@@ -345,19 +344,21 @@ impl<'m> PlannerNode<'m> {
     fn refuse_current(&mut self, reason: &str, message: &str) {
         if let Some(current) = self.current.take() {
             let said = PlanReply::refused(current.to, reason, message);
-            self.reply(current.active.as_ref(), &said);
+            reply(&self.answers, current.active.as_ref(), &said);
         }
     }
+}
 
-    /// Who asked may be gone, or may not take its replies; then it is cancelled, or
-    /// has itself to blame.
-    fn reply(&self, active: Option<&Active>, said: &PlanReply) {
-        if let Some(Err(error)) = active.map(|active| active.send_copy(*said)) {
-            warn!(?error, "reply not sent");
-        }
-        if let Err(failure) = self.answers.send(said) {
-            warn!(%failure, "answer");
-        }
+/// Sends a reply to who asked, and to who looks on.
+///
+/// * `active`: the connection of who asked, if there is one. Who asked may be gone, or may
+///   not take its replies; then it is cancelled, or has itself to blame
+fn reply(answers: &Sender<PlanReply>, active: Option<&Active>, said: &PlanReply) {
+    if let Some(Err(error)) = active.map(|active| active.send_copy(*said)) {
+        warn!(?error, "reply not sent");
+    }
+    if let Err(failure) = answers.send(said) {
+        warn!(%failure, "answer");
     }
 }
 
