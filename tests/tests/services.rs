@@ -1,5 +1,7 @@
 //! The services promise what their table says, between two nodes of one process.
 
+use std::time::Duration;
+
 use iceoryx2::config::Config;
 use iceoryx2::prelude::*;
 use nsrm_ipc::executive::Mode;
@@ -7,7 +9,9 @@ use nsrm_ipc::message::{
     CameraFrame, CameraMessage, DetectedBox, Feedback, Heartbeat, Message, PlanReply, PlanRequest,
     ReplyTo, Role, SceneMessage, State, SubGoal,
 };
-use nsrm_ipc::service::{Carried, Hosts, Receiver, Robot, RobotName, SendFailure, ServiceError};
+use nsrm_ipc::service::{
+    Carried, Hosts, PLAN, Receiver, Robot, RobotName, SendFailure, ServiceError,
+};
 use nsrm_tests::corner::Corner;
 
 fn name(robot: &str) -> RobotName {
@@ -79,13 +83,38 @@ fn a_heartbeat_arrives_as_it_was_sent_and_rings() {
     let (planner, controller) = pair(&corner);
     let sender = planner.sender::<Heartbeat>().unwrap();
     let receiver = controller.receiver::<Heartbeat>().unwrap();
-    let listener = controller.listen(Heartbeat::SERVICE).unwrap();
+    let mut ears = controller.listen([Heartbeat::SERVICE]).unwrap();
+    assert_eq!(ears.try_wait(), Ok(false));
     assert_eq!(sender.send(&heartbeat(5)), Ok(1));
-    let mut rung = 0;
-    listener.try_wait(|_| rung += 1).unwrap();
-    assert_eq!(rung, 1);
+    assert_eq!(ears.try_wait(), Ok(true));
+    assert_eq!(ears.try_wait(), Ok(false));
     assert_eq!(all(&receiver), [heartbeat(5)]);
     assert_eq!(heartbeat(5).read(), Ok((Role::Planner, State::Busy)));
+}
+
+/// One that is lost would be waited for an hour.
+#[test]
+fn no_bell_is_lost_on_who_listens_to_two() {
+    let corner = Corner::new("bells");
+    let (planner, controller) = pair(&corner);
+    let beats = planner.sender::<Heartbeat>().unwrap();
+    let bell = planner.bell(PLAN).unwrap();
+    let receiver = controller.receiver::<Heartbeat>().unwrap();
+    let mut ears = controller.listen([PLAN, Heartbeat::SERVICE]).unwrap();
+    let mut wait = || ears.wait(Duration::from_secs(3600)).unwrap();
+    for number in 1..4 {
+        beats.send(&heartbeat(number)).unwrap();
+        wait();
+        assert_eq!(all(&receiver), [heartbeat(number)]);
+        // While the first is still ringing.
+        beats.send(&heartbeat(10 * number)).unwrap();
+        wait();
+        assert_eq!(all(&receiver), [heartbeat(10 * number)]);
+        bell.ring();
+        wait();
+        wait();
+    }
+    assert_eq!(ears.try_wait(), Ok(false));
 }
 
 #[test]

@@ -6,7 +6,6 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 
 use heapless::Vec;
-use iceoryx2::port::listener::ListenerWaitError;
 use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp};
 use nsrm_core::{MAX_OBJECTS, Model, SceneError};
 use tracing::warn;
@@ -66,7 +65,7 @@ impl<'m> PerceptionNode<'m> {
 
     /// Makes scenes until it is told to stop. Sleeps while no frame comes.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
-        let listener = self.robot.listen(CAMERA)?;
+        let mut ears = self.robot.listen([CAMERA])?;
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
             // A camera without end must not keep it from stopping.
@@ -76,10 +75,8 @@ impl<'m> PerceptionNode<'m> {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            match listener.timed_wait(|_| {}, NAP) {
-                Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
-                Err(error) => return Err(self.robot.fault(CAMERA, &error)),
-            }
+            ears.wait(NAP)
+                .map_err(|error| self.robot.fault(CAMERA, &error))?;
         }
         Ok(())
     }

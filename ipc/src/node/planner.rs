@@ -93,21 +93,12 @@ impl<'m> PlannerNode<'m> {
     /// Answers until it is told to stop; then it stops what moves. Sleeps while there is
     /// nothing to do.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
-        let waiting = WaitSetBuilder::new()
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .map_err(|error| self.robot.fault(PLAN, &error))?;
-        let listeners = [
-            self.robot.listen(PLAN)?,
-            self.robot.listen(PlanRequest::SERVICE)?,
-            self.robot.listen(SceneMessage::SERVICE)?,
-            self.robot.listen(Feedback::SERVICE)?,
-        ];
-        let mut guards = Vec::new();
-        for listener in &listeners {
-            let guard = waiting.attach_notification(listener);
-            guards.push(guard.map_err(|error| self.robot.fault(PLAN, &error))?);
-        }
+        let mut ears = self.robot.listen([
+            PLAN,
+            PlanRequest::SERVICE,
+            SceneMessage::SERVICE,
+            Feedback::SERVICE,
+        ])?;
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
             self.work(now_ns());
@@ -116,17 +107,7 @@ impl<'m> PlannerNode<'m> {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            let rang = |bell: WaitSetAttachmentId<ipc::Service>| {
-                for (listener, guard) in listeners.iter().zip(&guards) {
-                    if bell.has_event_from(guard) {
-                        // What it rang for is taken in by the next look, whatever it was.
-                        let _ = listener.try_wait(|_| {});
-                    }
-                }
-                CallbackProgression::Continue
-            };
-            let _ = waiting
-                .wait_and_process_once_with_timeout(rang, NAP)
+            ears.wait(NAP)
                 .map_err(|error| self.robot.fault(PLAN, &error))?;
         }
         self.executive.cancel();

@@ -17,6 +17,7 @@
 //! ended by the system, so none begins without [`ROOM`].
 
 mod cause;
+mod ears;
 mod error;
 mod fault;
 mod half_made;
@@ -26,6 +27,7 @@ mod place;
 mod port;
 mod quality;
 
+pub use ears::Ears;
 pub use error::{SendFailure, ServiceError};
 pub use name::{MAX_NAME, RobotName, RobotNameError};
 pub use place::settle;
@@ -44,6 +46,7 @@ use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::client::Client;
+use iceoryx2::port::listener::Listener;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
@@ -234,11 +237,16 @@ impl Robot {
         Ok(Bell::new(notifier))
     }
 
-    /// Is woken when something comes through a service.
-    pub fn listen(
+    /// Is woken when something comes through these services.
+    pub fn listen<const N: usize>(
         &self,
-        service: &'static str,
-    ) -> Result<iceoryx2::port::listener::Listener<ipc::Service>, ServiceError> {
+        services: [&'static str; N],
+    ) -> Result<Ears<N>, ServiceError> {
+        let listeners = services.into_iter().map(|service| self.listener(service));
+        Ok(Ears::new(listeners.collect::<Result<_, _>>()?))
+    }
+
+    fn listener(&self, service: &'static str) -> Result<Listener<ipc::Service>, ServiceError> {
         let events = self.events(service)?;
         self.place(service, Self::full, || events.listener_builder().create())
     }
@@ -311,6 +319,8 @@ impl Robot {
         self.open(service, MessagingPattern::Event, |builder| {
             builder
                 .event()
+                // Who is woken looks at the count of each id, 256 of them if nothing is said.
+                .event_id_max_value(0)
                 .max_notifiers(ONLOOKERS)
                 .max_listeners(ONLOOKERS)
                 .max_nodes(2 * ONLOOKERS)

@@ -184,6 +184,8 @@ class Robot:
 
     def _events(self, service: str) -> Any:
         builder = self._builder(service).event()
+        # As `nsrm_ipc::service::Robot::events` has it.
+        builder = builder.event_id_max_value(0)
         builder = builder.max_notifiers(ONLOOKERS).max_listeners(ONLOOKERS)
         return self._open(service, builder.max_nodes(2 * ONLOOKERS))
 

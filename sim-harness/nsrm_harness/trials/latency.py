@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from nsrm_harness.errors import HarnessError
 
-ALONE = ", computation alone"
-"""What the computation of a row is called behind its name."""
+ALONE, ABOVE = ", computation alone", ", above it"
+"""What is added to a row's name for its computation, and for what it takes beside that."""
 PIPE, EVENT = ("pipe", ""), ("event", "")
 """The rows of waking another process and being woken by it."""
 
@@ -28,24 +28,21 @@ class LatencyError(HarnessError):
 
 @dataclass(frozen=True, eq=False)
 class Times:
-    """A histogram.
+    """What was measured.
 
-    * `us`: `[bins]`, rising, microseconds, three digits exact
-    * `counts`: `[bins]`
+    * `us`: rising, microseconds
     """
 
     us: NDArray[np.float64]
-    counts: NDArray[np.float64]
 
     def at(self, share: float) -> float:
         """The time within which this share lies, microseconds."""
-        reached = np.cumsum(self.counts) >= share * self.counts.sum()
-        return float(self.us[int(np.argmax(reached))])
+        return float(np.quantile(self.us, share, method="inverted_cdf"))
 
     @property
     def count(self) -> int:
         """How many were measured."""
-        return int(self.counts.sum())
+        return len(self.us)
 
 
 Rows = dict[tuple[str, str], Times]
@@ -58,11 +55,11 @@ def read(path: Path) -> Rows:
     try:
         for line in path.read_text(encoding="utf-8").splitlines():
             row = json.loads(line)
-            us, counts = np.array(row["counts_ns"], dtype=np.float64).T
-            rows[row["what"], row["how"]] = Times(us / 1000.0, counts)
+            us = np.array(row["times_ns"], dtype=np.float64) / 1000.0
+            rows[row["what"], row["how"]] = Times(us)
     except (OSError, ValueError, KeyError) as error:
         raise LatencyError(f"{path}: {error}") from error
-    if not rows or ("hand-over" not in {what for what, _ in rows}):
+    if not {PIPE, EVENT} <= rows.keys():
         raise LatencyError(f"{path}: rows are missing: the measurement was broken off")
     return rows
 
@@ -78,15 +75,15 @@ def table(rows: Rows) -> str:
         lines.append(f"| {_title(*key)} | {' | '.join(shares)} | {times.count:,} |")
     lines.append("")
     for (what, how), times in rows.items():
-        alone = rows.get((what + ALONE, how))
-        if alone is None:
+        row, above, _ = what.partition(ABOVE)
+        if not above:
             continue
-        above_us = times.at(0.5) - alone.at(0.5)
-        text = f"{_title(what, how)}: {above_us:.1f} µs above the computation alone (p50)"
+        text = f"{_title(row, how)}: {times.at(0.5):.1f} µs above the computation alone (p50)"
         if how == "waiting":
-            pipe, event = (above_us / rows[key].at(0.5) for key in (PIPE, EVENT))
-            text += f", {pipe:.2f} of a pipe's way there and back, {event:.2f} of an event's"
+            text += f", {times.at(0.5) / rows[PIPE].at(0.5):.2f} of a pipe's way there and back"
         lines.append(f"- {text}.")
+    event = rows[EVENT].at(0.5) / rows[PIPE].at(0.5)
+    lines.append(f"- A frame to another process that waits: {event:.2f} of a pipe's way.")
     small, large = (rows[key].at(0.5) for key in rows if key[0] == "hand-over")
     lines.append(f"- A frame of 27 times the pixels: {large / small:.2f} of the time (p50).")
     return "\n".join(lines)
@@ -94,7 +91,7 @@ def table(rows: Rows) -> str:
 
 def _title(what: str, how: str) -> str:
     names = {
-        "pipe": "a byte by a pipe to another process and back",
+        "pipe": "a byte by a pipe to another process that waits, and word of it back",
         "event": "a frame to another process that waits, and word of it back",
         "sentence": "sentence to first sub-goal",
         "frame": "frame to scene",
@@ -132,6 +129,6 @@ def draw(rows: Rows, path: Path) -> None:
 
 
 def _tail(axis: Axes, times: Times, color: str, line: str, label: str) -> None:
-    longer = 1.0 - np.cumsum(times.counts) / times.counts.sum()
     # The last one has none behind it, which has no logarithm.
-    axis.step(times.us[:-1], longer[:-1], line, color=color, label=label, where="post")
+    longer = 1.0 - np.arange(1, times.count) / times.count
+    axis.step(times.us[:-1], longer, line, color=color, label=label, where="post")

@@ -1,41 +1,44 @@
 //! How long it takes from a sentence to its first sub-goal and from a frame to its scene,
 //! through shared memory and to another process, and what of it is computation.
 //!
-//! What is measured beside it in the same run: the computation alone, in this process; and
-//! what waking another process and being woken by it costs on this machine, by a pipe and by
-//! iceoryx2's events. The two processes change cores for the second half of each, since one
-//! core may be faster than the other.
+//! What is measured beside it, in turn with it and on the same core, since none is equally
+//! fast all the time: the computation alone, and what waking another process and being woken
+//! by it costs on this machine, by a pipe. Where who answers spins, it computes alone itself;
+//! where it waits, another process does that a pipe has woken. The cores are changed by turns.
 
+mod alone;
 mod answering;
+mod beside;
 
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use hdrhistogram::Histogram;
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::clock::now_ns;
-use nsrm_ipc::executive::{Event, Executive, Limits, Mode};
 use nsrm_ipc::message::{
-    Asked, CameraFrame, Feedback, Outcome, PlanRequest, Reply, Role, SceneMessage, State, SubGoal,
+    CameraFrame, Feedback, Outcome, Reply, Role, SceneMessage, State, SubGoal,
 };
 use nsrm_ipc::node::{Life, see};
-use nsrm_ipc::service::{Carried, PLAN};
+use nsrm_ipc::service::{Carried, Ears, FramesOut, PLAN};
 use serde_json::json;
 
+use self::alone::sentence;
 use self::answering::{Answering, feedback, stay_on};
 pub(crate) use self::answering::{Looks, Peer, answer};
-use crate::world::{SENTENCES, World};
+use self::beside::{Beside, ByPipe};
+use crate::cast::ROBOT;
+use crate::world::World;
 
-/// The longest that is counted, nanoseconds; what takes longer counts as this.
-const LONGEST_NS: u64 = 1_000_000_000;
 /// The longest wait for an answer.
 const PATIENCE_NS: u64 = 10_000_000_000;
 /// How often the planner may not be there yet, or have no scene or no word of a controller
 /// on a machine with other work.
 const WARM: u32 = 1000;
+/// How often something is measured at most before the two processes change cores.
+const TURN: u32 = 1000;
 /// Between two questions: who waits is asleep again.
 const REST: Duration = Duration::from_micros(300);
 /// Images of a frame whose hand-over is measured, pixels.
@@ -62,46 +65,81 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let file = File::create(&path).with_context(|| path.display().to_string())?;
     let mut book = Book { file };
     let samples = options.samples;
-    let [times] = on_both_cores(samples, pipe)?;
-    book.write("pipe", "", &times)?;
+    let mut pipe = Times::new();
     for looks in [Looks::Spinning, Looks::Waiting] {
-        let [alone, through] = on_both_cores(samples, |share, core| sentences(looks, share, core))?;
-        book.write("sentence, computation alone", looks.word(), &alone)?;
-        book.write("sentence", looks.word(), &through)?;
-        let [alone, through] = on_both_cores(samples, |share, core| scenes(looks, share, core))?;
-        book.write("frame, computation alone", looks.word(), &alone)?;
-        book.write("frame", looks.word(), &through)?;
+        let word = looks.word();
+        for (what, measure) in [("sentence", sentences as Measure), ("frame", scenes)] {
+            let mut measured = Measured::default();
+            on_both_cores(samples, |share, core| {
+                measure(looks, share, core, &mut measured)
+            })?;
+            book.write(&format!("{what}, computation alone"), word, &measured.alone)?;
+            book.write(&format!("{what}, above it"), word, &measured.above)?;
+            book.write(what, word, &measured.through)?;
+            pipe.append(&mut measured.pipe);
+        }
     }
+    book.write("pipe", "", &pipe)?;
     for (width, height) in SIZES {
         let bytes = (width * height * 7) as usize;
-        let hand_over = |share, core| hand_over(Looks::Spinning, bytes, share, core);
-        let [times] = on_both_cores(samples, hand_over)?;
+        let mut times = Times::new();
+        on_both_cores(samples, |share, core| {
+            hand_over(Looks::Spinning, bytes, share, core, &mut times)
+        })?;
         book.write("hand-over", &format!("{width}x{height}"), &times)?;
     }
     let (width, height) = SIZES[0];
     let bytes = (width * height * 7) as usize;
-    let woken = |share, core| hand_over(Looks::Waiting, bytes, share, core);
-    let [times] = on_both_cores(samples, woken)?;
+    let mut times = Times::new();
+    on_both_cores(samples, |share, core| {
+        hand_over(Looks::Waiting, bytes, share, core, &mut times)
+    })?;
     book.write("event", "", &times)?;
     Ok(())
 }
 
-/// Measures half on one core and half on the other, with who answers on the one that is left.
+/// Nanoseconds.
+type Times = Vec<i64>;
+
+/// What goes through shared memory, and what was measured beside it.
+#[derive(Debug, Default)]
+struct Measured {
+    /// A pipe's way there and back, where who answers waits.
+    pipe: Times,
+    /// The computation alone.
+    alone: Times,
+    /// All.
+    through: Times,
+    /// All without the computation that was measured last before it.
+    above: Times,
+}
+
+impl Measured {
+    fn record(&mut self, alone_ns: u64, through_ns: u64) {
+        // Neither reaches centuries.
+        let (alone_ns, through_ns) = (alone_ns as i64, through_ns as i64);
+        self.alone.push(alone_ns);
+        self.through.push(through_ns);
+        self.above.push(through_ns - alone_ns);
+    }
+}
+
+/// Measures; gets how who answers looks for what comes, how often it is to be measured, and
+/// the core of who answers.
+type Measure = fn(Looks, u32, usize, &mut Measured) -> Result<()>;
+
+/// Measures half on one core and half on the other, with who answers on the one that is left,
+/// by turns: neither is as fast all the time.
 ///
 /// * `measure`: is given how often, and the core of who answers
-fn on_both_cores<const N: usize>(
-    samples: u32,
-    measure: impl Fn(u32, usize) -> Result<[Histogram<u64>; N]>,
-) -> Result<[Histogram<u64>; N]> {
-    stay_on(0)?;
-    let mut all = measure(samples.div_ceil(2), 1)?;
-    if samples > 1 {
-        stay_on(1)?;
-        for (all, more) in all.iter_mut().zip(measure(samples / 2, 0)?) {
-            all.add(more)?;
-        }
+fn on_both_cores(samples: u32, mut measure: impl FnMut(u32, usize) -> Result<()>) -> Result<()> {
+    let turns = samples.div_ceil(TURN).next_multiple_of(2);
+    for turn in 0..turns {
+        let (here, there) = if turn % 2 == 0 { (0, 1) } else { (1, 0) };
+        stay_on(here)?;
+        measure(samples / turns + u32::from(turn < samples % turns), there)?;
     }
-    Ok(all)
+    Ok(())
 }
 
 /// Writes down what was measured.
@@ -110,48 +148,21 @@ struct Book {
 }
 
 impl Book {
-    fn write(&mut self, what: &str, how: &str, times: &Histogram<u64>) -> Result<()> {
-        eprintln!(
-            "{what} {how}: p50 {:.1} µs",
-            times.value_at_quantile(0.5) as f64 / 1000.0
-        );
-        let counts: Vec<_> = times
-            .iter_recorded()
-            .map(|step| (step.value_iterated_to(), step.count_since_last_iteration()))
-            .collect();
-        let line = json!({"what": what, "how": how, "counts_ns": counts});
+    fn write(&mut self, what: &str, how: &str, times: &Times) -> Result<()> {
+        let mut sorted = times.clone();
+        sorted.sort_unstable();
+        let middle = sorted.get(sorted.len() / 2).copied().unwrap_or_default();
+        eprintln!("{what} {how}: p50 {:.1} µs", middle as f64 / 1000.0);
+        let line = json!({"what": what, "how": how, "times_ns": sorted});
         writeln!(self.file, "{line}")?;
         Ok(())
     }
 }
 
-fn histogram() -> Result<Histogram<u64>> {
-    Ok(Histogram::new_with_bounds(1, LONGEST_NS, 3)?)
-}
-
-/// Waking another process and being woken by it.
-fn pipe(samples: u32, core: usize) -> Result<[Histogram<u64>; 1]> {
-    let mut peer = Answering::start(Peer::Pipe, Looks::Waiting, core)?;
-    let mut input = peer.child.stdin.take().context("no pipe")?;
-    let mut output = peer.child.stdout.take().context("no pipe")?;
-    let mut times = histogram()?;
-    let mut byte = [7];
-    for _ in 0..samples {
-        std::thread::sleep(REST);
-        let begun_ns = now_ns();
-        input.write_all(&byte)?;
-        output.read_exact(&mut byte)?;
-        times.saturating_record(now_ns() - begun_ns);
-    }
-    drop(input);
-    ensure!(peer.child.wait()?.success(), "who answers failed");
-    Ok([times])
-}
-
-/// Waits until `take` has something: spinning, or woken at `listener`.
+/// Waits until `take` has something: spinning, or woken by what it hears.
 fn until<T>(
     looks: Looks,
-    listener: &iceoryx2::port::listener::Listener<iceoryx2::prelude::ipc::Service>,
+    ears: &mut Ears<1>,
     mut take: impl FnMut() -> Result<Option<T>>,
 ) -> Result<T> {
     let end_ns = now_ns() + PATIENCE_NS;
@@ -163,37 +174,61 @@ fn until<T>(
             bail!("no answer after {} s", PATIENCE_NS / 1_000_000_000);
         }
         if looks == Looks::Waiting {
-            let _ = listener.timed_wait(|_| {}, Duration::from_millis(100));
+            let _ = ears.wait(Duration::from_millis(100));
         } else {
             std::hint::spin_loop();
         }
     }
 }
 
-/// From a sentence to its first sub-goal: the computation alone, and through the planner's
-/// process.
-fn sentences(looks: Looks, samples: u32, core: usize) -> Result<[Histogram<u64>; 2]> {
+/// A process that a pipe wakes to no purpose, where who answers waits.
+struct Way(Option<ByPipe>);
+
+impl Way {
+    fn start(looks: Looks, core: usize) -> Result<Self> {
+        Ok(Self(match looks {
+            Looks::Spinning => None,
+            Looks::Waiting => Some(ByPipe::start(Peer::Pipe, core)?),
+        }))
+    }
+
+    /// Rests, and measures the way once.
+    fn take(&mut self, times: &mut Times) -> Result<()> {
+        std::thread::sleep(REST);
+        if let Some(idle) = &mut self.0 {
+            times.push(idle.way()? as i64);
+            std::thread::sleep(REST);
+        }
+        Ok(())
+    }
+
+    fn end(self) -> Result<()> {
+        self.0.map_or(Ok(()), ByPipe::end)
+    }
+}
+
+/// From a sentence to its first sub-goal: a [`Measure`].
+fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> Result<()> {
     let mut peer = Answering::start(Peer::Planner, looks, core)?;
-    let robot = peer.join(Role::Controller)?;
+    let robot = peer.join(ROBOT, Role::Controller)?;
     let (scenes, commands) = (robot.sender()?, robot.receiver::<SubGoal>()?);
     let feedbacks = robot.sender::<Feedback>()?;
     let (client, bell) = (robot.plan_client()?, robot.bell(PLAN)?);
-    let listener = robot.listen(SubGoal::SERVICE)?;
+    let mut ears = robot.listen([SubGoal::SERVICE])?;
     let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
-    let (mut alone, mut through) = (histogram()?, histogram()?);
+    let mut beside = Beside::start(looks, Peer::SentenceByPipe, &peer, core)?;
+    let mut way = Way::start(looks, core)?;
     let world = World::new()?;
     let mut image = vec![0; world.bytes()];
     world.paint(&mut image);
-    let mut executive = Executive::new(&TABLETOP, Limits::default(), 1);
     let (mut refused, mut not_yet) = (0, 0);
     for number in 1..=u64::from(samples) {
-        let seen = see(&TABLETOP, &world.header(number, now_ns()), &image)?;
-        scenes.send(&seen)?;
+        scenes.send(&see(&TABLETOP, &world.header(number, now_ns()), &image)?)?;
         let _ = life.beat(State::Idle, now_ns());
-        let request = PlanRequest::new(1, number, Mode::OpenLoop, SENTENCES[0])?;
-        executive.see(&seen, now_ns())?;
-        looks.rest(|| commands.receive().is_ok());
-        let computed_ns = compute(&mut executive, &request)?;
+        let request = sentence(number)?;
+        beside.prepare()?;
+        way.take(&mut measured.pipe)?;
+        let computed_ns = beside.take()?;
         std::thread::sleep(REST);
 
         let begun_ns = now_ns();
@@ -207,7 +242,7 @@ fn sentences(looks: Looks, samples: u32, core: usize) -> Result<[Histogram<u64>;
             continue;
         }
         let mut ended = None;
-        let command = until(looks, &listener, || {
+        let command = until(looks, &mut ears, || {
             let command = commands.receive()?.map(|command| *command);
             if command.is_none() {
                 // A planner that has just begun has no scene yet.
@@ -225,95 +260,83 @@ fn sentences(looks: Looks, samples: u32, core: usize) -> Result<[Histogram<u64>;
             ensure!(refused < WARM, "the planner refuses what can be done");
             continue;
         };
-        alone.saturating_record(computed_ns);
-        through.saturating_record(taken_ns);
+        measured.record(computed_ns, taken_ns);
         for outcome in [Outcome::Accepted, Outcome::Reached] {
             feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
         }
-        until(Looks::Spinning, &listener, || {
+        until(Looks::Spinning, &mut ears, || {
             let has_ended = !pending.is_connected();
             Ok((pending.receive()?.is_none() && has_ended).then_some(()))
         })?;
     }
-    peer.end()?;
-    Ok([alone, through])
+    way.end()?;
+    beside.end()?;
+    peer.end()
 }
 
-/// What a planner does between a sentence and its first sub-goal, and nothing else.
-fn compute(executive: &mut Executive<'_>, request: &PlanRequest) -> Result<u64> {
-    let begun_ns = now_ns();
-    let Asked::Follow { sentence, mode } = request.read()? else {
-        bail!("no sentence");
-    };
-    executive.ask(sentence, mode)?;
-    loop {
-        match executive.poll(now_ns()) {
-            Event::Command(command) => {
-                std::hint::black_box(SubGoal::from(&command));
-                break;
-            }
-            Event::Ended(end) => bail!("the sentence ended: {end:?}"),
-            _ => {}
-        }
-    }
-    let taken_ns = now_ns() - begun_ns;
-    executive.miss_controller();
-    while !matches!(executive.poll(now_ns()), Event::Ended(_)) {}
-    Ok(taken_ns)
-}
-
-/// From a frame to its scene: the computation alone, and through perception's process.
-fn scenes(looks: Looks, samples: u32, core: usize) -> Result<[Histogram<u64>; 2]> {
+/// From a frame to its scene: a [`Measure`].
+fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> Result<()> {
     let mut peer = Answering::start(Peer::Perception, looks, core)?;
-    let robot = peer.join(Role::Camera)?;
+    let robot = peer.join(ROBOT, Role::Camera)?;
     let world = World::new()?;
     let frames = robot.frames_out(world.bytes())?;
     let scenes = robot.receiver::<SceneMessage>()?;
-    let listener = robot.listen(SceneMessage::SERVICE)?;
-    let (mut alone, mut through) = (histogram()?, histogram()?);
-    let mut image = vec![0; world.bytes()];
-    until(Looks::Spinning, &listener, || {
+    let mut ears = robot.listen([SceneMessage::SERVICE])?;
+    let mut beside = Beside::start(looks, Peer::FrameByPipe, &peer, core)?;
+    let frames_beside = beside.robot().frames_out(world.bytes())?;
+    let mut way = Way::start(looks, core)?;
+    until(Looks::Spinning, &mut ears, || {
         std::thread::sleep(Duration::from_millis(5));
         let sent = frames.send(CameraFrame::default(), world.bytes(), |_| {})?;
         Ok((sent > 0).then_some(()))
     })?;
+    // Gives when it stood there.
+    let send = |frames: &FramesOut, number| -> Result<u64> {
+        let mut painted_ns = 0;
+        frames.send(world.header(number, now_ns()), world.bytes(), |place| {
+            world.paint(place);
+            painted_ns = now_ns();
+        })?;
+        Ok(painted_ns)
+    };
     for number in 1..=u64::from(samples) {
-        world.paint(&mut image);
-        let header = world.header(number, now_ns());
-        looks.rest(|| scenes.receive().is_ok());
-        let begun_ns = now_ns();
-        std::hint::black_box(see(&TABLETOP, &header, &image)?);
-        alone.saturating_record(now_ns() - begun_ns);
+        beside.prepare()?;
+        way.take(&mut measured.pipe)?;
+        send(&frames_beside, number)?;
+        let computed_ns = beside.take()?;
         std::thread::sleep(REST);
         while scenes.receive()?.is_some() {}
 
-        let mut begun_ns = 0;
-        frames.send(world.header(number, now_ns()), world.bytes(), |place| {
-            world.paint(place);
-            begun_ns = now_ns();
-        })?;
-        until(looks, &listener, || {
+        let begun_ns = send(&frames, number)?;
+        until(looks, &mut ears, || {
             let scene = scenes.receive()?;
             Ok(scene.filter(|scene| scene.sequence == number).map(|_| ()))
         })?;
-        through.saturating_record(now_ns() - begun_ns);
+        measured.record(computed_ns, now_ns() - begun_ns);
     }
-    peer.end()?;
-    Ok([alone, through])
+    way.end()?;
+    beside.end()?;
+    peer.end()
 }
 
 /// From a frame that stands there to its being in another process's hands, and back by a
 /// small message. Nothing is written into it meanwhile: that would leave nothing else in the
 /// caches, the more the larger it is.
-fn hand_over(looks: Looks, bytes: usize, samples: u32, core: usize) -> Result<[Histogram<u64>; 1]> {
+fn hand_over(
+    looks: Looks,
+    bytes: usize,
+    samples: u32,
+    core: usize,
+    times: &mut Times,
+) -> Result<()> {
     let mut peer = Answering::start(Peer::Frames, looks, core)?;
-    let robot = peer.join(Role::Camera)?;
+    let robot = peer.join(ROBOT, Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
     let said = robot.receiver::<Feedback>()?;
-    let listener = robot.listen(Feedback::SERVICE)?;
-    let mut times = histogram()?;
+    let mut ears = robot.listen([Feedback::SERVICE])?;
+    let mut left = samples;
     let mut number = 0;
-    while times.len() < u64::from(samples) {
+    while left > 0 {
         number += 1;
         let header = CameraFrame {
             sequence: number,
@@ -328,12 +351,12 @@ fn hand_over(looks: Looks, bytes: usize, samples: u32, core: usize) -> Result<[H
             std::thread::sleep(Duration::from_millis(5));
             continue;
         }
-        until(looks, &listener, || {
+        until(looks, &mut ears, || {
             let said = said.receive()?;
             Ok(said.filter(|said| said.sequence == number).map(|_| ()))
         })?;
-        times.saturating_record(now_ns() - begun_ns);
+        times.push((now_ns() - begun_ns) as i64);
+        left -= 1;
     }
-    peer.end()?;
-    Ok([times])
+    peer.end()
 }

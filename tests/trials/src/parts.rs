@@ -47,9 +47,14 @@ pub(crate) struct Place {
 
 impl Place {
     pub(crate) fn join(&self, role: Role) -> Result<Robot> {
+        self.join_other(&self.robot, role)
+    }
+
+    /// Joins another robot's processes in the same place.
+    pub(crate) fn join_other(&self, robot: &RobotName, role: Role) -> Result<Robot> {
         let config = corner::config(&self.root, &self.prefix);
         settle(&config)?;
-        let robot = Robot::join(self.robot.clone(), role, &config)?;
+        let robot = Robot::join(robot.clone(), role, &config)?;
         if !self.several_hosts {
             return Ok(robot);
         }
@@ -114,7 +119,7 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
     let stop = stop_on_signals()?;
     let journal = Journal::open(place.journal(), "controller")?;
     let robot = place.join(Role::Controller)?;
-    let listener = robot.listen(SubGoal::SERVICE)?;
+    let mut ears = robot.listen([SubGoal::SERVICE])?;
     let mut controller = Controller {
         commands: robot.receiver()?,
         feedback: robot.sender()?,
@@ -142,7 +147,7 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
             controller.obey(&command)?;
         }
         controller.move_on()?;
-        let _ = listener.timed_wait(|_| {}, NAP);
+        let _ = ears.wait(NAP);
     }
     Ok(())
 }

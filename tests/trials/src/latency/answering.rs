@@ -1,8 +1,7 @@
-//! The other process of a measurement, which answers: a planner, perception, or who takes
-//! frames or bytes and says so.
+//! The other process of a measurement, which answers: a planner, perception, who takes
+//! frames and says so, or who computes the same when a byte of a pipe wakes it.
 
-use std::io::{Read, Write};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -18,15 +17,20 @@ use nsrm_tests::corner::Corner;
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::thread::{CpuSet, sched_setaffinity};
 
-use super::REST;
+use super::alone::{FrameAlone, Nothing, SentenceAlone};
+use super::beside::{Answers, BESIDE, answer_bytes};
 use crate::cast::ROBOT;
 use crate::parts::{Place, stop_on_signals};
 
 /// Who answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Peer {
-    /// A byte from stdin to stdout.
+    /// Whoever is woken by a pipe and does nothing.
     Pipe,
+    /// The planner's computation, woken by a pipe.
+    SentenceByPipe,
+    /// Perception's computation, woken by a pipe, on a frame of shared memory.
+    FrameByPipe,
     /// The planner.
     Planner,
     /// Perception.
@@ -51,19 +55,6 @@ impl Looks {
             Self::Waiting => "waiting",
         }
     }
-
-    /// Before a computation: what the other process did before its own. One that is woken
-    /// begins with a processor that has slept, one that looks with caches full of ports.
-    pub(super) fn rest<T>(self, look: impl Fn() -> T) {
-        if self == Self::Waiting {
-            std::thread::sleep(4 * REST);
-            return;
-        }
-        let end_ns = now_ns() + REST.as_nanos() as u64;
-        while now_ns() < end_ns {
-            std::hint::black_box(look());
-        }
-    }
 }
 
 /// Answers until it is stopped, in a process of its own.
@@ -71,35 +62,34 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
     let stop = stop_on_signals()?;
     stay_on(core)?;
     let is_spinning = looks == Looks::Spinning;
+    let beside = |role| place.join_other(&BESIDE.parse()?, role);
     match peer {
-        Peer::Pipe => {
-            let (mut input, mut output) = (std::io::stdin(), std::io::stdout());
-            let mut byte = [0];
-            while input.read(&mut byte)? == 1 {
-                output.write_all(&byte)?;
-                output.flush()?;
-            }
-        }
+        Peer::Pipe => answer_bytes(&mut Nothing)?,
+        Peer::SentenceByPipe => answer_bytes(&mut SentenceAlone::new()?)?,
+        Peer::FrameByPipe => answer_bytes(&mut FrameAlone::new(&beside(Role::Perception)?)?)?,
         Peer::Planner => {
             let robot = place.join(Role::Planner)?;
             let mut node = PlannerNode::begin(robot, &TABLETOP, Limits::default())?;
-            if is_spinning {
-                while !stop.load(Ordering::Relaxed) {
-                    node.work(now_ns());
-                }
-            } else {
-                node.run(&stop)?;
+            if !is_spinning {
+                return Ok(node.run(&stop)?);
+            }
+            let mut beside = Answers::new(&beside(Role::Planner)?, SentenceAlone::new()?)?;
+            while !stop.load(Ordering::Relaxed) {
+                node.work(now_ns());
+                beside.poll()?;
             }
         }
         Peer::Perception => {
             let robot = place.join(Role::Perception)?;
             let mut node = PerceptionNode::begin(robot, &TABLETOP)?;
-            if is_spinning {
-                while !stop.load(Ordering::Relaxed) {
-                    node.poll(now_ns());
-                }
-            } else {
-                node.run(&stop)?;
+            if !is_spinning {
+                return Ok(node.run(&stop)?);
+            }
+            let robot = beside(Role::Perception)?;
+            let mut beside = Answers::new(&robot, FrameAlone::new(&robot)?)?;
+            while !stop.load(Ordering::Relaxed) {
+                node.poll(now_ns());
+                beside.poll()?;
             }
         }
         Peer::Frames => take_frames(place, looks, &stop)?,
@@ -111,14 +101,14 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
 fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
     let robot = place.join(Role::Controller)?;
     let frames = robot.frames_in()?;
-    let listener = robot.listen(CAMERA)?;
+    let mut ears = robot.listen([CAMERA])?;
     let said = robot.sender::<Feedback>()?;
     while !stop.load(Ordering::Relaxed) {
         if let Some(frame) = frames.receive()? {
             let number = frame.user_header().sequence;
             said.send(&feedback(1, 1, number, Outcome::Accepted))?;
         } else if looks == Looks::Waiting {
-            let _ = listener.timed_wait(|_| {}, Duration::from_millis(100));
+            let _ = ears.wait(Duration::from_millis(100));
         }
     }
     Ok(())
@@ -136,7 +126,7 @@ pub(super) fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome)
 
 /// Another process that answers, until this is dropped.
 pub(super) struct Answering {
-    pub(super) child: Child,
+    child: Child,
     corner: Corner,
 }
 
@@ -156,13 +146,24 @@ impl Answering {
         Ok(Self { child, corner })
     }
 
-    pub(super) fn join(&self, role: Role) -> Result<Robot> {
-        Ok(Robot::join(ROBOT.parse()?, role, &self.corner.config)?)
+    /// Joins a robot's processes where it is.
+    pub(super) fn join(&self, robot: &str, role: Role) -> Result<Robot> {
+        Ok(Robot::join(robot.parse()?, role, &self.corner.config)?)
+    }
+
+    /// Its stdin and stdout, once.
+    pub(super) fn pipes(&mut self) -> Option<(ChildStdin, ChildStdout)> {
+        self.child.stdin.take().zip(self.child.stdout.take())
     }
 
     /// Stops it; what it shared is still there.
     pub(super) fn end(&mut self) -> Result<()> {
         kill_process(Pid::from_child(&self.child), Signal::TERM)?;
+        self.wait()
+    }
+
+    /// Waits until it has ended by itself.
+    pub(super) fn wait(&mut self) -> Result<()> {
         let status = self.child.wait()?;
         ensure!(status.success(), "who answers ended: {status}");
         Ok(())
