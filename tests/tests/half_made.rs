@@ -222,7 +222,7 @@ fn a_segment_that_was_begun_and_given_up_is_removed() {
 fn a_socket_that_is_nobodys_is_removed() {
     let corner = Corner::new("sockets");
     let lives = join(Role::Controller, &corner);
-    let mut ears = lives.listen(["sub_goal"]).unwrap();
+    let ears = lives.listen(["sub_goal"]).unwrap();
     let path = |name: &str| corner.root().join(format!("{}{name}", corner.prefix()));
     let (nobodys, young) = (path("4711.event"), path("4712.event"));
     for socket in [&nobodys, &young] {

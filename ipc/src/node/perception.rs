@@ -65,7 +65,7 @@ impl<'m> PerceptionNode<'m> {
 
     /// Makes scenes until it is told to stop. Sleeps while no frame comes.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
-        let mut ears = self.robot.listen([CAMERA])?;
+        let ears = self.robot.listen([CAMERA])?;
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
             // A camera without end must not keep it from stopping.

@@ -93,7 +93,7 @@ impl<'m> PlannerNode<'m> {
     /// Answers until it is told to stop; then it stops what moves. Sleeps while there is
     /// nothing to do.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
-        let mut ears = self.robot.listen([
+        let ears = self.robot.listen([
             PLAN,
             PlanRequest::SERVICE,
             SceneMessage::SERVICE,

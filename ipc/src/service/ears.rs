@@ -15,30 +15,23 @@ use rustix::io::Errno;
 #[derive(Debug)]
 pub struct Ears<const N: usize> {
     listeners: Vec<Listener<ipc::Service>, N>,
-    /// Which have rung, with that still in their sockets.
-    rang: [bool; N],
 }
 
 impl<const N: usize> Ears<N> {
     pub(super) const fn new(listeners: Vec<Listener<ipc::Service>, N>) -> Self {
-        Self {
-            listeners,
-            rang: [false; N],
-        }
+        Self { listeners }
     }
 
-    /// Sleeps until something rings, a signal comes or this time has passed.
+    /// Sleeps until something rings, a signal comes or this time has passed; whether there may
+    /// be something to look for.
     ///
-    /// The first call behind one that something has woken returns at once: what came
-    /// meanwhile may have found the bell still ringing, and is to be looked for.
-    pub fn wait(&mut self, longest: Duration) -> Result<(), ListenerWaitError> {
-        if self.rang.contains(&true) {
-            for (listener, rang) in self.listeners.iter().zip(&mut self.rang) {
-                if core::mem::take(rang) {
-                    hear_out(listener)?;
-                }
-            }
-            return Ok(());
+    /// The first call behind one that something has woken hears its bell out and returns at
+    /// once: what came meanwhile may have found it still ringing.
+    pub fn wait(&self, longest: Duration) -> Result<bool, ListenerWaitError> {
+        // All of them and each time: one that rings just while it is heard out may lose its
+        // sound, and iceoryx2 would take it for one that still rings.
+        if self.try_wait()? {
+            return Ok(true);
         }
         let bells = self.listeners.iter().map(|listener| {
             // SAFETY: it is open as long as the listener, which outlives this.
@@ -50,33 +43,22 @@ impl<const N: usize> Ears<N> {
         // What is too long for it is for ever.
         let longest = Timespec::try_from(longest).ok();
         match poll(&mut bells, longest.as_ref()) {
-            Ok(_) => {
-                for (bell, rang) in bells.iter().zip(&mut self.rang) {
-                    *rang = !bell.revents().is_empty();
-                }
-                Ok(())
-            }
-            Err(Errno::INTR) => Ok(()),
+            Ok(how_many) => Ok(how_many > 0),
+            Err(Errno::INTR) => Ok(false),
             Err(_) => Err(ListenerWaitError::InternalFailure),
         }
     }
 
-    /// Whether something has rung since this was asked last. Never waits.
-    pub fn try_wait(&mut self) -> Result<bool, ListenerWaitError> {
-        self.rang = [false; N];
+    /// Whether something has rung since this was asked last, or heard out. Never waits.
+    pub fn try_wait(&self) -> Result<bool, ListenerWaitError> {
         let mut any = false;
         for listener in &self.listeners {
-            any |= hear_out(listener)?;
+            match listener.try_wait(|_| {}) {
+                Ok(times) => any |= times > 0,
+                Err(ListenerWaitError::InterruptSignal) => {}
+                Err(error) => return Err(error),
+            }
         }
         Ok(any)
-    }
-}
-
-/// Lets a bell ring again; whether it has.
-fn hear_out(listener: &Listener<ipc::Service>) -> Result<bool, ListenerWaitError> {
-    match listener.try_wait(|_| {}) {
-        Ok(times) => Ok(times > 0),
-        Err(ListenerWaitError::InterruptSignal) => Ok(false),
-        Err(error) => Err(error),
     }
 }

@@ -39,6 +39,8 @@ const PATIENCE_NS: u64 = 10_000_000_000;
 const WARM: u32 = 1000;
 /// How often something is measured at most before the two processes change cores.
 const TURN: u32 = 1000;
+/// How often before it counts: who answers has just begun.
+const UNCOUNTED: u32 = 20;
 /// Between two questions: who waits is asleep again.
 const REST: Duration = Duration::from_micros(300);
 /// Images of a frame whose hand-over is measured, pixels.
@@ -115,7 +117,10 @@ struct Measured {
 }
 
 impl Measured {
-    fn record(&mut self, alone_ns: u64, through_ns: u64) {
+    fn record(&mut self, number: u64, alone_ns: u64, through_ns: u64) {
+        if number <= UNCOUNTED.into() {
+            return;
+        }
         // Neither reaches centuries.
         let (alone_ns, through_ns) = (alone_ns as i64, through_ns as i64);
         self.alone.push(alone_ns);
@@ -162,7 +167,7 @@ impl Book {
 /// Waits until `take` has something: spinning, or woken by what it hears.
 fn until<T>(
     looks: Looks,
-    ears: &mut Ears<1>,
+    ears: &Ears<1>,
     mut take: impl FnMut() -> Result<Option<T>>,
 ) -> Result<T> {
     let end_ns = now_ns() + PATIENCE_NS;
@@ -214,7 +219,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
     let (scenes, commands) = (robot.sender()?, robot.receiver::<SubGoal>()?);
     let feedbacks = robot.sender::<Feedback>()?;
     let (client, bell) = (robot.plan_client()?, robot.bell(PLAN)?);
-    let mut ears = robot.listen([SubGoal::SERVICE])?;
+    let ears = robot.listen([SubGoal::SERVICE])?;
     let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
     let mut beside = Beside::start(looks, Peer::SentenceByPipe, &peer, core)?;
     let mut way = Way::start(looks, core)?;
@@ -222,7 +227,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
     let mut image = vec![0; world.bytes()];
     world.paint(&mut image);
     let (mut refused, mut not_yet) = (0, 0);
-    for number in 1..=u64::from(samples) {
+    for number in 1..=u64::from(UNCOUNTED + samples) {
         scenes.send(&see(&TABLETOP, &world.header(number, now_ns()), &image)?)?;
         let _ = life.beat(State::Idle, now_ns());
         let request = sentence(number)?;
@@ -242,7 +247,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
             continue;
         }
         let mut ended = None;
-        let command = until(looks, &mut ears, || {
+        let command = until(looks, &ears, || {
             let command = commands.receive()?.map(|command| *command);
             if command.is_none() {
                 // A planner that has just begun has no scene yet.
@@ -260,11 +265,11 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
             ensure!(refused < WARM, "the planner refuses what can be done");
             continue;
         };
-        measured.record(computed_ns, taken_ns);
+        measured.record(number, computed_ns, taken_ns);
         for outcome in [Outcome::Accepted, Outcome::Reached] {
             feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
         }
-        until(Looks::Spinning, &mut ears, || {
+        until(Looks::Spinning, &ears, || {
             let has_ended = !pending.is_connected();
             Ok((pending.receive()?.is_none() && has_ended).then_some(()))
         })?;
@@ -281,11 +286,11 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
     let world = World::new()?;
     let frames = robot.frames_out(world.bytes())?;
     let scenes = robot.receiver::<SceneMessage>()?;
-    let mut ears = robot.listen([SceneMessage::SERVICE])?;
+    let ears = robot.listen([SceneMessage::SERVICE])?;
     let mut beside = Beside::start(looks, Peer::FrameByPipe, &peer, core)?;
     let frames_beside = beside.robot().frames_out(world.bytes())?;
     let mut way = Way::start(looks, core)?;
-    until(Looks::Spinning, &mut ears, || {
+    until(Looks::Spinning, &ears, || {
         std::thread::sleep(Duration::from_millis(5));
         let sent = frames.send(CameraFrame::default(), world.bytes(), |_| {})?;
         Ok((sent > 0).then_some(()))
@@ -299,7 +304,7 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
         })?;
         Ok(painted_ns)
     };
-    for number in 1..=u64::from(samples) {
+    for number in 1..=u64::from(UNCOUNTED + samples) {
         beside.prepare()?;
         way.take(&mut measured.pipe)?;
         send(&frames_beside, number)?;
@@ -308,11 +313,11 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
         while scenes.receive()?.is_some() {}
 
         let begun_ns = send(&frames, number)?;
-        until(looks, &mut ears, || {
+        until(looks, &ears, || {
             let scene = scenes.receive()?;
             Ok(scene.filter(|scene| scene.sequence == number).map(|_| ()))
         })?;
-        measured.record(computed_ns, now_ns() - begun_ns);
+        measured.record(number, computed_ns, now_ns() - begun_ns);
     }
     way.end()?;
     beside.end()?;
@@ -333,8 +338,8 @@ fn hand_over(
     let robot = peer.join(ROBOT, Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
     let said = robot.receiver::<Feedback>()?;
-    let mut ears = robot.listen([Feedback::SERVICE])?;
-    let mut left = samples;
+    let ears = robot.listen([Feedback::SERVICE])?;
+    let mut left = UNCOUNTED + samples;
     let mut number = 0;
     while left > 0 {
         number += 1;
@@ -351,11 +356,13 @@ fn hand_over(
             std::thread::sleep(Duration::from_millis(5));
             continue;
         }
-        until(looks, &mut ears, || {
+        until(looks, &ears, || {
             let said = said.receive()?;
             Ok(said.filter(|said| said.sequence == number).map(|_| ()))
         })?;
-        times.push((now_ns() - begun_ns) as i64);
+        if left <= samples {
+            times.push((now_ns() - begun_ns) as i64);
+        }
         left -= 1;
     }
     peer.end()

@@ -119,7 +119,7 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
     let stop = stop_on_signals()?;
     let journal = Journal::open(place.journal(), "controller")?;
     let robot = place.join(Role::Controller)?;
-    let mut ears = robot.listen([SubGoal::SERVICE])?;
+    let ears = robot.listen([SubGoal::SERVICE])?;
     let mut controller = Controller {
         commands: robot.receiver()?,
         feedback: robot.sender()?,

@@ -101,7 +101,7 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
 fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
     let robot = place.join(Role::Controller)?;
     let frames = robot.frames_in()?;
-    let mut ears = robot.listen([CAMERA])?;
+    let ears = robot.listen([CAMERA])?;
     let said = robot.sender::<Feedback>()?;
     while !stop.load(Ordering::Relaxed) {
         if let Some(frame) = frames.receive()? {
