@@ -82,22 +82,18 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         }
     }
     book.write("pipe", "", &pipe)?;
-    for (width, height) in SIZES {
-        let bytes = (width * height * 7) as usize;
-        let mut times = Times::new();
-        on_both_cores(samples, |share, core| {
-            hand_over(Looks::Spinning, bytes, share, core, &mut times)
-        })?;
-        book.write("hand-over", &format!("{width}x{height}"), &times)?;
-    }
-    let (width, height) = SIZES[0];
-    let bytes = (width * height * 7) as usize;
-    let mut times = Times::new();
+    let mut sizes = SIZES.map(|size| (size, Times::new()));
+    let mut event = Times::new();
     on_both_cores(samples, |share, core| {
-        hand_over(Looks::Waiting, bytes, share, core, &mut times)
+        for (size, times) in &mut sizes {
+            hand_over(Looks::Spinning, *size, share, core, times)?;
+        }
+        hand_over(Looks::Waiting, SIZES[0], share, core, &mut event)
     })?;
-    book.write("event", "", &times)?;
-    Ok(())
+    for ((width, height), times) in &sizes {
+        book.write("hand-over", &format!("{width}x{height}"), times)?;
+    }
+    book.write("event", "", &event)
 }
 
 /// Nanoseconds.
@@ -329,11 +325,12 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
 /// caches, the more the larger it is.
 fn hand_over(
     looks: Looks,
-    bytes: usize,
+    (width, height): (u32, u32),
     samples: u32,
     core: usize,
     times: &mut Times,
 ) -> Result<()> {
+    let bytes = (width * height * 7) as usize;
     let mut peer = Answering::start(Peer::Frames, looks, core)?;
     let robot = peer.join(ROBOT, Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
