@@ -28,12 +28,25 @@ use checks::{CHECKS, Check, Context, Step};
 use count::Counts;
 use report::{Outcome, Report};
 
+const HELP: &str = "\
+usage: cargo verify [--only NAME]... [--list] [--install]
+
+Runs every check, one after the other, and ends with a table.
+
+  --only NAME   this check alone; may be said several times
+  --list        say which checks there are, and what each does
+  --install     first install the system's packages that they need: as root, on Debian and
+                what comes from it
+
+What a check printed is kept in target/verify/NAME.log.";
+
 /// What the user asked for.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Arguments {
     only: Vec<String>,
     list: bool,
     install: bool,
+    help: bool,
 }
 
 impl Arguments {
@@ -44,6 +57,7 @@ impl Arguments {
             match word.to_str() {
                 Some("--list") => arguments.list = true,
                 Some("--install") => arguments.install = true,
+                Some("--help" | "-h") => arguments.help = true,
                 Some("--only") => {
                     let Some(name) = words.next() else {
                         bail!("--only needs the name of a check (cargo verify --list)");
@@ -74,6 +88,10 @@ pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
             return Ok(ExitCode::from(BAD_INPUT));
         }
     };
+    if arguments.help {
+        println!("{HELP}");
+        return Ok(ExitCode::SUCCESS);
+    }
     if arguments.list {
         for check in CHECKS {
             println!("{:<14} {}", check.name, check.title);
@@ -246,6 +264,7 @@ mod tests {
     fn only_what_is_named_runs_and_without_names_everything() {
         let one = parse(&["--only", CHECKS[0].name, "--install"]).unwrap();
         assert!(one.install && one.wants(&CHECKS[0]) && !one.wants(&CHECKS[1]));
+        assert!(parse(&["--help"]).unwrap().help);
         let all = parse(&[]).unwrap();
         assert!(CHECKS.iter().all(|check| all.wants(check)));
     }
