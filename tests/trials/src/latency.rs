@@ -113,12 +113,14 @@ struct Measured {
 }
 
 impl Measured {
-    fn record(&mut self, number: u64, alone_ns: u64, through_ns: u64) {
+    /// * `number`: from 1; the first ones don't count
+    fn record(&mut self, number: u64, pipe_ns: Option<u64>, alone_ns: u64, through_ns: u64) {
         if number <= UNCOUNTED.into() {
             return;
         }
-        // Neither reaches centuries.
+        // None reaches centuries.
         let (alone_ns, through_ns) = (alone_ns as i64, through_ns as i64);
+        self.pipe.extend(pipe_ns.map(|pipe_ns| pipe_ns as i64));
         self.alone.push(alone_ns);
         self.through.push(through_ns);
         self.above.push(through_ns - alone_ns);
@@ -193,14 +195,15 @@ impl Way {
         }))
     }
 
-    /// Rests, and measures the way once.
-    fn take(&mut self, times: &mut Times) -> Result<()> {
+    /// Rests, and measures the way once, nanoseconds.
+    fn take(&mut self) -> Result<Option<u64>> {
         std::thread::sleep(REST);
-        if let Some(idle) = &mut self.0 {
-            times.push(idle.way()? as i64);
-            std::thread::sleep(REST);
-        }
-        Ok(())
+        let Some(idle) = &mut self.0 else {
+            return Ok(None);
+        };
+        let way_ns = idle.way()?;
+        std::thread::sleep(REST);
+        Ok(Some(way_ns))
     }
 
     fn end(self) -> Result<()> {
@@ -228,7 +231,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
         let _ = life.beat(State::Idle, now_ns());
         let request = sentence(number)?;
         beside.prepare()?;
-        way.take(&mut measured.pipe)?;
+        let pipe_ns = way.take()?;
         let computed_ns = beside.take()?;
         std::thread::sleep(REST);
 
@@ -261,7 +264,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
             ensure!(refused < WARM, "the planner refuses what can be done");
             continue;
         };
-        measured.record(number, computed_ns, taken_ns);
+        measured.record(number, pipe_ns, computed_ns, taken_ns);
         for outcome in [Outcome::Accepted, Outcome::Reached] {
             feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
         }
@@ -302,7 +305,7 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
     };
     for number in 1..=u64::from(UNCOUNTED + samples) {
         beside.prepare()?;
-        way.take(&mut measured.pipe)?;
+        let pipe_ns = way.take()?;
         send(&frames_beside, number)?;
         let computed_ns = beside.take()?;
         std::thread::sleep(REST);
@@ -313,7 +316,7 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
             let scene = scenes.receive()?;
             Ok(scene.filter(|scene| scene.sequence == number).map(|_| ()))
         })?;
-        measured.record(number, computed_ns, now_ns() - begun_ns);
+        measured.record(number, pipe_ns, computed_ns, now_ns() - begun_ns);
     }
     way.end()?;
     beside.end()?;
