@@ -27,6 +27,10 @@ impl<const N: usize> Ears<N> {
     ///
     /// The first call behind one that something has woken hears its bell out and returns at
     /// once: what came meanwhile may have found it still ringing.
+    ///
+    /// Cost: two calls of the system for each service before it sleeps, none behind it.
+    /// Errors: [`ListenerWaitError::InternalFailure`] if the system lets nobody wait; a signal
+    /// is none.
     pub fn wait(&self, longest: Duration) -> Result<bool, ListenerWaitError> {
         // All of them and each time: one that rings just while it is heard out may lose its
         // sound, and iceoryx2 would take it for one that still rings.
@@ -50,6 +54,7 @@ impl<const N: usize> Ears<N> {
     }
 
     /// Whether something has rung since this was asked last, or heard out. Never waits.
+    /// Errors: as [`Ears::wait`].
     pub fn try_wait(&self) -> Result<bool, ListenerWaitError> {
         let mut any = false;
         for listener in &self.listeners {
