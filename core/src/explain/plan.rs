@@ -10,7 +10,7 @@ impl Plan {
     /// (id 1, score 0.99); confidence 0.97.` Nothing for a step that isn't there.
     ///
     /// * `model`: the one that the plan was made with
-    /// * `step`: counted from 0
+    /// * `step`: counted from 0, as in the whole sentence
     pub fn explain_step<'a>(&'a self, model: &'a Model<'a>, step: usize) -> impl fmt::Display + 'a {
         StepExplanation {
             plan: self,
@@ -47,7 +47,8 @@ impl StepExplanation<'_> {
 impl fmt::Display for StepExplanation<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let symbols = self.plan.program().steps().get(self.step);
-        let planned = self.plan.steps().get(self.step);
+        let place = self.step.checked_sub(self.plan.first());
+        let planned = place.and_then(|place| self.plan.steps().get(place));
         let Some((symbols, planned)) = symbols.zip(planned) else {
             return Ok(());
         };
@@ -68,10 +69,11 @@ struct PlanExplanation<'a> {
 
 impl fmt::Display for PlanExplanation<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for step in 0..self.plan.steps().len() {
-            if step > 0 {
+        for place in 0..self.plan.steps().len() {
+            if place > 0 {
                 f.write_str("\n")?;
             }
+            let step = self.plan.first().saturating_add(place);
             self.plan.explain_step(self.model, step).fmt(f)?;
         }
         Ok(())

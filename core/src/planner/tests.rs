@@ -128,6 +128,11 @@ fn the_rest_of_a_program_is_grounded_in_another_scene() {
     raw.objects[0].location = whole.steps()[0].location;
     let rest = ground(Scene::new(raw, &model).unwrap(), 1).unwrap();
     assert_eq!((rest.first(), rest.program()), (1, &parsed.program));
+    // It is told as it would be of the whole.
+    let told = |plan: &Plan, step| plan.explain_step(&model, step).to_string();
+    assert!(told(&rest, 1).starts_with("Step 2: move the lego "));
+    assert_eq!(rest.explain(&model).to_string(), told(&rest, 1));
+    assert_eq!((told(&rest, 0), told(&rest, 2)), Default::default());
     assert_eq!(rest.steps(), &whole.steps()[1..]);
     for first in [2, 3, usize::MAX] {
         let nothing = ground(scene, first).unwrap();
