@@ -184,8 +184,11 @@ class Model:
     def parse(self, sentence: str) -> Program:
         """What a sentence says is to be done, whatever the scene. Raises Refused."""
 
-    def plan(self, scene: Scene, sentence: str) -> Plan:
-        """A plan for a sentence in a scene of this model. Raises Refused."""
+    def plan(self, scene: Scene, sentence: str, first: int = 0) -> Plan:
+        """A plan for a sentence in a scene of this model. Raises Refused.
+
+        `first`: from which step on, counted from 0: what is left to do in the scene as it is now.
+        """
 
     def observe(
         self,

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use nsrm::{AnyModel, info_json};
-use nsrm_core::Planner;
 use nsrm_core::model::OBJECT_EMBEDDING;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{self, ObservationTask, Stamp};
+use nsrm_core::{Planner, Progress};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, ndarray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -57,10 +57,23 @@ impl Model {
         }
     }
 
-    /// A plan for a sentence in a scene.
-    fn plan(&self, py: Python<'_>, scene: &Scene, sentence: &str) -> PyResult<Plan> {
+    /// A plan for a sentence in a scene, or for what is left of it from step `first` on, from 0.
+    #[pyo3(signature = (scene, sentence, first = 0))]
+    fn plan(&self, py: Python<'_>, scene: &Scene, sentence: &str, first: usize) -> PyResult<Plan> {
         let model = self.inner.model();
-        let result = py.detach(|| Planner::new(&model).plan(&scene.inner, sentence));
+        let planner = Planner::new(&model);
+        let result = py.detach(|| {
+            if first == 0 {
+                return planner.plan(&scene.inner, sentence);
+            }
+            let parsed = planner.parse(sentence)?;
+            let mut task = planner.begin_grounding(&*scene.inner, &parsed, first);
+            loop {
+                if let Progress::Done(plan) = task.poll() {
+                    return plan;
+                }
+            }
+        });
         match result {
             Ok(plan) => Plan::new(py, &model, &plan),
             Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),

@@ -107,8 +107,10 @@ impl Plan {
         plan: &nsrm_core::Plan,
     ) -> PyResult<Self> {
         let program = Program::new(model, plan.program());
-        let steps = program.steps.iter().zip(plan.steps()).enumerate();
-        let steps = steps.map(|(index, (symbols, planned))| {
+        // Of the whole program, or of what was left of it.
+        let symbols = program.steps.iter().enumerate().skip(plan.first());
+        let steps = symbols.zip(plan.steps());
+        let steps = steps.map(|((index, symbols), planned)| {
             let pose = &planned.sub_goal.pose;
             let position: [f32; 3] = pose.translation.vector.into();
             let orientation: [f32; 4] = pose.rotation.coords.into();
