@@ -18,11 +18,11 @@ from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
 from nsrm_harness.robot.half_made import SEGMENTS
 from nsrm_harness.robot.ports import FeedbackOut, FramesOut, PortError, Robot
-from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Light, Renderer, open_renderer

@@ -11,10 +11,10 @@ from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State
 from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfig
 from nsrm_harness.robot.controller import Controller, stops_first
 from nsrm_harness.robot.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
-from nsrm_harness.robot.tracking import Tracker
 from nsrm_harness.world.camera import Camera, default_camera
 from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +17,12 @@ STAYED_M = 0.015
 SAME_CHROMA = 0.06
 """Shares of red and green of two pictures of one object differ by less: light and shade
 change them little, another colour by 0.15 and more."""
+EDGE = 0.005
+"""What is left to see of an object lies within its box, but for so much of the image."""
 SAME_SIZE = 0.25
-"""Widths of two pictures of one object differ by less than this share."""
+"""Widths of two pictures of one object mostly differ by less than this share,"""
+ANY_SIZE = 0.5
+"""and never by more: a cube that is seen over an edge is 1.4 times as wide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,17 +32,32 @@ class Track:
     * `position`: of the middle of its box at its mean depth, world frame, metres
     * `chroma`: `[2]`, shares of red and green in its mean colour
     * `width_m`: of its box at its mean depth
+    * `box`: x1, y1, x2, y2 as fractions of the image
     """
 
     position: NDArray[np.float64]
     chroma: NDArray[np.float64]
     width_m: float
+    box: NDArray[np.float32]
 
-    def looks_like(self, other: Track) -> bool:
-        """Whether both may be the same object, wherever it stands."""
-        chroma = float(np.abs(self.chroma - other.chroma).max())
+    def has_color_of(self, other: Track) -> bool:
+        """Whether both may be of one colour, in whatever light."""
+        return float(np.abs(self.chroma - other.chroma).max()) < SAME_CHROMA
+
+    def looks_like(self, other: Track, size: float, within_m: float = math.inf) -> bool:
+        """Whether both may be the same object.
+
+        * `size`: by what share their widths may differ
+        * `within_m`: how far apart they may be
+        """
         ratio = self.width_m / other.width_m
-        return chroma < SAME_CHROMA and abs(np.log(ratio)) < SAME_SIZE
+        has_size = bool(abs(np.log(ratio)) < size)
+        return has_size and self.has_color_of(other) and self.distance_m(other) <= within_m
+
+    def is_part_of(self, other: Track) -> bool:
+        """Whether this may be what is left to see of the other, where it stood."""
+        low, high = self.box[:2] >= other.box[:2] - EDGE, self.box[2:] <= other.box[2:] + EDGE
+        return self.has_color_of(other) and bool(low.all() and high.all())
 
     def distance_m(self, other: Track) -> float:
         """Between where both were seen."""
@@ -56,16 +77,21 @@ class Tracker:
         """The number of each object found; an object that is hidden keeps its own.
 
         First come those that stand where one of their looks was seen, the nearest before
-        the others; then those that were moved, by their looks. Who is left is new.
+        the others; then those that were moved, by their looks; then what is left to see of one
+        that is hidden; at last those of the same colour. Who is left is new.
         """
         seen = [_track(image, found, row, camera) for row in range(len(found))]
-        names = self._matched(seen, STAYED_M) if self._tracks else {}
-        names |= self._matched(seen, float("inf"), names)
+        names: dict[int, int] = {}
+        self._match(seen, names, lambda new, old: new.looks_like(old, SAME_SIZE, STAYED_M))
+        self._match(seen, names, lambda new, old: new.looks_like(old, SAME_SIZE))
+        hidden = self._match(seen, names, Track.is_part_of)
+        self._match(seen, names, lambda new, old: new.looks_like(old, ANY_SIZE))
         for row in range(len(seen)):
             if row not in names:
                 names[row] = self._next
                 self._next += 1
-        self._tracks |= {names[row]: track for row, track in enumerate(seen)}
+        # One that is partly hidden is still known by its whole look.
+        self._tracks |= {names[row]: track for row, track in enumerate(seen) if row not in hidden}
         return tuple(names[row] for row in range(len(seen)))
 
     def position(self, number: int) -> NDArray[np.float64] | None:
@@ -73,20 +99,24 @@ class Tracker:
         track = self._tracks.get(number)
         return None if track is None else track.position
 
-    def _matched(
-        self, seen: list[Track], within_m: float, taken: dict[int, int] | None = None
-    ) -> dict[int, int]:
-        taken = dict(taken or {})
+    def _match(
+        self,
+        seen: list[Track],
+        names: dict[int, int],
+        may_be: Callable[[Track, Track], bool],
+    ) -> set[int]:
+        """Gives numbers to rows that have none yet, the nearest first; which ones."""
         pairs = sorted(
-            (track.distance_m(new), row, number)
+            (new.distance_m(old), row, number)
             for row, new in enumerate(seen)
-            for number, track in self._tracks.items()
-            if row not in taken and number not in taken.values() and track.looks_like(new)
+            for number, old in self._tracks.items()
+            if row not in names and number not in names.values() and may_be(new, old)
         )
-        matched: dict[int, int] = {}
-        for distance, row, number in pairs:
-            if distance <= within_m and row not in matched and number not in matched.values():
-                matched[row] = number
+        matched: set[int] = set()
+        for _, row, number in pairs:
+            if row not in names and number not in names.values():
+                names[row] = number
+                matched.add(row)
         return matched
 
 
@@ -99,4 +129,5 @@ def _track(image: NDArray[np.uint8], found: Detections, row: int, camera: Camera
         camera.back_project(middle),
         color[:2] / color.sum(),
         (x2 - x1) * camera.width / camera.fx * depth,
+        found.boxes[row],
     )
