@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
-from nsrm_harness.world.bullet import DATA_PATH, connect_direct, pybullet
+from nsrm_harness.arm.panda import READY_RAD, URDF
+from nsrm_harness.world.bullet import connect_direct, pybullet
 from nsrm_harness.world.mesh import Mesh, load_obj
 from nsrm_harness.world.pose import Pose
 
-URDF = Path(DATA_PATH) / "franka_panda" / "panda.urdf"
-
-REST_JOINTS_RAD: tuple[float, ...] = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)
-"""The maker's "ready" pose: the hand 0.49 m above the table at x = 0.31, out of the
-camera's view of the work space."""
+REST_JOINTS_RAD: tuple[float, ...] = tuple(READY_RAD.tolist())
+"""The hand is 0.49 m above the table at x = 0.31, out of the camera's view of the work space."""
 
 FINGER_REST_M = 0.04
 """Each finger's distance from the middle: open."""

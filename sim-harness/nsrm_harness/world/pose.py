@@ -46,6 +46,29 @@ class Pose:
         matrix[:3, 3] = self.position
         return matrix
 
+    def __matmul__(self, other: Pose) -> Pose:
+        """This frame after another: what `other` is in the body's frame, in the world's."""
+        x, y, z, w = self.orientation
+        i, j, k, r = other.orientation
+        offset = self.rotation() @ other.position
+        px, py, pz = (float(a + b) for a, b in zip(self.position, offset, strict=True))
+        return Pose(
+            (px, py, pz),
+            (
+                w * i + x * r + y * k - z * j,
+                w * j - x * k + y * r + z * i,
+                w * k + x * j - y * i + z * r,
+                w * r - x * i - y * j - z * k,
+            ),
+        )
+
+    def inverse(self) -> Pose:
+        """The world in the body's frame."""
+        x, y, z, w = self.orientation
+        turned = Pose((0.0, 0.0, 0.0), (-x, -y, -z, w))
+        px, py, pz = (float(-value) for value in turned.rotation() @ self.position)
+        return Pose((px, py, pz), turned.orientation)
+
     def yaw_rad(self) -> float:
         """The turn about the vertical, in (-pi, pi]."""
         x, y, z, w = self.orientation

@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from nsrm_harness.world import arm
 from nsrm_harness.world.blocks import Block
 from nsrm_harness.world.bullet import connect_direct, pybullet
@@ -157,6 +160,14 @@ class World:
     def poses(self) -> dict[int, Pose]:
         """Where all blocks are, by id."""
         return {block_id: self.pose(block_id) for block_id in self._bodies}
+
+    def nearest(self, position: ArrayLike) -> tuple[int, float]:
+        """The block whose centre is nearest to a point, and how far it is, metres."""
+        distance_m, block_id = min(
+            (float(np.linalg.norm(np.subtract(pose.position, position))), block_id)
+            for block_id, pose in self.poses().items()
+        )
+        return block_id, distance_m
 
     def placed(self) -> tuple[PlacedBlock, ...]:
         """All blocks with their poses, in the order of their ids."""

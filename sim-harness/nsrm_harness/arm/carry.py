@@ -1,0 +1,211 @@
+"""A block from where it is seen to its sub-goal: all the arm's motions, planned and looked at
+before the first of them begins."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.collision import HELD, Guard, Nearest
+from nsrm_harness.arm.grasp import Grasp, grasps
+from nsrm_harness.arm.kinematics import Joints, Kinematics
+from nsrm_harness.arm.refused import RefusedError, Why
+from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
+from nsrm_harness.arm.timing import Trajectory
+from nsrm_harness.arm.ways import free, line
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.pose import Pose
+
+PACE = 0.8
+"""Share of the maker's limits of speed, acceleration and jerk."""
+RISE_M = 0.08
+"""Of the hand above where it grasps and lets go, straight up."""
+DROP_M = 0.0005
+"""Above what it is put on, a block is let go."""
+SQUARE_M = 0.002
+"""A block is square if its edges differ by no more."""
+FINGERS = ("panda_leftfinger", "panda_rightfinger")
+
+
+@dataclass(frozen=True, eq=False)
+class Carry:
+    """What the arm does, in this order.
+
+    * `reach`: to above the block, with the fingers as far open as the grasp says
+    * `descend`; then the fingers close; `lift`
+    * `transfer`: to above where it is put
+    * `lower`; then they open; `retreat`
+    * `home`: to the ready pose, out of the camera's view
+    * `back`: there from above the block, where it could not be held
+    """
+
+    grasp: Grasp
+    placement: Placement
+    reach: tuple[Trajectory, ...]
+    descend: Trajectory
+    lift: Trajectory
+    transfer: tuple[Trajectory, ...]
+    lower: Trajectory
+    retreat: Trajectory
+    home: tuple[Trajectory, ...]
+    back: tuple[Trajectory, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """Of its motions; the fingers need some time besides."""
+        parts = (*self.reach, self.descend, self.lift, *self.transfer, self.lower, self.retreat)
+        return sum(part.duration_s for part in (*parts, *self.home))
+
+
+class Planner:
+    """Plans how things are carried. One for each thread.
+
+    * `alive`: is called every few milliseconds while it plans, which may take seconds
+    """
+
+    def __init__(self, pace: float = PACE, alive: Callable[[], None] = lambda: None) -> None:
+        self._kinematics, self._pace, self._alive = Kinematics(), pace, alive
+        # The arm's hulls are loaded now, not when something waits.
+        self._guard({})
+
+    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
+        """How a block is carried to its sub-goal.
+
+        * `objects`: all that is seen, by name
+        * `goal`: of the block's centre, upright
+        * `begin`: the joints as they are
+
+        Raises `RefusedError`.
+        """
+        if name not in objects:
+            raise RefusedError(Why.UNSEEN, f"{name} is not seen")
+        block = objects[name]
+        others = {key: cuboid for key, cuboid in objects.items() if key != name}
+        if on_it := resting_on(block, others):
+            raise RefusedError(
+                Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first"
+            )
+        put = placement(goal, block, others)
+        touches: list[Nearest] = []
+        ways = _least_turns_first(grasps(block))
+        for there, grasp in itertools.product(_looking_the_same(put.cuboid, block), ways):
+            found = self._by(grasp, others, name, block, replace(put, cuboid=there), begin)
+            if isinstance(found, Carry):
+                return found
+            if found is not None:
+                touches.append(found)
+        if touches:
+            nearest = max(touches, key=lambda touch: touch.distance_m)
+            raise RefusedError(
+                Why.NO_WAY,
+                f"{name} can't be carried there: {nearest}",
+            )
+        raise RefusedError(
+            Why.OUT_OF_REACH, f"the arm does not reach {name} or its sub-goal from above"
+        )
+
+    def _by(
+        self,
+        grasp: Grasp,
+        others: Mapping[str, Cuboid],
+        name: str,
+        block: Cuboid,
+        put: Placement,
+        begin: Joints,
+    ) -> Carry | Nearest | None:
+        """All motions by one grasp; what would be touched, or None where it can't be reached."""
+        in_hand = Cuboid(grasp.hand.inverse() @ block.pose, block.edges_m)
+        there = put.cuboid.pose @ in_hand.pose.inverse()
+        up = line(self._kinematics, grasp.hand, _above(grasp.hand, RISE_M), begin, self._pace)
+        if up is None:
+            return None
+        let_go = _above(there, DROP_M)
+        away = line(self._kinematics, let_go, _above(let_go, RISE_M), up.end, self._pace)
+        if away is None:
+            return None
+        down, lower = up.reversed(), away.reversed()
+        opening = grasp.opening_m
+        # The fingers open to what the grasp says while they come.
+        grasped = [(finger, name) for finger in FINGERS]
+        before = self._guard({**others, name: block}, ignored=grasped)
+        after = self._guard({**others, name: put.cuboid}, ignored=grasped)
+        feet = [(HELD, foot) for foot in standing_on(block, others)]
+        lifting = self._guard(others, in_hand, feet)
+        carrying = self._guard(others, in_hand)
+        lowering = self._guard(others, in_hand, [(HELD, foot) for foot in put.support])
+        for guard, way, wide in (
+            (before, down, opening),
+            (lifting, up, grasp.width_m),
+            (lowering, lower, grasp.width_m),
+            (after, away, opening),
+        ):
+            touch = guard.along(way, wide)
+            if touch is not None:
+                return touch
+        reach = free(before, begin, down.begin, panda.MAX_OPENING_M, self._pace)
+        if isinstance(reach, Nearest):
+            return reach
+        transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
+        if isinstance(transfer, Nearest):
+            return transfer
+        home = free(after, away.end, panda.READY_RAD, panda.MAX_OPENING_M, self._pace)
+        if isinstance(home, Nearest):
+            return home
+        back = free(before, up.end, panda.READY_RAD, panda.MAX_OPENING_M, self._pace)
+        if isinstance(back, Nearest):
+            return back
+        return Carry(
+            grasp,
+            put,
+            tuple(reach),
+            down,
+            up,
+            tuple(transfer),
+            lower,
+            away,
+            tuple(home),
+            tuple(back),
+        )
+
+    def _guard(
+        self,
+        objects: Mapping[str, Cuboid],
+        held: Cuboid | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+    ) -> Guard:
+        return Guard(self._kinematics, objects, held, ignored, self._alive)
+
+
+def _above(hand: Pose, rise_m: float) -> Pose:
+    x, y, z = hand.position
+    return replace(hand, position=(x, y, z + rise_m))
+
+
+def _looking_the_same(put: Cuboid, block: Cuboid) -> list[Cuboid]:
+    """The block where it is put, turned so that it looks the same there: as little turned from
+    how it stands as possible, and by a quarter more or less if it is square. Contacts that turn
+    with the hand hold the better the less they do."""
+    turn = put.pose.yaw_rad() - block.pose.yaw_rad()
+    turn = (turn + math.pi / 2) % math.pi - math.pi / 2
+    turns = [turn]
+    if abs(block.edges_m[0] - block.edges_m[1]) <= SQUARE_M:
+        turns += [turn - math.pi / 2, turn + math.pi / 2]
+    turns.sort(key=abs)
+    return [
+        Cuboid(Pose.upright(*put.pose.position, block.pose.yaw_rad() + turn), put.edges_m)
+        for turn in turns[:2]
+    ]
+
+
+def _least_turns_first(found: Sequence[Grasp]) -> list[Grasp]:
+    """Low ones first, of them those that turn the hand least from how it is when ready."""
+
+    def order(grasp: Grasp) -> tuple[float, float]:
+        x, y, _, _ = grasp.hand.orientation
+        turn_rad = (2 * math.atan2(y, x) + math.pi) % (2 * math.pi) - math.pi
+        return grasp.hand.position[2], round(abs(turn_rad), 6)
+
+    return sorted(found, key=order)

@@ -1,0 +1,152 @@
+"""What was planned, carried out tick by tick: the joints follow, the fingers close, and what
+they hold is felt by how far they are open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+
+from nsrm_harness.arm.carry import Carry
+from nsrm_harness.arm.grasp import Grasp
+from nsrm_harness.arm.kinematics import Joints
+from nsrm_harness.arm.timing import Trajectory
+
+GRIP_N = 20.0
+"""With which the fingers hold (the maker's hand: up to 70 N, lastingly)."""
+WIDTH_M = 0.004
+"""The fingers hold a block when they are open as far as it is wide, within that."""
+SLIP_M = 0.002
+"""What they hold is lost when they close by more than that."""
+STILL_M = 1e-5
+"""The fingers have stopped when they move less than that in `LOOK_S`."""
+LOOK_S = 0.02
+CLOSING_S = 1.5
+OPENING_S = 0.5
+"""At most."""
+CALM_S = 0.1
+"""Before the fingers open, so that nothing swings."""
+
+
+class Body(Protocol):
+    """An arm with a hand, as its controller has it: a simulated or a real one."""
+
+    @property
+    def tick_s(self) -> float:
+        """Between two ticks."""
+        ...
+
+    def drive(self, joints: Joints, speeds: Joints) -> None:
+        """What the joints follow, rad and rad/s, from the next tick on."""
+        ...
+
+    def grip(self, opening_m: float, force_n: float) -> None:
+        """Where the fingers go with at most this force, from the next tick on."""
+        ...
+
+    def joints(self) -> Joints:
+        """Where the joints are."""
+        ...
+
+    def opening_m(self) -> float:
+        """Between the fingers."""
+        ...
+
+    def tick(self) -> None:
+        """Waits for the next tick."""
+        ...
+
+
+Mark = Callable[[str], None]
+"""Is told what has just been done."""
+
+
+def unmarked(event: str) -> None:
+    """Tells nobody."""
+
+
+class Done(Enum):
+    """How a carrying ended, as far as the hand can feel."""
+
+    PLACED = "placed"
+    NOT_GRASPED = "not grasped"
+    SLIPPED = "slipped"
+
+
+def carry_out(body: Body, carry: Carry, mark: Mark = unmarked) -> Done:
+    """Does all that was planned, and ends in the ready pose whatever happens.
+
+    Bounded: motions by their durations, fingers by `CLOSING_S` and `OPENING_S`.
+    """
+    grasp = carry.grasp
+    body.grip(grasp.opening_m, GRIP_N)
+    _follow(body, (*carry.reach, carry.descend))
+    mark("reached")
+    body.grip(0.0, GRIP_N)
+    _until_still(body, CLOSING_S)
+    held_m = body.opening_m()
+    if abs(held_m - grasp.width_m) > WIDTH_M:
+        _let_go(body, grasp)
+        _follow(body, (carry.lift, *carry.back))
+        mark("not grasped")
+        return Done.NOT_GRASPED
+    mark("grasped")
+    least_m = held_m - SLIP_M
+    if not _follow(body, [carry.lift], least_m):
+        return _without_it(body, grasp, carry.back, mark)
+    mark("lifted")
+    if not _follow(body, carry.transfer, least_m):
+        return _without_it(body, grasp, carry.home, mark)
+    mark("above")
+    holds = _follow(body, [carry.lower], least_m)
+    _wait(body, CALM_S)
+    _let_go(body, grasp)
+    mark("let go")
+    _follow(body, (carry.retreat, *carry.home))
+    mark("home")
+    return Done.PLACED if holds else Done.SLIPPED
+
+
+def _without_it(body: Body, grasp: Grasp, home: Iterable[Trajectory], mark: Mark) -> Done:
+    """The block is lost: goes home high above the others and puts nothing down."""
+    _let_go(body, grasp)
+    _follow(body, home)
+    mark("slipped")
+    return Done.SLIPPED
+
+
+def _let_go(body: Body, grasp: Grasp) -> None:
+    body.grip(grasp.opening_m, GRIP_N)
+    _until_still(body, OPENING_S)
+
+
+def _follow(body: Body, ways: Iterable[Trajectory], least_m: float = 0.0) -> bool:
+    """Along all of them; whether the fingers stayed as far open all the time."""
+    holds = True
+    for way in ways:
+        # The last one is at or behind its end: at rest.
+        ticks = math.ceil(way.duration_s / body.tick_s)
+        moments = way.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
+        for joints, speeds in zip(moments.joints, moments.speeds, strict=True):
+            body.drive(joints, speeds)
+            body.tick()
+            holds &= body.opening_m() >= least_m
+    return holds
+
+
+def _wait(body: Body, time_s: float) -> None:
+    for _ in range(round(time_s / body.tick_s)):
+        body.tick()
+
+
+def _until_still(body: Body, longest_s: float) -> None:
+    before_m = math.inf
+    for _ in range(round(longest_s / LOOK_S)):
+        _wait(body, LOOK_S)
+        now_m = body.opening_m()
+        if abs(before_m - now_m) < STILL_M:
+            return
+        before_m = now_m

@@ -1,0 +1,58 @@
+"""How the hand may hold a block: from above, its fingers on two opposite faces."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from nsrm_harness.arm import panda
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.pose import Pose
+
+HEIGHTS_M = (0.0, 0.006, 0.010, 0.014)
+"""Of the fingertips above the block's middle: the higher ones keep the palm off a neighbour
+that is taller."""
+HELD_M = 0.010
+"""So much of the fingers is on the block, at least."""
+CLEAR_M = 0.003
+"""Between each finger and the block before they close."""
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One way to hold a block.
+
+    * `hand`: its frame in the world
+    * `width_m`: between the fingers when they hold it
+    * `opening_m`: before they close, and after they let go
+    """
+
+    hand: Pose
+    width_m: float
+
+    @property
+    def opening_m(self) -> float:
+        return min(self.width_m + 2 * CLEAR_M, panda.MAX_OPENING_M)
+
+
+def pointing_down(x: float, y: float, z: float, yaw_rad: float) -> Pose:
+    """The hand with its fingertips there; it closes along y, turned by the yaw."""
+    turn = (math.cos(yaw_rad / 2), math.sin(yaw_rad / 2), 0.0, 0.0)
+    return Pose((x, y, z + panda.FINGERTIP_M), turn)
+
+
+def grasps(block: Cuboid) -> list[Grasp]:
+    """All ways that are tried, the best first: low ones before high ones."""
+    x, y, z = block.pose.position
+    found = []
+    for height_m in HEIGHTS_M:
+        if block.edges_m[2] / 2 - height_m < HELD_M:
+            continue
+        for quarter in range(4):
+            # Turned as the block, the hand closes along its y.
+            width_m = block.edges_m[quarter % 2]
+            if width_m > panda.MAX_OPENING_M - CLEAR_M:
+                continue
+            yaw_rad = block.pose.yaw_rad() + (quarter - 1) * math.pi / 2
+            found.append(Grasp(pointing_down(x, y, z + height_m, yaw_rad), width_m))
+    return found

@@ -1,0 +1,119 @@
+"""One sub-goal, whatever goes wrong on the way: carried out, looked at, and tried again a
+bounded number of times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
+from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.pose import Pose
+
+MAX_TRIES = 3
+PLACED_M = 0.005
+"""So far from where it was to be put a block may be seen afterwards."""
+SHIFTED_M = 0.003
+"""Another block that is seen farther from where it was has been moved."""
+
+Look = Callable[[], Mapping[str, Cuboid]]
+"""Takes a picture; gives all that is believed to stand there, by name."""
+
+
+class FailedError(HarnessError):
+    """Something has moved, but not as it was to; the arm is at rest in its ready pose."""
+
+
+@dataclass(frozen=True)
+class Performed:
+    """How a sub-goal was reached, by what is seen afterwards.
+
+    * `corrected_m`: between the model's sub-goal and where the block was meant to go
+    * `miss_m`: between that and where it is
+    * `shifted`: what else has moved, and how far, metres
+    * `motion_s`: of the arm, in all tries
+    """
+
+    name: str
+    tries: int
+    corrected_m: float
+    miss_m: float
+    shifted: tuple[tuple[str, float], ...]
+    motion_s: float
+
+    def __str__(self) -> str:
+        text = (
+            f"{self.name} is seen {1000 * self.miss_m:.1f} mm from where it was to go, which is "
+            f"{1000 * self.corrected_m:.1f} mm from the model's sub-goal, after "
+            f"{self.motion_s:.1f} s of motion"
+        )
+        if self.tries > 1:
+            text += f"; at try {self.tries}"
+        for name, shift_m in self.shifted:
+            text += f"; {name} was pushed by {1000 * shift_m:.1f} mm"
+        return text
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for programs."""
+        return {
+            "tries": self.tries,
+            "corrected_m": self.corrected_m,
+            "miss_m": self.miss_m,
+            "motion_s": self.motion_s,
+            "shifted_m": dict(self.shifted),
+        }
+
+
+def perform(
+    body: Body, planner: Planner, look: Look, name: str, goal: Pose, mark: Mark = unmarked
+) -> Performed:
+    """Carries a block to its sub-goal.
+
+    Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
+    `FailedError` if it was tried and is not done.
+    """
+    objects = look()
+    motion_s = 0.0
+    done = Done.PLACED
+    for number in range(1, MAX_TRIES + 1):
+        try:
+            carry = planner.carry(objects, name, goal, body.joints())
+        except RefusedError as refusal:
+            if number == 1:
+                raise
+            raise FailedError(
+                f"{name}: {done.value} at try {number - 1}, and now {refusal}"
+            ) from None
+        done = carry_out(body, carry, mark)
+        motion_s += carry.duration_s
+        before, objects = objects, look()
+        target = carry.placement.cuboid.pose
+        miss_m = objects[name].pose.distance_m(target) if name in objects else float("inf")
+        if done is Done.PLACED and miss_m <= PLACED_M:
+            return Performed(
+                name,
+                number,
+                carry.placement.corrected_m,
+                miss_m,
+                _shifted(before, objects, name),
+                motion_s,
+            )
+    where = f"{1000 * miss_m:.0f} mm from where it was to go" if miss_m < 1 else "nowhere in sight"
+    raise FailedError(
+        f"{name} was tried {MAX_TRIES} times and is {where} ({done.value}); I stopped"
+    )
+
+
+def _shifted(
+    before: Mapping[str, Cuboid], after: Mapping[str, Cuboid], name: str
+) -> tuple[tuple[str, float], ...]:
+    shifts = (
+        (other, after[other].pose.distance_m(cuboid.pose))
+        for other, cuboid in before.items()
+        if other != name and other in after
+    )
+    return tuple((other, shift_m) for other, shift_m in shifts if shift_m > SHIFTED_M)

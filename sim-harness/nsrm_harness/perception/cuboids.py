@@ -1,0 +1,169 @@
+"""The blocks that a picture shows, as boxes in space: what an arm grasps, places and avoids."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.perception.detector import Detections
+from nsrm_harness.perception.relief import Relief
+from nsrm_harness.world.camera import Camera
+from nsrm_harness.world.pose import Pose, Vector3
+
+TOP_M = 0.0055
+"""Studs and what lies below a block's highest point by less belong to its top."""
+FLAT_M = 0.01
+"""A block is higher than that."""
+EDGE_M = 0.003
+"""Two looks at one upper face differ by no more in the lengths of its edges."""
+HEIGHT_M = 0.002
+"""And by no more in height: studs are higher."""
+FACE_M = 0.004
+"""What is seen of a box lies by no more outside it."""
+WITHIN_SHARE = 0.95
+"""Of what is seen of it, at least."""
+BEHIND_M = 0.02
+"""What is seen by so much behind a point has nothing there before it."""
+
+
+@dataclass(frozen=True)
+class Cuboid:
+    """A box in space.
+
+    * `pose`: of its centre
+    * `edges_m`: along its own x, y, z
+    """
+
+    pose: Pose
+    edges_m: Vector3
+
+    @property
+    def top_m(self) -> float:
+        """Height of the upper face of one that stands upright, metres."""
+        return self.pose.position[2] + self.edges_m[2] / 2
+
+    @property
+    def bottom_m(self) -> float:
+        """Height of its lower face."""
+        return self.pose.position[2] - self.edges_m[2] / 2
+
+    def corners(self) -> NDArray[np.float64]:
+        """Of one that stands upright, as seen from above `[4, 2]`, counter-clockwise."""
+        half = np.array(self.edges_m[:2]) / 2
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
+        return corners @ self.pose.rotation()[:2, :2].T + self.pose.position[:2]
+
+
+class Cuboids:
+    """The objects as boxes, over pictures: what is hidden of one now was seen before.
+
+    An object is believed to be where it was last seen whole as long as what is still seen of it
+    lies there; one of which nothing is seen, as long as nothing is seen behind it.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self._known: dict[int, Cuboid] = {}
+
+    def update(self, numbers: Sequence[int], found: Detections, seen: Relief) -> dict[int, Cuboid]:
+        """All objects that are believed to be there, by number.
+
+        * `numbers`: of the detections, as a `Tracker` gives them
+        """
+        tops = {}
+        for row, number in enumerate(numbers):
+            own = found.labels == row + 1
+            points = np.stack([seen.x[own], seen.y[own], seen.height[own]], axis=1)
+            # Not a number where nothing was measured.
+            points = points[np.isfinite(points[:, 2])]
+            now, before = _from_top(points, self._camera), self._known.get(number)
+            if before is not None and not _is_whole(now, before) and _within(points, before):
+                now = before
+            tops[number] = now
+        for number, before in self._known.items():
+            if number not in tops and not self._is_seen_through(before, seen):
+                tops[number] = before
+        self._known = {
+            number: _standing(cuboid, [*tops.values()]) for number, cuboid in tops.items()
+        }
+        return dict(self._known)
+
+    def _is_seen_through(self, cuboid: Cuboid, seen: Relief) -> bool:
+        """Whether what lies behind all corners of its upper face is seen."""
+        corners = np.column_stack([cuboid.corners(), np.full(4, cuboid.top_m)])
+        pixels = self._camera.project(corners)
+        columns, rows = np.floor(pixels[:, :2]).astype(int).T
+        columns = np.clip(columns, 0, self._camera.width - 1)
+        rows = np.clip(rows, 0, self._camera.height - 1)
+        return bool((seen.depth[rows, columns] > pixels[:, 2] + BEHIND_M).all())
+
+
+def _from_top(points: NDArray[np.float32], camera: Camera) -> Cuboid:
+    """The smallest rectangle, seen from above, around those of the points `[n, 3]` that are of
+    the upper face, from there down to the table."""
+    top = float(points[:, 2].max())
+    face = points[points[:, 2] > top - TOP_M][:, :2]
+    (x, y), edges, yaw = _rectangle(np.concatenate([face, _far_sides(face, top, camera)]))
+    return Cuboid(Pose.upright(x, y, top / 2, yaw), (*edges, top))
+
+
+def _far_sides(face: NDArray[np.float32], height_m: float, camera: Camera) -> NDArray[np.float32]:
+    """Where the pixels of a level face end that is seen from above at a slant: half a pixel
+    farther from the camera than their middles. At its near side the face below goes on."""
+    away = face - np.array(camera.position[:2], np.float32)
+    along_m = np.linalg.norm(away, axis=1, keepdims=True)
+    above_m = camera.position[2] - height_m
+    half_m = (along_m**2 + above_m**2) / above_m / camera.fy / 2
+    return (face + away / along_m * half_m).astype(np.float32)
+
+
+def _is_whole(now: Cuboid, before: Cuboid) -> bool:
+    """Whether a block's upper face is in view again, with its studs."""
+    edges = zip(sorted(now.edges_m[:2]), sorted(before.edges_m[:2]), strict=True)
+    has_same_plan = all(abs(a - b) <= EDGE_M for a, b in edges)
+    return has_same_plan and now.top_m > before.top_m - HEIGHT_M
+
+
+def _within(points: NDArray[np.float32], cuboid: Cuboid) -> bool:
+    """Whether nearly all points lie in a box or at its faces."""
+    local = (points - np.array(cuboid.pose.position)) @ cuboid.pose.rotation()
+    inside = (np.abs(local) <= np.array(cuboid.edges_m) / 2 + FACE_M).all(axis=1)
+    return float(inside.mean()) >= WITHIN_SHARE
+
+
+def _standing(cuboid: Cuboid, others: Sequence[Cuboid]) -> Cuboid:
+    """Not from the table, but from the highest of the others that lies under its middle."""
+    x, y, _ = cuboid.pose.position
+    under = [
+        other.top_m
+        for other in others
+        if other.top_m < cuboid.top_m - FLAT_M and _is_above(other, x, y)
+    ]
+    foot, top = max(under, default=0.0), cuboid.top_m
+    pose = replace(cuboid.pose, position=(x, y, (foot + top) / 2))
+    return Cuboid(pose, (*cuboid.edges_m[:2], top - foot))
+
+
+def _is_above(cuboid: Cuboid, x: float, y: float) -> bool:
+    """Whether a point lies in a box as seen from above."""
+    local = cuboid.pose.rotation()[:2, :2].T @ np.subtract((x, y), cuboid.pose.position[:2])
+    return bool((np.abs(local) <= np.array(cuboid.edges_m[:2]) / 2).all())
+
+
+def _rectangle(
+    points: NDArray[np.float32],
+) -> tuple[tuple[float, float], tuple[float, float], float]:
+    """The smallest rectangle around points `[n, 2]`: centre, edges, and how its first edge is
+    turned against x, by less than an eighth."""
+    # In millimetres: OpenCV holds what is shorter than 1e-4 for nothing.
+    (x, y), (a, b), angle = cv2.minAreaRect(points * np.float32(1000.0))
+    # Its angle is in one or another quarter, by version and by what comes first.
+    quarters = round(angle / 90.0)
+    if quarters % 2:
+        a, b = b, a
+    return (x / 1000, y / 1000), (a / 1000, b / 1000), math.radians(angle - 90.0 * quarters)

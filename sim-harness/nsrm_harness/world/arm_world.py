@@ -1,0 +1,61 @@
+"""The tabletop with an arm that has motors, and moves blocks by touching them alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.world.bullet import pybullet
+from nsrm_harness.world.moving_arm import MovingArm
+from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.world import TIME_STEP_S, World
+
+
+class ArmWorld(World):
+    """As `World`, but the arm stands in its physics, and is moved by its motors; it is the body
+    that `nsrm_harness.arm` drives.
+
+    * `on_tick`: is called before each step of physics that the arm waits for
+    """
+
+    def __init__(self, on_tick: Callable[[], None] = lambda: None) -> None:
+        super().__init__()
+        self.on_tick = on_tick
+
+    def _build(self) -> None:
+        super()._build()
+        pybullet.setPhysicsEngineParameter(enableConeFriction=1, physicsClientId=self._client)
+        self._arm = MovingArm(self._client)
+
+    @property
+    def tick_s(self) -> float:
+        """Between two ticks."""
+        return TIME_STEP_S
+
+    def drive(self, joints: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """What the joints follow, rad and rad/s, from the next tick on."""
+        self._arm.drive(joints, speeds)
+
+    def grip(self, opening_m: float, force_n: float) -> None:
+        """Where the fingers go with at most this force, from the next tick on."""
+        self._arm.grip(opening_m, force_n)
+
+    def joints(self) -> NDArray[np.float64]:
+        """The joints' angles `[7]`, radians."""
+        return self._arm.joints()
+
+    def opening_m(self) -> float:
+        """Between the fingers."""
+        return self._arm.opening_m()
+
+    def tick(self) -> None:
+        """A step of physics."""
+        self.on_tick()
+        self._set_global_parameters()
+        pybullet.stepSimulation(physicsClientId=self._client)
+
+    def arm_links(self) -> dict[str, Pose]:
+        """The frame of each of the Panda's links in the world, by name."""
+        return self._arm.links()

@@ -1,0 +1,342 @@
+"""What the arm would touch: FCL's answers against PyBullet's, and how densely it is asked."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nsrm_harness.arm import collision, panda
+from nsrm_harness.arm.collision import HELD, MARGIN_M, REACH_M, TOUCHING, Guard, steps
+from nsrm_harness.arm.grasp import pointing_down
+from nsrm_harness.arm.kinematics import Joints, Kinematics
+from nsrm_harness.arm.support import TABLE
+from nsrm_harness.arm.timing import Along, Straight, Trajectory
+from nsrm_harness.arm.ways import line
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.bullet import connect_direct, pybullet
+from nsrm_harness.world.layout import WORK_SPACE
+from nsrm_harness.world.pose import Pose
+
+KINEMATICS = Kinematics()
+LINKS = tuple(collision._vertices())
+
+HULL_M = 0.001
+"""PyBullet rounds a link's hull off by its collision margin of 1 mm, after having made the hull
+smaller by part of that: it is 0.2 to 1 mm nearer to everything than FCL's. Its boxes are as large
+as they are said to be."""
+EXACT_M = 2e-5
+OPEN_M = panda.MAX_OPENING_M
+
+
+@dataclass(frozen=True)
+class Other:
+    """The arm in PyBullet, whose answers are compared with."""
+
+    client: int
+    arm: int
+    links: dict[str, int]
+    revolute: list[int]
+    fingers: list[int]
+
+    def turn(self, joints: Joints, opening_m: float) -> None:
+        values = [*joints.tolist(), opening_m / 2, opening_m / 2]
+        for joint, value in zip([*self.revolute, *self.fingers], values, strict=True):
+            pybullet.resetJointState(self.arm, joint, value, physicsClientId=self.client)
+
+    def add(self, cuboid: Cuboid) -> int:
+        shape = pybullet.createCollisionShape(
+            pybullet.GEOM_BOX,
+            halfExtents=[edge / 2 for edge in cuboid.edges_m],
+            physicsClientId=self.client,
+        )
+        return pybullet.createMultiBody(
+            0,
+            shape,
+            basePosition=cuboid.pose.position,
+            baseOrientation=cuboid.pose.orientation,
+            physicsClientId=self.client,
+        )
+
+    def remove(self, body: int) -> None:
+        pybullet.removeBody(body, physicsClientId=self.client)
+
+    def distance_m(self, link: str, body: int, other: str | None = None) -> float:
+        """From a link to a body without links, or to another link; below 0 where they overlap."""
+        second = {} if other is None else {"linkIndexB": self.links[other]}
+        points = pybullet.getClosestPoints(
+            self.arm,
+            body,
+            3.0,
+            linkIndexA=self.links[link],
+            physicsClientId=self.client,
+            **second,
+        )
+        return min(point[8] for point in points)
+
+
+@pytest.fixture(scope="module")
+def other() -> Iterator[Other]:
+    client = connect_direct()
+    arm = pybullet.loadURDF(str(panda.URDF), useFixedBase=True, physicsClientId=client)
+    infos = [
+        pybullet.getJointInfo(arm, joint, physicsClientId=client)
+        for joint in range(pybullet.getNumJoints(arm, physicsClientId=client))
+    ]
+    yield Other(
+        client,
+        arm,
+        {"panda_link0": -1, **{info[12].decode(): info[0] for info in infos}},
+        [info[0] for info in infos if info[2] == pybullet.JOINT_REVOLUTE],
+        [info[0] for info in infos if info[2] == pybullet.JOINT_PRISMATIC],
+    )
+    pybullet.disconnect(physicsClientId=client)
+
+
+def random_joints(rng: np.random.Generator) -> Joints:
+    return rng.uniform(panda.LOWEST_RAD, panda.HIGHEST_RAD)
+
+
+def random_box(rng: np.random.Generator, middle: NDArray[np.float64]) -> Cuboid:
+    """Turned in any way, within 12 cm of a point in each direction."""
+    x, y, z = (float(value) for value in middle + rng.uniform(-0.12, 0.12, 3))
+    i, j, k, w = (float(value) for value in rng.normal(size=4))
+    length = math.hypot(i, j, k, w)
+    a, b, c = (float(value) for value in rng.uniform(0.02, 0.12, 3))
+    return Cuboid(Pose((x, y, z), (i / length, j / length, k / length, w / length)), (a, b, c))
+
+
+def all_but(one: str, other: str, names: tuple[str, ...]) -> list[tuple[str, str]]:
+    return [pair for pair in itertools.combinations(names, 2) if {*pair} != {one, other}]
+
+
+def block_at(x: float, y: float, z: float, edge_m: float = 0.04) -> Cuboid:
+    return Cuboid(Pose((x, y, z)), (edge_m, edge_m, edge_m))
+
+
+def above(x: float, y: float, z: float) -> Joints:
+    """With the fingertips there, from above."""
+    joints = KINEMATICS.joints(pointing_down(x, y, z, 0.0), panda.READY_RAD)
+    assert joints is not None
+    return joints
+
+
+def test_links_are_as_far_from_boxes_as_pybullet_says(other: Other) -> None:
+    rng = np.random.default_rng(3)
+    names = (*LINKS, "box", TABLE)
+    overlapping = 0
+    for _ in range(200):
+        joints, opening_m = random_joints(rng), float(rng.uniform(0.0, OPEN_M))
+        rotation, position = KINEMATICS.links(joints, opening_m)[LINKS[rng.integers(len(LINKS))]]
+        box = random_box(rng, position + rotation @ (0.0, 0.0, 0.05))
+        other.turn(joints, opening_m)
+        body = other.add(box)
+        for link in LINKS:
+            guard = Guard(KINEMATICS, {"box": box}, ignored=all_but(link, "box", names))
+            found = guard.nearest(joints, opening_m)
+            assert found.pair == {link, "box"}
+            told_m = other.distance_m(link, body)
+            if told_m > 0.002:
+                assert told_m - EXACT_M < found.distance_m < told_m + HULL_M + EXACT_M, found
+                assert guard.touches(joints, opening_m, found.distance_m - 1e-4) is None
+            elif told_m < -0.002:
+                assert found.distance_m == 0.0, (link, told_m)
+                assert guard.touches(joints, opening_m, 1e-6) == found
+                overlapping += 1
+        other.remove(body)
+    assert overlapping > 100
+
+
+def test_links_are_as_far_from_each_other_as_pybullet_says(other: Other) -> None:
+    rng = np.random.default_rng(4)
+    pairs = [pair for pair in itertools.combinations(LINKS, 2) if frozenset(pair) not in TOUCHING]
+    free = folded = 0
+    for _ in range(200):
+        joints, opening_m = random_joints(rng), float(rng.uniform(0.0, OPEN_M))
+        other.turn(joints, opening_m)
+        told_m = min(other.distance_m(one, other.arm, another) for one, another in pairs)
+        found = Guard(KINEMATICS, {}, ignored=[(link, TABLE) for link in LINKS]).nearest(
+            joints, opening_m
+        )
+        if told_m > 0.002:
+            # Here both are rounded off.
+            assert told_m - EXACT_M < found.distance_m < told_m + 2 * HULL_M + EXACT_M, found
+            free += 1
+        elif told_m < -0.002:
+            assert found.distance_m == 0.0, (told_m, found)
+            folded += 1
+    assert free > 20 and folded > 20
+
+
+def test_the_hand_meets_the_table_where_its_fingertips_are() -> None:
+    for height_m in (0.05, 0.01, 0.003):
+        found = Guard(KINEMATICS, {}).nearest(above(0.5, 0.1, height_m), OPEN_M)
+        assert TABLE in found.pair and found.pair & {"panda_leftfinger", "panda_rightfinger"}
+        assert found.distance_m == pytest.approx(height_m, abs=5e-4)
+    touch = Guard(KINEMATICS, {}).touches(above(0.5, 0.1, -0.005), OPEN_M)
+    assert touch is not None and TABLE in touch.pair and touch.distance_m == 0.0
+
+
+def test_a_message_names_both_and_how_near_they_come() -> None:
+    near = Guard(KINEMATICS, {}).touches(above(0.5, 0.1, 0.001), OPEN_M)
+    through = Guard(KINEMATICS, {}).touches(above(0.5, 0.1, -0.01), OPEN_M)
+    assert "finger" in str(near) and TABLE in str(near) and "mm" in str(near)
+    assert "finger" in str(through) and "touch" in str(through) and "mm" not in str(through)
+
+
+def test_what_is_held_is_looked_at_too() -> None:
+    joints = above(0.5, 0.0, 0.2)
+    in_hand = Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), (0.04, 0.04, 0.04))
+    # Below what is held, the block's upper face is 18 cm above the table.
+    for gap_m in (0.01, 0.003, 0.001):
+        objects = {"block": block_at(0.5, 0.0, 0.18 - gap_m - 0.02)}
+        assert Guard(KINEMATICS, objects).touches(joints, 0.04) is None
+        found = Guard(KINEMATICS, objects, in_hand).nearest(joints, 0.04)
+        assert found.pair == {HELD, "block"}
+        assert found.distance_m == pytest.approx(gap_m, abs=1e-4)
+    hit = Guard(KINEMATICS, {"block": block_at(0.5, 0.0, 0.17)}, in_hand).touches(joints, 0.04)
+    assert hit is not None and hit.pair == {HELD, "block"} and hit.distance_m == 0.0
+
+
+def test_what_is_held_turns_with_the_hand() -> None:
+    long = Cuboid(Pose.upright(0.0, 0.0, panda.FINGERTIP_M, 0.4), (0.20, 0.03, 0.04))
+    joints = above(0.5, 0.0, 0.2)
+    held = KINEMATICS.hand(joints) @ long.pose
+    end = held.matrix() @ (0.0999, 0.0, 0.0, 1.0)
+    x, y, z = (float(value) for value in end[:3])
+    hit = Guard(KINEMATICS, {"end": block_at(x, y, z, 0.002)}, long).nearest(joints, 0.03)
+    assert hit.pair == {HELD, "end"} and hit.distance_m == 0.0
+    mirrored = Guard(KINEMATICS, {"end": block_at(x, -y, z, 0.002)}, long).nearest(joints, 0.03)
+    assert mirrored.distance_m > 0.02
+
+
+def test_pairs_that_may_touch_are_not_looked_at() -> None:
+    joints = above(0.5, 0.0, 0.01)
+    objects = {"block": block_at(0.5, 0.04, 0.02)}
+    touch = Guard(KINEMATICS, objects).touches(joints, OPEN_M)
+    assert touch is not None and "block" in touch.pair
+    (finger,) = touch.pair - {"block"}
+    assert Guard(KINEMATICS, objects, ignored=[("block", finger)]).touches(joints, OPEN_M) is None
+    assert Guard(KINEMATICS, objects, ignored=[(finger, TABLE)]).touches(joints, OPEN_M) == touch
+
+
+def test_the_ready_pose_is_free_of_everything() -> None:
+    (x0, y0, _), (x1, y1, z1) = WORK_SPACE.min, WORK_SPACE.max
+    towers = {
+        f"{x} {y}": Cuboid(Pose((x, y, z1 / 2)), (0.06, 0.06, z1))
+        for x, y in itertools.product((x0, x1), (y0, 0.0, y1))
+    }
+    for opening_m in (0.0, OPEN_M):
+        for objects in ({}, towers):
+            guard = Guard(KINEMATICS, objects)
+            assert guard.nearest(panda.READY_RAD, opening_m).distance_m > 10 * MARGIN_M
+            assert guard.touches(panda.READY_RAD, opening_m) is None
+
+
+def test_along_a_trajectory_the_first_touch_is_told() -> None:
+    begin, end = pointing_down(0.5, -0.2, 0.1, 0.0), pointing_down(0.5, 0.2, 0.1, 0.0)
+    way = line(KINEMATICS, begin, end, panda.READY_RAD, 1.0)
+    assert way is not None
+    # Both ends are clear of them.
+    thin = {
+        name: Cuboid(Pose((0.5, y, 0.07)), (0.04, 0.002, 0.14))
+        for name, y in (("first", -0.04), ("second", 0.04))
+    }
+    guard = Guard(KINEMATICS, thin)
+    assert guard.touches(way.begin, 0.02) is None and guard.touches(way.end, 0.02) is None
+    there, back = guard.along(way, 0.02), guard.along(way.reversed(), 0.02)
+    assert there is not None and "first" in there.pair
+    assert back is not None and "second" in back.pair
+    low = {name: Cuboid(Pose((0.5, 0.0, 0.02)), (0.04, 0.04, 0.04)) for name in thin}
+    assert Guard(KINEMATICS, low).along(way, 0.02) is None
+
+
+def moving_points(joints: Joints) -> NDArray[np.float64]:
+    """All corners of all hulls, and of the largest block in the hand, in the world `[n, 3]`."""
+    frames = KINEMATICS.links(joints, OPEN_M)
+    points = [
+        vertices @ frames[link][0].T + frames[link][1]
+        for link, vertices in collision._vertices().items()
+    ]
+    rotation, position = frames[panda.HAND_FRAME]
+    held = np.array(list(itertools.product((-0.03, 0.03), (-0.03, 0.03), (-0.025, 0.025))))
+    points.append((held + (0.0, 0.0, panda.FINGERTIP_M)) @ rotation.T + position)
+    return np.concatenate(points)
+
+
+def fast_ways() -> list[Trajectory]:
+    """At the full pace, stretched far out and near, with one joint and with all."""
+    rng = np.random.default_rng(6)
+    far = np.array([-1.5, 1.2, 0.0, -0.07, 0.0, 1.9, 0.8])
+    near: Along | None = line(
+        KINEMATICS,
+        pointing_down(0.45, -0.3, 0.2, 0.0),
+        pointing_down(0.45, 0.3, 0.2, 0.0),
+        panda.READY_RAD,
+        1.0,
+    )
+    assert near is not None
+    return [
+        Straight(far, far + (3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
+        Straight(far, far + (3.0, 0.4, 0.3, -0.4, 0.3, 0.3, 0.3)),
+        Straight(panda.READY_RAD, random_joints(rng)),
+        near,
+    ]
+
+
+def away_m(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(one - other, axis=1).max())
+
+
+@pytest.mark.parametrize("margin_m", [MARGIN_M, 0.01])
+def test_no_point_gets_farther_than_the_margin_from_where_it_was_looked_at(
+    margin_m: float,
+) -> None:
+    for way in fast_ways():
+        looked = [moving_points(joints) for joints in steps(way, margin_m)]
+        assert away_m(looked[0], moving_points(way.begin)) < 1e-5
+        assert away_m(looked[-1], moving_points(way.end)) < 1e-5
+        for one, following in itertools.pairwise(looked):
+            assert away_m(one, following) <= 2 * margin_m
+        # Each moment in between is near to the look before it or to the next.
+        at = 0
+        for joints in way.at(np.linspace(0.0, way.duration_s, 1500)).joints:
+            points = moving_points(joints)
+            nearest_m = away_m(points, looked[at])
+            while at + 1 < len(looked):
+                next_m = away_m(points, looked[at + 1])
+                if next_m > nearest_m:
+                    break
+                at, nearest_m = at + 1, next_m
+            assert nearest_m <= margin_m
+
+
+def test_an_arm_that_stays_is_looked_at_where_it_is() -> None:
+    looked = steps(Straight(panda.READY_RAD, panda.READY_RAD), MARGIN_M)
+    assert len(looked) > 0
+    np.testing.assert_allclose(looked, np.tile(panda.READY_RAD, (len(looked), 1)))
+
+
+def test_no_point_is_farther_from_a_joint_than_its_reach() -> None:
+    """The way of a point by a small turn of one joint alone."""
+    rng = np.random.default_rng(7)
+    turn_rad = 1e-4
+    farthest = np.zeros(panda.JOINTS)
+    # Stretched out at first, then anyhow.
+    poses = [np.array([0.0, 1.2, 0.0, -0.07, 0.0, 1.9, 0.8])]
+    poses += [random_joints(rng) for _ in range(300)]
+    for joints in poses:
+        points = moving_points(joints)
+        for joint in range(panda.JOINTS):
+            turned = joints.copy()
+            turned[joint] += turn_rad
+            moved_m = np.linalg.norm(moving_points(turned) - points, axis=1).max()
+            farthest[joint] = max(farthest[joint], moved_m / turn_rad)
+    assert (farthest <= REACH_M).all(), farthest
+    # It was indeed stretched out.
+    assert (farthest[:3] > 0.8 * REACH_M[:3]).all(), farthest

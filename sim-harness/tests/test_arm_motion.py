@@ -1,0 +1,161 @@
+"""Where the arm's hand is, how it gets there, and in what time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from nsrm_harness.arm import panda, ways
+from nsrm_harness.arm.grasp import pointing_down
+from nsrm_harness.arm.kinematics import Joints, Kinematics
+from nsrm_harness.arm.timing import Along, Straight, Trajectory
+from nsrm_harness.world.arm import rest_links
+
+KINEMATICS = Kinematics()
+TICK_S = 2e-4
+
+
+def lifted(x: float, y: float, yaw_rad: float, near: Joints, pace: float = 1.0) -> Along:
+    """A line of the hand, straight up."""
+    low, high = (pointing_down(x, y, z, yaw_rad) for z in (0.02, 0.12))
+    found = ways.line(KINEMATICS, low, high, near, pace)
+    assert found is not None, (x, y, yaw_rad)
+    return found
+
+
+def within_limits(trajectory: Trajectory, begin: Joints, end: Joints) -> None:
+    """Looks at it every fifth of a millisecond, by differences of its angles alone."""
+    moments = trajectory.at(np.arange(0.0, trajectory.duration_s + TICK_S, TICK_S))
+    assert moments.joints.shape == moments.speeds.shape == moments.accelerations.shape
+    assert moments.joints.shape[1] == panda.JOINTS
+    for given, first_or_last, row in ((begin, trajectory.begin, 0), (end, trajectory.end, -1)):
+        np.testing.assert_allclose(first_or_last, given, atol=1e-12)
+        np.testing.assert_allclose(moments.joints[row], given, atol=1e-4)
+        np.testing.assert_allclose(moments.speeds[row], 0.0, atol=1e-4)
+    speeds = np.diff(moments.joints, axis=0) / TICK_S
+    told = moments.speeds
+    np.testing.assert_allclose(speeds, (told[1:] + told[:-1]) / 2, atol=1e-4)
+    accelerations = np.diff(told, axis=0) / TICK_S
+    np.testing.assert_allclose(
+        accelerations, (moments.accelerations[1:] + moments.accelerations[:-1]) / 2, atol=0.5
+    )
+    jerks = np.diff(moments.accelerations, axis=0) / TICK_S
+    for values, limit in (
+        (speeds, panda.MAX_SPEED_RAD_S),
+        (accelerations, panda.MAX_ACCELERATION_RAD_S2),
+        (jerks, panda.MAX_JERK_RAD_S3),
+    ):
+        assert (np.abs(values) <= limit * 1.001).all()
+
+
+def test_the_hand_is_where_the_simulator_has_it() -> None:
+    links = dict(rest_links())
+    hand = KINEMATICS.hand(np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]))
+    assert hand.distance_m(links[panda.HAND_FRAME]) < 1e-6
+    assert hand.angle_rad(links[panda.HAND_FRAME]) < 1e-6
+
+
+def test_all_of_the_work_space_is_reached_from_above() -> None:
+    xs, ys = np.linspace(0.35, 0.65, 4), np.linspace(-0.25, 0.25, 5)
+    yaws = np.linspace(-math.pi / 4, math.pi / 4, 3)
+    for x, y, z, yaw in itertools.product(xs, ys, (0.01, 0.1, 0.2, 0.3), yaws):
+        hand = pointing_down(x, y, z, yaw)
+        joints = KINEMATICS.joints(hand, panda.READY_RAD)
+        assert joints is not None, (x, y, z, yaw)
+        assert (joints >= panda.LOWEST_RAD).all() and (joints <= panda.HIGHEST_RAD).all()
+        reached = KINEMATICS.hand(joints)
+        assert reached.distance_m(hand) < 2e-5 and reached.angle_rad(hand) < 2e-4
+
+
+@pytest.mark.parametrize("x", [0.0, 1.2])
+def test_what_is_out_of_reach_has_no_joints(x: float) -> None:
+    assert KINEMATICS.joints(pointing_down(x, 0.0, 0.1, 0.0), panda.READY_RAD) is None
+
+
+def test_moves_keep_within_the_makers_limits_and_lines_are_straight() -> None:
+    rng = np.random.default_rng(1)
+    joints = panda.READY_RAD
+    for _ in range(4):
+        x, y, yaw = rng.uniform((0.35, -0.25, -1.5), (0.65, 0.25, 1.5))
+        along = lifted(x, y, yaw, joints)
+        within_limits(Straight(joints, along.begin), joints, along.begin)
+        within_limits(along, along.begin, along.end)
+        for reached in along.at(np.linspace(0.0, along.duration_s, 40)).joints:
+            hand = KINEMATICS.hand(reached)
+            assert math.dist(hand.position[:2], (x, y)) < 1e-4
+            assert hand.angle_rad(pointing_down(x, y, 0.0, yaw)) < 5e-4
+        joints = along.end
+
+
+def test_a_line_that_can_not_be_followed_is_none() -> None:
+    def along_y(x: float, yaw_rad: float) -> Along | None:
+        left, right = (pointing_down(x, y, 0.1, yaw_rad) for y in (0.45, -0.45))
+        assert KINEMATICS.joints(left, panda.READY_RAD) is not None
+        return ways.line(KINEMATICS, left, right, panda.READY_RAD, 1.0)
+
+    def leads_out() -> Along | None:
+        ends = pointing_down(0.5, 0.0, 0.1, 0.0), pointing_down(1.2, 0.0, 0.1, 0.0)
+        return ways.line(KINEMATICS, *ends, panda.READY_RAD, 1.0)
+
+    assert along_y(0.45, 0.0) is not None
+    assert leads_out() is None
+    # Too near to the base in the middle.
+    assert along_y(0.1, 0.0) is None
+
+
+def test_a_line_on_which_the_arm_would_fold_over_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    begin, end = (pointing_down(0.45, y, 0.1, -3.0) for y in (0.45, -0.45))
+    assert ways.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is None
+    # All of its places can be reached.
+    monkeypatch.setattr(ways, "MAX_LEAP_RAD", math.inf)
+    assert ways.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is not None
+
+
+def test_before_it_begins_and_after_it_ends_a_trajectory_is_at_its_ends() -> None:
+    for way in (
+        Straight(panda.READY_RAD, panda.READY_RAD + 0.5),
+        lifted(0.5, 0.0, 0.0, panda.READY_RAD),
+    ):
+        moments = way.at(np.array([-1.0, way.duration_s + 1.0]))
+        np.testing.assert_allclose(moments.joints, [way.begin, way.end], atol=1e-4)
+        np.testing.assert_allclose(moments.speeds, 0.0, atol=1e-9)
+
+
+def test_a_straight_move_turns_all_joints_in_one_proportion() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        begin, end = rng.uniform(panda.LOWEST_RAD, panda.HIGHEST_RAD, (2, panda.JOINTS))
+        straight = Straight(begin, end)
+        moments = straight.at(np.linspace(0.0, straight.duration_s, 200))
+        shares = (moments.joints - begin) / (end - begin)
+        np.testing.assert_allclose(shares, shares[:, :1].repeat(panda.JOINTS, axis=1), atol=1e-6)
+        assert (np.diff(shares[:, 0]) > 0).all()
+        assert 0.2 < shares[100, 0] < 0.8
+
+
+@pytest.mark.parametrize("pace", [1.0, 0.3])
+def test_the_way_back_is_the_same_way(pace: float) -> None:
+    ways_there: tuple[Trajectory, ...] = (
+        Straight(panda.READY_RAD, panda.READY_RAD + np.linspace(-0.5, 0.7, panda.JOINTS), pace),
+        lifted(0.42, 0.17, 0.6, panda.READY_RAD, pace),
+    )
+    for way in ways_there:
+        is_line = isinstance(way, Along)
+        back = way.reversed() if is_line else Straight(way.end, way.begin, pace)
+        assert back.duration_s == pytest.approx(way.duration_s)
+        np.testing.assert_array_equal(back.begin, way.end)
+        np.testing.assert_array_equal(back.end, way.begin)
+        times = np.linspace(0.0, way.duration_s, 100)
+        there, again = way.at(times), back.at(way.duration_s - times)
+        np.testing.assert_allclose(again.joints, there.joints, atol=1e-6)
+        np.testing.assert_allclose(again.speeds, -there.speeds, atol=1e-5)
+
+
+def test_a_slower_pace_takes_longer() -> None:
+    end = panda.READY_RAD + 0.5
+    assert (
+        Straight(panda.READY_RAD, end, 0.5).duration_s > Straight(panda.READY_RAD, end).duration_s
+    )

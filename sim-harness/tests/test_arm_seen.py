@@ -1,0 +1,273 @@
+"""Blocks as boxes in space, by pictures: where they are, and what is believed of hidden ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from world_scenes import DOMAIN, on_top, random_blocks
+
+from nsrm_harness.perception.cuboids import Cuboid, Cuboids
+from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.relief import relief
+from nsrm_harness.perception.tracking import Tracker
+from nsrm_harness.world.blocks import Block, block_from_attributes
+from nsrm_harness.world.camera import default_camera
+from nsrm_harness.world.layout import sample_layout
+from nsrm_harness.world.pose import Pose, Vector3
+from nsrm_harness.world.render import Light, Renderer, open_renderer
+from nsrm_harness.world.world import World
+
+CENTRE_M = 0.001
+EDGE_M = 0.0015
+YAW_RAD = math.radians(1.0)
+YAW = 0.15
+"""Of most blocks, radians."""
+FLAT: Vector3 = (0.06, 0.03, 0.03)
+"""Of a block that is not square."""
+
+
+class Eyes:
+    """A picture after the other, and who is who in them."""
+
+    def __init__(self, renderer: Renderer, world: World) -> None:
+        self._renderer, self._world = renderer, world
+        self._camera, self._tracker = default_camera(), Tracker()
+        self._cuboids = Cuboids(self._camera)
+        self.seen: tuple[int, ...] = ()
+        """The numbers of what was in the last picture."""
+
+    def look(self) -> dict[int, Cuboid]:
+        frame = self._renderer.render(self._world, self._camera, Light())
+        found = detect(frame.rgb, frame.depth, self._camera)
+        self.seen = self._tracker.update(frame.rgb, found, self._camera)
+        return self._cuboids.update(self.seen, found, relief(frame.rgb, frame.depth, self._camera))
+
+    def numbers(self) -> dict[int, int]:
+        """Which number each block of the world has, by where both are in a new picture."""
+        cuboids = self.look()
+        return {
+            placed.id: min(
+                cuboids, key=lambda number, at=placed.pose: cuboids[number].pose.distance_m(at)
+            )
+            for placed in self._world.placed()
+        }
+
+
+@pytest.fixture(scope="module")
+def renderer() -> Iterator[Renderer]:
+    drawing = open_renderer()
+    yield drawing
+    drawing.close()
+
+
+@pytest.fixture(scope="module")
+def world() -> Iterator[World]:
+    with World() as made:
+        yield made
+
+
+def small(color: str) -> Block:
+    return block_from_attributes(DOMAIN, {"color": color, "size": "small"})
+
+
+def large(color: str) -> Block:
+    return block_from_attributes(DOMAIN, {"color": color, "size": "lego"})
+
+
+def put(world: World, *blocks: tuple[Block, float, float, float]) -> None:
+    """Each at x and y, its foot at that height."""
+    world.reset()
+    poses = [Pose.upright(x, y, foot + block.edges_m[2] / 2, YAW) for block, x, y, foot in blocks]
+    world.spawn([block for block, *_ in blocks], poses)
+    assert world.settle().at_rest
+
+
+def move(world: World, moved: int, goal: Pose) -> None:
+    world.place(moved, goal)
+    assert world.settle().at_rest
+    assert world.pose(moved).distance_m(goal) < 0.001
+
+
+def onto(world: World, moved: int, reference: int) -> Pose:
+    """On its middle, turned as it is."""
+    return replace(on_top(world, moved, reference), orientation=world.pose(reference).orientation)
+
+
+def check(world: World, block_id: int, cuboid: Cuboid, what: object = None) -> None:
+    """Whether the box is where and as large as the block is."""
+    (block,) = (placed for placed in world.placed() if placed.id == block_id)
+    edges = block.block.edges_m
+    assert cuboid.pose.distance_m(block.pose) < CENTRE_M, what
+    turn = cuboid.pose.yaw_rad() - block.pose.yaw_rad()
+    if round(turn / (math.pi / 2)) % 2:
+        # Turned by a quarter, it looks the same with its edges the other way round.
+        edges = (edges[1], edges[0], edges[2])
+    off = (turn + math.pi / 4) % (math.pi / 2) - math.pi / 4
+    assert abs(off) < YAW_RAD, what
+    np.testing.assert_allclose(cuboid.edges_m, edges, atol=EDGE_M, err_msg=str(what))
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("max_yaw", [40.0, 0.0])
+def test_blocks_are_where_and_as_they_are(
+    renderer: Renderer, world: World, max_yaw: float, seed: int
+) -> None:
+    """Turned in many ways, and as an arm leaves them: along the rows of the picture."""
+    rng = np.random.default_rng(100 + seed)
+    blocks = random_blocks(rng, 6)
+    blocks[0] = replace(blocks[0], edges_m=FLAT, studs=None)
+    world.reset()
+    world.spawn(blocks, sample_layout(rng, blocks, max_yaw_rad=math.radians(max_yaw)))
+    assert world.settle().at_rest
+    eyes = Eyes(renderer, world)
+    numbers, cuboids = eyes.numbers(), eyes.look()
+    assert len(cuboids) == 6 and len(set(numbers.values())) == 6
+    for block_id, number in numbers.items():
+        check(world, block_id, cuboids[number], f"seed {seed}, block {block_id}")
+
+
+def test_a_block_keeps_its_box_when_another_is_put_on_it(renderer: Renderer, world: World) -> None:
+    for lower, upper in (
+        (small("red"), small("green")),
+        (large("red"), small("green")),
+        (small("red"), large("green")),
+        (large("blue"), large("blue")),
+    ):
+        put(world, (lower, 0.5, 0.1, 0), (upper, 0.45, -0.1, 0), (small("white"), 0.6, 0.0, 0))
+        eyes = Eyes(renderer, world)
+        numbers, before = eyes.numbers(), eyes.look()
+        move(world, 2, onto(world, 2, 1))
+        for _ in range(3):
+            cuboids = eyes.look()
+            assert sorted(cuboids) == sorted(numbers.values())
+            for block_id, number in numbers.items():
+                check(world, block_id, cuboids[number], (lower.values, upper.values, block_id))
+        standing, on_it = cuboids[numbers[1]], cuboids[numbers[2]]
+        assert standing.pose.distance_m(before[numbers[1]].pose) < CENTRE_M
+        assert on_it.bottom_m == pytest.approx(standing.top_m, abs=1e-6)
+
+
+def test_a_tower_is_seen_as_its_blocks_while_it_is_built(renderer: Renderer, world: World) -> None:
+    put(
+        world,
+        (large("red"), 0.5, 0.0, 0),
+        (small("green"), 0.4, -0.15, 0),
+        (small("blue"), 0.5, -0.15, 0),
+        (small("yellow"), 0.6, -0.15, 0),
+    )
+    eyes = Eyes(renderer, world)
+    numbers = eyes.numbers()
+    for moved in (2, 3, 4):
+        move(world, moved, onto(world, moved, moved - 1))
+        cuboids = eyes.look()
+        for block_id, number in numbers.items():
+            check(world, block_id, cuboids[number], (moved, block_id))
+    # And while it is taken down.
+    for moved in (4, 3):
+        move(world, moved, Pose.upright(0.4 + 0.05 * moved, -0.15, 0.02, YAW))
+        cuboids = eyes.look()
+        for block_id, number in numbers.items():
+            check(world, block_id, cuboids[number], (moved, block_id))
+
+
+def test_a_block_that_was_moved_is_only_where_it_is_now(renderer: Renderer, world: World) -> None:
+    put(world, (small("red"), 0.45, 0.1, 0), (small("green"), 0.55, -0.1, 0))
+    eyes = Eyes(renderer, world)
+    numbers = eyes.numbers()
+    move(world, 1, Pose.upright(0.6, 0.15, 0.02, 0.3))
+    cuboids = eyes.look()
+    assert sorted(cuboids) == sorted(numbers.values())
+    for block_id, number in numbers.items():
+        check(world, block_id, cuboids[number])
+
+
+def out_of_sight(world: World, moved: int) -> None:
+    """At the table's edge beside the robot."""
+    move(world, moved, Pose.upright(0.0, 0.6, 0.02, YAW))
+
+
+def test_a_block_that_was_taken_away_is_believed_no_more(renderer: Renderer, world: World) -> None:
+    put(world, (small("red"), 0.45, 0.1, 0), (small("green"), 0.55, -0.1, 0))
+    eyes = Eyes(renderer, world)
+    numbers = eyes.numbers()
+    out_of_sight(world, 1)
+    assert list(eyes.look()) == [numbers[2]]
+    # From a tower too: then the lower one is still there.
+    put(world, (small("red"), 0.45, 0.1, 0), (small("green"), 0.55, -0.1, 0))
+    eyes = Eyes(renderer, world)
+    numbers = eyes.numbers()
+    move(world, 2, onto(world, 2, 1))
+    eyes.look()
+    out_of_sight(world, 2)
+    cuboids = eyes.look()
+    assert list(cuboids) == [numbers[1]]
+    check(world, 1, cuboids[numbers[1]])
+
+
+def hidden(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
+    """The red block, seen before a tower of two large ones was built in front of it."""
+    put(
+        world,
+        (small("red"), 0.40, 0.0, 0),
+        (large("green"), 0.5, 0.15, 0),
+        (large("blue"), 0.5, -0.15, 0),
+    )
+    eyes = Eyes(renderer, world)
+    numbers = eyes.numbers()
+    move(world, 2, Pose.upright(0.46, 0.0, 0.025, YAW))
+    eyes.look()
+    move(world, 3, onto(world, 3, 2))
+    return eyes, numbers
+
+
+def test_a_block_that_is_wholly_hidden_is_believed_to_be_there(
+    renderer: Renderer, world: World
+) -> None:
+    eyes, numbers = hidden(renderer, world)
+    for _ in range(3):
+        cuboids = eyes.look()
+        assert sorted(eyes.seen) == sorted((numbers[2], numbers[3]))
+        for block_id, number in numbers.items():
+            check(world, block_id, cuboids[number], block_id)
+    # It comes to light again as the same one.
+    for moved, y in ((3, -0.15), (2, 0.15)):
+        move(world, moved, Pose.upright(0.5, y, 0.025, YAW))
+        cuboids = eyes.look()
+        for block_id, number in numbers.items():
+            check(world, block_id, cuboids[number], (moved, block_id))
+    assert sorted(eyes.seen) == sorted(numbers.values())
+
+
+def test_a_block_that_went_unseen_is_believed_until_its_place_is_seen(
+    renderer: Renderer, world: World
+) -> None:
+    eyes, numbers = hidden(renderer, world)
+    eyes.look()
+    out_of_sight(world, 1)
+    assert numbers[1] in eyes.look()
+    move(world, 3, Pose.upright(0.5, -0.15, 0.025, YAW))
+    move(world, 2, Pose.upright(0.5, 0.15, 0.025, YAW))
+    assert sorted(eyes.look()) == sorted((numbers[2], numbers[3]))
+
+
+def test_a_block_that_is_partly_hidden_keeps_its_box(renderer: Renderer, world: World) -> None:
+    put(
+        world,
+        (small("red"), 0.40, 0.0, 0),
+        (large("green"), 0.5, 0.15, 0),
+        (large("blue"), 0.5, -0.15, 0),
+    )
+    eyes = Eyes(renderer, world)
+    numbers = eyes.numbers()
+    move(world, 2, Pose.upright(0.46, 0.03, 0.025, YAW))
+    eyes.look()
+    move(world, 3, Pose.upright(0.46, 0.03, 0.075, YAW))
+    cuboids = eyes.look()
+    assert len(eyes.seen) == 3
+    assert sorted(cuboids) == sorted(numbers.values())
+    for block_id, number in numbers.items():
+        check(world, block_id, cuboids[number], block_id)
