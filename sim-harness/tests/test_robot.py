@@ -22,6 +22,7 @@ from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
 from nsrm_harness.robot.half_made import SEGMENTS
+from nsrm_harness.robot.movers import SetsDown
 from nsrm_harness.robot.ports import FeedbackOut, FramesOut, PortError, Robot
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
@@ -128,7 +129,7 @@ def move(plan: int, number: int, object_id: int, position: tuple[float, float, f
 def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position)}
-    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     there = move(5, 1, 7, (0.62, 0.0, 0.021))
     controller.obey(there)
     assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
@@ -155,7 +156,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
 def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position), 8: np.array([0.5, -0.6, 0.0])}
-    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     for number, (object_id, position, outcome) in enumerate(
         [
             (9, (0.62, 0.0, 0.021), Outcome.IMPOSSIBLE),
@@ -195,7 +196,7 @@ def test_each_fault_of_a_command_is_named(field: str, value: object, why: str) -
 def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position)}
-    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     size = len(bytes(SubGoal()))
     rng = np.random.default_rng(7)
@@ -218,7 +219,7 @@ def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
 def test_what_waited_too_long_or_was_given_up_moves_nothing(world: World) -> None:
     ear = Ear()
     seen = {7: np.array(world.pose(1).position)}
-    controller = Controller(world, seen.get, ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     late = move(5, 1, 7, (0.62, 0.0, 0.021))
     late.until_ns = NOW_NS - 3_000_000

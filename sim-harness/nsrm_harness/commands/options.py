@@ -99,3 +99,12 @@ def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
         return
     with RayCluster(ray, jobs) as cluster:
         yield cluster
+
+
+arm_option = click.option(
+    "--arm/--no-arm",
+    "with_arm",
+    default=True,
+    show_default=True,
+    help="The arm carries blocks to their sub-goals; or they are set down there without it.",
+)

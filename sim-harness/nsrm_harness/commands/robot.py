@@ -8,13 +8,14 @@ from pathlib import Path
 
 import click
 
-from nsrm_harness.commands.options import seed_option
+from nsrm_harness.commands.options import arm_option, seed_option
 from nsrm_harness.robot.processes import Processes
 
 
 @click.command("robot")
 @click.argument("sentence", required=False)
 @seed_option
+@arm_option
 @click.option(
     "--nsrm",
     type=click.Path(path_type=Path, dir_okay=False, exists=True),
@@ -23,7 +24,9 @@ from nsrm_harness.robot.processes import Processes
 )
 @click.option("--open-loop", is_flag=True, help="Don't look after each step, as in the paper.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, a line for each event.")
-def command(sentence: str | None, seed: int, nsrm: Path, open_loop: bool, as_json: bool) -> None:
+def command(
+    sentence: str | None, seed: int, with_arm: bool, nsrm: Path, open_loop: bool, as_json: bool
+) -> None:
     """Have SENTENCE carried out in the scene of a seed; without one, one that fits.
 
     Starts world, perception and planner as processes of a robot of their own, says the
@@ -32,8 +35,11 @@ def command(sentence: str | None, seed: int, nsrm: Path, open_loop: bool, as_jso
     """
     robot = f"demo-{os.getpid()}"
     with Processes() as processes:
+        arm = "--arm" if with_arm else "--no-arm"
         world = [sys.executable, "-m", "nsrm_harness.cli", "world"]
-        told = processes.start("world", [*world, "--robot", robot, "--seed", str(seed)], "try: ")
+        told = processes.start(
+            "world", [*world, "--robot", robot, "--seed", str(seed), arm], "try: "
+        )
         processes.start("perception", [str(nsrm), "perceive", "--robot", robot], "perceiving")
         processes.start("planner", [str(nsrm), "serve", "--robot", robot], "planning")
         said = sentence or told.partition("try: ")[2]

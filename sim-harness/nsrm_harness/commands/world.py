@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from nsrm_harness import domain as domains
-from nsrm_harness.commands.options import seed_option
+from nsrm_harness.commands.options import arm_option, seed_option
 from nsrm_harness.robot.config import read_config
 from nsrm_harness.robot.stage import Stage
 from nsrm_harness.world.render import open_renderer
@@ -25,11 +25,12 @@ from nsrm_harness.world.render import open_renderer
     help="The robot's configuration (TOML), the same as that of `nsrm`.",
 )
 @seed_option
-def command(robot: str | None, file: Path | None, seed: int) -> None:
+@arm_option
+def command(robot: str | None, file: Path | None, seed: int, with_arm: bool) -> None:
     """The tabletop of a seed, as a robot's camera and controller, until SIGINT or SIGTERM.
 
-    Its camera publishes frames with the boxes that the detector finds; its controller
-    grasps a block where it is seen, lets it go above its sub-goal, and physics does the rest.
+    Its camera publishes frames with the boxes that the detector finds; its controller has the
+    arm carry a block from where it is seen to its sub-goal.
     """
     config = read_config(file, robot)
     stop = threading.Event()
@@ -37,7 +38,7 @@ def command(robot: str | None, file: Path | None, seed: int) -> None:
         signal.signal(number, lambda *_: stop.set())
     with (
         closing(open_renderer()) as renderer,
-        closing(Stage(domains.load(), renderer, seed, config)) as stage,
+        closing(Stage(domains.load(), renderer, seed, config, with_arm=with_arm)) as stage,
     ):
         stage.look()
         click.echo(f"world: robot {config.robot}, seed {seed}; try: {stage.sentence}")

@@ -1,5 +1,4 @@
-"""The controller of the simulated world: a block is grasped where it is seen, let go
-above its sub-goal, and physics does the rest."""
+"""A robot's controller: each command once, in time, and word of how it went."""
 
 from __future__ import annotations
 
@@ -7,18 +6,8 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.world import World
-
-GRASP_M = 0.03
-"""How far from where an object is seen a block's centre may be for the hand to close on
-it: the middle of its visible box lies up to 2 cm from its centre."""
-MISPLACED_M = 0.02
-"""How far from its sub-goal a block may come to rest."""
 
 MOVE, STOP = 1, 2
 """Kinds of commands: `SubGoal.kind`."""
@@ -31,8 +20,8 @@ Say = Callable[[int, int, Outcome], None]
 """Plan, command and how it goes."""
 Reject = Callable[[str, str], None]
 """Service and why what came through it is passed over."""
-Seen = Callable[[int], NDArray[np.float64] | None]
-"""Where an object is seen, world frame, metres."""
+Mover = Callable[[int, Pose], Outcome]
+"""Moves an object to a pose of its centre."""
 
 
 @dataclass(frozen=True)
@@ -76,15 +65,13 @@ class Controller:
     """Carries out each command once, and none after its time; one that comes again gets the
     same answer again.
 
+    * `mover`: moves an object to its sub-goal
     * `reject`: is told why a command makes no sense, or that it comes too late
     * `clock`: the time, nanoseconds
     """
 
-    def __init__(
-        self, world: World, seen: Seen, say: Say, reject: Reject, clock: Callable[[], int]
-    ) -> None:
-        self._world, self._seen, self._say, self._reject = world, seen, say, reject
-        self._clock = clock
+    def __init__(self, mover: Mover, say: Say, reject: Reject, clock: Callable[[], int]) -> None:
+        self._mover, self._say, self._reject, self._clock = mover, say, reject, clock
         self._last = _Done(0, 0, Outcome.IMPOSSIBLE)
 
     def obey(self, command: SubGoal) -> None:
@@ -111,25 +98,12 @@ class Controller:
             outcome = Outcome.TOO_LATE
         elif command.kind == MOVE:
             self._say(plan, number, Outcome.ACCEPTED)
-            outcome = self._move(command)
+            outcome = self._mover(command.object_id, _pose(command))
         self._last = _Done(plan, number, outcome)
         self._say(plan, number, outcome)
 
-    def _move(self, command: SubGoal) -> Outcome:
-        seen = self._seen(command.object_id)
-        if seen is None:
-            return Outcome.IMPOSSIBLE
-        distance, block_id = min(
-            (float(np.linalg.norm(np.subtract(pose.position, seen))), block_id)
-            for block_id, pose in self._world.poses().items()
-        )
-        if distance > GRASP_M:
-            return Outcome.NOT_GRASPED
-        x, y, z = command.position
-        i, j, k, w = command.orientation
-        goal = Pose((x, y, z), (i, j, k, w))
-        self._world.place(block_id, goal)
-        if not self._world.settle().at_rest:
-            return Outcome.DROPPED
-        missed = self._world.pose(block_id).distance_m(goal) > MISPLACED_M
-        return Outcome.MISPLACED if missed else Outcome.REACHED
+
+def _pose(command: SubGoal) -> Pose:
+    x, y, z = command.position
+    i, j, k, w = command.orientation
+    return Pose((x, y, z), (i, j, k, w))

@@ -3,6 +3,7 @@ controller."""
 
 from __future__ import annotations
 
+import logging
 import threading
 
 import numpy as np
@@ -10,14 +11,20 @@ import numpy as np
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State
+from nsrm_harness.perception.cuboids import Cuboid, Cuboids
 from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.relief import relief
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfig
-from nsrm_harness.robot.controller import Controller, stops_first
+from nsrm_harness.robot.controller import Controller, Mover, stops_first
+from nsrm_harness.robot.movers import Carries, SetsDown
 from nsrm_harness.robot.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
+from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import Camera, default_camera
 from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
+
+_LOG = logging.getLogger(__name__)
 
 FRAME_S = 0.1
 """Time between two frames, at least."""
@@ -28,7 +35,15 @@ BURIAL_FRAMES = 2
 class Stage:
     """The tabletop of a seed, seen and moved by messages alone."""
 
-    def __init__(self, domain: Domain, renderer: Renderer, seed: int, config: RobotConfig) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        renderer: Renderer,
+        seed: int,
+        config: RobotConfig,
+        *,
+        with_arm: bool = True,
+    ) -> None:
         """Raises `PortError` if the robot has a camera or a controller already."""
         self._renderer, self._camera = renderer, default_camera()
         self._robot = Robot(config, "controller")
@@ -37,17 +52,19 @@ class Stage:
         self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)
         self._life = Life(self._robot, Role.CONTROLLER)
         self._listener = self._robot.listener("sub_goal")
-        self._tracker = Tracker()
+        self._tracker, self._cuboids = Tracker(), Cuboids(self._camera)
+        self._seen: dict[int, Cuboid] = {}
         self._sequence = 0
         scene = tabletop(domain, seed)
         self.sentence = scene.sentence
         """Something that can be said in it."""
-        self.world = World()
+        self.world = ArmWorld() if with_arm else World()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
-        self._controller = Controller(
-            self.world, self._tracker.position, self._feedback.say, self._life.reject, now_ns
-        )
+        mover: Mover = SetsDown(self.world, self._tracker.position)
+        if isinstance(self.world, ArmWorld):
+            mover = Carries(self.world, lambda: self._seen, _LOG.warning, self._work)
+        self._controller = Controller(mover, self._feedback.say, self._life.reject, now_ns)
 
     def close(self) -> None:
         """Ends the world."""
@@ -67,10 +84,13 @@ class Stage:
         self._life.beat(State.IDLE)
         for command in stops_first(self._commands):
             self._controller.obey(command)
-            self._life.beat(State.BUSY)
+            self._work()
         self.look()
         if self._sequence % BURIAL_FRAMES == 0:
             self._robot.bury()
+
+    def _work(self) -> None:
+        self._life.beat(State.BUSY)
 
     def look(self) -> None:
         """Publishes what the camera sees and the detector finds in it."""
@@ -78,6 +98,8 @@ class Stage:
         frame = self._renderer.render(self.world, self._camera, Light())
         found = detect(frame.rgb, frame.depth, self._camera)
         numbers = self._tracker.update(frame.rgb, found, self._camera)
+        seen = relief(frame.rgb, frame.depth, self._camera)
+        self._seen = self._cuboids.update(numbers, found, seen)
         self._sequence += 1
         header = CameraFrame(
             sequence=self._sequence,
