@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
+from contextlib import closing
+from dataclasses import asdict
+
+import nsrm
 import numpy as np
 
 from nsrm_harness import domain as domains
-from nsrm_harness.demo.outcome import carry_out
+from nsrm_harness.demo.outcome import set_down
 from nsrm_harness.demo.prediction import cut_out, predicted_scene
+from nsrm_harness.demo.sight import Eyes, Sight
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.language.grammar import Grammar
 from nsrm_harness.language.program import Step
 from nsrm_harness.language.tokens import Tokenizer
+from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.blocks import block_from_attributes
+from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Frame
+from nsrm_harness.world.render import open_renderer
 from nsrm_harness.world.world import World
 
 DOMAIN = domains.load()
@@ -44,12 +52,12 @@ def test_a_predicted_scene_has_each_object_at_its_new_place_the_nearest_in_front
         mask[10:20, column : column + 10] = object_id
         rgb[10:20, column : column + 10] = color
     mask[10, 0] = 0  # A corner of the box that is not the object's.
-    frame = Frame(np.ones((60, 80), np.float32), mask, rgb)
     boxes = {
         1: np.array([0, 10 / 60, 10 / 80, 20 / 60, 1.0], np.float32),
         2: np.array([40 / 80, 10 / 60, 50 / 80, 20 / 60, 0.9], np.float32),
     }
-    cutouts = {object_id: cut_out(frame, box, object_id) for object_id, box in boxes.items()}
+    sight = Sight(rgb, mask, boxes, {})
+    cutouts = {number: cut_out(sight, number) for number in boxes}
     assert np.asarray(cutouts[1])[0, 0, 3] == 0 and np.asarray(cutouts[1])[1, 1, 3] == 255
 
     background = np.full((60, 80, 3), 50, np.uint8)
@@ -68,10 +76,43 @@ def test_the_outcome_tells_a_block_that_stays_from_one_that_falls() -> None:
     with World(robot=False) as world:
         world.spawn([cube, cube], [Pose.upright(0.5, 0.0, 0.02), Pose.upright(0.5, 0.2, 0.02)])
         world.settle()
-        stays, falls = carry_out(
+        cuboids = {
+            number: Cuboid(placed.pose, placed.block.edges_m)
+            for number, placed in zip((7, 5), world.placed(), strict=True)
+        }
+        nothing = np.zeros((1, 1, 3), np.uint8)
+        sight = Sight(nothing, nothing[..., 0].astype(np.int32), {}, cuboids)
+        stays, falls = set_down(
             world,
-            [(2, Pose.upright(0.5, 0.0, 0.06)), (2, Pose.upright(0.5, 0.032, 0.06))],
+            sight,
+            [(5, Pose.upright(0.5, 0.0, 0.06)), (5, Pose.upright(0.5, 0.032, 0.06))],
         )
     assert stays.at_rest and stays.miss_m < 0.001 and stays.shift_m < 0.001
     assert falls.miss_m > 0.01
     assert f"{1000 * falls.miss_m:.1f} mm from its sub-goal" in str(falls)
+
+
+def test_what_is_left_of_a_sentence_is_planned_as_the_scene_is_now() -> None:
+    model, camera = nsrm.Model.pretrained(), default_camera()
+    stage = tabletop(DOMAIN, 3)
+    with closing(open_renderer()) as renderer, World() as world:
+        world.spawn(stage.arrangement.blocks, stage.arrangement.poses)
+        world.settle()
+        sight = Eyes(renderer, world, camera).look()
+    rows = np.array([*sight.locations.values()])
+    scene = model.observe(
+        sight.rgb,
+        list(sight.locations),
+        np.ascontiguousarray(rows[:, :4]),
+        np.ascontiguousarray(rows[:, 4]),
+        nsrm.Camera(**asdict(camera)),
+    )
+    whole = model.plan(scene, stage.sentence)
+    assert len(whole.steps) == 2
+    rest = model.plan(scene, stage.sentence, first=1)
+    (step,) = rest.steps
+    assert rest.program == whole.program and step.action == whole.steps[1].action
+    assert step.explanation.startswith("Step 2: ")
+    # The white block has not been moved, as the whole plan holds it would be by then.
+    assert math.dist(step.position, whole.steps[1].position) > 0.01
+    assert model.plan(scene, stage.sentence, first=2).steps == []

@@ -16,6 +16,10 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 SEED = "3"
 PICTURES = ["initial.png", "predicted.png", "result.png", "overview.png"]
+#: What shows the arm at work.
+FILMS = ["film.gif", "strip.png"]
+#: A scene whose own sentence has no room for the fingers.
+CROWDED = "34"
 #: A word that no model of this domain knows.
 UNKNOWN = "put the crimson block on the blue block"
 
@@ -68,9 +72,52 @@ def test_it_draws_the_scene_the_prediction_and_the_result(
     drawn = [picture(path) for path in paths]
     initial, predicted, result, _ = drawn
     assert not np.array_equal(initial, predicted) and not np.array_equal(predicted, result)
+    paths += [out / name for name in FILMS]
     assert document["pictures"] == [str(path) for path in paths]
     last = text.rstrip().splitlines()[-1]
     assert all(str(path) in last for path in paths)
+
+
+def test_the_arm_carries_the_plan_out_and_is_filmed(
+    planned: tuple[Path, dict[str, Any], str],
+) -> None:
+    out, document, text = planned
+    for step in document["steps"]:
+        outcome = step["outcome"]
+        assert outcome["tries"] == 1 and outcome["shifted_m"] == {}
+        assert outcome["miss_m"] < 0.002 and outcome["corrected_m"] < 0.005
+    assert text.count("from where it was to go") == len(document["steps"])
+    picture(out / "strip.png")
+    film = Image.open(out / "film.gif")
+    # Some 5 s a step, 8 frames a second; it moves all the time.
+    assert film.n_frames > 25 * len(document["steps"])
+    frames = []
+    for number in range(0, film.n_frames, 5):
+        film.seek(number)
+        frames.append(np.asarray(film.convert("RGB")))
+    for before, after in zip(frames, frames[1:], strict=False):
+        assert (before != after).any()
+
+
+def test_without_the_arm_blocks_are_set_down(tmp_path: Path) -> None:
+    for name in FILMS:
+        (tmp_path / name).write_text("of an earlier run")
+    ran = demo(tmp_path, "--no-arm", "--json")
+    assert ran.returncode == 0, ran.stderr
+    document = json.loads(ran.stdout)
+    assert all(step["outcome"]["at_rest"] for step in document["steps"])
+    assert all(step["outcome"]["miss_m"] < 0.005 for step in document["steps"])
+    assert document["pictures"] == [str(tmp_path / name) for name in PICTURES]
+    assert not any((tmp_path / name).exists() for name in FILMS)
+
+
+def test_a_sub_goal_that_the_arm_cannot_reach_is_refused(tmp_path: Path) -> None:
+    ran = cargo("demo", "--seed", CROWDED, "--out", str(tmp_path), "--json")
+    assert ran.returncode == 2
+    document = json.loads(ran.stdout)
+    reason = document["steps"][-1]["outcome"]["refused"]
+    assert "can't be carried there" in reason and f"refused: {reason}" in ran.stderr
+    picture(tmp_path / "result.png")
 
 
 def test_it_says_what_it_understood_chose_and_plans(

@@ -9,22 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from nsrm_harness.world.render import Frame
-
-Location = NDArray[np.float32]
-"""x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
+from nsrm_harness.demo.sight import Location, Sight
 
 
-def cut_out(frame: Frame, box: Location, object_id: int) -> Image.Image:
+def cut_out(sight: Sight, number: int) -> Image.Image:
     """The pixels of an object inside its box, transparent around it."""
-    height, width = frame.mask.shape
+    height, width = sight.labels.shape
     left, top, right, bottom = (
         round(float(value) * size)
-        for value, size in zip(box[:4], (width, height, width, height), strict=True)
+        for value, size in zip(
+            sight.locations[number][:4], (width, height, width, height), strict=True
+        )
     )
     rows, columns = slice(top, bottom), slice(left, right)
-    opaque = np.where(frame.mask[rows, columns] == object_id, 255, 0).astype(np.uint8)
-    return Image.fromarray(np.dstack([frame.rgb[rows, columns], opaque]))
+    opaque = np.where(sight.labels[rows, columns] == number, 255, 0).astype(np.uint8)
+    return Image.fromarray(np.dstack([sight.rgb[rows, columns], opaque]))
 
 
 def predicted_scene(

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
 import nsrm
 
-from nsrm_harness.demo.outcome import Landing
+from nsrm_harness.demo.outcome import Outcome
 
 
-def as_text(plan: nsrm.Plan, names: dict[int, str], landings: Sequence[Landing]) -> str:
+def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[Outcome]) -> str:
     """Program, groundings, sub-goals, explanations and outcomes, a line each."""
     lines = ["program"]
     lines += [f"  {line}" for line in plan.program.notation.splitlines()]
-    for number, (step, landing) in enumerate(zip(plan.steps, landings, strict=True), start=1):
+    for number, (step, outcome) in enumerate(zip_longest(plan.steps, outcomes), start=1):
         x, y, z = step.position
         orientation = ", ".join(f"{value:g}" for value in step.orientation)
         lines += [
@@ -25,12 +26,12 @@ def as_text(plan: nsrm.Plan, names: dict[int, str], landings: Sequence[Landing])
             f" (score {step.reference_score:.3f})",
             f"  sub-goal   position ({x:.4f}, {y:.4f}, {z:.4f}) m, quaternion ({orientation})",
             f"  because    {step.explanation}",
-            f"  physics    {landing}",
+            f"  outcome    {outcome or 'not begun'}",
         ]
     return "\n".join(lines)
 
 
-def as_json(plan: nsrm.Plan, landings: Sequence[Landing]) -> dict[str, Any]:
+def as_json(plan: nsrm.Plan, outcomes: Sequence[Outcome]) -> dict[str, Any]:
     """The plan as `nsrm plan --json` gives it, each step with its outcome."""
     return {
         "program": plan.program.notation,
@@ -48,12 +49,8 @@ def as_json(plan: nsrm.Plan, landings: Sequence[Landing]) -> dict[str, Any]:
                 },
                 "location": [float(value) for value in step.location],
                 "explanation": step.explanation,
-                "outcome": {
-                    "at_rest": landing.at_rest,
-                    "miss_m": landing.miss_m,
-                    "others_shift_m": landing.shift_m,
-                },
+                "outcome": None if outcome is None else outcome.as_json(),
             }
-            for step, landing in zip(plan.steps, landings, strict=True)
+            for step, outcome in zip_longest(plan.steps, outcomes)
         ],
     }

@@ -13,40 +13,21 @@ import numpy as np
 from PIL import Image
 
 from nsrm_harness.demo import report
-from nsrm_harness.demo.outcome import Landing, carry_out
-from nsrm_harness.demo.prediction import Location, cut_out, predicted_scene
+from nsrm_harness.demo.film import Film
+from nsrm_harness.demo.outcome import Goal, Outcome, Stopped, carry, set_down
+from nsrm_harness.demo.prediction import cut_out, predicted_scene
+from nsrm_harness.demo.sight import Eyes, Names, Sight, names
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
-from nsrm_harness.world.camera import (
-    Camera,
-    Observation,
-    default_camera,
-    located,
-    observation,
-)
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.camera import Camera, default_camera
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Frame, Light, Renderer
+from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
 
-
-@dataclass(frozen=True)
-class Seen:
-    """The scene as camera and model see it; nothing here comes from the simulator."""
-
-    observation: Observation
-    frame: Frame
-    #: The same view without objects.
-    background: np.ndarray
-    #: The likeliest value of each attribute type, by object.
-    names: dict[int, str]
-    colors: dict[int, tuple[float, float, float]]
-
-    @property
-    def locations(self) -> dict[int, Location]:
-        """Box and mean depth by object."""
-        rows = np.column_stack([self.observation.boxes, self.observation.depths])
-        return dict(zip(self.observation.ids, rows, strict=True))
+FILES = ("initial.png", "predicted.png", "result.png", "overview.png", "strip.png", "film.gif")
+"""All that a demonstration may write beside the scene."""
 
 
 @dataclass(frozen=True)
@@ -57,104 +38,123 @@ class Shown:
     document: dict[str, Any]
     pictures: tuple[Path, ...]
     #: Why the sentence was not obeyed; None when it was.
-    refusal: nsrm.Refused | None
+    refusal: nsrm.Refused | Stopped | None
 
 
-def show(domain: Domain, renderer: Renderer, seed: int, sentence: str | None, out: Path) -> Shown:
-    """Draws the scene of `seed`, plans `sentence` (or one that fits) in it, puts the
-    blocks where the plan says, and writes pictures and `scene.json` into `out`."""
+def show(
+    domain: Domain,
+    renderer: Renderer,
+    seed: int,
+    sentence: str | None,
+    out: Path,
+    *,
+    with_arm: bool = True,
+) -> Shown:
+    """Draws the scene of `seed`, plans `sentence` (or one that fits) in it, has the arm carry
+    the plan out, or without it sets the blocks down where the plan says, and writes pictures and
+    `scene.json` into `out`."""
     out.mkdir(parents=True, exist_ok=True)
+    for name in FILES:
+        (out / name).unlink(missing_ok=True)
     model = nsrm.Model.pretrained()
     camera = default_camera()
     stage = tabletop(domain, seed)
     sentence = stage.sentence if sentence is None else sentence
-    with World() as world:
+    with ArmWorld() if with_arm else World() as world:
         background = renderer.render(world, camera, Light()).rgb
         world.spawn(stage.arrangement.blocks, stage.arrangement.poses)
         world.settle()
-        seen = _look(model, domain, renderer.render(world, camera, Light()), background)
-        scene = model.observe(
-            seen.observation.rgb,
-            list(seen.observation.ids),
-            seen.observation.boxes,
-            seen.observation.depths,
-            nsrm.Camera(**asdict(camera)),
-        )
-        _write_scene(out, seen.observation, camera)
+        eyes = Eyes(renderer, world, camera)
+        sight = eyes.look()
+        known = names(model, domain, sight)
+        _write_scene(out, sight, camera)
         heading = (
             f'sentence  "{sentence}"\n'
-            f"scene     seed {seed}, {len(seen.observation.ids)} objects; boxes from the "
-            f"segmentation mask, which stands in for a detector; drawn by {renderer.name}"
+            f"scene     seed {seed}, {len(sight.locations)} objects found by the detector; "
+            f"drawn by {renderer.name}"
         )
         document: dict[str, Any] = {"sentence": sentence, "seed": seed}
         try:
-            plan = model.plan(scene, sentence)
+            plan = model.plan(_scene(model, sight, camera), sentence)
         except nsrm.Refused as refusal:
             refused = {"kind": refusal.kind, "message": str(refusal), **refusal.details}
-            picture = annotate(
-                seen.observation.rgb, _marks(seen), caption=f"“{sentence}”\nRefused: {refusal}"
-            )
+            caption = f"“{sentence}”\nRefused: {refusal}"
+            picture = annotate(sight.rgb, _marks(sight, known), caption=caption)
             paths = _save(out, {"initial": picture})
             return Shown(heading, document | {"refused": refused}, paths, refusal)
-        goals = [
+        goals: list[Goal] = [
             (step.object_id, Pose(_three(step.position), _four(step.orientation)))
             for step in plan.steps
         ]
-        landings = carry_out(world, goals)
-        result = renderer.render(world, camera, Light())
-    paths = _save(out, _pictures(sentence, seen, plan, landings, result))
-    text = f"{heading}\n{report.as_text(plan, seen.names, landings)}"
-    return Shown(text, document | report.as_json(plan, landings), paths, None)
+        films: list[Path] = []
+        outcomes: Sequence[Outcome]
+        if isinstance(world, ArmWorld):
+            film = Film(world, renderer)
+            outcomes = carry(world, eyes.look, goals, _spoken(known), film.mark)
+            films = film.save(out)
+        else:
+            outcomes = set_down(world, sight, goals)
+        result = eyes.look()
+    pictures = _pictures(sentence, sight, known, plan, outcomes, background, result)
+    text = f"{heading}\n{report.as_text(plan, known.words, outcomes)}"
+    last = outcomes[-1]
+    return Shown(
+        text,
+        document | report.as_json(plan, outcomes),
+        (*_save(out, pictures), *films),
+        last if isinstance(last, Stopped) else None,
+    )
 
 
-def _look(model: nsrm.Model, domain: Domain, frame: Frame, background: np.ndarray) -> Seen:
-    seen = observation(frame)
-    names: dict[int, str] = {}
-    colors: dict[int, tuple[float, float, float]] = {}
-    for object_id, box in zip(seen.ids, seen.boxes, strict=True):
-        similarities = model.similarities(model.encode_crop(nsrm.crop(seen.rgb, box)))
-        values = [
-            max(attribute.values, key=lambda value: similarities[value.name])
-            for attribute in domain.attributes
-        ]
-        names[object_id] = " ".join(value.name for value in reversed(values))
-        colors[object_id] = next(value.rgb for value in values if value.rgb is not None)
-    return Seen(seen, frame, background, names, colors)
+def _scene(model: nsrm.Model, sight: Sight, camera: Camera) -> nsrm.Scene:
+    locations = np.array([*sight.locations.values()], np.float32).reshape(-1, 5)
+    return model.observe(
+        sight.rgb,
+        list(sight.locations),
+        np.ascontiguousarray(locations[:, :4]),
+        np.ascontiguousarray(locations[:, 4]),
+        nsrm.Camera(**asdict(camera)),
+    )
+
+
+def _spoken(known: Names) -> dict[int, str]:
+    """Names that tell all objects apart."""
+    return {number: f"object {number} ({words})" for number, words in known.words.items()}
 
 
 def _pictures(
     sentence: str,
-    seen: Seen,
+    sight: Sight,
+    known: Names,
     plan: nsrm.Plan,
-    landings: Sequence[Landing],
-    result: Frame,
+    outcomes: Sequence[Outcome],
+    background: np.ndarray,
+    result: Sight,
 ) -> dict[str, Image.Image]:
     arrows: list[Arrow] = []
-    locations = seen.locations
+    locations = dict(sight.locations)
     for number, step in enumerate(plan.steps, start=1):
         arrows.append(Arrow(_rect(locations[step.object_id]), _rect(step.location), number))
         locations[step.object_id] = step.location
     moved = {step.object_id for step in plan.steps}
-    cutouts = {
-        object_id: cut_out(seen.frame, location, object_id)
-        for object_id, location in seen.locations.items()
-    }
-    initial = annotate(seen.observation.rgb, _marks(seen, plan), arrows, caption=f"“{sentence}”")
+    cutouts = {number: cut_out(sight, number) for number in sight.locations}
+    initial = annotate(sight.rgb, _marks(sight, known, plan), arrows, caption=f"“{sentence}”")
     predicted = annotate(
-        predicted_scene(seen.background, cutouts, locations),
-        [_mark(seen, object_id, locations[object_id]) for object_id in sorted(moved)],
+        predicted_scene(background, cutouts, locations),
+        [_mark(known, number, locations[number]) for number in sorted(moved)],
         caption="\n".join(step.explanation for step in plan.steps),
     )
-    reached = located(result)
-    boxes = dict(zip(reached.ids, reached.boxes, strict=True))
     final = annotate(
         result.rgb,
-        [_mark(seen, object_id, boxes[object_id]) for object_id in sorted(moved & set(boxes))],
-        caption="\n".join(f"Step {i}: {landing}." for i, landing in enumerate(landings, start=1)),
+        [
+            _mark(known, number, result.locations[number])
+            for number in sorted(moved & set(result.locations))
+        ],
+        caption="\n".join(f"Step {i}: {outcome}." for i, outcome in enumerate(outcomes, start=1)),
     )
     overview = side_by_side(
         [initial, predicted, final],
-        ["The scene, and what the model chose", "What the model predicts", "What physics leaves"],
+        ["The scene, and what the model chose", "What the model predicts", "What comes of it"],
     )
     return {
         "initial": initial,
@@ -164,42 +164,40 @@ def _pictures(
     }
 
 
-def _marks(seen: Seen, plan: nsrm.Plan | None = None) -> list[BoxMark]:
+def _marks(sight: Sight, known: Names, plan: nsrm.Plan | None = None) -> list[BoxMark]:
     steps = [] if plan is None else list(enumerate(plan.steps, start=1))
     return [
         BoxMark(
-            _rect(box),
-            f"{object_id} {seen.names[object_id]}",
-            seen.colors[object_id],
+            _rect(location),
+            f"{object_id} {known.words[object_id]}",
+            known.colors[object_id],
             tuple(number for number, step in steps if step.object_id == object_id),
             tuple(number for number, step in steps if step.reference_id == object_id),
         )
-        for object_id, box in seen.locations.items()
+        for object_id, location in sight.locations.items()
     ]
 
 
-def _mark(seen: Seen, object_id: int, box: np.ndarray) -> BoxMark:
-    label = f"{object_id} {seen.names[object_id]}"
-    return BoxMark(_rect(box), label, seen.colors[object_id])
+def _mark(known: Names, number: int, location: np.ndarray) -> BoxMark:
+    return BoxMark(_rect(location), f"{number} {known.words[number]}", known.colors[number])
 
 
-def _write_scene(out: Path, seen: Observation, camera: Camera) -> None:
+def _write_scene(out: Path, sight: Sight, camera: Camera) -> None:
     """What `nsrm plan --scene` reads: the same picture, boxes and depths."""
-    Image.fromarray(seen.rgb).save(out / "camera.png")
-    rows = zip(seen.ids, seen.boxes.tolist(), seen.depths.tolist(), strict=True)
+    Image.fromarray(sight.rgb).save(out / "camera.png")
     document = {
         "schema": 1,
         "camera": asdict(camera),
         "image": "camera.png",
-        "objects": [{"id": key, "box": box, "depth": depth} for key, box, depth in rows],
+        "objects": [
+            {"id": number, "box": location[:4].tolist(), "depth": float(location[4])}
+            for number, location in sight.locations.items()
+        ],
     }
     (out / "scene.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
 def _save(out: Path, pictures: Mapping[str, Image.Image]) -> tuple[Path, ...]:
-    """Writes the pictures, and takes away those of an earlier run into the same folder."""
-    for name in ("initial", "predicted", "result", "overview"):
-        (out / f"{name}.png").unlink(missing_ok=True)
     paths = []
     for name, picture in pictures.items():
         paths.append(out / f"{name}.png")

@@ -1,0 +1,69 @@
+"""What the arm does, as a film and as a row of pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from nsrm_harness.pictures import side_by_side
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.camera import Camera
+from nsrm_harness.world.render import Light, Renderer
+
+FRAME_S = 0.12
+"""Simulated time between two frames."""
+SPEED = 1.5
+"""The film is so much faster."""
+COLORS = 192
+PALETTE_FRAMES = 8
+"""Of the film, and of how many of its frames they are taken."""
+SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
+"""What is done in the pictures of the row."""
+
+
+class Film:
+    """An arm that is filmed from its side while it works."""
+
+    def __init__(self, world: ArmWorld, renderer: Renderer) -> None:
+        self._world, self._renderer = world, renderer
+        self._camera = Camera.looking_at(
+            (1.10, -0.75, 0.80), (0.46, 0.0, 0.15), width=480, height=360, focal_px=580.0
+        )
+        self._ticks = 0
+        self._frames: list[NDArray[np.uint8]] = []
+        self._shots: list[tuple[str, NDArray[np.uint8]]] = []
+        world.on_tick = self._tick
+
+    def _tick(self) -> None:
+        if self._ticks % round(FRAME_S / self._world.tick_s) == 0:
+            self._frames.append(self._look())
+        self._ticks += 1
+
+    def mark(self, event: str) -> None:
+        """Takes a picture for the row."""
+        if event in SHOWN:
+            self._shots.append((event, self._look()))
+
+    def save(self, folder: Path) -> list[Path]:
+        """Writes `film.gif` and `strip.png`; nothing if nothing was filmed."""
+        if not self._frames:
+            return []
+        film, strip = folder / "film.gif", folder / "strip.png"
+        # One palette for all: what doesn't move has the same colours throughout.
+        some = self._frames[:: max(1, len(self._frames) // PALETTE_FRAMES)]
+        palette = Image.fromarray(np.vstack(some)).quantize(COLORS)
+        frames = [
+            Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+            for frame in (*self._frames, self._look())
+        ]
+        pause = [round(1000 * FRAME_S / SPEED)] * (len(frames) - 1) + [1500]
+        frames[0].save(film, save_all=True, append_images=frames[1:], duration=pause, loop=0)
+        titles = [event for event, _ in self._shots]
+        side_by_side([picture for _, picture in self._shots], titles).save(strip)
+        return [film, strip]
+
+    def _look(self) -> NDArray[np.uint8]:
+        return self._renderer.render(self._world, self._camera, Light()).rgb

@@ -1,0 +1,86 @@
+"""What camera, detector and model see of a scene; nothing here comes from the simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import nsrm
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.perception.cuboids import Cuboid, Cuboids
+from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.relief import relief
+from nsrm_harness.perception.tracking import Tracker
+from nsrm_harness.world.camera import Camera
+from nsrm_harness.world.render import Light, Renderer
+from nsrm_harness.world.world import World
+
+Location = NDArray[np.float32]
+"""x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """One picture and the objects found in it.
+
+    * `rgb`: `uint8 [H, W, 3]`; `labels`: `int32 [H, W]`, an object's number where it is seen
+    * `locations`: by number; the same object has the same number in all pictures
+    * `cuboids`: of all that are believed to be there, hidden ones included
+    """
+
+    rgb: NDArray[np.uint8]
+    labels: NDArray[np.int32]
+    locations: Mapping[int, Location]
+    cuboids: Mapping[int, Cuboid]
+
+
+class Eyes:
+    """Looks at a world with one camera."""
+
+    def __init__(self, renderer: Renderer, world: World, camera: Camera) -> None:
+        self._renderer, self._world, self.camera = renderer, world, camera
+        self._tracker, self._cuboids = Tracker(), Cuboids(camera)
+
+    def look(self) -> Sight:
+        """Takes a picture. Raises `PerceptionError`."""
+        frame = self._renderer.render(self._world, self.camera, Light())
+        found = detect(frame.rgb, frame.depth, self.camera)
+        numbers = self._tracker.update(frame.rgb, found, self.camera)
+        cuboids = self._cuboids.update(numbers, found, relief(frame.rgb, frame.depth, self.camera))
+        rows = np.column_stack([found.boxes, found.depths])
+        return Sight(
+            frame.rgb,
+            np.array((0, *numbers), np.int32)[found.labels],
+            dict(zip(numbers, rows, strict=True)),
+            cuboids,
+        )
+
+
+@dataclass(frozen=True)
+class Names:
+    """What the model takes the objects for, by number.
+
+    * `words`: the likeliest value of each attribute type
+    * `colors`: the likeliest colour's red, green and blue in 0..1
+    """
+
+    words: Mapping[int, str]
+    colors: Mapping[int, tuple[float, float, float]]
+
+
+def names(model: nsrm.Model, domain: Domain, sight: Sight) -> Names:
+    """The objects' names as the model sees them."""
+    words: dict[int, str] = {}
+    colors: dict[int, tuple[float, float, float]] = {}
+    for number, location in sight.locations.items():
+        similarities = model.similarities(model.encode_crop(nsrm.crop(sight.rgb, location[:4])))
+        values = [
+            max(attribute.values, key=lambda value: similarities[value.name])
+            for attribute in domain.attributes
+        ]
+        words[number] = " ".join(value.name for value in reversed(values))
+        colors[number] = next(value.rgb for value in values if value.rgb is not None)
+    return Names(words, colors)
