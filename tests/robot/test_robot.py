@@ -44,7 +44,7 @@ def left_behind() -> set[str]:
 
 @pytest.mark.parametrize("seed", ["3", "4"])
 @pytest.mark.parametrize(
-    "options", [[], ["--open-loop"], ["--no-arm"]], ids=["closed", "open", "without arm"]
+    "options", [[], ["--open-loop"], ["--arm"]], ids=["closed", "open", "with the arm"]
 )
 def test_a_sentence_is_carried_out(seed: str, options: Sequence[str]) -> None:
     before = left_behind()

@@ -88,7 +88,10 @@ class Planner:
             raise RefusedError(
                 Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first"
             )
-        put = placement(goal, block, others)
+        try:
+            put = placement(goal, block, others)
+        except RefusedError as refusal:
+            raise RefusedError(refusal.why, f"{name} can't stand there: {refusal}") from None
         touches: list[Nearest] = []
         ways = _least_turns_first(grasps(block))
         for there, grasp in itertools.product(_looking_the_same(put.cuboid, block), ways):

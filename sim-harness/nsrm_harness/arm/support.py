@@ -104,8 +104,7 @@ def _check_room(placed: Cuboid, others: Mapping[str, Cuboid]) -> None:
         if beside_m > TOUCH_M and gap_m < ROOM_M:
             raise RefusedError(
                 Why.NO_ROOM,
-                f"there it would be {1000 * gap_m:.0f} mm from {name}; {1000 * ROOM_M:.0f} mm "
-                "are kept",
+                f"it would be {1000 * gap_m:.0f} mm from {name}; {1000 * ROOM_M:.0f} mm are kept",
             )
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
 
 import click
+from click.decorators import FC
 
 from nsrm_harness import domain as domains
 from nsrm_harness.episodes.disturbance import Disturbance
@@ -101,10 +102,12 @@ def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
         yield cluster
 
 
-arm_option = click.option(
-    "--arm/--no-arm",
-    "with_arm",
-    default=True,
-    show_default=True,
-    help="The arm carries blocks to their sub-goals; or they are set down there without it.",
-)
+def arm_option(*, default: bool) -> Callable[[FC], FC]:
+    """Whether there is an arm."""
+    return click.option(
+        "--arm/--no-arm",
+        "with_arm",
+        default=default,
+        show_default=True,
+        help="The arm carries blocks to their sub-goals; or they are set down there without it.",
+    )

@@ -42,7 +42,7 @@ class Stage:
         seed: int,
         config: RobotConfig,
         *,
-        with_arm: bool = True,
+        with_arm: bool,
     ) -> None:
         """Raises `PortError` if the robot has a camera or a controller already."""
         self._renderer, self._camera = renderer, default_camera()
