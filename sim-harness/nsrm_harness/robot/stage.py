@@ -52,7 +52,9 @@ class Stage:
         self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)
         self._life = Life(self._robot, Role.CONTROLLER)
         self._listener = self._robot.listener("sub_goal")
-        self._tracker, self._cuboids = Tracker(), Cuboids(self._camera)
+        self._tracker = Tracker()
+        # What an arm needs besides: none is made where nobody asks for it.
+        self._cuboids = Cuboids(self._camera) if with_arm else None
         self._seen: dict[int, Cuboid] = {}
         self._sequence = 0
         scene = tabletop(domain, seed)
@@ -98,8 +100,9 @@ class Stage:
         frame = self._renderer.render(self.world, self._camera, Light())
         found = detect(frame.rgb, frame.depth, self._camera)
         numbers = self._tracker.update(frame.rgb, found, self._camera)
-        seen = relief(frame.rgb, frame.depth, self._camera)
-        self._seen = self._cuboids.update(numbers, found, seen)
+        if self._cuboids is not None:
+            seen = relief(frame.rgb, frame.depth, self._camera)
+            self._seen = self._cuboids.update(numbers, found, seen)
         self._sequence += 1
         header = CameraFrame(
             sequence=self._sequence,
