@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from nsrm_harness.world.blocks import Block, block_from_attributes
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.layout import sample_layout
 from nsrm_harness.world.pose import Pose, Vector3
-from nsrm_harness.world.render import Light, Renderer, open_renderer
+from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
 
 CENTRE_M = 0.001
@@ -55,19 +54,6 @@ class Eyes:
             )
             for placed in self._world.placed()
         }
-
-
-@pytest.fixture(scope="module")
-def renderer() -> Iterator[Renderer]:
-    drawing = open_renderer()
-    yield drawing
-    drawing.close()
-
-
-@pytest.fixture(scope="module")
-def world() -> Iterator[World]:
-    with World() as made:
-        yield made
 
 
 def small(color: str) -> Block:
@@ -208,8 +194,8 @@ def test_a_block_that_was_taken_away_is_believed_no_more(renderer: Renderer, wor
     check(world, 1, cuboids[numbers[1]])
 
 
-def hidden(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
-    """The red block, seen before a tower of two large ones was built in front of it."""
+def in_the_open(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
+    """A red block, and two large ones that don't hide it yet."""
     put(
         world,
         (small("red"), 0.40, 0.0, 0),
@@ -218,6 +204,12 @@ def hidden(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
     )
     eyes = Eyes(renderer, world)
     numbers = eyes.numbers()
+    return eyes, numbers
+
+
+def hidden(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
+    """The red block, seen before a tower of two large ones was built in front of it."""
+    eyes, numbers = in_the_open(renderer, world)
     move(world, 2, Pose.upright(0.46, 0.0, 0.025, YAW))
     eyes.look()
     move(world, 3, onto(world, 3, 2))
@@ -255,14 +247,7 @@ def test_a_block_that_went_unseen_is_believed_until_its_place_is_seen(
 
 
 def test_a_block_that_is_partly_hidden_keeps_its_box(renderer: Renderer, world: World) -> None:
-    put(
-        world,
-        (small("red"), 0.40, 0.0, 0),
-        (large("green"), 0.5, 0.15, 0),
-        (large("blue"), 0.5, -0.15, 0),
-    )
-    eyes = Eyes(renderer, world)
-    numbers = eyes.numbers()
+    eyes, numbers = in_the_open(renderer, world)
     move(world, 2, Pose.upright(0.46, 0.03, 0.025, YAW))
     eyes.look()
     move(world, 3, Pose.upright(0.46, 0.03, 0.075, YAW))

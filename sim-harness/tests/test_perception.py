@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from nsrm_harness.perception.scenes import Picture, with_noise
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.camera import Observation, default_camera, observe
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Light, Renderer, open_renderer
+from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
 
 CAMERA = default_camera()
@@ -31,19 +31,6 @@ PACKAGE = Path(__file__).parent.parent / "nsrm_harness" / "perception"
 #: A box is right when each side is within so many pixels of the mask's.
 SIDE_PX = 1.5
 DEPTH_M = 0.0005
-
-
-@pytest.fixture(scope="module")
-def renderer() -> Iterator[Renderer]:
-    drawing = open_renderer()
-    yield drawing
-    drawing.close()
-
-
-@pytest.fixture(scope="module")
-def world() -> Iterator[World]:
-    with World() as made:
-        yield made
 
 
 def put(world: World, blocks: Sequence[tuple[str, str, float, float, float, float]]) -> None:

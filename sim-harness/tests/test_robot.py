@@ -26,18 +26,11 @@ from nsrm_harness.robot.movers import SetsDown
 from nsrm_harness.robot.ports import FeedbackOut, FramesOut, PortError, Robot
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Light, Renderer, open_renderer
+from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
 
 SEED = 4
 NOW_NS = 10**15
-
-
-@pytest.fixture(scope="module")
-def renderer() -> Iterator[Renderer]:
-    opened = open_renderer()
-    yield opened
-    opened.close()
 
 
 @pytest.fixture

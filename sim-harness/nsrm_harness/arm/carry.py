@@ -27,7 +27,6 @@ DROP_M = 0.0005
 """Above what it is put on, a block is let go."""
 SQUARE_M = 0.002
 """A block is square if its edges differ by no more."""
-FINGERS = ("panda_leftfinger", "panda_rightfinger")
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +131,7 @@ class Planner:
         down, lower = up.reversed(), away.reversed()
         opening = grasp.opening_m
         # The fingers open to what the grasp says while they come.
-        grasped = [(finger, name) for finger in FINGERS]
+        grasped = [(finger, name) for finger in panda.FINGERS]
         before = self._guard({**others, name: block}, ignored=grasped)
         after = self._guard({**others, name: put.cuboid}, ignored=grasped)
         feet = [(HELD, foot) for foot in standing_on(block, others)]

@@ -13,10 +13,9 @@ import numpy as np
 from nsrm_harness.arm.carry import Carry
 from nsrm_harness.arm.grasp import Grasp
 from nsrm_harness.arm.kinematics import Joints
+from nsrm_harness.arm.panda import GRIP_N
 from nsrm_harness.arm.timing import Trajectory
 
-GRIP_N = 20.0
-"""With which the fingers hold (the maker's hand: up to 70 N, lastingly)."""
 WIDTH_M = 0.004
 """The fingers hold a block when they are open as far as it is wide, within that."""
 SLIP_M = 0.002

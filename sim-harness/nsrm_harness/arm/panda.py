@@ -37,5 +37,13 @@ HAND_FRAME = "panda_hand"
 """The frame of the hand in the URDF: z along the fingers, y along which they move."""
 FINGERTIP_M = 0.1122
 """Of the fingers' ends along the hand's z."""
+FINGERS = ("panda_leftfinger", "panda_rightfinger")
+"""Their links in the URDF."""
 MAX_OPENING_M = 0.08
 """Between the fingers."""
+FINGER_SPEED_M_S = 0.05
+"""Of each finger, at most."""
+GRIP_N = 20.0
+"""With which the fingers hold; the hand may hold with up to 70 N lastingly."""
+MAX_TORQUE_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
+"""The most that each joint's motor gives."""

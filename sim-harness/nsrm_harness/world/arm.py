@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from nsrm_harness.arm.panda import READY_RAD, URDF
+from nsrm_harness.arm.panda import MAX_OPENING_M, READY_RAD, URDF
 from nsrm_harness.world.bullet import connect_direct, pybullet
 from nsrm_harness.world.mesh import Mesh, load_obj
 from nsrm_harness.world.pose import Pose
@@ -16,7 +16,7 @@ from nsrm_harness.world.pose import Pose
 REST_JOINTS_RAD: tuple[float, ...] = tuple(READY_RAD.tolist())
 """The hand is 0.49 m above the table at x = 0.31, out of the camera's view of the work space."""
 
-FINGER_REST_M = 0.04
+FINGER_REST_M = MAX_OPENING_M / 2
 """Each finger's distance from the middle: open."""
 
 BASE_LINK = "panda_link0"

@@ -5,21 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nsrm_harness.arm.panda import READY_RAD, URDF
+from nsrm_harness.arm import panda
 from nsrm_harness.world.arm import BASE_LINK, FINGER_REST_M, REST_JOINTS_RAD
 from nsrm_harness.world.bullet import pybullet
 from nsrm_harness.world.pose import Pose
 
-EFFORT_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
-"""The most that each joint's motor gives (Franka Emika, control parameters)."""
 POSITION_GAIN, SPEED_GAIN = 0.3, 1.0
 """Of the motors' control, in each step."""
 FINGER_FRICTION = 1.0
 """Rubber pads."""
 SPINNING_FRICTION, ROLLING_FRICTION = 0.005, 0.0001
-FINGERS = ("panda_leftfinger", "panda_rightfinger")
-FINGER_SPEED_M_S = 0.05
-"""Of each finger (Franka Emika, hand)."""
 GEAR_ERP, GEAR_FORCE_N = 0.1, 50.0
 """Of what keeps the two fingers equally far from the middle, as one motor moves both."""
 
@@ -29,14 +24,14 @@ class MovingArm:
 
     def __init__(self, client: int) -> None:
         self._client = client
-        self._body = pybullet.loadURDF(str(URDF), useFixedBase=True, physicsClientId=client)
+        self._body = pybullet.loadURDF(str(panda.URDF), useFixedBase=True, physicsClientId=client)
         infos = [
             pybullet.getJointInfo(self._body, joint, physicsClientId=client)
             for joint in range(pybullet.getNumJoints(self._body, physicsClientId=client))
         ]
         self._links = {info[12].decode(): joint for joint, info in enumerate(infos)}
         self._joints = [info[0] for info in infos if info[2] == pybullet.JOINT_REVOLUTE]
-        self._fingers = [self._links[name] for name in FINGERS]
+        self._fingers = [self._links[name] for name in panda.FINGERS]
         for joint, angle in zip(self._joints, REST_JOINTS_RAD, strict=True):
             pybullet.resetJointState(self._body, joint, angle, physicsClientId=client)
         for finger in self._fingers:
@@ -63,8 +58,8 @@ class MovingArm:
         pybullet.changeConstraint(
             gear, gearRatio=-1, erp=GEAR_ERP, maxForce=GEAR_FORCE_N, physicsClientId=client
         )
-        self.drive(READY_RAD, np.zeros(len(self._joints)))
-        self.grip(2 * FINGER_REST_M, 20.0)
+        self.drive(panda.READY_RAD, np.zeros(len(self._joints)))
+        self.grip(panda.MAX_OPENING_M, panda.GRIP_N)
 
     def drive(self, joints: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
         """Has the motors hold these angles and speeds, rad and rad/s, from the next step on."""
@@ -76,7 +71,7 @@ class MovingArm:
             targetVelocities=speeds.tolist(),
             positionGains=[POSITION_GAIN] * len(self._joints),
             velocityGains=[SPEED_GAIN] * len(self._joints),
-            forces=EFFORT_NM,
+            forces=panda.MAX_TORQUE_NM,
             physicsClientId=self._client,
         )
 
@@ -89,7 +84,7 @@ class MovingArm:
                 pybullet.POSITION_CONTROL,
                 targetPosition=opening_m / 2,
                 force=force_n,
-                maxVelocity=FINGER_SPEED_M_S,
+                maxVelocity=panda.FINGER_SPEED_M_S,
                 physicsClientId=self._client,
             )
 

@@ -1,0 +1,82 @@
+"""Ways of the arm around what stands in them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from arm_scenes import KINEMATICS, above
+
+from nsrm_harness.arm import panda, ways
+from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.collision import Guard, Nearest, steps
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.pose import Pose
+
+
+def around(objects: Mapping[str, Cuboid], held: Cuboid | None = None) -> Any:
+    """From one side of the work space to the other."""
+    guard = Guard(KINEMATICS, objects, held)
+    return ways.free(guard, above(0.5, -0.2, 0.15), above(0.5, 0.2, 0.15), 0.04, 0.8)
+
+
+TOWER = {"tower": Cuboid(Pose((0.5, 0.0, 0.125)), (0.06, 0.06, 0.25))}
+IN_HAND = Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), (0.04, 0.04, 0.04))
+
+
+@pytest.mark.parametrize("held", [None, IN_HAND])
+def test_there_is_a_way_around_a_tower(held: Cuboid | None) -> None:
+    (straight,) = around({}, held)
+    guard = Guard(KINEMATICS, TOWER, held)
+    touch = guard.along(straight, 0.04)
+    assert touch is not None and "tower" in touch.pair
+    moves = around(TOWER, held)
+    assert isinstance(moves, list) and len(moves) > 1
+    np.testing.assert_array_equal(moves[0].begin, straight.begin)
+    np.testing.assert_array_equal(moves[-1].end, straight.end)
+    for one, following in itertools.pairwise(moves):
+        np.testing.assert_array_equal(one.end, following.begin)
+    # Finer than it was looked at when it was found.
+    for move in moves:
+        for joints in steps(move, 0.0015):
+            assert guard.touches(joints, 0.04, 1e-4) is None
+    # The same ones again, whatever was planned before.
+    around({"tower": Cuboid(Pose((0.5, 0.05, 0.125)), (0.06, 0.06, 0.25))}, held)
+    again = around(TOWER, held)
+    assert [move.begin.tolist() for move in again] == [move.begin.tolist() for move in moves]
+
+
+def test_a_carrying_goes_around_a_tower_with_and_without_the_block() -> None:
+    block = Cuboid(Pose((0.5, -0.2, 0.02)), (0.04, 0.04, 0.04))
+    goal, begin = Pose((0.5, 0.2, 0.02)), above(0.5, 0.2, 0.12)
+    carry = Planner().carry({"block": block, **TOWER}, "block", goal, begin)
+    in_hand = Cuboid(carry.grasp.hand.inverse() @ block.pose, block.edges_m)
+    for parts, held in ((carry.reach, None), (carry.transfer, in_hand)):
+        guard = Guard(KINEMATICS, TOWER, held)
+        straight = ways.Straight(parts[0].begin, parts[-1].end)
+        touch = guard.along(straight, panda.MAX_OPENING_M)
+        assert touch is not None and "tower" in touch.pair
+        assert len(parts) > 1
+        assert all(guard.along(part, panda.MAX_OPENING_M) is None for part in parts)
+    # Each motion begins where the one before it ends.
+    whole = (*carry.reach, carry.descend, carry.lift, *carry.transfer, carry.lower, carry.retreat)
+    np.testing.assert_array_equal(whole[0].begin, begin)
+    for one, following in itertools.pairwise((*whole, *carry.home)):
+        np.testing.assert_allclose(one.end, following.begin, atol=1e-9)
+    np.testing.assert_array_equal(carry.home[-1].end, panda.READY_RAD)
+
+
+def test_where_there_is_no_way_it_is_told_what_stands_in_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wall = {"wall": Cuboid(Pose((0.5, 0.0, 0.6)), (1.4, 0.02, 1.18))}
+    monkeypatch.setattr(ways, "MAX_LOOKS", 100)
+    touch = around(wall)
+    assert isinstance(touch, Nearest) and "wall" in touch.pair
+    # At an end already.
+    on_it = {"block": Cuboid(Pose((0.5, 0.2, 0.075)), (0.1, 0.1, 0.15))}
+    touch = around(on_it)
+    assert isinstance(touch, Nearest) and "block" in touch.pair
