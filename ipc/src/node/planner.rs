@@ -7,7 +7,7 @@ use core::time::Duration;
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::prelude::*;
 use nsrm_core::Model;
-use tracing::{info, warn};
+use tracing::{debug, info, warn};
 
 use super::life::{HEARTBEAT_NS, Life, Peer};
 use crate::clock::now_ns;
@@ -228,7 +228,7 @@ impl<'m> PlannerNode<'m> {
             Ok(Asked::Follow { sentence, mode }) => {
                 match self.executive.ask(sentence.clone(), mode) {
                     Ok(plan) => {
-                        info!(plan, sentence = sentence.as_str(), ?mode, "asked");
+                        debug!(plan, sentence = sentence.as_str(), ?mode, "asked");
                         to.plan = plan;
                         self.current = Some(Current {
                             active,
@@ -305,9 +305,15 @@ impl<'m> PlannerNode<'m> {
             reply(&self.answers, current.active.as_ref(), &said);
             current.to.number = current.to.number.saturating_add(1);
         }
-        if matches!(event, Event::Ended(_)) {
-            info!(plan = current.to.plan, "ended");
-            self.current = None;
+        let plan = current.to.plan;
+        match event {
+            // Behind the command, for which the robot waits, as a log may be slow.
+            Event::Planned(_) => info!(plan, sentence, "planned"),
+            Event::Ended(_) => {
+                info!(plan, sentence, "ended");
+                self.current = None;
+            }
+            _ => {}
         }
     }
 
