@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from contextlib import closing
-from dataclasses import asdict
 
 import nsrm
 import numpy as np
@@ -12,12 +11,12 @@ import numpy as np
 from nsrm_harness import domain as domains
 from nsrm_harness.demo.outcome import set_down
 from nsrm_harness.demo.prediction import cut_out, predicted_scene
-from nsrm_harness.demo.sight import Eyes, Sight
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.language.grammar import Grammar
 from nsrm_harness.language.program import Step
 from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.sight import Eyes, Sight
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
@@ -99,14 +98,7 @@ def test_what_is_left_of_a_sentence_is_planned_as_the_scene_is_now() -> None:
         world.spawn(stage.arrangement.blocks, stage.arrangement.poses)
         world.settle()
         sight = Eyes(renderer, world, camera).look()
-    rows = np.array([*sight.locations.values()])
-    scene = model.observe(
-        sight.rgb,
-        list(sight.locations),
-        np.ascontiguousarray(rows[:, :4]),
-        np.ascontiguousarray(rows[:, 4]),
-        nsrm.Camera(**asdict(camera)),
-    )
+    scene = sight.scene(model, camera)
     whole = model.plan(scene, stage.sentence)
     assert len(whole.steps) == 2
     rest = model.plan(scene, stage.sentence, first=1)

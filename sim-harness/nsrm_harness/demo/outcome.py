@@ -11,8 +11,8 @@ from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Body, Mark
 from nsrm_harness.arm.perform import FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
-from nsrm_harness.demo.sight import Sight
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.sight import Sight
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.world import World
 

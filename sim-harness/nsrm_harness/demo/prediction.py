@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from nsrm_harness.demo.sight import Location, Sight
+from nsrm_harness.sight import Location, Sight
 
 
 def cut_out(sight: Sight, number: int) -> Image.Image:

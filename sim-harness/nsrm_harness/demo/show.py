@@ -16,13 +16,12 @@ from nsrm_harness.demo import report
 from nsrm_harness.demo.film import Film
 from nsrm_harness.demo.outcome import Goal, Outcome, Stopped, carry, set_down
 from nsrm_harness.demo.prediction import cut_out, predicted_scene
-from nsrm_harness.demo.sight import Eyes, Names, Sight, names
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
+from nsrm_harness.sight import Eyes, Names, Sight, names, sub_goal
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import Camera, default_camera
-from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
 
@@ -75,17 +74,14 @@ def show(
         )
         document: dict[str, Any] = {"sentence": sentence, "seed": seed}
         try:
-            plan = model.plan(_scene(model, sight, camera), sentence)
+            plan = model.plan(sight.scene(model, camera), sentence)
         except nsrm.Refused as refusal:
             refused = {"kind": refusal.kind, "message": str(refusal), **refusal.details}
             caption = f"“{sentence}”\nRefused: {refusal}"
             picture = annotate(sight.rgb, _marks(sight, known), caption=caption)
             paths = _save(out, {"initial": picture})
             return Shown(heading, document | {"refused": refused}, paths, refusal)
-        goals: list[Goal] = [
-            (step.object_id, Pose(_three(step.position), _four(step.orientation)))
-            for step in plan.steps
-        ]
+        goals: list[Goal] = [(step.object_id, sub_goal(step)) for step in plan.steps]
         films: list[Path] = []
         outcomes: Sequence[Outcome]
         if isinstance(world, ArmWorld):
@@ -103,17 +99,6 @@ def show(
         document | report.as_json(plan, outcomes),
         (*_save(out, pictures), *films),
         last if isinstance(last, Stopped) else None,
-    )
-
-
-def _scene(model: nsrm.Model, sight: Sight, camera: Camera) -> nsrm.Scene:
-    locations = np.array([*sight.locations.values()], np.float32).reshape(-1, 5)
-    return model.observe(
-        sight.rgb,
-        list(sight.locations),
-        np.ascontiguousarray(locations[:, :4]),
-        np.ascontiguousarray(locations[:, 4]),
-        nsrm.Camera(**asdict(camera)),
     )
 
 
@@ -208,13 +193,3 @@ def _save(out: Path, pictures: Mapping[str, Image.Image]) -> tuple[Path, ...]:
 def _rect(box: np.ndarray) -> Rect:
     x1, y1, x2, y2 = (float(value) for value in box[:4])
     return (x1, y1, x2, y2)
-
-
-def _three(values: Sequence[float]) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)
-    return (x, y, z)
-
-
-def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
-    x, y, z, w = (float(value) for value in values)
-    return (x, y, z, w)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import nsrm
 import numpy as np
@@ -15,6 +15,7 @@ from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.world.camera import Camera
+from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Light, Renderer
 from nsrm_harness.world.world import World
 
@@ -35,6 +36,17 @@ class Sight:
     labels: NDArray[np.int32]
     locations: Mapping[int, Location]
     cuboids: Mapping[int, Cuboid]
+
+    def scene(self, model: nsrm.Model, camera: Camera) -> nsrm.Scene:
+        """What the model plans in."""
+        locations = np.array([*self.locations.values()], np.float32).reshape(-1, 5)
+        return model.observe(
+            self.rgb,
+            list(self.locations),
+            np.ascontiguousarray(locations[:, :4]),
+            np.ascontiguousarray(locations[:, 4]),
+            nsrm.Camera(**asdict(camera)),
+        )
 
 
 class Eyes:
@@ -84,3 +96,10 @@ def names(model: nsrm.Model, domain: Domain, sight: Sight) -> Names:
         words[number] = " ".join(value.name for value in reversed(values))
         colors[number] = next(value.rgb for value in values if value.rgb is not None)
     return Names(words, colors)
+
+
+def sub_goal(step: nsrm.PlannedStep) -> Pose:
+    """Where the centre of a step's object is to be."""
+    x, y, z = (float(value) for value in step.position)
+    i, j, k, w = (float(value) for value in step.orientation)
+    return Pose((x, y, z), (i, j, k, w))
