@@ -1,7 +1,7 @@
 //! The services promise what their table says, between two nodes of one process.
 
 use std::sync::Barrier;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use iceoryx2::config::Config;
 use iceoryx2::prelude::*;
@@ -115,6 +115,40 @@ fn what_comes_while_a_bell_rings_is_looked_for() {
         bell.ring();
         assert_eq!(ears.wait(LATE), Ok(true));
     }
+}
+
+/// The clock that ends a sleep strikes again and again, and once it is set to another time.
+#[test]
+fn a_sleep_ends_where_nothing_rings() {
+    let corner = Corner::new("naps");
+    let (_, controller) = pair(&corner);
+    let ears = controller.listen([PLAN]).unwrap();
+    let nap = Duration::from_millis(20);
+    let begun = Instant::now();
+    for _ in 0..5 {
+        assert_eq!(ears.wait(nap), Ok(false));
+    }
+    assert!(begun.elapsed() > 4 * nap, "{:?}", begun.elapsed());
+    for other in [Duration::from_millis(3), Duration::ZERO, nap] {
+        assert_eq!(ears.wait(other), Ok(false));
+    }
+}
+
+#[test]
+fn who_sleeps_for_ever_is_woken() {
+    let corner = Corner::new("ever");
+    let join = |role| Robot::join(name("left"), role, &corner.config).unwrap();
+    let controller = join(Role::Controller);
+    let ears = controller.listen([PLAN]).unwrap();
+    assert_eq!(ears.wait(Duration::from_millis(1)), Ok(false));
+    std::thread::scope(|threads| {
+        threads.spawn(|| {
+            let bell = join(Role::Planner).bell(PLAN).unwrap();
+            std::thread::sleep(Duration::from_millis(50));
+            bell.ring();
+        });
+        assert_eq!(ears.wait(Duration::MAX), Ok(true));
+    });
 }
 
 /// One is asked again at some moment while it hears out the bell of the question before.

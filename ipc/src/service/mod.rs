@@ -243,7 +243,8 @@ impl Robot {
         services: [&'static str; N],
     ) -> Result<Ears<N>, ServiceError> {
         let listeners = services.into_iter().map(|service| self.listener(service));
-        Ok(Ears::new(listeners.collect::<Result<_, _>>()?))
+        Ears::new(listeners.collect::<Result<_, _>>()?)
+            .map_err(|error| self.fault(services.first().unwrap_or(&"node"), &error))
     }
 
     fn listener(&self, service: &'static str) -> Result<Listener<ipc::Service>, ServiceError> {
