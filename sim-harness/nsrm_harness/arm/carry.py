@@ -90,7 +90,9 @@ class Planner:
         try:
             put = placement(goal, block, others)
         except RefusedError as refusal:
-            raise RefusedError(refusal.why, f"{name} can't stand there: {refusal}") from None
+            raise RefusedError(
+                refusal.why, f"{name} can't stand there: {refusal}", refusal.in_the_way
+            ) from None
         touches: list[Nearest] = []
         ways = _least_turns_first(grasps(block))
         for there, grasp in itertools.product(_looking_the_same(put.cuboid, block), ways):
@@ -100,10 +102,13 @@ class Planner:
             if found is not None:
                 touches.append(found)
         if touches:
-            nearest = max(touches, key=lambda touch: touch.distance_m)
+            touches.sort(key=lambda touch: touch.distance_m, reverse=True)
+            # Each once, in the order in which they come.
+            touched = dict.fromkeys(key for touch in touches for key in sorted(touch.pair))
             raise RefusedError(
                 Why.NO_WAY,
-                f"{name} can't be carried there: {nearest}",
+                f"{name} can't be carried there: {touches[0]}",
+                tuple(key for key in touched if key in others),
             )
         raise RefusedError(
             Why.OUT_OF_REACH, f"the arm does not reach {name} or its sub-goal from above"

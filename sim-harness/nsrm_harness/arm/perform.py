@@ -1,13 +1,14 @@
 """One sub-goal, whatever goes wrong on the way: carried out, looked at, and tried again a
-bounded number of times."""
+bounded number of times. What only stands too near is moved aside first."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.clear import Aside, clearing
 from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.errors import HarnessError
@@ -36,6 +37,7 @@ class Performed:
     * `miss_m`: between that and where it is
     * `shifted`: what else has moved, and how far, metres
     * `motion_s`: of the arm, in all tries
+    * `cleared`: what was moved aside before, and where it was put; `tries` is without it
     """
 
     name: str
@@ -44,6 +46,7 @@ class Performed:
     miss_m: float
     shifted: tuple[tuple[str, float], ...]
     motion_s: float
+    cleared: tuple[Aside, ...] = ()
 
     def __str__(self) -> str:
         text = (
@@ -53,6 +56,8 @@ class Performed:
         )
         if self.tries > 1:
             text += f"; at try {self.tries}"
+        if self.cleared:
+            text += f"; {_names(self.cleared)} moved aside first"
         for name, shift_m in self.shifted:
             text += f"; {name} was pushed by {1000 * shift_m:.1f} mm"
         return text
@@ -65,18 +70,85 @@ class Performed:
             "miss_m": self.miss_m,
             "motion_s": self.motion_s,
             "shifted_m": dict(self.shifted),
+            "cleared": {
+                name: {"position": pose.position, "orientation": pose.orientation}
+                for name, pose in self.cleared
+            },
         }
 
 
 def perform(
-    body: Body, planner: Planner, look: Look, name: str, goal: Pose, mark: Mark = unmarked
+    body: Body,
+    planner: Planner,
+    look: Look,
+    name: str,
+    goal: Pose,
+    mark: Mark = unmarked,
+    *,
+    keep: Collection[str] = (),
 ) -> Performed:
-    """Carries a block to its sub-goal.
+    """Carries a block to its sub-goal; what only stands too near is moved aside first.
+
+    * `keep`: the names of what is not moved aside
 
     Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
     `FailedError` if it was tried and is not done.
     """
     objects = look()
+    try:
+        return _carry(body, planner, look, objects, name, goal, mark)
+    except RefusedError as refusal:
+        asides = clearing(planner, objects, name, goal, body.joints(), refusal, keep)
+        if not asides:
+            raise
+    mark("clearing")
+    first = _clear(body, planner, look, objects, name, asides, mark)
+    mark("cleared")
+    try:
+        performed = _carry(body, planner, look, look(), name, goal, mark)
+    except (RefusedError, FailedError) as error:
+        raise FailedError(f"{_names(asides)} moved aside first; then: {error}") from None
+    return replace(
+        performed,
+        cleared=asides,
+        shifted=_farthest(performed, *first),
+        motion_s=performed.motion_s + sum(part.motion_s for part in first),
+    )
+
+
+def _clear(
+    body: Body,
+    planner: Planner,
+    look: Look,
+    objects: Mapping[str, Cuboid],
+    name: str,
+    asides: tuple[Aside, ...],
+    mark: Mark,
+) -> list[Performed]:
+    """Carries away what stands in the way of a block. Raises `FailedError`."""
+    done = []
+    for blocker, place in asides:
+        try:
+            done.append(_carry(body, planner, look, objects, blocker, place, mark))
+        except (RefusedError, FailedError) as error:
+            raise FailedError(
+                f"{blocker} stands in the way of {name} and was to be moved aside first: {error}"
+            ) from None
+        objects = look()
+    return done
+
+
+def _carry(
+    body: Body,
+    planner: Planner,
+    look: Look,
+    objects: Mapping[str, Cuboid],
+    name: str,
+    goal: Pose,
+    mark: Mark,
+) -> Performed:
+    """Carries a block to its sub-goal as it looks, and again as it looks then. Raises as
+    `perform`."""
     motion_s = 0.0
     done = Done.PLACED
     for number in range(1, MAX_TRIES + 1):
@@ -117,3 +189,17 @@ def _shifted(
         if other != name and other in after
     )
     return tuple((other, shift_m) for other, shift_m in shifts if shift_m > SHIFTED_M)
+
+
+def _farthest(*parts: Performed) -> tuple[tuple[str, float], ...]:
+    """What was moved besides in any part, and how far at most."""
+    shifts: dict[str, float] = {}
+    for part in parts:
+        for name, shift_m in part.shifted:
+            shifts[name] = max(shift_m, shifts.get(name, 0.0))
+    return tuple(shifts.items())
+
+
+def _names(asides: tuple[Aside, ...]) -> str:
+    names = [name for name, _ in asides]
+    return f"{' and '.join(names)} {'was' if len(names) == 1 else 'were'}"

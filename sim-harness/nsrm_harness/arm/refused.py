@@ -20,8 +20,13 @@ class Why(Enum):
 
 
 class RefusedError(HarnessError):
-    """Nothing has moved; the message says what would be touched, or would fall."""
+    """Nothing has moved; the message says what would be touched, or would fall.
 
-    def __init__(self, why: Why, message: str) -> None:
+    * `in_the_way`: the names of the objects that leave no room or would be touched, without which
+      it might be done; the nearest to being far enough away first
+    """
+
+    def __init__(self, why: Why, message: str, in_the_way: tuple[str, ...] = ()) -> None:
         super().__init__(message)
         self.why = why
+        self.in_the_way = in_the_way

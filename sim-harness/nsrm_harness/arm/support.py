@@ -52,11 +52,7 @@ def placement(goal: Pose, block: Cuboid, others: Mapping[str, Cuboid]) -> Placem
     """
     foot_m = goal.position[2] - block.edges_m[2] / 2
     wanted = Cuboid(goal, block.edges_m)
-    under = {
-        name: other
-        for name, other in others.items()
-        if abs(other.top_m - foot_m) <= LEVEL_M and _overlap(wanted, other).area > 0
-    }
+    under = supporting(wanted, others)
     level_m = max((other.top_m for other in under.values()), default=0.0)
     if not under and abs(foot_m) > LEVEL_M:
         what = "above the table with nothing under it" if foot_m > 0 else "below the table's top"
@@ -78,6 +74,15 @@ def placement(goal: Pose, block: Cuboid, others: Mapping[str, Cuboid]) -> Placem
     return Placement(placed, tuple(under) or (TABLE,), pose.distance_m(goal))
 
 
+def supporting(wanted: Cuboid, others: Mapping[str, Cuboid]) -> dict[str, Cuboid]:
+    """What a block would be put on, if that is near enough to its foot."""
+    return {
+        name: other
+        for name, other in others.items()
+        if abs(other.top_m - wanted.bottom_m) <= LEVEL_M and _overlap(wanted, other).area > 0
+    }
+
+
 def resting_on(block: Cuboid, others: Mapping[str, Cuboid]) -> list[str]:
     """The names of what stands on a block."""
     return [
@@ -97,15 +102,25 @@ def standing_on(block: Cuboid, others: Mapping[str, Cuboid]) -> list[str]:
     return under or [TABLE]
 
 
+def gap_m(one: Cuboid, other: Cuboid) -> float:
+    """Between two, as seen from above."""
+    return _plan(one).distance(_plan(other))
+
+
 def _check_room(placed: Cuboid, others: Mapping[str, Cuboid]) -> None:
+    near = []
     for name, other in others.items():
         beside_m = min(placed.top_m, other.top_m) - max(placed.bottom_m, other.bottom_m)
-        gap_m = _plan(placed).distance(_plan(other))
-        if beside_m > TOUCH_M and gap_m < ROOM_M:
-            raise RefusedError(
-                Why.NO_ROOM,
-                f"it would be {1000 * gap_m:.0f} mm from {name}; {1000 * ROOM_M:.0f} mm are kept",
-            )
+        if beside_m > TOUCH_M and gap_m(placed, other) < ROOM_M:
+            near.append(name)
+    if near:
+        near.sort(key=lambda name: gap_m(placed, others[name]), reverse=True)
+        least_m = gap_m(placed, others[near[-1]])
+        raise RefusedError(
+            Why.NO_ROOM,
+            f"it would be {1000 * least_m:.0f} mm from {near[-1]}; {1000 * ROOM_M:.0f} mm are kept",
+            tuple(near),
+        )
 
 
 def _check_stability(

@@ -3,7 +3,7 @@ with blocks that are set down there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
@@ -102,8 +102,12 @@ def carry(
     goals: Sequence[Goal],
     names: Mapping[int, str],
     mark: Mark,
+    keep: Collection[int] = (),
 ) -> list[Performed | Stopped]:
-    """Has the arm carry each block to its sub-goal, until one can't be."""
+    """Has the arm carry each block to its sub-goal, until one can't be.
+
+    * `keep`: the objects that are not moved aside for another
+    """
 
     def seen() -> dict[str, Cuboid]:
         return {
@@ -113,10 +117,11 @@ def carry(
         }
 
     planner = Planner()
+    kept = {names[number] for number in keep}
     outcomes: list[Performed | Stopped] = []
     for number, goal in goals:
         try:
-            outcomes.append(perform(body, planner, seen, names[number], goal, mark))
+            outcomes.append(perform(body, planner, seen, names[number], goal, mark, keep=kept))
         except (RefusedError, FailedError) as error:
             outcomes.append(Stopped(isinstance(error, FailedError), str(error)))
             break

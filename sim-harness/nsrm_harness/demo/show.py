@@ -86,7 +86,8 @@ def show(
         outcomes: Sequence[Outcome]
         if isinstance(world, ArmWorld):
             film = Film(world, renderer)
-            outcomes = carry(world, eyes.look, goals, _spoken(known), film.mark)
+            keep = {n for step in plan.steps for n in (step.object_id, step.reference_id)}
+            outcomes = carry(world, eyes.look, goals, _spoken(known), film.mark, keep)
             films = film.save(out)
         else:
             outcomes = set_down(world, sight, goals)
