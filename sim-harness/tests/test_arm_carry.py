@@ -23,8 +23,8 @@ from nsrm_harness.arm.execute import Done, carry_out
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.perform import MAX_TRIES, FailedError, Look, perform
 from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.demo.sight import Eyes
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.sight import Eyes
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.bullet import pybullet
@@ -384,7 +384,7 @@ def test_what_can_not_be_done_is_refused_before_anything_moves(
     name, goal = scene(world)
     poses, joints = world.poses(), world.joints()
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), Planner(), known(world), name, goal)
+        perform(Still(world), Planner(), known(world), name, goal, keep=known(world)())
     assert caught.value.why is why
     assert all(word in str(caught.value) for word in words), str(caught.value)
     assert world.poses() == poses

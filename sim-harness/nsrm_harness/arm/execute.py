@@ -14,7 +14,8 @@ from nsrm_harness.arm.carry import Carry
 from nsrm_harness.arm.grasp import Grasp
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.panda import GRIP_N
-from nsrm_harness.arm.timing import Trajectory
+from nsrm_harness.arm.timing import Backwards, Straight, Trajectory
+from nsrm_harness.errors import HarnessError
 
 WIDTH_M = 0.004
 """The fingers hold a block when they are open as far as it is wide, within that."""
@@ -28,6 +29,20 @@ OPENING_S = 0.5
 """At most."""
 CALM_S = 0.1
 """Before the fingers open, so that nothing swings."""
+BACK_PACE = 0.2
+"""Share of the maker's limits with which the arm draws back from what it has met."""
+LAG_RAD = 0.02
+"""Joints that follow are behind by less than that: at full speed, 2.6 rad/s, that would be 8 ms."""
+TOUCH_RAD = 0.0025
+"""While a block is lowered, slowly, they are behind by 0.001; by more than that, it has met
+something before it was to."""
+ARRIVED_RAD = 0.002
+"""At the end of a motion they have stopped nearer than that, before the fingers are moved."""
+
+
+class StuckError(HarnessError):
+    """The joints do not follow. The arm is told to stay where it is, with its fingers as they
+    are: what they hold would fall."""
 
 
 class Body(Protocol):
@@ -73,12 +88,14 @@ class Done(Enum):
     PLACED = "placed"
     NOT_GRASPED = "not grasped"
     SLIPPED = "slipped"
+    TAKEN_BACK = "taken back, as something is in the way"
 
 
 def carry_out(body: Body, carry: Carry, mark: Mark = unmarked) -> Done:
-    """Does all that was planned, and ends in the ready pose whatever happens.
+    """Does all that was planned, and ends in the ready pose whatever happens to the block.
 
-    Bounded: motions by their durations, fingers by `CLOSING_S` and `OPENING_S`.
+    Bounded: motions by their durations, fingers by `CLOSING_S` and `OPENING_S`. Raises
+    `StuckError`.
     """
     grasp = carry.grasp
     body.grip(grasp.opening_m, GRIP_N)
@@ -100,8 +117,11 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked) -> Done:
     if not _follow(body, carry.transfer, least_m):
         return _without_it(body, grasp, carry.home, mark)
     mark("above")
-    holds = _follow(body, [carry.lower], least_m)
-    _wait(body, CALM_S)
+    try:
+        holds = _follow(body, [carry.lower], least_m, TOUCH_RAD)
+    except StuckError:
+        return _take_back(body, carry, mark)
+    wait(body, CALM_S)
     _let_go(body, grasp)
     mark("let go")
     _follow(body, (carry.retreat, *carry.home))
@@ -117,13 +137,38 @@ def _without_it(body: Body, grasp: Grasp, home: Iterable[Trajectory], mark: Mark
     return Done.SLIPPED
 
 
+def _take_back(body: Body, carry: Carry, mark: Mark) -> Done:
+    """What was to be lowered has met something: puts it down where it was.
+
+    Raises `StuckError` if it was no block that the joints have met.
+    """
+    up = Straight(body.joints(), carry.lower.begin, BACK_PACE)
+    _follow(body, (up, *(Backwards(way) for way in carry.transfer[::-1])))
+    away = carry.lift
+    try:
+        _follow(body, [Backwards(carry.lift)], lag_rad=TOUCH_RAD)
+    except StuckError:
+        # What it has met may hang below it, and stands now.
+        away = Straight(body.joints(), carry.lift.end, BACK_PACE)
+    wait(body, CALM_S)
+    _let_go(body, carry.grasp)
+    _follow(body, (away, *carry.back))
+    mark("taken back")
+    return Done.TAKEN_BACK
+
+
 def _let_go(body: Body, grasp: Grasp) -> None:
     body.grip(grasp.opening_m, GRIP_N)
     _until_still(body, OPENING_S)
 
 
-def _follow(body: Body, ways: Iterable[Trajectory], least_m: float = 0.0) -> bool:
-    """Along all of them; whether the fingers stayed as far open all the time."""
+def _follow(
+    body: Body, ways: Iterable[Trajectory], least_m: float = 0.0, lag_rad: float = LAG_RAD
+) -> bool:
+    """Along all of them; whether the fingers stayed as far open all the time.
+
+    Raises `StuckError` if the joints are behind by more than `lag_rad`.
+    """
     holds = True
     for way in ways:
         # The last one is at or behind its end: at rest.
@@ -132,11 +177,25 @@ def _follow(body: Body, ways: Iterable[Trajectory], least_m: float = 0.0) -> boo
         for joints, speeds in zip(moments.joints, moments.speeds, strict=True):
             body.drive(joints, speeds)
             body.tick()
+            _check_lag(body, joints, lag_rad)
             holds &= body.opening_m() >= least_m
+        _check_lag(body, moments.joints[-1], ARRIVED_RAD)
     return holds
 
 
-def _wait(body: Body, time_s: float) -> None:
+def _check_lag(body: Body, told: Joints, most_rad: float) -> None:
+    now = body.joints()
+    lag_rad = float(np.abs(now - told).max())
+    if lag_rad > most_rad:
+        body.drive(now, np.zeros_like(now))
+        raise StuckError(
+            f"the arm's joints are {lag_rad:.3f} rad from where they were told to be; it stands "
+            "still there with its fingers as they are"
+        )
+
+
+def wait(body: Body, time_s: float) -> None:
+    """Lets so much time go by."""
     for _ in range(round(time_s / body.tick_s)):
         body.tick()
 
@@ -144,7 +203,7 @@ def _wait(body: Body, time_s: float) -> None:
 def _until_still(body: Body, longest_s: float) -> None:
     before_m = math.inf
     for _ in range(round(longest_s / LOOK_S)):
-        _wait(body, LOOK_S)
+        wait(body, LOOK_S)
         now_m = body.opening_m()
         if abs(before_m - now_m) < STILL_M:
             return

@@ -79,6 +79,22 @@ class Straight:
         return Moments(self.begin + place * turn, speed * turn, acceleration * turn)
 
 
+class Backwards:
+    """A trajectory from its end to its beginning."""
+
+    def __init__(self, way: Trajectory) -> None:
+        self.begin, self.end = way.end, way.begin
+        self._way = way
+
+    @property
+    def duration_s(self) -> float:
+        return self._way.duration_s
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        moments = self._way.at(self.duration_s - times_s)
+        return Moments(moments.joints, -moments.speeds, moments.accelerations)
+
+
 class Along:
     """Through joints that lie densely along a path, such as those of a straight line of the
     hand."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Done, carry_out
+from nsrm_harness.arm.execute import Done, StuckError, carry_out
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.messages import Outcome
 from nsrm_harness.perception.cuboids import Cuboid
@@ -28,6 +28,7 @@ OUTCOMES = {
     Done.PLACED: Outcome.REACHED,
     Done.NOT_GRASPED: Outcome.NOT_GRASPED,
     Done.SLIPPED: Outcome.DROPPED,
+    Done.TAKEN_BACK: Outcome.MISPLACED,
 }
 """What a controller says of how a carrying ended. Whether a block stands where it was put is seen
 by who looks at the next picture."""
@@ -61,7 +62,7 @@ class Carries:
     """The arm carries a block from where it is seen to its sub-goal, once.
 
     * `seen`: all that is believed to stand there, by number
-    * `refuse`: is told why something is not begun
+    * `refuse`: is told why something is not begun, or was stopped
     * `alive`: is called every few milliseconds while it plans and moves
     """
 
@@ -85,7 +86,11 @@ class Carries:
         except RefusedError as refusal:
             self._refuse(str(refusal))
             return Outcome.NO_PATH
-        return OUTCOMES[carry_out(self._world, carry)]
+        try:
+            return OUTCOMES[carry_out(self._world, carry)]
+        except StuckError as error:
+            self._refuse(str(error))
+            return Outcome.STOPPED
 
     def _tick(self) -> None:
         self._ticks += 1
