@@ -18,6 +18,7 @@ from nsrm_harness.errors import HarnessError
 #: module holds a `click.Command` named `command`.
 COMMANDS = {
     "demo": "Plan a sentence in a scene and draw what comes of it.",
+    "figures": "The paper's figures 2 to 5: its sentences, carried out by the arm.",
     "episodes": "Make a file of demonstrations.",
     "calibration": "Make the file from which the camera model is fitted.",
     "look": "Draw an episode: before, after, boxes and sentence.",
@@ -28,6 +29,7 @@ COMMANDS = {
     "refusals": "How much of what must be refused a model refuses.",
     "tables": "The paper's tables, from nothing to a report.",
     "publish": "A finished report and its model into the project.",
+    "trials": "How often the arm does what a sentence says.",
     "robot": "All processes of a robot in a simulated world, for one sentence.",
     "world": "A simulated world as a robot's camera and controller.",
     "chaos": "Kill a robot's processes at random and see what becomes of its commands.",

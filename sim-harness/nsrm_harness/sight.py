@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from nsrm_harness.domain import Domain
 from nsrm_harness.perception.cuboids import Cuboid, Cuboids
 from nsrm_harness.perception.detector import detect
-from nsrm_harness.perception.relief import relief
+from nsrm_harness.perception.relief import PerceptionError, relief
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.world.camera import Camera
 from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Light, Renderer
+from nsrm_harness.world.render import Frame, Light, Renderer
 from nsrm_harness.world.world import World
+
+DARK = 8.0
+"""A picture's mean is brighter, of 255."""
 
 Location = NDArray[np.float32]
 """x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
@@ -30,12 +33,14 @@ class Sight:
     * `rgb`: `uint8 [H, W, 3]`; `labels`: `int32 [H, W]`, an object's number where it is seen
     * `locations`: by number; the same object has the same number in all pictures
     * `cuboids`: of all that are believed to be there, hidden ones included
+    * `taken_s`: when, by the world's clock
     """
 
     rgb: NDArray[np.uint8]
     labels: NDArray[np.int32]
     locations: Mapping[int, Location]
     cuboids: Mapping[int, Cuboid]
+    taken_s: float
 
     def scene(self, model: nsrm.Model, camera: Camera) -> nsrm.Scene:
         """What the model plans in."""
@@ -49,6 +54,10 @@ class Sight:
         )
 
 
+class DarkError(PerceptionError):
+    """A picture on which nothing can be seen."""
+
+
 class Eyes:
     """Looks at a world with one camera."""
 
@@ -56,9 +65,16 @@ class Eyes:
         self._renderer, self._world, self.camera = renderer, world, camera
         self._tracker, self._cuboids = Tracker(), Cuboids(camera)
 
+    @property
+    def now_s(self) -> float:
+        """By the clock that tells when pictures are taken."""
+        return self._world.time_s
+
     def look(self) -> Sight:
-        """Takes a picture. Raises `PerceptionError`."""
-        frame = self._renderer.render(self._world, self.camera, Light())
+        """Takes a picture. Raises `DarkError` or another `PerceptionError`."""
+        frame, taken_s = self._take()
+        if frame.rgb.mean() < DARK:
+            raise DarkError("the camera's picture is dark")
         found = detect(frame.rgb, frame.depth, self.camera)
         numbers = self._tracker.update(frame.rgb, found, self.camera)
         cuboids = self._cuboids.update(numbers, found, relief(frame.rgb, frame.depth, self.camera))
@@ -68,7 +84,12 @@ class Eyes:
             np.array((0, *numbers), np.int32)[found.labels],
             dict(zip(numbers, rows, strict=True)),
             cuboids,
+            taken_s,
         )
+
+    def _take(self) -> tuple[Frame, float]:
+        """A picture, and when it was taken."""
+        return self._renderer.render(self._world, self.camera, Light()), self.now_s
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,15 @@ STREAMS = {
     "refusals_test": 32,
     "perception": 41,
     "depth_noise": 42,
+    "arm_steps_1": 51,
+    "arm_steps_2": 52,
+    "arm_steps_3": 53,
+    "arm_steps_5": 54,
+    "arm_stack_3": 55,
+    "arm_stack_4": 56,
+    "arm_control": 57,
+    "figures": 58,
+    "arm_disturbed": 59,
 }
 
 

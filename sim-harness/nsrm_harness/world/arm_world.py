@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,15 @@ from nsrm_harness.world.bullet import pybullet
 from nsrm_harness.world.moving_arm import MovingArm
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.world import TIME_STEP_S, World
+
+TABLE = "table"
+
+
+class Contact(NamedTuple):
+    """Two that push against each other: the arm's links by name, "block 1", "table"."""
+
+    one: str
+    other: str
 
 
 class ArmWorld(World):
@@ -54,8 +64,26 @@ class ArmWorld(World):
         """A step of physics."""
         self.on_tick()
         self._set_global_parameters()
-        pybullet.stepSimulation(physicsClientId=self._client)
+        self._step()
 
     def arm_links(self) -> dict[str, Pose]:
         """The frame of each of the Panda's links in the world, by name."""
         return self._arm.links()
+
+    def contacts(self, block_id: int) -> set[Contact]:
+        """What pushes against the arm or this block now."""
+        names = {body: f"block {number}" for number, body in self._bodies.items()}
+        names[self._table] = TABLE
+        points = [
+            *self._arm.contact_points(),
+            *pybullet.getContactPoints(bodyA=self._body(block_id), physicsClientId=self._client),
+        ]
+        found = set()
+        for _, one, other, link, other_link, *_, force_n, _, _, _, _ in points:
+            if force_n > 0:
+                pair = (
+                    names.get(one) or self._arm.link_name(link),
+                    names.get(other) or self._arm.link_name(other_link),
+                )
+                found.add(Contact(*sorted(pair)))
+        return found

@@ -98,6 +98,7 @@ def sample_layout(
     rng: np.random.Generator,
     blocks: Sequence[Block],
     *,
+    around: Sequence[Corners] = (),
     space: Space = PLACEMENT_SPACE,
     clearance_m: float = CLEARANCE_M,
     max_yaw_rad: float = MAX_YAW_RAD,
@@ -105,10 +106,12 @@ def sample_layout(
     """A place on the table for each block, in order: uniform in `space`, yaw within
     `max_yaw_rad`, at least `clearance_m` between any two.
 
+    * `around`: what has its place already
+
     Raises `LayoutError` after `MAX_TRIES` draws.
     """
     poses: list[Pose] = []
-    taken: list[Corners] = []
+    taken = list(around)
     tries = 0
     while len(poses) < len(blocks):
         if tries == MAX_TRIES:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,14 +39,7 @@ class MovingArm:
             pybullet.resetJointState(self._body, joint, angle, physicsClientId=client)
         for finger in self._fingers:
             pybullet.resetJointState(self._body, finger, FINGER_REST_M, physicsClientId=client)
-            pybullet.changeDynamics(
-                self._body,
-                finger,
-                lateralFriction=FINGER_FRICTION,
-                spinningFriction=SPINNING_FRICTION,
-                rollingFriction=ROLLING_FRICTION,
-                physicsClientId=client,
-            )
+        self.rub(1.0)
         gear = pybullet.createConstraint(
             self._body,
             self._fingers[0],
@@ -88,6 +84,18 @@ class MovingArm:
                 physicsClientId=self._client,
             )
 
+    def rub(self, share: float) -> None:
+        """Has the fingers' pads rub so much less than rubber: 1 is as rubber, 0 is not at all."""
+        for finger in self._fingers:
+            pybullet.changeDynamics(
+                self._body,
+                finger,
+                lateralFriction=share * FINGER_FRICTION,
+                spinningFriction=share * SPINNING_FRICTION,
+                rollingFriction=share * ROLLING_FRICTION,
+                physicsClientId=self._client,
+            )
+
     def joints(self) -> NDArray[np.float64]:
         """The joints' angles `[7]`, radians."""
         states = pybullet.getJointStates(self._body, self._joints, physicsClientId=self._client)
@@ -97,6 +105,15 @@ class MovingArm:
         """Between the fingers."""
         states = pybullet.getJointStates(self._body, self._fingers, physicsClientId=self._client)
         return float(sum(state[0] for state in states))
+
+    def contact_points(self) -> Sequence[tuple[Any, ...]]:
+        """PyBullet's, of the arm with anything."""
+        return pybullet.getContactPoints(bodyA=self._body, physicsClientId=self._client)
+
+    def link_name(self, index: int) -> str:
+        """Of a link by PyBullet's index."""
+        names = {joint: name for name, joint in self._links.items()}
+        return names.get(index, BASE_LINK)
 
     def links(self) -> dict[str, Pose]:
         """The frame of each link in the world, by name."""

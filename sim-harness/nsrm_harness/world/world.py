@@ -73,6 +73,7 @@ class World:
         self._blocks: dict[int, Block] = {}
         self._bodies: dict[int, int] = {}
         self._links = dict(arm.rest_links()) if robot else {}
+        self._steps = 0
         self._build()
 
     def __enter__(self) -> World:
@@ -144,11 +145,16 @@ class World:
         self._set_global_parameters()
         quiet = 0
         for step in range(1, MAX_STEPS + 1):
-            pybullet.stepSimulation(physicsClientId=self._client)
-            quiet = quiet + 1 if self._slow() else 0
+            self._step()
+            quiet = quiet + 1 if self.slow() else 0
             if quiet == REST_STEPS:
                 return Settled(True, step)
         return Settled(False, MAX_STEPS)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated since it was made."""
+        return self._steps * TIME_STEP_S
 
     def pose(self, block_id: int) -> Pose:
         """Where a block's centre is. Raises `KeyError` for an unknown id."""
@@ -176,16 +182,8 @@ class World:
             for block_id, block in self._blocks.items()
         )
 
-    def arm_links(self) -> dict[str, Pose]:
-        """The frame of each of the Panda's links by name; empty without robot."""
-        return dict(self._links)
-
-    def _body(self, block_id: int) -> int:
-        if block_id not in self._bodies:
-            raise KeyError(f"no block {block_id}: the world has {sorted(self._bodies)}")
-        return self._bodies[block_id]
-
-    def _slow(self) -> bool:
+    def slow(self) -> bool:
+        """Whether every block is below both speeds of one at rest."""
         for body in self._bodies.values():
             (vx, vy, vz), (wx, wy, wz) = pybullet.getBaseVelocity(
                 body, physicsClientId=self._client
@@ -195,6 +193,19 @@ class World:
             if wx * wx + wy * wy + wz * wz > REST_TURN_RAD_S**2:
                 return False
         return True
+
+    def arm_links(self) -> dict[str, Pose]:
+        """The frame of each of the Panda's links by name; empty without robot."""
+        return dict(self._links)
+
+    def _step(self) -> None:
+        pybullet.stepSimulation(physicsClientId=self._client)
+        self._steps += 1
+
+    def _body(self, block_id: int) -> int:
+        if block_id not in self._bodies:
+            raise KeyError(f"no block {block_id}: the world has {sorted(self._bodies)}")
+        return self._bodies[block_id]
 
     def _set_surface(self, body: int) -> None:
         pybullet.changeDynamics(
@@ -233,10 +244,10 @@ class World:
         shape = pybullet.createCollisionShape(
             pybullet.GEOM_BOX, halfExtents=half, physicsClientId=self._client
         )
-        table = pybullet.createMultiBody(
+        self._table = pybullet.createMultiBody(
             baseMass=0,
             baseCollisionShapeIndex=shape,
             basePosition=middle,
             physicsClientId=self._client,
         )
-        self._set_surface(table)
+        self._set_surface(self._table)

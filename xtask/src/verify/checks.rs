@@ -124,8 +124,9 @@ pub(super) const CHECKS: &[Check] = &[
     },
     Check {
         name: "trials",
-        title: "50 kills at random lose nothing and do nothing twice; a soak and latencies in small",
-        about: "3 min",
+        title: "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
+                trials in small",
+        about: "6 min",
         steps: trials,
     },
     Check {
@@ -418,16 +419,15 @@ fn robot(context: &Context) -> Result<Vec<Step>> {
 
 /// Their exit codes tell; what they wrote lies beside the logs.
 fn trials(context: &Context) -> Result<Vec<Step>> {
-    let trial = |name: &str, options: &[&str]| {
-        let mut step = Step::cargo(&[&[name], options].concat());
+    let trial = |name: &str, arguments: &[&str]| {
         let out = context.logs().join(name).into_os_string();
-        step.arguments.extend(["--out".into(), out]);
-        step
+        Step::cargo(arguments).argument("--out").argument(out)
     };
     Ok(vec![
-        trial("chaos", &["--kills", "50"]),
-        trial("soak", &["--hours", "0.01", "--every", "1"]),
-        trial("latency", &["--samples", "500"]),
+        trial("chaos", &["chaos", "--kills", "50"]),
+        trial("soak", &["soak", "--hours", "0.01", "--every", "1"]),
+        trial("latency", &["latency", "--samples", "500"]),
+        trial("arm", &["harness", "trials", "--quick", "--quiet"]),
     ])
 }
 

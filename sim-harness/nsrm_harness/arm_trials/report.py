@@ -1,0 +1,199 @@
+"""The table of the trials: for people, as CSV, and as a picture."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+import numpy as np
+from matplotlib import pyplot as plt
+from numpy.typing import NDArray
+from scipy.stats import binom
+
+from nsrm_harness.arm_trials.judge import Verdict
+from nsrm_harness.arm_trials.rows import Row
+from nsrm_harness.arm_trials.trial import Ended
+
+CORRECTED_MM = 1.0
+CHANCE = 0.001
+FIELDS = (
+    "row",
+    "episodes",
+    "succeeded",
+    "refused",
+    "failed",
+    "position_p50_mm",
+    "position_p95_mm",
+    "seconds_p50",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A row, counted."""
+
+    row: Row
+    ended: tuple[Ended, ...]
+
+    @property
+    def ends(self) -> Counter[str]:
+        """How many ended how."""
+        return Counter(each.end for each in self.ended)
+
+    @property
+    def steps(self) -> list[Verdict]:
+        """All that were carried out."""
+        return [step for each in self.ended for step in each.steps]
+
+    @property
+    def off_mm(self) -> NDArray[np.float64]:
+        """From the true relation, of each step."""
+        return 1000 * np.array([step.off_m for step in self.steps])
+
+    @property
+    def seconds(self) -> NDArray[np.float64]:
+        """Simulated, of each step."""
+        return np.array([step.seconds for step in self.steps])
+
+    def values(self) -> tuple[str, ...]:
+        """As in the CSV."""
+        ends = self.ends
+        return (
+            self.row.name,
+            str(len(self.ended)),
+            *(str(ends[end]) for end in ("succeeded", "refused", "failed")),
+            *(f"{_quantile(self.off_mm, share):.2f}" for share in (0.5, 0.95)),
+            f"{_quantile(self.seconds, 0.5):.2f}",
+        )
+
+
+def _quantile(values: NDArray[np.float64], share: float) -> float:
+    return float(np.quantile(values, share)) if len(values) else float("nan")
+
+
+def counted(rows: Sequence[Row], ended: Sequence[Ended]) -> list[Line]:
+    """The rows with what became of their episodes."""
+    return [Line(row, tuple(each for each in ended if each.row == row.name)) for row in rows]
+
+
+def text(lines: Sequence[Line]) -> str:
+    """For a person: a table in Markdown, and why what did not succeed did not."""
+    rows = [
+        "| | episodes | done as said | goal | refused | failed | off, p50 | p95 | seconds a step |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for line in lines:
+        _, episodes, succeeded, refused, failed, half, most, seconds = line.values()
+        share = 100 * int(succeeded) / int(episodes)
+        goal = f"{100 * line.row.goal:.1f} %" if line.row.goal else "–"
+        rows.append(
+            f"| {line.row.title} | {episodes} | {share:.1f} % | {goal} "
+            f"| {refused} | {failed} | {half} mm | {most} mm | {seconds} |"
+        )
+    rows.extend(["", *_beside(lines), ""])
+    rows.extend(
+        f"- {each.row} {each.index}: {each.end}: {each.why}"
+        for line in lines
+        for each in line.ended
+        if each.end != "succeeded"
+    )
+    return "\n".join(rows)
+
+
+def _beside(lines: Sequence[Line]) -> list[str]:
+    """What is told of all rows together."""
+    ended = [each for line in lines for each in line.ended]
+    steps = [step for line in lines for step in line.steps]
+    kinds = Counter(each.kind for each in ended if each.kind)
+    asked = len(steps) + sum(kinds.values())
+    refused = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "none"
+    touched = sum(bool(step.touched) for step in steps)
+    corrected_mm = 1000 * np.array([by for each in ended for by in each.corrected_m])
+    again = sum(tries > 1 for each in ended for tries in each.tries)
+    return [
+        f"- Of {asked} sub-goals refused: {refused} ({_percent(sum(kinds.values()), asked)}).",
+        f"- Steps in which the arm or its block touched what it should not have: {touched}.",
+        f"- Sub-goals that were put right against what is seen under them: "
+        f"{_percent(int((corrected_mm > CORRECTED_MM).sum()), len(corrected_mm))} by more than "
+        f"{CORRECTED_MM} mm, {_quantile(corrected_mm, 0.5):.1f} mm in the middle, "
+        f"{_quantile(corrected_mm, 1.0):.1f} at most.",
+        f"- Sub-goals that took more than one try: {again}.",
+    ]
+
+
+def missed(lines: Sequence[Line]) -> list[str]:
+    """What can't be by chance: rows that do worse than an arm that reaches their goals would
+    once in `1 / CHANCE` times, and contacts that nothing had foreseen."""
+    found = []
+    for line in lines:
+        episodes, succeeded = len(line.ended), line.ends["succeeded"]
+        if binom.cdf(succeeded, episodes, line.row.goal) < CHANCE:
+            found.append(
+                f"{line.row.title}: {succeeded} of {episodes} done as said, "
+                f"{100 * line.row.goal:.1f} % is the goal"
+            )
+        touched = [pair for step in line.steps for pair in step.touched]
+        if touched:
+            found.append(
+                f"{line.row.title}: not foreseen: {', '.join(sorted(set(touched)))} touched"
+            )
+    return found
+
+
+def _percent(count: int, whole: int) -> str:
+    return f"{100 * count / max(whole, 1):.1f} %"
+
+
+def worst(ended: Sequence[Ended], count: int) -> list[Ended]:
+    """Those that ended worst: failed ones, refused ones, then the farthest off."""
+    order = ("failed", "refused", "succeeded")
+
+    def rank(each: Ended) -> tuple[int, float]:
+        return order.index(each.end), -max((step.off_m for step in each.steps), default=0.0)
+
+    return sorted(ended, key=rank)[:count]
+
+
+def write_csv(lines: Sequence[Line], path: Path) -> None:
+    """A line a row."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(FIELDS)
+        writer.writerows(line.values() for line in lines)
+
+
+def draw(lines: Sequence[Line], path: Path) -> None:
+    """How the episodes ended, how far steps were off, and how long they took, as a PNG."""
+    figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")
+    names = [line.row.title for line in lines]
+    left = np.zeros(len(lines))
+    for end, color in (("succeeded", "tab:green"), ("refused", "gold"), ("failed", "tab:red")):
+        shares = np.array([100 * line.ends[end] / max(len(line.ended), 1) for line in lines])
+        ends.barh(names, shares, left=left, color=color, label=end)
+        left += shares
+    goals = [(100 * line.row.goal, line.row.title) for line in lines if line.row.goal]
+    ends.scatter(*zip(*goals, strict=True), marker="|", s=300, c="black")
+    least = min(100 * line.ends["succeeded"] / max(len(line.ended), 1) for line in lines)
+    ends.set(
+        title="how episodes ended (goal: |)", xlabel="percent", xlim=(80 if least > 82 else 0, 100)
+    )
+    ends.invert_yaxis()
+    ends.legend(fontsize=8, loc="lower left")
+    for line in lines:
+        for axis, values in ((off, np.sort(line.off_mm)), (seconds, np.sort(line.seconds))):
+            if len(values):
+                axis.step(values, np.arange(1, len(values) + 1) / len(values), label=line.row.title)
+    off.set(title="off from the true relation", xlabel="millimetres", ylabel="share of steps")
+    off.set_xscale("log")
+    seconds.set(title="time of a step, simulated", xlabel="seconds")
+    for axis in (off, seconds):
+        axis.grid(alpha=0.3)
+    off.legend(fontsize=7, loc="lower right")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)

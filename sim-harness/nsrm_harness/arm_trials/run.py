@@ -1,0 +1,104 @@
+"""All episodes of a table, some at a time, each written down as it ends: what is there already is
+not done again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from tqdm import tqdm
+
+from nsrm_harness.arm_trials import trial
+from nsrm_harness.arm_trials.disturbed import DisturbedRow, run_disturbed
+from nsrm_harness.arm_trials.judge import Verdict
+from nsrm_harness.arm_trials.rows import Row
+from nsrm_harness.arm_trials.trial import Ended
+from nsrm_harness.errors import HarnessError
+from nsrm_harness.workers import Workers
+
+
+class TrialsError(HarnessError):
+    """A file that is not one of these trials."""
+
+
+def run(
+    rows: Sequence[Row], episodes: int, seed: int, workers: Workers, path: Path, *, quiet: bool
+) -> list[Ended]:
+    """The first `episodes` episodes of each row.
+
+    * `path`: of the file of one line an episode, behind a first one that says which seed
+
+    Raises `TrialsError` for a file of another seed.
+    """
+    kept = {(each.row, each.index): each for each in _kept(path, seed)}
+    missing = [
+        ((row.name, index), (row, seed, index))
+        for index in range(episodes)
+        for row in rows
+        if (row.name, index) not in kept
+    ]
+    with (
+        path.open("a", encoding="utf-8") as file,
+        tqdm(total=len(missing), unit=" episodes", disable=quiet or not missing) as bar,
+    ):
+        for key, ended in workers.each(episode, missing):
+            kept[key] = ended
+            file.write(json.dumps(asdict(ended)) + "\n")
+            file.flush()
+            bar.update()
+    return [kept[row.name, index] for row in rows for index in range(episodes)]
+
+
+def episode(row: Row, seed: int, index: int) -> Ended:
+    """An episode of any row."""
+    if isinstance(row, DisturbedRow):
+        return run_disturbed(row.kind, row.loop, seed, index)
+    return trial.run(row, seed, index)
+
+
+def films(
+    shown: Sequence[Ended], rows: Sequence[Row], seed: int, workers: Workers, folder: Path
+) -> None:
+    """Carries these episodes out again, each filmed into a folder of its own; but disturbed ones
+    are not."""
+    by_name = {row.name: row for row in rows if not isinstance(row, DisturbedRow)}
+    tasks = (
+        (
+            each,
+            (by_name[each.row], seed, each.index, folder / f"{each.end}-{each.row}-{each.index}"),
+        )
+        for each in shown
+        if each.row in by_name
+    )
+    for _ in workers.each(trial.run, tasks):
+        pass
+
+
+def _kept(path: Path, seed: int) -> Iterator[Ended]:
+    """What a run that was broken off has left; its last line may be half written."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    first, _, rest = text.partition("\n")
+    if not rest and not text.endswith("\n"):
+        path.write_text(json.dumps({"seed": seed}) + "\n", encoding="utf-8")
+        return
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
+        path.write_text(whole, encoding="utf-8")
+        rest = whole.partition("\n")[2]
+    try:
+        if json.loads(first)["seed"] != seed:
+            raise TrialsError(f"{path}: trials of seed {json.loads(first)['seed']}: another --out")
+        for line in rest.splitlines():
+            fields = json.loads(line)
+            steps = (Verdict(**step) for step in fields["steps"])
+            fields["steps"] = tuple(replace(step, touched=tuple(step.touched)) for step in steps)
+            for several in ("corrected_m", "tries"):
+                fields[several] = tuple(fields[several])
+            yield Ended(**fields)
+    except (ValueError, KeyError, TypeError) as error:
+        raise TrialsError(
+            f"{path}: {error}: no file of trials; remove it, or another --out"
+        ) from error

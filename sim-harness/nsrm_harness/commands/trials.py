@@ -1,0 +1,74 @@
+"""``harness trials``: how often the arm does what a sentence says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from nsrm_harness.commands.options import jobs_option, ray_option, seed_option, workers_of
+
+FILMED = 20
+"""Episodes that ended worst are shown as films."""
+
+
+@click.command("trials")
+@click.option(
+    "--episodes", type=click.IntRange(1), default=500, show_default=True, help="Of each row."
+)
+@click.option("--quick", is_flag=True, help="Ten episodes of each row from the start, no films.")
+@click.option(
+    "--disturbed",
+    is_flag=True,
+    help="Rows that are disturbed on purpose, with open loops beside.",
+)
+@click.option("--row", "names", multiple=True, help="Only this one; may be repeated.")
+@seed_option
+@jobs_option
+@ray_option
+@click.option("--quiet", is_flag=True, help="No progress.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("out/trials"),
+    show_default=True,
+    help="Folder for the table and what it is made of; one that was broken off goes on.",
+)
+def command(
+    episodes: int,
+    quick: bool,
+    disturbed: bool,
+    names: tuple[str, ...],
+    seed: int,
+    jobs: int,
+    ray: str | None,
+    quiet: bool,
+    out: Path,
+) -> None:
+    """Have the arm carry random sentences out, judged by the truth of the simulator.
+
+    The model plans through the core from what camera and detector see; the arm sees pictures and
+    feels its joints. In the control row it is given the true poses and sub-goals.
+    """
+    from nsrm_harness.arm_trials import report
+    from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS
+    from nsrm_harness.arm_trials.rows import ROWS
+    from nsrm_harness.arm_trials.run import TrialsError, films, run
+
+    known = {row.name: row for row in (*ROWS, *DISTURBED_ROWS)}
+    if unknown := sorted(set(names) - set(known)):
+        raise click.BadParameter(f"{unknown[0]!r}: expected one of {', '.join(known)}")
+    rows = [known[name] for name in names] or [*(DISTURBED_ROWS if disturbed else ROWS)]
+    count = 10 if quick else episodes
+    if quick:
+        (out / "trials.jsonl").unlink(missing_ok=True)
+    with workers_of(jobs, ray) as workers:
+        ended = run(rows, count, seed, workers, out / "trials.jsonl", quiet=quiet)
+        films(report.worst(ended, 0 if quick else FILMED), rows, seed, workers, out / "worst")
+    lines = report.counted(rows, ended)
+    report.write_csv(lines, out / "trials.csv")
+    report.draw(lines, out / "trials.png")
+    click.echo(report.text(lines))
+    click.echo(f"table and picture: {out / 'trials.csv'} {out / 'trials.png'}")
+    if missed := report.missed(lines):
+        raise TrialsError("; ".join(missed))

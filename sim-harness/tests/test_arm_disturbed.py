@@ -1,0 +1,210 @@
+"""The arm is disturbed on purpose, and does what it was told, or says why not, at rest."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+from world_scenes import DOMAIN
+
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.carry import Carry, Planner
+from nsrm_harness.arm.execute import Done, StuckError, carry_out, wait
+from nsrm_harness.arm.kinematics import Joints
+from nsrm_harness.arm_trials.disturb import DISTURBANCES, DisturbedArm
+from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS, MOST_KINDS, run_disturbed
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.blocks import block_from_attributes
+from nsrm_harness.world.pose import Pose
+
+TESTS = Path(__file__).parent
+SEED = 1
+GOAL = Pose.upright(0.62, 0.15, 0.02)
+STAYED_M = 0.0005
+HOME_RAD = 0.02
+
+
+def episode(kind: str, loop: str) -> str:
+    """All of one, to the last bit."""
+    assert loop in ("closed", "open")
+    return repr(run_disturbed(kind, loop, SEED, 0))
+
+
+@pytest.mark.parametrize("kind", DISTURBANCES)
+def test_what_is_disturbed_ends_as_said_or_in_words(kind: str) -> None:
+    ended = run_disturbed(kind, "closed", SEED, 0)
+    assert ended.end == "succeeded", ended.why
+    assert ended.row == f"{kind}_closed" and ended.steps
+
+
+def test_what_is_never_seen_again_ends_in_words() -> None:
+    ended = [run_disturbed("scene_frozen", "closed", SEED, index) for index in (3, 4)]
+    assert [each.end for each in ended] == ["succeeded"] * 2
+    # One was frozen for ever, the other for a second.
+    assert [("old" in each.why) for each in ended] == [True, False]
+
+
+@pytest.mark.parametrize("kind", ["block_moved", "block_pushed_out", "stack_toppled"])
+def test_without_the_loop_it_is_not_done(kind: str) -> None:
+    ended = run_disturbed(kind, "open", SEED, 0)
+    assert (ended.row, ended.end) == (f"{kind}_open", "failed")
+    assert "no failure was reported" in ended.why
+
+
+def test_the_same_episode_in_another_process_is_the_same_to_the_last_bit() -> None:
+    paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
+    call = "test_arm_disturbed.episode('block_pushed_out', 'closed')"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import test_arm_disturbed; print({call})"],
+        env={**os.environ, "PYTHONPATH": paths},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    # After another one here.
+    episode("camera_dark", "open")
+    assert done.stdout.strip() == episode("block_pushed_out", "closed")
+
+
+def test_each_kind_has_a_row_with_the_loop_and_one_without_below_it() -> None:
+    assert len(DISTURBANCES) <= MOST_KINDS
+    names = [row.name for row in DISTURBED_ROWS]
+    assert names == [f"{kind}_{loop}" for kind in DISTURBANCES for loop in ("closed", "open")]
+    assert all(row.goal == (0.95 if row.loop == "closed" else 0.0) for row in DISTURBED_ROWS)
+
+
+@pytest.fixture
+def arm() -> Iterator[DisturbedArm]:
+    with closing(DisturbedArm()) as made:
+        yield made
+
+
+def put(arm: DisturbedArm) -> None:
+    """A block to be carried to `GOAL`, and another one."""
+    blocks = [
+        block_from_attributes(DOMAIN, {"color": color, "size": "small"})
+        for color in ("red", "blue")
+    ]
+    arm.spawn(blocks, [Pose.upright(0.42, -0.15, 0.02), Pose.upright(0.42, 0.2, 0.02)])
+    assert arm.settle().at_rest
+
+
+def planned(arm: DisturbedArm) -> Carry:
+    objects = {str(each.id): Cuboid(each.pose, each.block.edges_m) for each in arm.placed()}
+    return Planner().carry(objects, "1", GOAL, arm.joints())
+
+
+def carried(arm: DisturbedArm, mark: Callable[[str], None]) -> Done:
+    return carry_out(arm, planned(arm), mark)
+
+
+@pytest.mark.parametrize(
+    ("event", "after_ticks"), [("begun", 300), ("grasped", 100), ("above", 40)]
+)
+def test_joints_that_do_not_follow_are_noticed_and_nothing_falls(
+    arm: DisturbedArm, event: str, after_ticks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(arm)
+    told = []
+
+    def drive(joints: Joints, speeds: Joints) -> None:
+        told.append(speeds)
+        DisturbedArm.drive(arm, joints, speeds)
+
+    monkeypatch.setattr(arm, "drive", drive)
+    marks = []
+    ticks = -1
+
+    def mark(done: str) -> None:
+        nonlocal ticks
+        marks.append(done)
+        ticks = after_ticks if done == event else ticks
+
+    def tick() -> None:
+        nonlocal ticks
+        ticks -= 1
+        if ticks == 0:
+            arm.stop()
+
+    arm.on_tick = tick
+    mark("begun")
+    with pytest.raises(StuckError, match="rad") as caught:
+        carried(arm, mark)
+    assert marks[-1] == event
+    # Should they follow again, they stay where they are.
+    assert not told[-1].any()
+    # It is said by how much.
+    assert 0.002 < float(str(caught.value).split()[4]) < 0.05
+    wait(arm, 0.5)
+    joints, opening_m, pose = arm.joints(), arm.opening_m(), arm.pose(1)
+    wait(arm, 1.0)
+    np.testing.assert_allclose(arm.joints(), joints, atol=1e-4)
+    assert arm.opening_m() == pytest.approx(opening_m, abs=1e-4)
+    assert arm.pose(1).distance_m(pose) < STAYED_M and not arm.has_opened_astray
+    if event != "begun":
+        # In the hand, above the table.
+        assert pose.position[2] > 0.023
+
+
+def test_the_fingers_do_not_close_where_the_arm_has_not_quite_arrived(arm: DisturbedArm) -> None:
+    put(arm)
+    carry = planned(arm)
+    times_s = np.arange(0.0, carry.descend.duration_s, arm.tick_s)
+    off_rad = np.abs(carry.descend.at(times_s).joints - carry.descend.end).max(axis=1)
+    almost_s = float(times_s[off_rad > 0.006][-1]) + sum(way.duration_s for way in carry.reach)
+    begun_s = arm.time_s
+
+    def tick() -> None:
+        if arm.time_s - begun_s > almost_s and arm.on_tick is tick:
+            arm.on_tick = lambda: None
+            arm.stop()
+
+    arm.on_tick = tick
+    marks: list[str] = []
+    with pytest.raises(StuckError):
+        carry_out(arm, carry, marks.append)
+    assert marks == []
+    wait(arm, 1.0)
+    assert arm.opening_m() == pytest.approx(carry.grasp.opening_m, abs=1e-3)
+
+
+def test_an_arm_that_opens_its_fingers_where_it_is_not_to_be_is_found_out(
+    arm: DisturbedArm,
+) -> None:
+    put(arm)
+    arm.grip(0.0, 20.0)
+    wait(arm, 1.0)
+    arm.stop()
+    arm.drive(panda.READY_RAD + 0.1, np.zeros(panda.JOINTS))
+    assert not arm.has_opened_astray
+    arm.grip(0.05, 20.0)
+    assert arm.has_opened_astray
+
+
+def test_a_block_that_meets_another_one_is_taken_back(arm: DisturbedArm) -> None:
+    put(arm)
+    before = arm.pose(1)
+
+    def mark(done: str) -> None:
+        if done == "lifted":
+            arm.place(2, GOAL)
+
+    assert carried(arm, mark) is Done.TAKEN_BACK
+    assert float(np.abs(arm.joints() - panda.READY_RAD).max()) < HOME_RAD
+    wait(arm, 0.5)
+    assert arm.slow()
+    # What it has met may have come along below it.
+    assert math.dist(arm.pose(1).position[:2], before.position[:2]) < 0.01
+
+
+def test_a_block_that_meets_nothing_is_put_down(arm: DisturbedArm) -> None:
+    put(arm)
+    assert carried(arm, lambda done: None) is Done.PLACED
+    assert arm.pose(1).distance_m(GOAL) < 0.001

@@ -1,0 +1,304 @@
+"""Trials of the arm: which episodes are drawn, how they are judged, and what is told of them."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from arm_scenes import above
+
+from nsrm_harness import domain as domains
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.execute import wait
+from nsrm_harness.arm_trials import report, trial
+from nsrm_harness.arm_trials.judge import Judge, Verdict, turned_rad
+from nsrm_harness.arm_trials.rows import ROWS, draw
+from nsrm_harness.arm_trials.run import TrialsError, run
+from nsrm_harness.arm_trials.trial import Ended
+from nsrm_harness.cli import main
+from nsrm_harness.domain import Domain
+from nsrm_harness.episodes.moves import Move, target
+from nsrm_harness.episodes.seeds import generator
+from nsrm_harness.workers import Processes
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.blocks import Block
+from nsrm_harness.world.pose import Pose
+
+BY_NAME = {row.name: row for row in ROWS}
+CUBE = Block((), (0.04, 0.04, 0.04), (0.8, 0.1, 0.1))
+GOOD = Verdict(0.001, 0.0, 0.0, True, (), 5.0)
+
+
+def ended(row: str, index: int, end: str, *steps: Verdict, kind: str = "") -> Ended:
+    """How an episode ended."""
+    why = "" if end == "succeeded" else "so it was"
+    return Ended(row, index, "put it there", end, why, kind, steps, (0.002,), (1,))
+
+
+@pytest.fixture(scope="module")
+def domain() -> Domain:
+    return domains.load()
+
+
+@pytest.fixture
+def standing() -> Iterator[ArmWorld]:
+    with closing(ArmWorld()) as world:
+        world.spawn(
+            [CUBE, CUBE, CUBE],
+            [Pose.upright(x, y, 0.02) for x, y in ((0.4, -0.2), (0.4, 0.0), (0.4, 0.2))],
+        )
+        world.settle()
+        yield world
+
+
+def descend(world: ArmWorld, x: float, y: float, z: float) -> None:
+    """Moves the fingertips there by way of above it, so slowly that nothing swings."""
+    for height_m in (0.15, z):
+        begin, end = world.joints(), above(x, y, height_m)
+        for share in np.linspace(0.0, 1.0, 1500):
+            world.drive(begin + share * (end - begin), 0 * begin)
+            world.tick()
+        wait(world, 0.5)
+
+
+def on(domain: Domain) -> Move:
+    """The first block on the second."""
+    action = next(action for action in domain.actions if action.direction is None)
+    return Move(action, 0, 1)
+
+
+def test_a_stack_is_built_block_on_block_and_a_seed_draws_one_episode(domain: Domain) -> None:
+    for index in range(5):
+        drawn = draw(BY_NAME["stack_4"], generator(3, "arm_stack_4", index), domain)
+        moves = drawn.task.moves
+        assert [move.reference for move in moves[1:]] == [move.moved for move in moves[:-1]]
+        assert len({moves[0].reference, *(move.moved for move in moves)}) == 4
+        assert draw(BY_NAME["stack_4"], generator(3, "arm_stack_4", index), domain) == drawn
+    assert len(draw(BY_NAME["steps_5"], generator(3, "arm_steps_5", 0), domain).task.moves) == 5
+
+
+def test_what_was_done_as_said_is_told_from_what_was_not(
+    domain: Domain, standing: ArmWorld
+) -> None:
+    judge, move = Judge(standing, [CUBE] * 3), on(domain)
+    standing.on_tick = judge.tick
+    goal = judge.begin(move)
+    assert not judge.stands([move])
+    standing.place(1, goal)
+    wait(standing, 0.5)
+    verdict = judge.end()
+    assert verdict.is_as_said and judge.stands([move]) and verdict.seconds == 0.5
+
+    x, y, z = goal.position
+    for wrong in (Pose.upright(x + 0.006, y, z), Pose.upright(x, y, z, math.radians(7))):
+        judge.begin(move)
+        standing.place(1, wrong)
+        wait(standing, 0.5)
+        assert not judge.end().is_as_said
+        assert not judge.stands([move])
+
+    judge.begin(move)
+    standing.place(1, goal)
+    standing.place(3, Pose.upright(0.4, 0.204, 0.02))
+    wait(standing, 0.5)
+    assert judge.end().shift_m == pytest.approx(0.004, abs=1e-4)
+    assert not judge.end().is_as_said
+    assert judge.end([standing.pose(3)]).is_as_said
+
+    judge.begin(move)
+    standing.place(3, Pose.upright(0.4, 0.2, 0.3))
+    wait(standing, 0.05)
+    assert not judge.end([standing.pose(3)]).at_rest
+
+
+@pytest.mark.parametrize(
+    ("shift_m", "turn_deg", "push_m", "as_said"),
+    [
+        (0.0, 0.0, 0.0, True),
+        (0.004, 0.0, 0.0, True),
+        (0.006, 0.0, 0.0, False),
+        (0.0, 4.0, 0.0, True),
+        (0.0, -6.0, 0.0, False),
+        (0.0, 94.0, 0.0, True),
+        (0.0, 0.0, 0.002, True),
+        (0.0, 0.0, 0.004, False),
+    ],
+)
+def test_a_step_is_as_said_within_named_bounds(
+    domain: Domain, shift_m: float, turn_deg: float, push_m: float, as_said: bool
+) -> None:
+    blocks = [CUBE] * 3
+    places = [Pose.upright(0.5, y, 0.02, 0.1) for y in (-0.1, 0.1, 0.2)]
+    left = Move(domain.action("MoveLeft"), 0, 1)
+    with closing(ArmWorld()) as world:
+        world.spawn(blocks, places)
+        world.settle()
+        judge = Judge(world, blocks)
+        world.on_tick = judge.tick
+        goal = judge.begin(left)
+        assert goal == target(left, blocks, [world.pose(number) for number in (1, 2, 3)])
+        x, y, z = goal.position
+        world.place(1, Pose.upright(x + shift_m, y, z, math.radians(turn_deg)))
+        x, y, z = world.pose(3).position
+        world.place(3, Pose.upright(x, y + push_m, z, 0.1))
+        wait(world, 0.3)
+        verdict = judge.end()
+    assert verdict.at_rest and verdict.is_as_said is as_said, verdict
+    assert verdict.off_m == pytest.approx(shift_m, abs=3e-4)
+    assert verdict.shift_m == pytest.approx(push_m, abs=3e-4)
+    assert not replace(verdict, at_rest=False).is_as_said
+
+
+def test_a_block_looks_the_same_after_a_quarter_of_a_turn() -> None:
+    straight = Pose.upright(0, 0, 0)
+    for degrees, turned in ((90, 0), (180, 0), (-88, 2), (50, 40)):
+        pose = Pose.upright(0, 0, 0, math.radians(degrees))
+        assert turned_rad(pose, straight) == pytest.approx(math.radians(turned), abs=1e-9)
+
+
+def test_what_the_arm_touches_is_seen(domain: Domain, standing: ArmWorld) -> None:
+    judge = Judge(standing, [CUBE] * 3)
+    # Down onto a block that it is not to grasp, with closed fingers.
+    standing.grip(0.0, panda.GRIP_N)
+    judge.begin(on(domain))
+    standing.on_tick = judge.tick
+    descend(standing, 0.4, 0.2, 0.036)
+    touched = judge.end().touched
+    assert "block 3 and panda_leftfinger" in touched
+    assert all("block 1" not in each for each in touched)
+
+
+def test_what_the_block_in_the_hand_touches_on_its_way_is_seen(
+    domain: Domain, standing: ArmWorld
+) -> None:
+    judge = Judge(standing, [CUBE] * 3)
+    standing.on_tick = judge.tick
+    judge.begin(on(domain))
+    standing.place(1, Pose.upright(0.4, 0.2, 0.06))
+    wait(standing, 0.3)
+    standing.place(1, Pose.upright(0.4, 0.0, 0.06))
+    wait(standing, 0.3)
+    # It stood on the table and stands on the second block, but was on the third.
+    assert "block 1 and block 3" in judge.end().touched
+    assert all("block 2" not in each for each in judge.end().touched)
+
+
+def test_the_fingers_may_touch_the_block_that_they_carry(
+    domain: Domain, standing: ArmWorld
+) -> None:
+    judge = Judge(standing, [CUBE] * 3)
+    judge.begin(on(domain))
+    standing.on_tick = judge.tick
+    descend(standing, 0.4, -0.2, 0.03)
+    standing.grip(0.0, panda.GRIP_N)
+    wait(standing, 1.0)
+    fingers = {name for contact in standing.contacts(1) for name in contact}
+    assert fingers >= {"block 1", *panda.FINGERS}
+    assert judge.end().touched == ()
+
+
+def test_the_same_seed_is_the_same_episode_in_another_process() -> None:
+    here = trial.run(BY_NAME["steps_1"], 5, 1)
+    there = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import json; from dataclasses import asdict;"
+            "from nsrm_harness.arm_trials import rows, trial;"
+            "print(json.dumps(asdict(trial.run(rows.ROWS[0], 5, 1))))",
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert json.loads(there.stdout) == json.loads(json.dumps(asdict(here)))
+    assert here.end == "succeeded" and here.steps[0].is_as_said
+    assert 2.0 < here.steps[0].seconds < 10.0
+
+
+def test_the_control_is_given_the_truth_and_the_others_are_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def blind(*_: object) -> None:
+        raise AssertionError("the truth was looked at")
+
+    monkeypatch.setattr(trial._Episode, "_true_objects", blind)
+    assert trial.run(BY_NAME["steps_1"], 5, 0).end != "failed"
+    with pytest.raises(AssertionError, match="the truth"):
+        trial.run(BY_NAME["control"], 5, 0)
+
+
+def test_what_was_broken_off_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, rows = tmp_path / "out" / "trials.jsonl", [BY_NAME["steps_1"]]
+    first = run(rows, 1, 5, Processes(1), path, quiet=True)
+    kept = path.read_text()
+    path.write_text(kept + '{"row": "steps_1", "ind')
+    monkeypatch.setattr(Processes, "each", lambda *_: pytest.fail("it was done again"))
+    with pytest.raises(pytest.fail.Exception):
+        run(rows, 2, 5, Processes(1), path, quiet=True)
+    assert path.read_text() == kept
+    monkeypatch.setattr(Processes, "each", lambda self, function, tasks: iter(list(tasks)[:0]))
+    assert run(rows, 1, 5, Processes(1), path, quiet=True) == first
+    with pytest.raises(TrialsError, match="seed 5"):
+        run(rows, 1, 6, Processes(1), path, quiet=True)
+    path.write_text("something else\n")
+    with pytest.raises(TrialsError, match="no file of trials"):
+        run(rows, 1, 5, Processes(1), path, quiet=True)
+
+
+def test_rows_are_counted_and_told(tmp_path: Path) -> None:
+    rows = [BY_NAME["steps_1"], BY_NAME["control"]]
+    touched = replace(GOOD, off_m=0.009, touched=("block 2 and panda_hand",))
+    all_ended = [
+        ended("steps_1", 0, "succeeded", GOOD),
+        ended("steps_1", 1, "failed", touched),
+        ended("steps_1", 2, "refused", kind="no way"),
+        ended("control", 0, "succeeded", replace(GOOD, off_m=0.002)),
+    ]
+    lines = report.counted(rows, all_ended)
+    report.write_csv(lines, tmp_path / "trials.csv")
+    header, first, second = (tmp_path / "trials.csv").read_text().splitlines()
+    assert header == (
+        "row,episodes,succeeded,refused,failed,position_p50_mm,position_p95_mm,seconds_p50"
+    )
+    assert first == "steps_1,3,1,1,1,5.00,8.60,5.00"
+    assert second == "control,1,1,0,0,2.00,2.00,5.00"
+    text = report.text(lines)
+    assert "| one step | 3 | 33.3 % | 99.0 % | 1 | 1 | 5.00 mm | 8.60 mm | 5.00 |" in text
+    assert "Of 4 sub-goals refused: no way 1 (25.0 %)" in text
+    assert "touched what it should not have: 1." in text
+    assert "100.0 % by more than 1.0 mm, 2.0 mm in the middle" in text
+    assert "- steps_1 2: refused: so it was" in text and "steps_1 0" not in text
+    assert [each.index for each in report.worst(all_ended, 3)] == [1, 2, 0]
+    assert report.worst(all_ended, 3)[2].row == "control"
+    report.draw(lines, tmp_path / "trials.png")
+    assert (tmp_path / "trials.png").stat().st_size > 10_000
+
+
+def test_what_can_be_chance_is_told_from_what_can_not() -> None:
+    row = BY_NAME["steps_1"]
+
+    def told(*ends: str, step: Verdict = GOOD) -> list[str]:
+        all_ended = [ended("steps_1", index, end, step) for index, end in enumerate(ends)]
+        return report.missed(report.counted([row], all_ended))
+
+    assert told(*8 * ["succeeded"], *2 * ["failed"]) == []
+    (missed,) = told(*7 * ["succeeded"], *3 * ["refused"])
+    assert missed == "one step: 7 of 10 done as said, 99.0 % is the goal"
+    (touched,) = told("succeeded", step=replace(GOOD, touched=("block 1 and panda_hand",)))
+    assert touched == "one step: not foreseen: block 1 and panda_hand touched"
+
+
+def test_a_row_that_is_none_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["trials", "--row", "steps_9", "--out", str(tmp_path)])
+    assert stopped.value.code == 2
+    assert "'steps_9': expected one of steps_1, steps_2" in capsys.readouterr().err
