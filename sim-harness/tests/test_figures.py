@@ -1,0 +1,131 @@
+"""The paper's figures: what is said, where, and what becomes of it."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import nsrm
+import pytest
+from PIL import Image
+
+from nsrm_harness import domain as domains
+from nsrm_harness.cli import main
+from nsrm_harness.figures import report
+from nsrm_harness.figures.scenes import FIGURES, Figure, draw
+from nsrm_harness.figures.show import Ended, run
+from nsrm_harness.language.program import Step, canonical
+
+DOMAIN = domains.load()
+ON_BLUE, ON_CYAN = Step("MoveOn", ("cyan",), ("blue",)), Step("MoveOn", ("blue",), ("cyan",))
+
+
+def exit_code(*arguments: str | int | Path) -> int:
+    with pytest.raises(SystemExit) as caught:
+        main(["figures", *(str(argument) for argument in arguments)])
+    return caught.value.code if isinstance(caught.value.code, int) else 0
+
+
+def test_the_sentences_mean_what_the_judge_goes_by() -> None:
+    model = nsrm.Model.pretrained()
+    for figure in FIGURES:
+        understood = [
+            Step(step.action, tuple(step.object), tuple(step.reference))
+            for step in model.parse(figure.sentence).steps
+        ]
+        assert canonical(understood) == canonical(figure.program), figure.sentence
+
+
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: str(figure.number))
+def test_a_scene_has_what_is_named_once_and_room_for_it(figure: Figure) -> None:
+    scenes = [draw(figure, DOMAIN, 0, variation) for variation in range(20)]
+    assert scenes[3] == draw(figure, DOMAIN, 0, 3)
+    assert scenes[3] != draw(figure, DOMAIN, 1, 3)
+    assert len({scene.arrangement.poses for scene in scenes}) == len(scenes)
+    assert {len(scene.arrangement.blocks) for scene in scenes} == {4, 5, 6}
+    for scene in scenes:
+        arrangement = scene.arrangement
+        values = [set(block.values.values()) for block in arrangement.blocks]
+        for step, move in zip(figure.program, scene.moves, strict=True):
+            assert move.action.name == step.action
+            for said, index in ((step.object, move.moved), (step.reference, move.reference)):
+                assert [i for i, has in enumerate(values) if set(said) <= has] == [index]
+            assert arrangement.allowed(move)
+            arrangement = arrangement.after(move)
+
+
+def test_figures_do_not_share_their_chance() -> None:
+    four, same_words = FIGURES[2], replace(FIGURES[2], number=5)
+    assert draw(four, DOMAIN, 0, 0) != draw(same_words, DOMAIN, 0, 0)
+
+
+def test_three_steps_are_carried_out_and_drawn(tmp_path: Path) -> None:
+    path = tmp_path / "figure.png"
+    ended = run(FIGURES[3], 0, 0, path)
+    assert ended.end == "succeeded", ended.why
+    assert len(ended.steps) == 3
+    assert all(step.verdict.is_as_said and step.goal_off_m < 0.005 for step in ended.steps)
+    with Image.open(path) as picture:
+        wide, high = picture.size
+    # Five panels: three and two.
+    assert wide > 3000 and high > 1500
+    assert run(FIGURES[3], 0, 0) == ended
+
+
+@pytest.mark.parametrize(
+    ("sentence", "program", "end", "why"),
+    [
+        ("put cyan block on the blue block", (ON_CYAN,), "failed", "step 1 is not as said"),
+        ("put red block on blue block", FIGURES[2].program, "failed", "1 steps, but 2"),
+        ("put purple block on the blue block", (ON_BLUE,), "refused", "model: "),
+    ],
+)
+def test_what_is_not_as_said_is_told_with_its_reason(
+    tmp_path: Path, sentence: str, program: tuple[Step, ...], end: str, why: str
+) -> None:
+    path = tmp_path / "figure.png"
+    ended = run(replace(FIGURES[0], sentence=sentence, program=program), 0, 0, path)
+    assert ended.end == end and why in ended.why, ended
+    assert path.exists()
+
+
+def test_the_files_count_how_variations_ended(tmp_path: Path) -> None:
+    first = Ended(3, 0, 7, FIGURES[1].sentence, "succeeded", "", ())
+    ended = [first, replace(first, variation=1, end="refused", why="no room"), replace(first)]
+    report.write_csv(ended, tmp_path / "figures.csv")
+    assert (tmp_path / "figures.csv").read_text(encoding="utf-8").split() == [
+        "figure,variations,succeeded,refused,failed",
+        "3,3,2,1,0",
+    ]
+    assert "| 3 | 2 | 1 | 0 |" in report.text(ended)
+    assert "figure 3, variation 1: refused: no room" in report.text(ended)
+
+
+def test_the_command_writes_all_that_it_says(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "made" / "here"
+    assert exit_code("--jobs", 1, "--quiet", "--seed", 2, "--out", out) == 0
+    printed = capsys.readouterr().out
+    with (out / "figures.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["figure"] for row in rows] == ["2", "3", "4", "5"]
+    lines = [json.loads(line) for line in (out / "figures.jsonl").read_text().splitlines()]
+    for figure, row, line in zip(FIGURES, rows, lines, strict=True):
+        assert row["variations"] == "1" and row[line["end"]] == "1"
+        assert line["sentence"] == figure.sentence and line["seed"] == 2
+        assert figure.sentence in printed
+        assert (out / f"figure_{figure.number}.png").exists()
+
+
+def test_bad_input_ends_with_2_and_what_to_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    assert exit_code("--variations", 0) == 2
+    assert exit_code("--out", tmp_path / "file") == 2
+    capsys.readouterr()
+    assert exit_code("--out", tmp_path / "file" / "below") == 2
+    assert "another --out" in capsys.readouterr().err
