@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Body, Mark
+from nsrm_harness.arm.execute import Body, Mark, StuckError
 from nsrm_harness.arm.perform import FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.perception.cuboids import Cuboid
@@ -122,7 +122,7 @@ def carry(
     for number, goal in goals:
         try:
             outcomes.append(perform(body, planner, seen, names[number], goal, mark, keep=kept))
-        except (RefusedError, FailedError) as error:
-            outcomes.append(Stopped(isinstance(error, FailedError), str(error)))
+        except (RefusedError, FailedError, StuckError) as error:
+            outcomes.append(Stopped(not isinstance(error, RefusedError), str(error)))
             break
     return outcomes
