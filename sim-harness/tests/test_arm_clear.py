@@ -184,7 +184,7 @@ def test_where_nothing_is_too_near_nothing_is_moved_aside(world: ArmWorld) -> No
 def test_those_in_the_way_are_named_and_nothing_else() -> None:
     assert set(refusal(NO_WAY, BETWEEN).in_the_way) == {"reference", "near"}
     # The one that needs to go less far comes first; the message names the nearest.
-    objects = {**NO_ROOM, "nearer": cube(0.6, 0.083)}
+    objects = {"nearer": cube(0.6, 0.083), **NO_ROOM}
     why = refusal(objects, BESIDE_NEAR)
     assert why.why is Why.NO_ROOM and why.in_the_way == ("near", "nearer")
     assert "1 mm from nearer" in str(why)
