@@ -19,8 +19,13 @@ SEED = "3"
 PICTURES = ["initial.png", "predicted.png", "result.png", "overview.png"]
 #: What shows the arm at work.
 FILMS = ["film.gif", "strip.png"]
-#: A scene whose own sentence has no room for the fingers.
+#: A scene whose own sentence has no room for the fingers until another block is moved aside.
 CROWDED = "34"
+#: What can't be done, and where: its second step would have the arm move a block that bears one.
+BEARING = (
+    "put the white block on the red block and put the red block to the left of the cyan block",
+    "207",
+)
 #: A word that no model of this domain knows.
 UNKNOWN = "put the crimson block on the blue block"
 
@@ -114,12 +119,21 @@ def test_without_the_arm_blocks_are_set_down(tmp_path: Path) -> None:
 
 
 def test_a_sub_goal_that_the_arm_cannot_reach_is_refused(tmp_path: Path) -> None:
-    ran = cargo("demo", "--seed", CROWDED, "--out", str(tmp_path), "--json")
+    sentence, seed = BEARING
+    ran = cargo("demo", sentence, "--seed", seed, "--out", str(tmp_path), "--json")
     assert ran.returncode == 2
-    document = json.loads(ran.stdout)
-    reason = document["steps"][-1]["outcome"]["refused"]
-    assert "can't be carried there" in reason and f"refused: {reason}" in ran.stderr
+    first, second = (step["outcome"] for step in json.loads(ran.stdout)["steps"])
+    assert first["miss_m"] < 0.005
+    reason = second["refused"]
+    assert reason.endswith("move it first") and f"refused: {reason}" in ran.stderr
     picture(tmp_path / "result.png")
+
+
+def test_what_stands_too_near_is_moved_aside_and_told(tmp_path: Path) -> None:
+    ran = cargo("demo", "--seed", CROWDED, "--out", str(tmp_path))
+    assert ran.returncode == 0, ran.stderr
+    assert "was moved aside first" in ran.stdout
+    picture(tmp_path / "strip.png")
 
 
 def test_it_says_what_it_understood_chose_and_plans(
