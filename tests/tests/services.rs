@@ -117,7 +117,6 @@ fn what_comes_while_a_bell_rings_is_looked_for() {
     }
 }
 
-/// The clock that ends a sleep strikes again and again, and once it is set to another time.
 #[test]
 fn a_sleep_ends_where_nothing_rings() {
     let corner = Corner::new("naps");

@@ -1,18 +1,11 @@
-use core::cell::Cell;
 use core::time::Duration;
-use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
+use std::os::fd::BorrowedFd;
 
 use heapless::Vec;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
 use iceoryx2::prelude::{FileDescriptorBased as _, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::{Errno, read};
-use rustix::time::{
-    Itimerspec, TimerfdClockId, TimerfdFlags, TimerfdTimerFlags, timerfd_create, timerfd_settime,
-};
-
-/// More services than that nobody listens to, and a clock.
-const MOST: usize = 8;
+use rustix::io::Errno;
 
 /// Is woken by what rings at some services.
 ///
@@ -22,27 +15,15 @@ const MOST: usize = 8;
 #[derive(Debug)]
 pub struct Ears<const N: usize> {
     listeners: Vec<Listener<ipc::Service>, N>,
-    /// Ends a sleep in which nothing rings. It goes on by itself: a time that is set anew for
-    /// each sleep and unset by who wakes costs that one microseconds.
-    clock: OwnedFd,
-    /// Between two strokes of the clock; none at first.
-    period: Cell<Duration>,
 }
 
 impl<const N: usize> Ears<N> {
-    /// Errors: those of the system, which has no file left for the clock.
-    pub(super) fn new(listeners: Vec<Listener<ipc::Service>, N>) -> Result<Self, Errno> {
-        const { assert!(N < MOST) }
-        let flags = TimerfdFlags::CLOEXEC | TimerfdFlags::NONBLOCK;
-        Ok(Self {
-            listeners,
-            clock: timerfd_create(TimerfdClockId::Monotonic, flags)?,
-            period: Cell::new(Duration::ZERO),
-        })
+    pub(super) const fn new(listeners: Vec<Listener<ipc::Service>, N>) -> Self {
+        Self { listeners }
     }
 
-    /// Sleeps until something rings or a signal comes, but no longer than this time, often
-    /// less; whether there may be something to look for.
+    /// Sleeps until something rings, a signal comes or this time has passed; whether there may
+    /// be something to look for.
     ///
     /// The first call behind one that something has woken hears its bell out and returns at
     /// once: what came meanwhile may have found it still ringing.
@@ -56,46 +37,20 @@ impl<const N: usize> Ears<N> {
         if self.try_wait()? {
             return Ok(true);
         }
-        self.strike_every(longest)
-            .map_err(|_| ListenerWaitError::InternalFailure)?;
         let bells = self.listeners.iter().map(|listener| {
             // SAFETY: it is open as long as the listener, which outlives this.
-            unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) }
+            let bell =
+                unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) };
+            PollFd::from_borrowed_fd(bell, PollFlags::IN)
         });
-        let all = bells.chain([self.clock.as_fd()]);
-        let mut all: Vec<_, MOST> = all
-            .map(|each| PollFd::from_borrowed_fd(each, PollFlags::IN))
-            .collect();
-        match poll(&mut all, None) {
-            Ok(how_many) => {
-                let has_struck = all.last().is_some_and(|clock| !clock.revents().is_empty());
-                if has_struck {
-                    let _ = read(&self.clock, &mut [0_u8; 8]);
-                }
-                Ok(how_many > usize::from(has_struck))
-            }
+        let mut bells: Vec<_, N> = bells.collect();
+        // What is too long for it is for ever.
+        let longest = Timespec::try_from(longest).ok();
+        match poll(&mut bells, longest.as_ref()) {
+            Ok(how_many) => Ok(how_many > 0),
             Err(Errno::INTR) => Ok(false),
             Err(_) => Err(ListenerWaitError::InternalFailure),
         }
-    }
-
-    fn strike_every(&self, period: Duration) -> Result<(), Errno> {
-        // None would stop it.
-        let period = period.max(Duration::from_nanos(1));
-        if self.period.replace(period) == period {
-            return Ok(());
-        }
-        // What is too long for it is for ever.
-        let never = Timespec {
-            tv_sec: 0,
-            tv_nsec: 0,
-        };
-        let each = Timespec::try_from(period).unwrap_or(never);
-        let times = Itimerspec {
-            it_interval: each,
-            it_value: each,
-        };
-        timerfd_settime(&self.clock, TimerfdTimerFlags::empty(), &times).map(drop)
     }
 
     /// Whether something has rung since this was asked last, or heard out. Never waits.

@@ -243,8 +243,7 @@ impl Robot {
         services: [&'static str; N],
     ) -> Result<Ears<N>, ServiceError> {
         let listeners = services.into_iter().map(|service| self.listener(service));
-        Ears::new(listeners.collect::<Result<_, _>>()?)
-            .map_err(|error| self.fault(services.first().unwrap_or(&"node"), &error))
+        Ok(Ears::new(listeners.collect::<Result<_, _>>()?))
     }
 
     fn listener(&self, service: &'static str) -> Result<Listener<ipc::Service>, ServiceError> {
