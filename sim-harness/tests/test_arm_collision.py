@@ -298,7 +298,7 @@ def test_no_point_gets_farther_than_the_margin_from_where_it_was_looked_at(
     margin_m: float,
 ) -> None:
     for way in fast_ways():
-        looked = [moving_points(joints) for joints in steps(way, margin_m)]
+        looked = [moving_points(joints) for joints in steps(way, margin_m).joints]
         assert away_m(looked[0], moving_points(way.begin)) < 1e-5
         assert away_m(looked[-1], moving_points(way.end)) < 1e-5
         for one, following in itertools.pairwise(looked):
@@ -317,7 +317,7 @@ def test_no_point_gets_farther_than_the_margin_from_where_it_was_looked_at(
 
 
 def test_an_arm_that_stays_is_looked_at_where_it_is() -> None:
-    looked = steps(Straight(panda.READY_RAD, panda.READY_RAD), MARGIN_M)
+    looked = steps(Straight(panda.READY_RAD, panda.READY_RAD), MARGIN_M).joints
     assert len(looked) > 0
     np.testing.assert_allclose(looked, np.tile(panda.READY_RAD, (len(looked), 1)))
 

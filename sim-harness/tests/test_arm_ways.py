@@ -41,7 +41,7 @@ def test_there_is_a_way_around_a_tower(held: Cuboid | None) -> None:
         np.testing.assert_array_equal(one.end, following.begin)
     # Finer than it was looked at when it was found.
     for move in moves:
-        for joints in steps(move, 0.0015):
+        for joints in steps(move, 0.0015).joints:
             assert guard.touches(joints, 0.04, 1e-4) is None
     # The same ones again, whatever was planned before.
     around({"tower": Cuboid(Pose((0.5, 0.05, 0.125)), (0.06, 0.06, 0.25))}, held)

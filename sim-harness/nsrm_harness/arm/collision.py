@@ -62,6 +62,8 @@ TOUCHING: frozenset[frozenset[str]] = frozenset(
 LOOK_S = 0.0002
 """Between two moments of a trajectory that are considered: at all joints' highest speeds no point
 moves farther in it than 2.6 mm."""
+FAR_M = 0.10
+"""How far apart two are that are farther apart is not asked: it would save no more."""
 REACH_M = np.array([1.2, 1.2, 0.9, 0.9, 0.6, 0.5, 0.35])
 """Bounds of how far from each joint's axis any point behind it is, what is held included."""
 
@@ -129,6 +131,8 @@ class Guard:
         # The table's ball holds everything: its upper face is what counts.
         self._of_table = second == len(names) - 1
         self._radii = np.array(radii)
+        # How many of the two of a pair move, each by as much as any point does.
+        self._movers = np.where(second < moving, 2, 1)
         self._request = fcl.DistanceRequest(enable_signed_distance=False)
 
     def nearest(self, joints: Joints, opening_m: float) -> Nearest:
@@ -164,13 +168,35 @@ class Guard:
         return np.where(self._of_table, above, least)
 
     def along(self, trajectory: Trajectory, opening_m: float) -> Nearest | None:
-        """The first touch along a trajectory; None if it is free."""
-        for joints in steps(trajectory, MARGIN_M):
+        """The first touch along a trajectory; None if it is free.
+
+        What is farther apart than the margin stays so for a while: the steps are left out in which
+        no point can have moved so far.
+        """
+        way = steps(trajectory, MARGIN_M)
+        index = 0
+        while index < len(way.joints):
             self._alive()
-            touch = self.touches(joints, opening_m)
-            if touch is not None:
-                return touch
+            free_m = self._free_m(way.joints[index], opening_m)
+            if free_m <= 0.0:
+                return self.touches(way.joints[index], opening_m)
+            # All that any point has moved no farther than that is free too.
+            free = np.searchsorted(way.moved_m, way.moved_m[index] + free_m)
+            index = max(index + 1, int(free))
         return None
+
+    def _free_m(self, joints: Joints, opening_m: float) -> float:
+        """How far any point of the arm may move at least until a pair is as near as the margin; 0
+        or less if one is, at most `FAR_M`."""
+        self._place(joints, opening_m)
+        free_m = (self._at_least_m() - MARGIN_M) / self._movers
+        least_m = FAR_M
+        for index in np.argsort(free_m):
+            if free_m[index] >= least_m:
+                break
+            distance_m = self._distance_m(*self._pairs[index])
+            least_m = min(least_m, (distance_m - MARGIN_M) / self._movers[index])
+        return least_m
 
     def _place(self, joints: Joints, opening_m: float) -> None:
         frames = self._kinematics.links(joints, opening_m)
@@ -187,9 +213,21 @@ class Guard:
         return max(0.0, float(fcl.distance(a, b, self._request, fcl.DistanceResult())))
 
 
-def steps(trajectory: Trajectory, margin_m: float) -> NDArray[np.float64]:
-    """Configurations `[n, 7]` of a trajectory, from its beginning to its end, between which no
-    point moves farther than twice the margin: half of it from either.
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Configurations along a trajectory.
+
+    * `joints`: `[n, 7]`, radians
+    * `moved_m`: `[n]`, how far any point of the arm has moved until there, at most
+    """
+
+    joints: NDArray[np.float64]
+    moved_m: NDArray[np.float64]
+
+
+def steps(trajectory: Trajectory, margin_m: float) -> Steps:
+    """Configurations of a trajectory, from its beginning to its end, between which no point moves
+    farther than twice the margin: half of it from either.
 
     * `margin_m`: at least 1.3 mm, half of what may move between two looks
     """
@@ -200,7 +238,8 @@ def steps(trajectory: Trajectory, margin_m: float) -> NDArray[np.float64]:
     # The first one behind each stride lies up to one look farther.
     stride_m = 2 * margin_m - float(moved_m.max(initial=0.0))
     marks = np.arange(0.0, way_m[-1], stride_m)
-    return joints[np.append(np.searchsorted(way_m, marks), count - 1)]
+    looked = np.append(np.searchsorted(way_m, marks), count - 1)
+    return Steps(joints[looked], way_m[looked])
 
 
 _TABLE = Cuboid(Pose((0.40, 0.0, -0.02)), (1.20, 1.40, 0.04))
