@@ -322,6 +322,33 @@ def test_an_arm_that_stays_is_looked_at_where_it_is() -> None:
     np.testing.assert_allclose(looked, np.tile(panda.READY_RAD, (len(looked), 1)))
 
 
+def test_the_first_touch_is_found_though_not_every_step_is_looked_at() -> None:
+    rng = np.random.default_rng(11)
+    looks: list[None] = []
+    touched = stepped = 0
+    for number in range(12):
+        # Some stand where the hand passes.
+        blocks = {
+            f"block {index}": Cuboid(Pose.upright(x, y, z, angle), (0.08, 0.08, 0.08))
+            for index, (x, y, z, angle) in enumerate(
+                rng.uniform((0.3, -0.4, 0.1, 0.0), (0.7, 0.4, 0.7, 3.0), (5, 4))
+            )
+        }
+        held = Cuboid(Pose((0.0, 0.0, 0.1)), (0.04, 0.04, 0.06)) if number % 2 else None
+        guard = Guard(KINEMATICS, blocks, held, alive=lambda: looks.append(None))
+        way = Straight(
+            panda.READY_RAD + rng.normal(0, 0.4, panda.JOINTS),
+            panda.READY_RAD + rng.normal(0, 0.4, panda.JOINTS),
+        )
+        every = [guard.touches(joints, OPEN_M) for joints in steps(way, MARGIN_M).joints]
+        first = next((touch for touch in every if touch is not None), None)
+        assert guard.along(way, OPEN_M) == first
+        touched += first is not None
+        stepped += len(every) if first is None else every.index(first) + 1
+    assert 3 <= touched <= 9
+    assert len(looks) < 0.7 * stepped
+
+
 def test_no_point_is_farther_from_a_joint_than_its_reach() -> None:
     """The way of a point by a small turn of one joint alone."""
     rng = np.random.default_rng(7)

@@ -19,6 +19,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.execute import wait
 from nsrm_harness.arm_trials import report, trial
+from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS
 from nsrm_harness.arm_trials.judge import Judge, Verdict, turned_rad
 from nsrm_harness.arm_trials.rows import ROWS, draw
 from nsrm_harness.arm_trials.run import TrialsError, run
@@ -295,6 +296,19 @@ def test_what_can_be_chance_is_told_from_what_can_not() -> None:
     assert missed == "one step: 7 of 10 done as said, 99.0 % is the goal"
     (touched,) = told("succeeded", step=replace(GOOD, touched=("block 1 and panda_hand",)))
     assert touched == "one step: not foreseen: block 1 and panda_hand touched"
+
+
+def test_who_interferes_may_be_touched_and_an_open_loop_has_no_goal(tmp_path: Path) -> None:
+    rows = [row for row in DISTURBED_ROWS if row.kind == "goal_taken"]
+    touched = replace(GOOD, touched=("block 1 and panda_hand",))
+    all_ended = [ended(row.name, 0, "failed", touched) for row in rows]
+    lines = report.counted(rows, all_ended)
+    assert report.missed(lines) == []
+    text = report.text(lines)
+    assert "another block put onto the goal: loop open | 1 | 0.0 % | – |" in text
+    assert "touched what it should not have: 0." in text
+    report.draw(lines[1:], tmp_path / "open.png")
+    assert (tmp_path / "open.png").stat().st_size > 10_000
 
 
 def test_a_row_that_is_none_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

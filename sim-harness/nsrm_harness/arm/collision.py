@@ -195,7 +195,7 @@ class Guard:
             if free_m[index] >= least_m:
                 break
             distance_m = self._distance_m(*self._pairs[index])
-            least_m = min(least_m, (distance_m - MARGIN_M) / self._movers[index])
+            least_m = min(least_m, (distance_m - MARGIN_M) / int(self._movers[index]))
         return least_m
 
     def _place(self, joints: Joints, opening_m: float) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import nsrm
@@ -11,7 +12,7 @@ import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
-from nsrm_harness.arm.execute import StuckError, wait
+from nsrm_harness.arm.execute import Mark, StuckError, unmarked, wait
 from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.arm_trials.disturb import (
@@ -25,6 +26,7 @@ from nsrm_harness.arm_trials.judge import SHIFT_M, Judge, Verdict
 from nsrm_harness.arm_trials.open_loop import follow_blindly
 from nsrm_harness.arm_trials.rows import MAX_TRIES, Drawn, Row, draw
 from nsrm_harness.arm_trials.trial import Ended, lasting, model, planner, renderer
+from nsrm_harness.demo.film import Film
 from nsrm_harness.episodes.seeds import generator
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.follow import Follower
@@ -57,6 +59,7 @@ DISTURBED_ROWS = tuple(
         0.95 if loop == "closed" else 0.0,
         MOST_STEPS,
         is_stack=disturbance.is_stack,
+        is_disturbed=True,
         kind=kind,
         loop=loop,
     )
@@ -66,11 +69,13 @@ DISTURBED_ROWS = tuple(
 """The closed loop of each kind, and the open one below it for comparison, which has no goal."""
 
 
-def run_disturbed(kind: str, loop: Loop, seed: int, index: int) -> Ended:
+def run_disturbed(kind: str, loop: Loop, seed: int, index: int, films: Path | None = None) -> Ended:
     """Carries one episode out; the same in any process, and disturbed alike with either loop.
 
     It has succeeded when all is done as said, or when what can't be done has ended in a failure
     in words, at rest.
+
+    * `films`: see `trial.run`
     """
     number = list(DISTURBANCES).index(kind)
     rng = generator(seed, "arm_disturbed", MOST_KINDS * index + number)
@@ -78,8 +83,12 @@ def run_disturbed(kind: str, loop: Loop, seed: int, index: int) -> Ended:
         drawn, disturbance = _draw(kind, arm, rng)
         arm.spawn(drawn.arrangement.blocks, drawn.arrangement.poses)
         arm.settle()
-        episode = _Episode(arm, drawn, disturbance)
+        film = Film(arm, renderer()) if films else None
+        episode = _Episode(arm, drawn, disturbance, film.mark if film else unmarked)
         end, why, refusal = episode.carry_out(loop)
+        if film and films:
+            films.mkdir(parents=True, exist_ok=True)
+            film.save(films)
     return Ended(
         f"{kind}_{loop}",
         index,
@@ -108,8 +117,11 @@ def _draw(kind: str, arm: DisturbedArm, rng: np.random.Generator) -> tuple[Drawn
 
 
 class _Episode:
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, disturbance: Disturbance) -> None:
+    def __init__(
+        self, arm: DisturbedArm, drawn: Drawn, disturbance: Disturbance, shown: Mark
+    ) -> None:
         self._arm, self._drawn, self._disturbance = arm, drawn, disturbance
+        self._shown = shown
         self._moves = drawn.task.moves
         self._judge = Judge(arm, drawn.arrangement.blocks)
         self._step, self._is_clearing = 0, False
@@ -117,6 +129,7 @@ class _Episode:
         self._before = arm.poses()
         self.verdicts: list[Verdict] = []
         self.performed: list[Performed] = []
+        self._others_tick = arm.on_tick
         arm.on_tick = self._tick
 
     def carry_out(self, loop: Loop) -> tuple[str, str, str]:
@@ -195,6 +208,7 @@ class _Episode:
         self._mark(BEGUN)
 
     def _mark(self, event: str) -> None:
+        self._shown(event)
         if event == "grasped":
             block_id, _ = self._arm.nearest(self._arm.fingers_at().position)
             self._carried.add(block_id - 1)
@@ -204,6 +218,7 @@ class _Episode:
             self._disturbance.mark(self._step, event)
 
     def _tick(self) -> None:
+        self._others_tick()
         self._disturbance.tick()
         self._judge.tick()
 

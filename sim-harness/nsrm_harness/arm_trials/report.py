@@ -113,7 +113,9 @@ def _beside(lines: Sequence[Line]) -> list[str]:
     kinds = Counter(each.kind for each in ended if each.kind)
     asked = len(steps) + sum(kinds.values())
     refused = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "none"
-    touched = sum(bool(step.touched) for step in steps)
+    touched = sum(
+        bool(step.touched) for line in lines if not line.row.is_disturbed for step in line.steps
+    )
     corrected_mm = 1000 * np.array([by for each in ended for by in each.corrected_m])
     again = sum(tries > 1 for each in ended for tries in each.tries)
     return [
@@ -129,7 +131,7 @@ def _beside(lines: Sequence[Line]) -> list[str]:
 
 def missed(lines: Sequence[Line]) -> list[str]:
     """What can't be by chance: rows that do worse than an arm that reaches their goals would
-    once in `1 / CHANCE` times, and contacts that nothing had foreseen."""
+    once in `1 / CHANCE` times, and contacts that nothing had foreseen where nobody interferes."""
     found = []
     for line in lines:
         episodes, succeeded = len(line.ended), line.ends["succeeded"]
@@ -139,7 +141,7 @@ def missed(lines: Sequence[Line]) -> list[str]:
                 f"{100 * line.row.goal:.1f} % is the goal"
             )
         touched = [pair for step in line.steps for pair in step.touched]
-        if touched:
+        if touched and not line.row.is_disturbed:
             found.append(
                 f"{line.row.title}: not foreseen: {', '.join(sorted(set(touched)))} touched"
             )
@@ -177,8 +179,9 @@ def draw(lines: Sequence[Line], path: Path) -> None:
         shares = np.array([100 * line.ends[end] / max(len(line.ended), 1) for line in lines])
         ends.barh(names, shares, left=left, color=color, label=end)
         left += shares
-    goals = [(100 * line.row.goal, line.row.title) for line in lines if line.row.goal]
-    ends.scatter(*zip(*goals, strict=True), marker="|", s=300, c="black")
+    aimed = [line.row for line in lines if line.row.goal]
+    goals, titles = [100 * row.goal for row in aimed], [row.title for row in aimed]
+    ends.scatter(goals, titles, marker="|", s=300, c="black")
     least = min(100 * line.ends["succeeded"] / max(len(line.ended), 1) for line in lines)
     ends.set(
         title="how episodes ended (goal: |)", xlabel="percent", xlim=(80 if least > 82 else 0, 100)

@@ -33,6 +33,7 @@ class Row:
     * `steps`: of the program
     * `is_stack`: each step puts a block on the one before
     * `is_control`: the arm is given the true poses and the true sub-goals
+    * `is_disturbed`: someone interferes, whom the arm may touch
     """
 
     name: str
@@ -41,6 +42,7 @@ class Row:
     steps: int
     is_stack: bool = False
     is_control: bool = False
+    is_disturbed: bool = False
 
 
 ROWS = (

@@ -51,28 +51,26 @@ def run(
     return [kept[row.name, index] for row in rows for index in range(episodes)]
 
 
-def episode(row: Row, seed: int, index: int) -> Ended:
-    """An episode of any row."""
+def episode(row: Row, seed: int, index: int, films: Path | None = None) -> Ended:
+    """An episode of any row: see `trial.run`."""
     if isinstance(row, DisturbedRow):
-        return run_disturbed(row.kind, row.loop, seed, index)
-    return trial.run(row, seed, index)
+        return run_disturbed(row.kind, row.loop, seed, index, films)
+    return trial.run(row, seed, index, films)
 
 
 def films(
     shown: Sequence[Ended], rows: Sequence[Row], seed: int, workers: Workers, folder: Path
 ) -> None:
-    """Carries these episodes out again, each filmed into a folder of its own; but disturbed ones
-    are not."""
-    by_name = {row.name: row for row in rows if not isinstance(row, DisturbedRow)}
+    """Carries these episodes out again, each filmed into a folder of its own."""
+    by_name = {row.name: row for row in rows}
     tasks = (
         (
             each,
             (by_name[each.row], seed, each.index, folder / f"{each.end}-{each.row}-{each.index}"),
         )
         for each in shown
-        if each.row in by_name
     )
-    for _ in workers.each(trial.run, tasks):
+    for _ in workers.each(episode, tasks):
         pass
 
 
