@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nsrm_harness.arm import collision, panda
-from nsrm_harness.arm.collision import HELD, MARGIN_M, REACH_M, TOUCHING, Guard, steps
+from nsrm_harness.arm.collision import FAR_M, HELD, MARGIN_M, REACH_M, TOUCHING, Guard, steps
 from nsrm_harness.arm.grasp import pointing_down
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.support import TABLE
@@ -322,12 +322,21 @@ def test_an_arm_that_stays_is_looked_at_where_it_is() -> None:
     np.testing.assert_allclose(looked, np.tile(panda.READY_RAD, (len(looked), 1)))
 
 
-def test_the_first_touch_is_found_though_not_every_step_is_looked_at() -> None:
+class Watched(Guard):
+    """Keeps what was looked at, and how far it may move from there."""
+
+    looked: list[tuple[Joints, float]]
+
+    def _free_m(self, joints: Joints, opening_m: float) -> float:
+        free_m = super()._free_m(joints, opening_m)
+        self.looked.append((joints, free_m))
+        return free_m
+
+
+def test_only_steps_are_left_out_in_which_nothing_can_have_come_near() -> None:
     rng = np.random.default_rng(11)
-    looks: list[None] = []
-    touched = stepped = 0
+    touched = stepped = looked = 0
     for number in range(12):
-        # Some stand where the hand passes.
         blocks = {
             f"block {index}": Cuboid(Pose.upright(x, y, z, angle), (0.08, 0.08, 0.08))
             for index, (x, y, z, angle) in enumerate(
@@ -335,18 +344,41 @@ def test_the_first_touch_is_found_though_not_every_step_is_looked_at() -> None:
             )
         }
         held = Cuboid(Pose((0.0, 0.0, 0.1)), (0.04, 0.04, 0.06)) if number % 2 else None
-        guard = Guard(KINEMATICS, blocks, held, alive=lambda: looks.append(None))
+        guard = Watched(KINEMATICS, blocks, held)
+        guard.looked = []
         way = Straight(
             panda.READY_RAD + rng.normal(0, 0.4, panda.JOINTS),
             panda.READY_RAD + rng.normal(0, 0.4, panda.JOINTS),
         )
-        every = [guard.touches(joints, OPEN_M) for joints in steps(way, MARGIN_M).joints]
-        first = next((touch for touch in every if touch is not None), None)
+        every = steps(way, MARGIN_M)
+        touches = [guard.touches(joints, OPEN_M) for joints in every.joints]
+        first = next((touch for touch in touches if touch is not None), None)
         assert guard.along(way, OPEN_M) == first
-        touched += first is not None
-        stepped += len(every) if first is None else every.index(first) + 1
+        at = [int(np.flatnonzero((every.joints == it).all(axis=1))[0]) for it, _ in guard.looked]
+        free_m = [free_m for _, free_m in guard.looked]
+        for one, following, far_m in zip(at, at[1:], free_m, strict=False):
+            assert following == one + 1 or (
+                every.moved_m[following - 1] < every.moved_m[one] + far_m
+            )
+        end = len(touches) if first is None else touches.index(first) + 1
+        assert first is not None or every.moved_m[-1] <= every.moved_m[at[-1]] + free_m[-1]
+        touched, stepped, looked = touched + (first is not None), stepped + end, looked + len(at)
+        for joints, far_m in guard.looked[::20]:
+            nearest_m = guard.nearest(joints, OPEN_M).distance_m - MARGIN_M
+            assert (far_m > 0) == (nearest_m > 0)
+            if far_m > 0:
+                assert min(nearest_m / 2, FAR_M) - 1e-6 <= far_m <= min(nearest_m, FAR_M) + 1e-6
     assert 3 <= touched <= 9
-    assert len(looks) < 0.7 * stepped
+    assert looked < 0.7 * stepped
+
+
+def test_two_that_move_are_near_after_half_the_way() -> None:
+    # The hand turns towards the arm itself: nothing stands there.
+    guard = Guard(KINEMATICS, {})
+    folded = panda.READY_RAD + np.array([0.0, 0.0, 0.0, -0.3, 0.0, -1.2, 0.0])
+    nearest = guard.nearest(folded, OPEN_M)
+    assert TABLE not in nearest.pair and MARGIN_M < nearest.distance_m < 2 * FAR_M
+    assert guard._free_m(folded, OPEN_M) == pytest.approx((nearest.distance_m - MARGIN_M) / 2)
 
 
 def test_no_point_is_farther_from_a_joint_than_its_reach() -> None:
