@@ -5,16 +5,15 @@ from __future__ import annotations
 
 from contextlib import closing
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import nsrm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.perform import FailedError, perform
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.arm_trials.judge import Judge, Verdict
+from nsrm_harness.arm_trials.trial import model, planner, renderer
 from nsrm_harness.episodes.moves import Move
 from nsrm_harness.figures.scenes import Figure, Scene, draw
 from nsrm_harness.figures.sheet import Sheet
@@ -23,7 +22,6 @@ from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.sight import Eyes, Sight, names, sub_goal
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.render import Renderer, open_renderer
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ class _Episode:
         self._world, self._moves, self.sheet = world, scene.moves, sheet
         self._judge = Judge(world, scene.arrangement.blocks)
         world.on_tick = self._judge.tick
-        self._eyes = Eyes(_renderer(), world, default_camera())
+        self._eyes = Eyes(renderer(), world, default_camera())
         self._names: dict[int, str] = {}
         self.done: list[Done] = []
 
@@ -106,11 +104,11 @@ class _Episode:
         return "succeeded", ""
 
     def _plan(self, sentence: str) -> nsrm.Plan:
-        model, sight = _model(), self._look()
-        known = names(model, domains.load(), sight)
+        sight = self._look()
+        known = names(model(), domains.load(), sight)
         self._names = {number: f"object {number} ({it})" for number, it in known.words.items()}
         self.sheet.add_scene(sight, known)
-        plan = model.plan(sight.scene(model, self._eyes.camera), sentence)
+        plan = model().plan(sight.scene(model(), self._eyes.camera), sentence)
         self.sheet.add_plan(plan)
         meant = {n for step in plan.steps for n in (step.object_id, step.reference_id)}
         self._keep = {self._names[number] for number in meant}
@@ -119,7 +117,7 @@ class _Episode:
     def _step(self, number: int, step: nsrm.PlannedStep, move: Move) -> None:
         goal, truth = sub_goal(step), self._judge.begin(move)
         name = self._names[step.object_id]
-        performed = perform(self._world, _planner(), self._objects, name, goal, keep=self._keep)
+        performed = perform(self._world, planner(), self._objects, name, goal, keep=self._keep)
         verdict = self._judge.end([place for _, place in performed.cleared])
         self.done.append(
             Done(verdict, goal.distance_m(truth), performed.corrected_m, performed.tries)
@@ -136,18 +134,3 @@ class _Episode:
             self._names.get(number, f"object {number}"): cuboid
             for number, cuboid in self._look().cuboids.items()
         }
-
-
-@lru_cache(maxsize=1)
-def _renderer() -> Renderer:
-    return open_renderer()
-
-
-@lru_cache(maxsize=1)
-def _model() -> nsrm.Model:
-    return nsrm.Model.pretrained()
-
-
-@lru_cache(maxsize=1)
-def _planner() -> Planner:
-    return Planner()

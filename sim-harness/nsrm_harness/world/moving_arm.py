@@ -33,6 +33,7 @@ class MovingArm:
             for joint in range(pybullet.getNumJoints(self._body, physicsClientId=client))
         ]
         self._links = {info[12].decode(): joint for joint, info in enumerate(infos)}
+        self._names = {joint: name for name, joint in self._links.items()}
         self._joints = [info[0] for info in infos if info[2] == pybullet.JOINT_REVOLUTE]
         self._fingers = [self._links[name] for name in panda.FINGERS]
         for joint, angle in zip(self._joints, REST_JOINTS_RAD, strict=True):
@@ -112,8 +113,7 @@ class MovingArm:
 
     def link_name(self, index: int) -> str:
         """Of a link by PyBullet's index."""
-        names = {joint: name for name, joint in self._links.items()}
-        return names.get(index, BASE_LINK)
+        return self._names.get(index, BASE_LINK)
 
     def links(self) -> dict[str, Pose]:
         """The frame of each link in the world, by name."""
