@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import nsrm
 
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Body, Mark, unmarked, wait
+from nsrm_harness.arm.execute import Body, Done, Mark, unmarked, wait
 from nsrm_harness.arm.perform import SHIFTED_M, FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.perception.cuboids import Cuboid
@@ -125,7 +125,7 @@ class Follower:
         while left := belief.left():
             index, step = left[0], belief.steps[left[0]]
             if attempts[index] == MAX_ATTEMPTS:
-                raise FailedError(self._did_not_stay(step))
+                raise FailedError(self._did_not_stay(step), Done.PLACED)
             attempts[index] += 1
             self.begin(index)
             try:

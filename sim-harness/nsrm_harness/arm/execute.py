@@ -4,7 +4,8 @@ they hold is felt by how far they are open."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Protocol
 
@@ -14,7 +15,16 @@ from nsrm_harness.arm.carry import Carry
 from nsrm_harness.arm.grasp import Grasp
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.panda import GRIP_N
-from nsrm_harness.arm.timing import Backwards, Straight, Trajectory
+from nsrm_harness.arm.stop import (
+    Braking,
+    Stop,
+    StoppedError,
+    WayBack,
+    back_from,
+    on_from,
+    unstopped,
+)
+from nsrm_harness.arm.timing import Backwards, Moments, Straight, Trajectory
 from nsrm_harness.errors import HarnessError
 
 WIDTH_M = 0.004
@@ -91,68 +101,87 @@ class Done(Enum):
     TAKEN_BACK = "taken back, as something is in the way"
 
 
-def carry_out(body: Body, carry: Carry, mark: Mark = unmarked) -> Done:
+def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unstopped) -> Done:
     """Does all that was planned, and ends in the ready pose whatever happens to the block.
 
     Bounded: motions by their durations, fingers by `CLOSING_S` and `OPENING_S`. Raises
-    `StuckError`.
+    `StuckError`; `StoppedError` where it was told to stop.
     """
     grasp = carry.grasp
     body.grip(grasp.opening_m, GRIP_N)
-    _follow(body, (*carry.reach, carry.descend))
+    _follow(body, (*carry.reach, carry.descend), _Halt(stop, back_from, WayBack()))
     mark("reached")
     body.grip(0.0, GRIP_N)
     _until_still(body, CLOSING_S)
+    away = WayBack(grasp=grasp, home=(carry.lift, *carry.back))
     held_m = body.opening_m()
     if abs(held_m - grasp.width_m) > WIDTH_M:
         _let_go(body, grasp)
-        _follow(body, (carry.lift, *carry.back))
+        _follow(body, away.home, _Halt(stop, on_from, WayBack()))
         mark("not grasped")
         return Done.NOT_GRASPED
     mark("grasped")
     least_m = held_m - SLIP_M
-    if not _follow(body, [carry.lift], least_m):
-        return _without_it(body, grasp, carry.back, mark)
+    if not _follow(body, [carry.lift], _Halt(stop, back_from, away), least_m):
+        return _without_it(body, grasp, carry.back, mark, stop)
     mark("lifted")
-    if not _follow(body, carry.transfer, least_m):
-        return _without_it(body, grasp, carry.home, mark)
+    down = replace(away, ways=(Backwards(carry.lift),))
+    if not _follow(body, carry.transfer, _Halt(stop, back_from, down), least_m):
+        return _without_it(body, grasp, carry.home, mark, stop)
     mark("above")
+    back = tuple(Backwards(way) for way in carry.transfer[::-1])
+    over = replace(down, ways=(*back, *down.ways))
     try:
-        holds = _follow(body, [carry.lower], least_m, TOUCH_RAD)
+        holds = _follow(body, [carry.lower], _Halt(stop, back_from, over), least_m, TOUCH_RAD)
     except StuckError:
-        return _take_back(body, carry, mark)
+        return _take_back(body, carry, mark, stop)
     wait(body, CALM_S)
     _let_go(body, grasp)
     mark("let go")
-    _follow(body, (carry.retreat, *carry.home))
+    _follow(body, (carry.retreat, *carry.home), _Halt(stop, on_from, WayBack()))
     mark("home")
     return Done.PLACED if holds else Done.SLIPPED
 
 
-def _without_it(body: Body, grasp: Grasp, home: Iterable[Trajectory], mark: Mark) -> Done:
+def go_back(body: Body, back: WayBack, stop: Stop = unstopped) -> None:
+    """What was held is put down where it was taken, and the arm goes to where it began.
+
+    Raises `StuckError` and `StoppedError`, as `carry_out`.
+    """
+    _follow(body, back.ways, _Halt(stop, on_from, replace(back, ways=())))
+    if back.grasp is not None:
+        wait(body, CALM_S)
+        _let_go(body, back.grasp)
+    _follow(body, back.home, _Halt(stop, on_from, WayBack()))
+
+
+def _without_it(
+    body: Body, grasp: Grasp, home: tuple[Trajectory, ...], mark: Mark, stop: Stop
+) -> Done:
     """The block is lost: goes home high above the others and puts nothing down."""
     _let_go(body, grasp)
-    _follow(body, home)
+    _follow(body, home, _Halt(stop, on_from, WayBack()))
     mark("slipped")
     return Done.SLIPPED
 
 
-def _take_back(body: Body, carry: Carry, mark: Mark) -> Done:
+def _take_back(body: Body, carry: Carry, mark: Mark, stop: Stop) -> Done:
     """What was to be lowered has met something: puts it down where it was.
 
     Raises `StuckError` if it was no block that the joints have met.
     """
+    away = WayBack(grasp=carry.grasp, home=(carry.lift, *carry.back))
+    down = replace(away, ways=(Backwards(carry.lift),))
     up = Straight(body.joints(), carry.lower.begin, BACK_PACE)
-    _follow(body, (up, *(Backwards(way) for way in carry.transfer[::-1])))
-    away = carry.lift
+    ways = (up, *(Backwards(way) for way in carry.transfer[::-1]))
+    _follow(body, ways, _Halt(stop, on_from, down))
     try:
-        _follow(body, [Backwards(carry.lift)], lag_rad=TOUCH_RAD)
+        _follow(body, down.ways, _Halt(stop, on_from, away), lag_rad=TOUCH_RAD)
     except StuckError:
         # What it has met may hang below it, and stands now.
-        away = Straight(body.joints(), carry.lift.end, BACK_PACE)
-    wait(body, CALM_S)
-    _let_go(body, carry.grasp)
-    _follow(body, (away, *carry.back))
+        up = Straight(body.joints(), carry.lift.end, BACK_PACE)
+        away = replace(away, home=(up, *carry.back))
+    go_back(body, away, stop)
     mark("taken back")
     return Done.TAKEN_BACK
 
@@ -162,25 +191,56 @@ def _let_go(body: Body, grasp: Grasp) -> None:
     _until_still(body, OPENING_S)
 
 
+@dataclass(frozen=True)
+class _Halt:
+    """When to stop, whether the way back begins with what is left or with what is behind it, and
+    what follows then."""
+
+    stop: Stop
+    way_back: Callable[[Sequence[Trajectory], int, float, WayBack], WayBack]
+    then: WayBack
+
+
 def _follow(
-    body: Body, ways: Iterable[Trajectory], least_m: float = 0.0, lag_rad: float = LAG_RAD
+    body: Body,
+    ways: Sequence[Trajectory],
+    halt: _Halt,
+    least_m: float = 0.0,
+    lag_rad: float = LAG_RAD,
 ) -> bool:
     """Along all of them; whether the fingers stayed as far open all the time.
 
-    Raises `StuckError` if the joints are behind by more than `lag_rad`.
+    Raises `StuckError` if the joints are behind by more than `lag_rad`, `StoppedError` once they
+    stand still because they were to stop.
     """
     holds = True
-    for way in ways:
-        # The last one is at or behind its end: at rest.
-        ticks = math.ceil(way.duration_s / body.tick_s)
-        moments = way.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
-        for joints, speeds in zip(moments.joints, moments.speeds, strict=True):
+    for index, way in enumerate(ways):
+        moments = _at_ticks(body, way)
+        for tick, (joints, speeds) in enumerate(zip(moments.joints, moments.speeds, strict=True)):
+            if halt.stop():
+                braking = Braking(way, tick * body.tick_s)
+                _brake(body, braking)
+                raise StoppedError(halt.way_back(ways, index, braking.stopped_s, halt.then))
             body.drive(joints, speeds)
             body.tick()
             _check_lag(body, joints, lag_rad)
             holds &= body.opening_m() >= least_m
         _check_lag(body, moments.joints[-1], ARRIVED_RAD)
     return holds
+
+
+def _brake(body: Body, braking: Braking) -> None:
+    moments = _at_ticks(body, braking)
+    for joints, speeds in zip(moments.joints, moments.speeds, strict=True):
+        body.drive(joints, speeds)
+        body.tick()
+        _check_lag(body, joints, LAG_RAD)
+
+
+def _at_ticks(body: Body, way: Trajectory | Braking) -> Moments:
+    """Of those to come; at the last one it is at rest, at or behind its end."""
+    ticks = math.ceil(way.duration_s / body.tick_s)
+    return way.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
 
 
 def _check_lag(body: Body, told: Joints, most_rad: float) -> None:

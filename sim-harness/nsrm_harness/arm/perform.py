@@ -11,6 +11,7 @@ from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.clear import Aside, clearing
 from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
 from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm.stop import Stop, unstopped
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.pose import Pose
@@ -26,7 +27,14 @@ Look = Callable[[], Mapping[str, Cuboid]]
 
 
 class FailedError(HarnessError):
-    """Something has moved, but not as it was to; the arm is at rest in its ready pose."""
+    """Something has moved, but not as it was to; the arm is at rest in its ready pose.
+
+    * `done`: how the last carrying ended; None if nothing more can be done as it looks now
+    """
+
+    def __init__(self, message: str, done: Done | None = None) -> None:
+        super().__init__(message)
+        self.done = done
 
 
 @dataclass(frozen=True)
@@ -86,28 +94,34 @@ def perform(
     mark: Mark = unmarked,
     *,
     keep: Collection[str] = (),
+    tries: int = MAX_TRIES,
+    stop: Stop = unstopped,
 ) -> Performed:
     """Carries a block to its sub-goal; what only stands too near is moved aside first.
 
     * `keep`: the names of what is not moved aside
+    * `tries`: of anything that is carried, at most
 
     Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
-    `FailedError` if it was tried and is not done.
+    `FailedError` if it was tried and is not done; `StuckError` and `StoppedError` as `carry_out`.
     """
+    hands = _Hands(body, planner, look, mark, tries, stop)
     objects = look()
     try:
-        return _carry(body, planner, look, objects, name, goal, mark)
+        return hands.carry(objects, name, goal)
     except RefusedError as refusal:
         asides = clearing(planner, objects, name, goal, body.joints(), refusal, keep)
         if not asides:
             raise
     mark("clearing")
-    first = _clear(body, planner, look, objects, name, asides, mark)
+    first = hands.clear(objects, name, asides)
     mark("cleared")
     try:
-        performed = _carry(body, planner, look, look(), name, goal, mark)
+        performed = hands.carry(look(), name, goal)
     except (RefusedError, FailedError) as error:
-        raise FailedError(f"{_names(asides)} moved aside first; then: {error}") from None
+        raise FailedError(
+            f"{_names(asides)} moved aside first; then: {error}", _done(error)
+        ) from None
     return replace(
         performed,
         cleared=asides,
@@ -116,68 +130,73 @@ def perform(
     )
 
 
-def _clear(
-    body: Body,
-    planner: Planner,
-    look: Look,
-    objects: Mapping[str, Cuboid],
-    name: str,
-    asides: tuple[Aside, ...],
-    mark: Mark,
-) -> list[Performed]:
-    """Carries away what stands in the way of a block. Raises `FailedError`."""
-    done = []
-    for blocker, place in asides:
-        try:
-            done.append(_carry(body, planner, look, objects, blocker, place, mark))
-        except (RefusedError, FailedError) as error:
-            raise FailedError(
-                f"{blocker} stands in the way of {name} and was to be moved aside first: {error}"
-            ) from None
-        objects = look()
-    return done
+def _done(error: RefusedError | FailedError) -> Done | None:
+    return error.done if isinstance(error, FailedError) else None
 
 
-def _carry(
-    body: Body,
-    planner: Planner,
-    look: Look,
-    objects: Mapping[str, Cuboid],
-    name: str,
-    goal: Pose,
-    mark: Mark,
-) -> Performed:
-    """Carries a block to its sub-goal as it looks, and again as it looks then. Raises as
-    `perform`."""
-    motion_s = 0.0
-    done = Done.PLACED
-    for number in range(1, MAX_TRIES + 1):
-        try:
-            carry = planner.carry(objects, name, goal, body.joints())
-        except RefusedError as refusal:
-            if number == 1:
-                raise
-            raise FailedError(
-                f"{name}: {done.value} at try {number - 1}, and now {refusal}"
-            ) from None
-        done = carry_out(body, carry, mark)
-        motion_s += carry.duration_s
-        before, objects = objects, look()
-        target = carry.placement.cuboid.pose
-        miss_m = objects[name].pose.distance_m(target) if name in objects else float("inf")
-        if done is Done.PLACED and miss_m <= PLACED_M:
-            return Performed(
-                name,
-                number,
-                carry.placement.corrected_m,
-                miss_m,
-                _shifted(before, objects, name),
-                motion_s,
-            )
-    where = f"{1000 * miss_m:.0f} mm from where it was to go" if miss_m < 1 else "nowhere in sight"
-    raise FailedError(
-        f"{name} was tried {MAX_TRIES} times and is {where} ({done.value}); I stopped"
-    )
+@dataclass(frozen=True)
+class _Hands:
+    """What carries, as in `perform`."""
+
+    body: Body
+    planner: Planner
+    look: Look
+    mark: Mark
+    tries: int
+    stop: Stop
+
+    def clear(
+        self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Aside, ...]
+    ) -> list[Performed]:
+        """Carries away what stands in the way of a block. Raises `FailedError`."""
+        done = []
+        for blocker, place in asides:
+            try:
+                done.append(self.carry(objects, blocker, place))
+            except (RefusedError, FailedError) as error:
+                raise FailedError(
+                    f"{blocker} stands in the way of {name} and was to be moved aside first: "
+                    f"{error}",
+                    _done(error),
+                ) from None
+            objects = self.look()
+        return done
+
+    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose) -> Performed:
+        """Carries a block to its sub-goal as it looks, and again as it looks then. Raises as
+        `perform`."""
+        motion_s = 0.0
+        done = Done.PLACED
+        for number in range(1, self.tries + 1):
+            try:
+                carry = self.planner.carry(objects, name, goal, self.body.joints())
+            except RefusedError as refusal:
+                if number == 1:
+                    raise
+                raise FailedError(
+                    f"{name}: {done.value} at try {number - 1}, and now {refusal}", None
+                ) from None
+            done = carry_out(self.body, carry, self.mark, self.stop)
+            motion_s += carry.duration_s
+            before, objects = objects, self.look()
+            target = carry.placement.cuboid.pose
+            miss_m = objects[name].pose.distance_m(target) if name in objects else float("inf")
+            if done is Done.PLACED and miss_m <= PLACED_M:
+                return Performed(
+                    name,
+                    number,
+                    carry.placement.corrected_m,
+                    miss_m,
+                    _shifted(before, objects, name),
+                    motion_s,
+                )
+        where = (
+            f"{1000 * miss_m:.0f} mm from where it was to go" if miss_m < 1 else "nowhere in sight"
+        )
+        times = "once" if self.tries == 1 else f"{self.tries} times"
+        raise FailedError(
+            f"{name} was tried {times} and is {where} ({done.value}); I stopped", done
+        )
 
 
 def _shifted(

@@ -67,14 +67,14 @@ class Straight:
         self._turn = end - begin
         # The share of the way is timed: each joint with a profile of its own would leave the line.
         speed, acceleration, jerk = (_least(limits, np.abs(self._turn)) for limits in _limits(pace))
-        self._timed = _timed(speed, acceleration, jerk)
+        self._timed = rest_to_rest(speed, acceleration, jerk)
 
     @property
     def duration_s(self) -> float:
         return float(self._timed.duration)
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
-        place, speed, acceleration = _values(self._timed, times_s)
+        place, speed, acceleration = moments_of(self._timed, times_s)
         turn = self._turn
         return Moments(self.begin + place * turn, speed * turn, acceleration * turn)
 
@@ -113,7 +113,7 @@ class Along:
         return float(self._timed.duration)
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
-        place, speed, acceleration = _values(self._timed, times_s)
+        place, speed, acceleration = moments_of(self._timed, times_s)
         joints, first, second, _ = self._at_places(place[:, 0])
         return Moments(joints, first * speed, second * speed**2 + first * acceleration)
 
@@ -139,7 +139,7 @@ class Along:
         acceleration = _least(accelerations / 2, first)
         acceleration = min(acceleration, _least(jerks / 9, second * speed))
         jerk = _least(jerks / 3, first)
-        return _timed(speed, acceleration, jerk)
+        return rest_to_rest(speed, acceleration, jerk)
 
 
 def _least(limits: NDArray[np.float64], factors: NDArray[np.float64]) -> float:
@@ -147,7 +147,7 @@ def _least(limits: NDArray[np.float64], factors: NDArray[np.float64]) -> float:
     return float((limits / np.maximum(factors, 1e-9)).min())
 
 
-def _values(timed: Timed, times_s: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+def moments_of(timed: Timed, times_s: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     """Positions, speeds and accelerations `[n, joints]`."""
     duration_s = float(timed.duration)
     moments = [timed.at_time(time) for time in np.clip(times_s, 0.0, duration_s).tolist()]
@@ -164,7 +164,7 @@ def _limits(pace: float) -> tuple[Joints, Joints, Joints]:
     )
 
 
-def _timed(speed: float, acceleration: float, jerk: float) -> Timed:
+def rest_to_rest(speed: float, acceleration: float, jerk: float) -> Timed:
     """The share of a way, from 0 to 1, within limits of its derivatives, from rest to rest."""
     wanted = InputParameter(1)
     wanted.current_position, wanted.target_position = [0.0], [1.0]

@@ -1,0 +1,168 @@
+"""An arm that is told to stop brakes along its path, holds what it holds, and finds back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+
+import numpy as np
+import pytest
+from world_scenes import DOMAIN
+
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.carry import Carry, Planner
+from nsrm_harness.arm.execute import carry_out, go_back, wait
+from nsrm_harness.arm.kinematics import Joints
+from nsrm_harness.arm.stop import Braking, Part, StoppedError
+from nsrm_harness.arm.timing import Trajectory
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.blocks import block_from_attributes
+from nsrm_harness.world.pose import Pose
+
+GOAL = Pose.upright(0.62, 0.15, 0.02, 0.7)
+BRAKED_S = 1.2
+TICK_S = 1 / 240
+STAYED_M = 0.0015
+HOME_RAD = 0.01
+
+
+@pytest.fixture
+def world() -> Iterator[ArmWorld]:
+    with closing(ArmWorld()) as made:
+        blocks = [
+            block_from_attributes(DOMAIN, {"color": color, "size": "small"})
+            for color in ("red", "blue")
+        ]
+        made.spawn(blocks, [Pose.upright(0.42, -0.15, 0.02, 0.3), Pose.upright(0.42, 0.2, 0.02)])
+        assert made.settle().at_rest
+        yield made
+
+
+def planned(world: ArmWorld) -> Carry:
+    objects = {str(each.id): Cuboid(each.pose, each.block.edges_m) for each in world.placed()}
+    return Planner().carry(objects, "1", GOAL, world.joints())
+
+
+def all_ways(carry: Carry) -> list[Trajectory]:
+    ways = [*carry.reach, carry.descend, carry.lift, *carry.transfer]
+    return [*ways, carry.lower, carry.retreat, *carry.home]
+
+
+def off_path_rad(joints: Joints, way: Trajectory) -> float:
+    """From each of some joints `[n, 7]` to the nearest on a trajectory, at most."""
+    path = way.at(np.linspace(0.0, way.duration_s, 2000)).joints
+    return max(float(np.abs(path - each).max(axis=1).min()) for each in joints)
+
+
+def test_braking_and_going_on_keep_to_the_path_and_the_makers_limits(world: ArmWorld) -> None:
+    longest_s = 0.0
+    for way in all_ways(planned(world)):
+        for since_s in np.linspace(0.0, way.duration_s, 9):
+            braking = Braking(way, float(since_s))
+            longest_s = max(longest_s, braking.duration_s)
+            first = way.at(np.array([since_s]))
+            stopped_s = braking.stopped_s
+            assert since_s <= stopped_s <= way.duration_s
+            parts = [braking, Part(way, stopped_s, 0.0), Part(way, stopped_s, way.duration_s)]
+            for part in parts:
+                moments = part.at(np.arange(0.0, part.duration_s + TICK_S, TICK_S))
+                assert off_path_rad(moments.joints, way) < 0.002
+                assert (np.abs(moments.speeds) <= panda.MAX_SPEED_RAD_S).all()
+                limits = panda.MAX_ACCELERATION_RAD_S2
+                assert (np.abs(moments.accelerations) <= limits).all()
+                np.testing.assert_allclose(moments.speeds[-1], 0.0, atol=1e-6)
+                # Speeds are those of the joints.
+                moved = np.diff(moments.joints, axis=0) / TICK_S
+                between = (moments.speeds[1:] + moments.speeds[:-1]) / 2
+                np.testing.assert_allclose(moved, between, atol=0.02)
+            starts = [part.at(np.array([0.0])) for part in parts]
+            np.testing.assert_allclose(starts[0].joints, first.joints, atol=1e-9)
+            np.testing.assert_allclose(starts[0].speeds, first.speeds, atol=1e-9)
+            ends = [part.at(np.array([part.duration_s])).joints[0] for part in parts]
+            for start in starts[1:]:
+                np.testing.assert_allclose(start.joints[0], ends[0], atol=1e-9)
+            np.testing.assert_allclose(ends[1], way.begin, atol=1e-5)
+            np.testing.assert_allclose(ends[2], way.end, atol=1e-5)
+    assert 0.1 < longest_s < BRAKED_S
+
+
+MOMENTS = [
+    # Behind which mark, after how many ticks, and whether the block is held then.
+    ("", 100, False),
+    ("reached", 5, True),
+    ("grasped", 60, True),
+    ("lifted", 80, True),
+    ("above", 40, True),
+    ("let go", 60, False),
+]
+
+
+@pytest.mark.parametrize(("event", "ticks", "held"), MOMENTS)
+def test_it_stands_still_and_then_goes_back(
+    world: ArmWorld, event: str, ticks: int, held: bool
+) -> None:
+    carry = planned(world)
+    before = world.poses()
+    # Ticks since the event, once it has come.
+    since: list[int] = [] if event else [0]
+    stopped_at_s: list[float] = []
+
+    def mark(done: str) -> None:
+        if done == event:
+            since.append(0)
+
+    def tick() -> None:
+        if since:
+            since[0] += 1
+
+    def stop() -> bool:
+        wanted = bool(since) and since[0] >= ticks
+        if wanted and not stopped_at_s:
+            stopped_at_s.append(world.time_s)
+        return wanted
+
+    world.on_tick = tick
+    with pytest.raises(StoppedError, match="stands still") as caught:
+        carry_out(world, carry, mark, stop)
+    assert world.time_s - stopped_at_s[0] < BRAKED_S
+    joints, pose = world.joints(), world.pose(1)
+    wait(world, 1.0)
+    np.testing.assert_allclose(world.joints(), joints, atol=2e-3)
+    assert world.pose(1).distance_m(pose) < STAYED_M
+    is_held = world.opening_m() < carry.grasp.opening_m - 0.002
+    assert is_held == held
+    go_back(world, caught.value.back)
+    assert float(np.abs(world.joints() - panda.READY_RAD).max()) < HOME_RAD
+    where = carry.placement.cuboid.pose if event == "let go" else before[1]
+    assert world.pose(1).distance_m(where) < STAYED_M
+    assert world.pose(2).distance_m(before[2]) < STAYED_M
+
+
+def test_a_stop_on_the_way_back_is_one_too(world: ArmWorld) -> None:
+    carry = planned(world)
+    before = world.pose(1)
+    count = 0
+
+    def after(ticks: int) -> bool:
+        nonlocal count
+        count += 1
+        return count > ticks
+
+    heights = []
+    with pytest.raises(StoppedError) as caught:
+        # In the middle of the transfer.
+        length_s = sum(way.duration_s for way in (*carry.reach, carry.descend, carry.lift))
+        ticks = round((length_s + carry.transfer[0].duration_s / 2) / world.tick_s)
+        carry_out(world, carry, stop=lambda: after(ticks))
+    back = caught.value.back
+    for _ in range(3):
+        heights.append(world.pose(1).position[2])
+        count = 0
+        with pytest.raises(StoppedError) as caught:
+            go_back(world, back, stop=lambda: after(300))
+        back = caught.value.back
+    assert min(heights) > 0.05
+    go_back(world, back)
+    assert world.pose(1).distance_m(before) < STAYED_M
+    assert float(np.abs(world.joints() - panda.READY_RAD).max()) < HOME_RAD
