@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -44,7 +46,9 @@ def left_behind() -> set[str]:
 
 @pytest.mark.parametrize("seed", ["3", "4"])
 @pytest.mark.parametrize(
-    "options", [[], ["--open-loop"], ["--arm"]], ids=["closed", "open", "with the arm"]
+    "options",
+    [[], ["--open-loop"], ["--no-arm"], ["--no-arm", "--open-loop"]],
+    ids=["closed", "open", "no arm", "open, no arm"],
 )
 def test_a_sentence_is_carried_out(seed: str, options: Sequence[str]) -> None:
     before = left_behind()
@@ -72,6 +76,28 @@ def test_text_tells_what_happens() -> None:
     assert lines[-1] == "done"
     assert any("is on its way to" in line for line in lines)
     assert sum("done, seen" in line for line in lines) == 2
+
+
+def test_a_ctrl_c_stops_the_arm_and_all_processes() -> None:
+    before = left_behind()
+    with subprocess.Popen(
+        ["cargo", "robot", "--seed", "4"],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        assert running.stdout is not None and running.stderr is not None
+        # Of two blocks the first is being carried.
+        next(line for line in running.stdout if "is on its way to" in line)
+        time.sleep(0.3)
+        os.killpg(running.pid, signal.SIGINT)
+        rest = running.stdout.read()
+        assert running.wait() == 2
+        assert running.stderr.read().splitlines()[-1] == "nsrm: cancelled"
+    assert "done" not in rest
+    assert left_behind() <= before
 
 
 def test_what_is_refused_ends_with_2_and_moves_nothing() -> None:

@@ -25,7 +25,7 @@ from nsrm_harness.world.render import open_renderer
     show_default="out/demo-SEED",
     help="Folder for the pictures and the scene.",
 )
-@arm_option(default=True)
+@arm_option
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document instead of text.")
 def command(
     sentence: str | None, seed: int, out: Path | None, with_arm: bool, as_json: bool

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
 
 import click
-from click.decorators import FC
 
 from nsrm_harness import domain as domains
 from nsrm_harness.episodes.disturbance import Disturbance
@@ -82,6 +81,13 @@ model_option = click.option(
     show_default="the one that is built in",
     help="Model file.",
 )
+arm_option = click.option(
+    "--arm/--no-arm",
+    "with_arm",
+    default=True,
+    show_default=True,
+    help="The arm carries blocks to their sub-goals; or they are set down there without it.",
+)
 jobs_option = click.option(
     "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
 )
@@ -100,14 +106,3 @@ def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
         return
     with RayCluster(ray, jobs) as cluster:
         yield cluster
-
-
-def arm_option(*, default: bool) -> Callable[[FC], FC]:
-    """Whether there is an arm."""
-    return click.option(
-        "--arm/--no-arm",
-        "with_arm",
-        default=default,
-        show_default=True,
-        help="The arm carries blocks to their sub-goals; or they are set down there without it.",
-    )

@@ -15,7 +15,7 @@ from nsrm_harness.robot.processes import Processes
 @click.command("robot")
 @click.argument("sentence", required=False)
 @seed_option
-@arm_option(default=False)
+@arm_option
 @click.option(
     "--nsrm",
     type=click.Path(path_type=Path, dir_okay=False, exists=True),

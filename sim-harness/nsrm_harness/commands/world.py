@@ -25,13 +25,13 @@ from nsrm_harness.world.render import open_renderer
     help="The robot's configuration (TOML), the same as that of `nsrm`.",
 )
 @seed_option
-@arm_option(default=False)
+@arm_option
 def command(robot: str | None, file: Path | None, seed: int, with_arm: bool) -> None:
     """The tabletop of a seed, as a robot's camera and controller, until SIGINT or SIGTERM.
 
-    Its camera publishes frames with the boxes that the detector finds; its controller takes a
-    block from where it is seen and lets it go above its sub-goal, where physics does the rest, or
-    has the arm carry it there.
+    Its camera publishes frames with the boxes that the detector finds; its controller has the arm
+    carry a block from where it is seen to its sub-goal; or, without it, lets it go above that,
+    where physics does the rest.
     """
     config = read_config(file, robot)
     stop = threading.Event()

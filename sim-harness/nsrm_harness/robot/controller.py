@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from nsrm_harness.messages import Outcome, SubGoal
-from nsrm_harness.world.pose import Pose
 
 MOVE, STOP = 1, 2
 """Kinds of commands: `SubGoal.kind`."""
@@ -20,8 +19,8 @@ Say = Callable[[int, int, Outcome], None]
 """Plan, command and how it goes."""
 Reject = Callable[[str, str], None]
 """Service and why what came through it is passed over."""
-Mover = Callable[[int, Pose], Outcome]
-"""Moves an object to a pose of its centre."""
+Mover = Callable[[SubGoal], Outcome]
+"""Moves the object of a command to where it says."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +72,14 @@ class Controller:
     def __init__(self, mover: Mover, say: Say, reject: Reject, clock: Callable[[], int]) -> None:
         self._mover, self._say, self._reject, self._clock = mover, say, reject, clock
         self._last = _Done(0, 0, Outcome.IMPOSSIBLE)
+        self._current: tuple[int, int] | None = None
+
+    def is_stopped_by(self, commands: Iterable[SubGoal]) -> bool:
+        """Whether one of these, which have not been obeyed yet, stops what is being done."""
+        return any(
+            command.kind == STOP and (command.plan, command.command) == self._current
+            for command in commands
+        )
 
     def obey(self, command: SubGoal) -> None:
         """Carries out a command, or says why not."""
@@ -98,12 +105,8 @@ class Controller:
             outcome = Outcome.TOO_LATE
         elif command.kind == MOVE:
             self._say(plan, number, Outcome.ACCEPTED)
-            outcome = self._mover(command.object_id, _pose(command))
+            self._current = plan, number
+            outcome = self._mover(command)
+            self._current = None
         self._last = _Done(plan, number, outcome)
         self._say(plan, number, outcome)
-
-
-def _pose(command: SubGoal) -> Pose:
-    x, y, z = command.position
-    i, j, k, w = command.orientation
-    return Pose((x, y, z), (i, j, k, w))

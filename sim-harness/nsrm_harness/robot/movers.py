@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Done, StuckError, carry_out
+from nsrm_harness.arm.execute import Done, StuckError, go_back
+from nsrm_harness.arm.perform import FailedError, perform
 from nsrm_harness.arm.refused import RefusedError
-from nsrm_harness.messages import Outcome
+from nsrm_harness.arm.stop import StoppedError, WayBack
+from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.pose import Pose
@@ -24,14 +27,17 @@ MISPLACED_M = 0.02
 TICKS = 20
 """Of the arm, after which it is said that it still works."""
 
-OUTCOMES = {
-    Done.PLACED: Outcome.REACHED,
+_LOG = logging.getLogger(__name__)
+
+FAILURES = {
+    None: Outcome.NO_PATH,
+    Done.PLACED: Outcome.MISPLACED,
     Done.NOT_GRASPED: Outcome.NOT_GRASPED,
     Done.SLIPPED: Outcome.DROPPED,
     Done.TAKEN_BACK: Outcome.MISPLACED,
 }
-"""What a controller says of how a carrying ended. Whether a block stands where it was put is seen
-by who looks at the next picture."""
+"""What a controller says of a carrying that ended so, and the block is not seen where it was to
+go."""
 
 
 class SetsDown:
@@ -43,9 +49,9 @@ class SetsDown:
     def __init__(self, world: World, seen: Callable[[int], NDArray[np.float64] | None]) -> None:
         self._world, self._seen = world, seen
 
-    def __call__(self, number: int, goal: Pose) -> Outcome:
+    def __call__(self, command: SubGoal) -> Outcome:
         """Moves an object."""
-        seen = self._seen(number)
+        seen, goal = self._seen(command.object_id), goal_of(command)
         if seen is None:
             return Outcome.IMPOSSIBLE
         block_id, distance_m = self._world.nearest(seen)
@@ -59,43 +65,105 @@ class SetsDown:
 
 
 class Carries:
-    """The arm carries a block from where it is seen to its sub-goal, once.
+    """The arm carries a block from where it is seen to its sub-goal, once; what only stands too
+    near is moved aside first.
 
-    * `seen`: all that is believed to stand there, by number
-    * `refuse`: is told why something is not begun, or was stopped
+    * `look`: takes a picture; gives all that is believed to stand there, by number
     * `alive`: is called every few milliseconds while it plans and moves
+    * `stop`: whether it is to stop, asked as often
     """
 
     def __init__(
         self,
         world: ArmWorld,
-        seen: Callable[[], Mapping[int, Cuboid]],
-        refuse: Callable[[str], None],
+        look: Callable[[], Mapping[int, Cuboid]],
         alive: Callable[[], None],
+        stop: Callable[[], bool],
     ) -> None:
-        self._seen, self._refuse = seen, refuse
-        self._planner = Planner(alive=alive)
-        self._world, self._alive, self._ticks = world, alive, 0
+        self._look, self._alive, self._asked_to_stop = look, alive, stop
+        self._planner = Planner(alive=self._while_planning)
+        self._world, self._ticks, self._stop = world, 0, False
+        self._back: WayBack | None = None
+        self._stuck = ""
+        self._plan, self._meant = 0, set[int]()
         world.on_tick = self._tick
 
-    def __call__(self, number: int, goal: Pose) -> Outcome:
+    def __call__(self, command: SubGoal) -> Outcome:
         """Moves an object."""
-        objects = {_name(key): cuboid for key, cuboid in self._seen().items()}
-        try:
-            carry = self._planner.carry(objects, _name(number), goal, self._world.joints())
-        except RefusedError as refusal:
-            self._refuse(str(refusal))
-            return Outcome.NO_PATH
-        try:
-            return OUTCOMES[carry_out(self._world, carry)]
-        except StuckError as error:
-            self._refuse(str(error))
+        self.tidy_up()
+        if self._stuck:
+            _LOG.error("not begun: %s; look at the arm and start its controller anew", self._stuck)
             return Outcome.STOPPED
+        if command.plan != self._plan:
+            self._plan, self._meant = command.plan, set()
+        # What this plan has moved, or put something beside, stays where it is.
+        self._meant |= {command.object_id, command.reference_id}
+        self._stop = False
+        try:
+            performed = perform(
+                self._world,
+                self._planner,
+                lambda: {_name(number): cuboid for number, cuboid in self._look().items()},
+                _name(command.object_id),
+                goal_of(command),
+                keep={_name(number) for number in self._meant},
+                # Whether and how it is tried again is for who sends the commands.
+                tries=1,
+                stop=lambda: self._stop,
+            )
+        except RefusedError as refusal:
+            _LOG.warning("not begun: %s", refusal)
+            return Outcome.NO_PATH
+        except FailedError as failure:
+            _LOG.warning("%s", failure)
+            return FAILURES[failure.done]
+        except _StoppedPlanningError:
+            return Outcome.STOPPED
+        except StoppedError as stopped:
+            _LOG.warning("%s", stopped)
+            self._back = stopped.back
+            return Outcome.STOPPED
+        except StuckError as error:
+            _LOG.error("%s", error)
+            self._stuck = str(error)
+            return Outcome.STOPPED
+        _LOG.info("%s", performed)
+        return Outcome.REACHED
+
+    def tidy_up(self) -> None:
+        """After a stop that has been answered: puts what it holds down where it was taken, and
+        goes out of the camera's view, slowly."""
+        back, self._back = self._back, None
+        if back is None:
+            return
+        _LOG.warning("the arm goes back, and puts down what it holds where it was")
+        try:
+            go_back(self._world, back)
+        except StuckError as error:
+            _LOG.error("%s", error)
+            self._stuck = str(error)
 
     def _tick(self) -> None:
         self._ticks += 1
         if self._ticks % TICKS == 0:
             self._alive()
+            self._stop = self._stop or self._asked_to_stop()
+
+    def _while_planning(self) -> None:
+        self._alive()
+        if self._asked_to_stop():
+            raise _StoppedPlanningError
+
+
+class _StoppedPlanningError(Exception):
+    """Nothing has moved."""
+
+
+def goal_of(command: SubGoal) -> Pose:
+    """Where a command wants the centre of its object."""
+    x, y, z = command.position
+    i, j, k, w = command.orientation
+    return Pose((x, y, z), (i, j, k, w))
 
 
 def _name(number: int) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
-from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State
+from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid, Cuboids
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
@@ -63,9 +63,14 @@ class Stage:
         self.world = ArmWorld() if with_arm else World()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
-        mover: Mover = SetsDown(self.world, self._tracker.position)
-        if isinstance(self.world, ArmWorld):
-            mover = Carries(self.world, lambda: self._seen, _LOG.warning, self._work)
+        self._ending = threading.Event()
+        self._waiting: list[SubGoal] = []
+        self._arm = (
+            Carries(self.world, self._look_again, self._work, self._is_stopped)
+            if isinstance(self.world, ArmWorld)
+            else None
+        )
+        mover: Mover = self._arm or SetsDown(self.world, self._tracker.position)
         self._controller = Controller(mover, self._feedback.say, self._life.reject, now_ns)
 
     def close(self) -> None:
@@ -73,7 +78,8 @@ class Stage:
         self.world.close()
 
     def run(self, stop: threading.Event) -> None:
-        """Looks and obeys until it is told to stop."""
+        """Looks and obeys until it is told to stop; then the arm stands still where it is."""
+        self._ending = stop
         while not stop.is_set():
             begun_ns = now_ns()
             self.turn()
@@ -84,15 +90,32 @@ class Stage:
     def turn(self) -> None:
         """Obeys what it was told, then takes a picture and publishes it."""
         self._life.beat(State.IDLE)
-        for command in stops_first(self._commands):
-            self._controller.obey(command)
+        self._hear()
+        while self._waiting:
+            self._waiting = stops_first(self._waiting)
+            self._controller.obey(self._waiting.pop(0))
             self._work()
+        if self._ending.is_set():
+            return
+        if self._arm is not None:
+            self._arm.tidy_up()
         self.look()
         if self._sequence % BURIAL_FRAMES == 0:
             self._robot.bury()
 
     def _work(self) -> None:
         self._life.beat(State.BUSY)
+
+    def _hear(self) -> None:
+        self._waiting += self._commands
+
+    def _is_stopped(self) -> bool:
+        self._hear()
+        return self._ending.is_set() or self._controller.is_stopped_by(self._waiting)
+
+    def _look_again(self) -> dict[int, Cuboid]:
+        self.look()
+        return self._seen
 
     def look(self) -> None:
         """Publishes what the camera sees and the detector finds in it."""

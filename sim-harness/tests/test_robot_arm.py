@@ -1,0 +1,195 @@
+"""The arm as a robot's controller: what it answers, when it is stopped, and what it does then."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
+
+import nsrm
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.execute import wait
+from nsrm_harness.arm_trials.disturb import DisturbedArm
+from nsrm_harness.demo.tabletop import tabletop
+from nsrm_harness.messages import Outcome, SubGoal
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.robot.controller import MOVE, STOP, Controller
+from nsrm_harness.robot.movers import Carries
+from nsrm_harness.sight import Eyes, Sight, sub_goal
+from nsrm_harness.world.camera import default_camera
+from nsrm_harness.world.render import Renderer
+
+SEED = 4
+CROWDED = 34
+NOW_NS = 10**15
+STAYED_M = 0.0015
+HOME_RAD = 0.01
+
+
+class Scene:
+    """A scene of the demo, its model's plan, and the arm as its controller."""
+
+    def __init__(self, renderer: Renderer, seed: int) -> None:
+        scene = tabletop(domains.load(), seed)
+        self.world = DisturbedArm()
+        self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
+        self.world.settle()
+        self.eyes = Eyes(renderer, self.world, default_camera())
+        model = nsrm.Model.pretrained()
+        self.sight: Sight = self.eyes.look()
+        plan = model.plan(self.sight.scene(model, default_camera()), scene.sentence)
+        self.steps = list(plan.steps)
+        self.said: list[Outcome] = []
+        self.waiting: list[SubGoal] = []
+        self.while_working: Callable[[], None] = lambda: None
+        self.arm = Carries(self.world, self.look, self._work, self._is_stopped)
+        self.controller = Controller(self.arm, self._say, self._reject, lambda: NOW_NS)
+
+    def _work(self) -> None:
+        self.while_working()
+
+    def _say(self, plan: int, command: int, outcome: Outcome) -> None:
+        self.said.append(outcome)
+
+    def _reject(self, service: str, why: str) -> None:
+        raise AssertionError(f"{service}: {why}")
+
+    def _is_stopped(self) -> bool:
+        return self.controller.is_stopped_by(self.waiting)
+
+    def look(self) -> Mapping[int, Cuboid]:
+        self.sight = self.eyes.look()
+        return self.sight.cuboids
+
+    def close(self) -> None:
+        self.world.close()
+
+    def command(self, step: int, number: int) -> SubGoal:
+        planned = self.steps[step]
+        command = SubGoal(plan=1, command=number, kind=MOVE, step=step, steps=len(self.steps))
+        command.object_id, command.reference_id = planned.object_id, planned.reference_id
+        command.position[:] = planned.position
+        command.orientation[:] = planned.orientation
+        command.until_ns = NOW_NS
+        return command
+
+    def obey(self, step: int, number: int) -> list[Outcome]:
+        """What is said to a command, then to all that came meanwhile."""
+        self.controller.obey(self.command(step, number))
+        for command in self.waiting:
+            self.controller.obey(command)
+        self.waiting.clear()
+        said, self.said = self.said, []
+        return said
+
+    def off_m(self, step: int) -> float:
+        """From where an object is seen to its sub-goal."""
+        planned = self.steps[step]
+        there = self.look()[planned.object_id].pose
+        return there.distance_m(sub_goal(planned))
+
+    def is_home(self) -> bool:
+        return float(np.abs(self.world.joints() - panda.READY_RAD).max()) < HOME_RAD
+
+
+@pytest.fixture
+def scene(renderer: Renderer) -> Iterator[Scene]:
+    with closing(Scene(renderer, SEED)) as made:
+        yield made
+
+
+STOP_IT = SubGoal(plan=1, command=1, kind=STOP)
+
+
+def test_what_is_stopped_is_answered_at_rest_then_tidied_up_and_can_be_told_again(
+    scene: Scene,
+) -> None:
+    before = scene.world.poses()
+    heights: list[float] = []
+    block_id, _ = scene.world.nearest(scene.sight.cuboids[scene.steps[0].object_id].pose.position)
+
+    def stop_in_the_air() -> None:
+        heights.append(scene.world.pose(block_id).position[2])
+        if heights[-1] > before[block_id].position[2] + 0.05 and not scene.waiting:
+            # One for another command is not for this one.
+            scene.waiting.extend([SubGoal(plan=1, command=7, kind=STOP), STOP_IT])
+
+    scene.while_working = stop_in_the_air
+    scene.controller.obey(scene.command(0, 1))
+    assert scene.said == [Outcome.ACCEPTED, Outcome.STOPPED]
+    assert not scene.is_home()
+    held = scene.world.pose(block_id)
+    assert held.position[2] > before[block_id].position[2] + 0.05
+    wait(scene.world, 0.5)
+    assert scene.world.pose(block_id).distance_m(held) < STAYED_M
+    # The stop itself is read, too.
+    scene.controller.obey(STOP_IT)
+    assert scene.said[2:] == [Outcome.STOPPED]
+    scene.while_working = lambda: None
+    scene.waiting.clear()
+    scene.said.clear()
+    scene.arm.tidy_up()
+    assert scene.is_home()
+    for number, pose in scene.world.poses().items():
+        assert pose.distance_m(before[number]) < STAYED_M
+    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.REACHED]
+    assert scene.off_m(0) < 0.005 and scene.is_home()
+
+
+def test_who_is_told_anew_after_a_stop_goes_back_first(scene: Scene) -> None:
+    beats = 0
+
+    def stop_in_the_middle() -> None:
+        nonlocal beats
+        beats += 1
+        if scene.world.joints()[1] > panda.READY_RAD[1] + 0.3:
+            scene.waiting[:] = [STOP_IT]
+
+    scene.while_working = stop_in_the_middle
+    assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.STOPPED, Outcome.STOPPED]
+    assert not scene.is_home() and beats > 20
+    scene.while_working = lambda: None
+    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.REACHED]
+    assert scene.off_m(0) < 0.005 and scene.is_home()
+
+
+def test_what_is_stopped_while_it_is_planned_moves_nothing(scene: Scene) -> None:
+    begun_s = scene.world.time_s
+    scene.while_working = lambda: scene.waiting.append(STOP_IT)
+    scene.controller.obey(scene.command(0, 1))
+    assert scene.said == [Outcome.ACCEPTED, Outcome.STOPPED]
+    assert scene.world.time_s == begun_s
+
+
+def test_what_stands_too_near_is_moved_aside(renderer: Renderer) -> None:
+    with closing(Scene(renderer, CROWDED)) as scene:
+        before = scene.look()
+        for step in range(len(scene.steps)):
+            assert scene.obey(step, step + 1) == [Outcome.ACCEPTED, Outcome.REACHED]
+            assert scene.off_m(step) < 0.005
+        after = scene.look()
+        meant = {n for step in scene.steps for n in (step.object_id, step.reference_id)}
+        others = [number for number in before if number not in meant]
+        shifts = [after[number].pose.distance_m(before[number].pose) for number in others]
+        assert max(shifts) > 0.01
+
+
+def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
+    scene: Scene, caplog: pytest.LogCaptureFixture
+) -> None:
+    def hold() -> None:
+        if scene.world.joints()[1] > panda.READY_RAD[1] + 0.3:
+            scene.world.stop()
+
+    scene.while_working = hold
+    assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.STOPPED]
+    scene.while_working = lambda: None
+    joints, time_s = scene.world.joints(), scene.world.time_s
+    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.STOPPED]
+    scene.arm.tidy_up()
+    assert scene.world.time_s == time_s
+    np.testing.assert_array_equal(scene.world.joints(), joints)
+    assert "look at the arm and start its controller anew" in caplog.text
