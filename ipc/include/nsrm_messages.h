@@ -51,17 +51,23 @@ NSRM_ASSERT(offsetof(nsrm_camera_message, orientation) == 36, "offset of orienta
 typedef struct nsrm_detected_box {
     /** Who it is across frames; not zero. */
     uint32_t id;
-    /** Corners x1, y1, x2, y2 as fractions of the image's width and height. */
-    float corners[4];
-    /** Mean depth of its visible pixels along the optical axis, metres. */
-    float depth_m;
+    /** Not zero where others are known to hide a part of it. */
+    uint32_t covered;
+    /** Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
+     *  image's width and height. */
+    float visible[4];
+    /** Corners of the box around all of it, also of what is hidden behind others as
+     *  far as that is known, then the mean depth of its pixels along the optical
+     *  axis, metres. */
+    float location[5];
 } nsrm_detected_box;
-#define NSRM_DETECTED_BOX_TYPE_NAME "nsrm.v1.DetectedBox.2dea6018fe92363c"
-NSRM_ASSERT(sizeof(nsrm_detected_box) == 24, "size of nsrm_detected_box");
+#define NSRM_DETECTED_BOX_TYPE_NAME "nsrm.v1.DetectedBox.a804d86f803d6e69"
+NSRM_ASSERT(sizeof(nsrm_detected_box) == 44, "size of nsrm_detected_box");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_detected_box) == 4, "alignment of nsrm_detected_box");
 NSRM_ASSERT(offsetof(nsrm_detected_box, id) == 0, "offset of id");
-NSRM_ASSERT(offsetof(nsrm_detected_box, corners) == 4, "offset of corners");
-NSRM_ASSERT(offsetof(nsrm_detected_box, depth_m) == 20, "offset of depth_m");
+NSRM_ASSERT(offsetof(nsrm_detected_box, covered) == 4, "offset of covered");
+NSRM_ASSERT(offsetof(nsrm_detected_box, visible) == 8, "offset of visible");
+NSRM_ASSERT(offsetof(nsrm_detected_box, location) == 24, "offset of location");
 
 /** Header of a frame (service `camera`); the bytes of the image follow as a
  *  slice: RGB rows first, depth rows behind them, both without gaps.
@@ -80,8 +86,8 @@ typedef struct nsrm_camera_frame {
     /** What the detector found. */
     nsrm_detected_box boxes[16];
 } nsrm_camera_frame;
-#define NSRM_CAMERA_FRAME_TYPE_NAME "nsrm.v1.CameraFrame.2783e9d9133185fc"
-NSRM_ASSERT(sizeof(nsrm_camera_frame) == 456, "size of nsrm_camera_frame");
+#define NSRM_CAMERA_FRAME_TYPE_NAME "nsrm.v1.CameraFrame.5791200141f197a9"
+NSRM_ASSERT(sizeof(nsrm_camera_frame) == 776, "size of nsrm_camera_frame");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_camera_frame) == 8, "alignment of nsrm_camera_frame");
 NSRM_ASSERT(offsetof(nsrm_camera_frame, sequence) == 0, "offset of sequence");
 NSRM_ASSERT(offsetof(nsrm_camera_frame, timestamp_ns) == 8, "offset of timestamp_ns");

@@ -153,24 +153,30 @@ class DetectedBox(ctypes.Structure):
     _fields_: ClassVar = [
         # Who it is across frames; not zero.
         ("id", ctypes.c_uint32),
-        # Corners x1, y1, x2, y2 as fractions of the image's width and height.
-        ("corners", ctypes.c_float * 4),
-        # Mean depth of its visible pixels along the optical axis, metres.
-        ("depth_m", ctypes.c_float),
+        # Not zero where others are known to hide a part of it.
+        ("covered", ctypes.c_uint32),
+        # Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
+        # image's width and height.
+        ("visible", ctypes.c_float * 4),
+        # Corners of the box around all of it, also of what is hidden behind others as
+        # far as that is known, then the mean depth of its pixels along the optical
+        # axis, metres.
+        ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (24, 4)
+    LAYOUT: ClassVar = (44, 4)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
         "id": 0,
-        "corners": 4,
-        "depth_m": 20,
+        "covered": 4,
+        "visible": 8,
+        "location": 24,
     }
     """Bytes before each field, as Rust has them."""
 
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.DetectedBox.2dea6018fe92363c"
+        return "nsrm.v1.DetectedBox.a804d86f803d6e69"
 
 
 class CameraFrame(ctypes.Structure):
@@ -192,7 +198,7 @@ class CameraFrame(ctypes.Structure):
         # What the detector found.
         ("boxes", DetectedBox * 16),
     ]
-    LAYOUT: ClassVar = (456, 8)
+    LAYOUT: ClassVar = (776, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
         "sequence": 0,
@@ -206,7 +212,7 @@ class CameraFrame(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.CameraFrame.2783e9d9133185fc"
+        return "nsrm.v1.CameraFrame.5791200141f197a9"
 
 
 class ObjectMessage(ctypes.Structure):

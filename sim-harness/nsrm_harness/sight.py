@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import nsrm
 import numpy as np
@@ -22,6 +22,11 @@ from nsrm_harness.world.world import World
 DARK = 8.0
 """A picture's mean is brighter, of 255."""
 
+STAYED_M = 0.005
+"""An object that is seen nearer than that to where it was has not been moved."""
+WHOLE = 0.95
+"""Of the pixels that an object had where it stands; another covers it if fewer show it."""
+
 Location = NDArray[np.float32]
 """x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
 
@@ -31,14 +36,21 @@ class Sight:
     """One picture and the objects found in it.
 
     * `rgb`: `uint8 [H, W, 3]`; `labels`: `int32 [H, W]`, an object's number where it is seen
-    * `locations`: by number; the same object has the same number in all pictures
+    * `depth`: `float32 [H, W]`, metres
+    * `locations`: of what is seen of each, by number; the same object has the same number in all
+      pictures
+    * `whole`: of all of each, as it was seen before where another covers a part of it
+    * `covered`: the numbers of those
     * `cuboids`: of all that are believed to be there, hidden ones included
     * `taken_s`: when, by the world's clock
     """
 
     rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
     labels: NDArray[np.int32]
     locations: Mapping[int, Location]
+    whole: Mapping[int, Location]
+    covered: frozenset[int]
     cuboids: Mapping[int, Cuboid]
     taken_s: float
 
@@ -54,6 +66,15 @@ class Sight:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class _Whole:
+    """An object of which nothing is hidden; `size`: how many pixels show it."""
+
+    location: Location
+    pose: Pose
+    size: int
+
+
 class DarkError(PerceptionError):
     """A picture on which nothing can be seen."""
 
@@ -64,6 +85,7 @@ class Eyes:
     def __init__(self, renderer: Renderer, world: World, camera: Camera) -> None:
         self._renderer, self._world, self.camera = renderer, world, camera
         self._tracker, self._cuboids = Tracker(), Cuboids(camera)
+        self._wholes: dict[int, _Whole] = {}
 
     @property
     def now_s(self) -> float:
@@ -79,13 +101,33 @@ class Eyes:
         numbers = self._tracker.update(frame.rgb, found, self.camera)
         cuboids = self._cuboids.update(numbers, found, relief(frame.rgb, frame.depth, self.camera))
         rows = np.column_stack([found.boxes, found.depths])
+        locations = dict(zip(numbers, rows, strict=True))
+        sizes = np.bincount(found.labels.ravel(), minlength=len(found) + 1)[1:].tolist()
+        covered = frozenset(
+            number
+            for (number, location), size in zip(locations.items(), sizes, strict=True)
+            if not self._is_whole(number, _Whole(location, cuboids[number].pose, size))
+        )
         return Sight(
             frame.rgb,
+            frame.depth,
             np.array((0, *numbers), np.int32)[found.labels],
-            dict(zip(numbers, rows, strict=True)),
+            locations,
+            {number: self._wholes[number].location for number in locations},
+            covered,
             cuboids,
             taken_s,
         )
+
+    def _is_whole(self, number: int, now: _Whole) -> bool:
+        """Whether as much of an object is seen as ever where it stands; if so, that is kept."""
+        before = self._wholes.get(number)
+        if before is not None and before.pose.distance_m(now.pose) < STAYED_M:
+            if now.size < WHOLE * before.size:
+                return False
+            now = replace(now, size=max(now.size, before.size))
+        self._wholes[number] = now
+        return True
 
     def _take(self) -> tuple[Frame, float]:
         """A picture, and when it was taken."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from world_scenes import DOMAIN, on_top, random_blocks
 
+from nsrm_harness import sight
 from nsrm_harness.perception.cuboids import Cuboid, Cuboids
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
@@ -27,6 +28,7 @@ YAW = 0.15
 """Of most blocks, radians."""
 FLAT: Vector3 = (0.06, 0.03, 0.03)
 """Of a block that is not square."""
+FREE = Pose.upright(0.55, 0.2, 0.02)
 
 
 class Eyes:
@@ -256,3 +258,30 @@ def test_a_block_that_is_partly_hidden_keeps_its_box(renderer: Renderer, world: 
     assert sorted(cuboids) == sorted(numbers.values())
     for block_id, number in numbers.items():
         check(world, block_id, cuboids[number], block_id)
+
+
+def test_where_all_of_a_covered_block_is_is_remembered_until_it_moves(renderer: Renderer) -> None:
+    with World() as world:
+        world.spawn([small("red"), small("blue")], [Pose.upright(0.45, 0.0, 0.02), FREE])
+        world.settle()
+        eyes = sight.Eyes(renderer, world, default_camera())
+        first = eyes.look()
+        lower = next(key for key in first.cuboids if first.cuboids[key].pose.position[1] < 0.1)
+        assert all((first.whole[key] == first.locations[key]).all() for key in first.locations)
+        world.place(2, on_top(world, 2, 1))
+        world.settle()
+        covered = eyes.look()
+        np.testing.assert_array_equal(covered.whole[lower], first.locations[lower])
+        assert (first.covered, covered.covered) == (set(), {lower})
+        # Its upper part is behind the other one.
+        assert covered.locations[lower][1] > first.locations[lower][1] + 0.01
+        for block_id in (1, 2):
+            x, y, z = world.pose(block_id).position
+            world.place(block_id, Pose((x, y - 0.1, z), (0.0, 0.0, 0.0, 1.0)))
+        world.settle()
+        moved = eyes.look()
+        np.testing.assert_array_equal(moved.whole[lower], moved.locations[lower])
+        world.place(2, FREE)
+        world.settle()
+        assert not eyes.look().covered
+        np.testing.assert_array_equal(eyes.look().whole[lower], eyes.look().locations[lower])

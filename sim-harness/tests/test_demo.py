@@ -55,7 +55,8 @@ def test_a_predicted_scene_has_each_object_at_its_new_place_the_nearest_in_front
         1: np.array([0, 10 / 60, 10 / 80, 20 / 60, 1.0], np.float32),
         2: np.array([40 / 80, 10 / 60, 50 / 80, 20 / 60, 0.9], np.float32),
     }
-    sight = Sight(rgb, mask, boxes, {}, 0.0)
+    depth = np.ones(mask.shape, np.float32)
+    sight = Sight(rgb, depth, mask, boxes, boxes, frozenset(), {}, 0.0)
     cutouts = {number: cut_out(sight, number) for number in boxes}
     assert np.asarray(cutouts[1])[0, 0, 3] == 0 and np.asarray(cutouts[1])[1, 1, 3] == 255
 
@@ -80,7 +81,8 @@ def test_the_outcome_tells_a_block_that_stays_from_one_that_falls() -> None:
             for number, placed in zip((7, 5), world.placed(), strict=True)
         }
         nothing = np.zeros((1, 1, 3), np.uint8)
-        sight = Sight(nothing, nothing[..., 0].astype(np.int32), {}, cuboids, 0.0)
+        depth, labels = nothing[..., 0].astype(np.float32), nothing[..., 0].astype(np.int32)
+        sight = Sight(nothing, depth, labels, {}, {}, frozenset(), cuboids, 0.0)
         stays, falls = set_down(
             world,
             sight,

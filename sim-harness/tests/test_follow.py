@@ -84,7 +84,8 @@ class Scene:
         if self._last is None or self.now_s >= self.old_until_s:
             cuboids = {number: Cuboid(pose, CUBE_M) for number, pose in self.poses.items()}
             image = np.zeros((1, 1, 3), np.uint8)
-            self._last = Sight(image, image[..., 0].astype(np.int32), {}, cuboids, self.now_s)
+            depth, labels = image[..., 0].astype(np.float32), image[..., 0].astype(np.int32)
+            self._last = Sight(image, depth, labels, {}, {}, frozenset(), cuboids, self.now_s)
         return self._last
 
     # The model.

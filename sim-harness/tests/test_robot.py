@@ -121,7 +121,7 @@ def move(plan: int, number: int, object_id: int, position: tuple[float, float, f
 
 def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> None:
     ear = Ear()
-    seen = {7: np.array(world.pose(1).position)}
+    seen = {7: world.pose(1).position}
     controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     there = move(5, 1, 7, (0.62, 0.0, 0.021))
     controller.obey(there)
@@ -148,7 +148,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
 
 def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ear = Ear()
-    seen = {7: np.array(world.pose(1).position), 8: np.array([0.5, -0.6, 0.0])}
+    seen = {7: world.pose(1).position, 8: (0.5, -0.6, 0.0)}
     controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     for number, (object_id, position, outcome) in enumerate(
         [
@@ -188,7 +188,7 @@ def test_each_fault_of_a_command_is_named(field: str, value: object, why: str) -
 
 def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
     ear = Ear()
-    seen = {7: np.array(world.pose(1).position)}
+    seen = {7: world.pose(1).position}
     controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     size = len(bytes(SubGoal()))
@@ -211,7 +211,7 @@ def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
 
 def test_what_waited_too_long_or_was_given_up_moves_nothing(world: World) -> None:
     ear = Ear()
-    seen = {7: np.array(world.pose(1).position)}
+    seen = {7: world.pose(1).position}
     controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     late = move(5, 1, 7, (0.62, 0.0, 0.021))

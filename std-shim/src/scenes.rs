@@ -156,10 +156,7 @@ impl CameraEntry {
 impl ObjectEntry {
     fn detection(&self) -> Detection {
         let [x1, y1, x2, y2] = self.bounds;
-        Detection {
-            id: self.id,
-            location: [x1, y1, x2, y2, self.depth],
-        }
+        Detection::whole(self.id, [x1, y1, x2, y2, self.depth])
     }
 }
 
@@ -270,7 +267,7 @@ fn blank(
     model: &Model<'_>,
 ) -> Result<RawScene, SceneError> {
     let mut scene = RawScene::empty(model, camera);
-    for &Detection { id, location } in detections {
+    for &Detection { id, location, .. } in detections {
         let object = ObservedObject {
             id,
             location,

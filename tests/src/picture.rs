@@ -39,12 +39,7 @@ impl Picture {
             ..CameraFrame::default()
         };
         for (place, detection) in frame.boxes.iter_mut().zip(&self.detections) {
-            let [x1, y1, x2, y2, depth_m] = detection.location;
-            *place = DetectedBox {
-                id: detection.id,
-                corners: [x1, y1, x2, y2],
-                depth_m,
-            };
+            *place = DetectedBox::whole(detection.id, detection.location);
             frame.count += 1;
         }
         frame
@@ -79,16 +74,14 @@ pub fn squares() -> Picture {
                 pixels[at..at + 3].copy_from_slice(&color);
             }
         }
-        detections.push(Detection {
-            id: index + 1,
-            location: [
-                left as f32 / width as f32,
-                top as f32 / height as f32,
-                (left + side) as f32 / width as f32,
-                (top + side) as f32 / height as f32,
-                0.96,
-            ],
-        });
+        let location = [
+            left as f32 / width as f32,
+            top as f32 / height as f32,
+            (left + side) as f32 / width as f32,
+            (top + side) as f32 / height as f32,
+            0.96,
+        ];
+        detections.push(Detection::whole(index + 1, location));
     }
     Picture { pixels, detections }
 }

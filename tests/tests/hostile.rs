@@ -133,11 +133,11 @@ const FRAMES: &[Break<CameraFrame>] = &[
     |it| it.count = u32::MAX,
     |it| it.boxes[0].id = 0,
     |it| it.boxes[1].id = it.boxes[0].id,
-    |it| it.boxes[0].corners[2] = f32::NAN,
-    |it| it.boxes[0].corners.swap(1, 3),
-    |it| it.boxes[1].corners[0] = -3.0e38,
-    |it| it.boxes[1].depth_m = f32::INFINITY,
-    |it| it.boxes[2].depth_m = 0.0,
+    |it| it.boxes[0].visible[2] = f32::NAN,
+    |it| it.boxes[0].location.swap(1, 3),
+    |it| it.boxes[1].location[0] = -3.0e38,
+    |it| it.boxes[1].location[4] = f32::INFINITY,
+    |it| it.boxes[2].location[4] = 0.0,
 ];
 
 const REPLIES: &[Break<PlanReply>] = &[

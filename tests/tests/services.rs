@@ -438,11 +438,7 @@ fn frame() -> CameraFrame {
         position: [0.0; 3],
         orientation: [0.0, 0.0, 0.0, 1.0],
     };
-    let found = DetectedBox {
-        id: 1,
-        corners: [0.1, 0.2, 0.3, 0.4],
-        depth_m: 1.0,
-    };
+    let found = DetectedBox::whole(1, [0.1, 0.2, 0.3, 0.4, 1.0]);
     CameraFrame {
         sequence: 1,
         timestamp_ns: 2,

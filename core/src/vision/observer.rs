@@ -10,9 +10,24 @@ use crate::scene::{ObservedObject, RawScene, Scene, SceneError};
 pub struct Detection {
     /// Who it is across scenes; not zero.
     pub id: u32,
-    /// Box corners x1, y1, x2, y2 as fractions of the image, then the mean depth
-    /// of its visible pixels in metres.
+    /// Corners x1, y1, x2, y2, as fractions of the image, of the box around what is
+    /// seen of it: its crop.
+    pub visible: [f32; 4],
+    /// Corners of the box around all of it, also of what is hidden behind others as far
+    /// as that is known, then the mean depth of its pixels in metres: where it is.
     pub location: [f32; LOCATION],
+}
+
+impl Detection {
+    /// One of which nothing is hidden, or nobody knows what.
+    pub const fn whole(id: u32, location: [f32; LOCATION]) -> Self {
+        let [x1, y1, x2, y2, _] = location;
+        Self {
+            id,
+            visible: [x1, y1, x2, y2],
+            location,
+        }
+    }
 }
 
 /// Which image of its publisher a scene is made from.
@@ -34,7 +49,7 @@ pub struct Stamp {
 /// use nsrm_core::vision::{Detection, ObservationTask, RgbImage, Stamp};
 ///
 /// let image = RgbImage::new(pixels, camera.width, camera.height, 3 * camera.width as usize)?;
-/// let detections = [Detection { id: 1, location: [0.25, 0.5, 0.3, 0.6, 0.9] }];
+/// let detections = [Detection::whole(1, [0.25, 0.5, 0.3, 0.6, 0.9])];
 /// let mut task = ObservationTask::new(model, image, camera, &detections, Stamp::default())?;
 /// let scene = loop {
 ///     if let Progress::Done(scene) = task.poll() {
@@ -93,11 +108,15 @@ impl<'a> ObservationTask<'a> {
     /// Cost: one crop and [`super::ENCODE_MULTIPLY_ADDS`], or one [`RawScene::check`].
     pub fn poll(&mut self) -> Progress<Result<Scene, SceneError>> {
         let index = self.scene.count as usize;
-        let Some(&Detection { id, location }) = self.detections.get(index) else {
+        let Some(&Detection {
+            id,
+            visible,
+            location,
+        }) = self.detections.get(index)
+        else {
             return self.checked();
         };
-        let [x1, y1, x2, y2, _] = location;
-        if let Err(fault) = self.crop.fill(&self.image, &[x1, y1, x2, y2]) {
+        if let Err(fault) = self.crop.fill(&self.image, &visible) {
             return Progress::Done(Err(SceneError::Object {
                 // Below MAX_OBJECTS.
                 index: index as u8,
@@ -139,12 +158,11 @@ mod tests {
     use crate::vision::encode;
 
     const DETECTIONS: [Detection; 2] = [
-        Detection {
-            id: 4,
-            location: [0.0, 0.0, 0.5, 0.5, 0.8],
-        },
+        Detection::whole(4, [0.0, 0.0, 0.5, 0.5, 0.8]),
+        // Its upper part is hidden.
         Detection {
             id: 9,
+            visible: [0.5, 0.5, 1.0, 1.0],
             location: [0.5, 0.25, 1.0, 1.0, 0.9],
         },
     ];
@@ -176,8 +194,7 @@ mod tests {
                 (object.id, object.location),
                 (detection.id, detection.location)
             );
-            let [x1, y1, x2, y2, _] = detection.location;
-            let crop = Crop::from_rgb(&image, &[x1, y1, x2, y2]).unwrap();
+            let crop = Crop::from_rgb(&image, &detection.visible).unwrap();
             assert_eq!(object.embedding, encode(&model, &crop));
         }
     }
@@ -207,12 +224,18 @@ mod tests {
             observe(image, fixture::camera(), &[DETECTIONS[0]; 2]),
             fault(1, 4, ObjectFault::RepeatedId)
         );
-        let mut detections = DETECTIONS;
-        detections[1].location[2] = 0.5;
-        assert_eq!(
-            observe(image, fixture::camera(), &detections),
-            fault(1, 9, ObjectFault::BoxNotOrdered)
-        );
+        for is_hidden in [false, true] {
+            let mut detections = DETECTIONS;
+            if is_hidden {
+                detections[1].location[2] = 0.5;
+            } else {
+                detections[1].visible[2] = 0.5;
+            }
+            assert_eq!(
+                observe(image, fixture::camera(), &detections),
+                fault(1, 9, ObjectFault::BoxNotOrdered)
+            );
+        }
         let mut camera = fixture::camera();
         camera.fx = 0.0;
         assert!(matches!(

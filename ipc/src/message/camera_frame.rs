@@ -12,14 +12,32 @@ use super::scene::CameraMessage;
 message! {
     /// An object that a detector has found in the image.
     #[derive(Default)]
-    "nsrm.v1.DetectedBox.2dea6018fe92363c"
+    "nsrm.v1.DetectedBox.a804d86f803d6e69"
     pub struct DetectedBox {
         /// Who it is across frames; not zero.
         pub id: u32,
-        /// Corners x1, y1, x2, y2 as fractions of the image's width and height.
-        pub corners: [f32; 4],
-        /// Mean depth of its visible pixels along the optical axis, metres.
-        pub depth_m: f32,
+        /// Not zero where others are known to hide a part of it.
+        pub covered: u32,
+        /// Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
+        /// image's width and height.
+        pub visible: [f32; 4],
+        /// Corners of the box around all of it, also of what is hidden behind others as
+        /// far as that is known, then the mean depth of its pixels along the optical
+        /// axis, metres.
+        pub location: [f32; 5],
+    }
+}
+
+impl DetectedBox {
+    /// One of which nothing is hidden, or nobody knows what.
+    pub const fn whole(id: u32, location: [f32; 5]) -> Self {
+        let [x1, y1, x2, y2, _] = location;
+        Self {
+            id,
+            covered: 0,
+            visible: [x1, y1, x2, y2],
+            location,
+        }
     }
 }
 
@@ -30,7 +48,7 @@ message! {
     /// RGB: three bytes a pixel. Depth: one little-endian `f32` a pixel, metres
     /// along the optical axis, 0 where nothing was measured.
     #[derive(Default)]
-    "nsrm.v1.CameraFrame.2783e9d9133185fc"
+    "nsrm.v1.CameraFrame.5791200141f197a9"
     pub struct CameraFrame {
         /// Counts up with each frame of one publisher.
         pub sequence: u64,
@@ -153,11 +171,7 @@ mod tests {
                 orientation: [0.0, 0.0, 0.0, 1.0],
             },
             count: 1,
-            boxes: [DetectedBox {
-                id: 1,
-                corners: [0.1, 0.2, 0.3, 0.4],
-                depth_m: 1.0,
-            }; MAX_OBJECTS],
+            boxes: [DetectedBox::whole(1, [0.1, 0.2, 0.3, 0.4, 1.0]); MAX_OBJECTS],
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod asker;
 mod life;
+mod looks;
 mod perception;
 mod planner;
 mod rejected;

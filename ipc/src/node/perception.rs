@@ -11,6 +11,7 @@ use nsrm_core::{MAX_OBJECTS, Model, SceneError};
 use tracing::warn;
 
 use super::life::{HEARTBEAT_NS, Life};
+use super::looks::Looks;
 use crate::clock::now_ns;
 use crate::message::{CameraFrame, CameraFrameError, Role, SceneMessage, State};
 use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
@@ -48,6 +49,7 @@ pub struct PerceptionNode<'m> {
     model: &'m Model<'m>,
     frames: Frames,
     scenes: Sender<SceneMessage>,
+    looks: Looks,
     life: Life,
 }
 
@@ -58,6 +60,7 @@ impl<'m> PerceptionNode<'m> {
             model,
             frames: robot.frames_in()?,
             scenes: robot.sender()?,
+            looks: Looks::default(),
             life: Life::begin(&robot, Role::Perception, now_ns())?,
             robot,
         })
@@ -96,7 +99,9 @@ impl<'m> PerceptionNode<'m> {
         // A copy: what was checked must not change afterwards.
         let header = *frame.user_header();
         match see(self.model, &header, frame.payload()) {
-            Ok(scene) => {
+            Ok(mut scene) => {
+                let objects = scene.objects.get_mut(..scene.count as usize);
+                self.looks.recall(&header, objects.unwrap_or_default());
                 if let Err(failure) = self.scenes.send(&scene) {
                     warn!(%failure, "scene");
                 }
@@ -127,11 +132,11 @@ pub fn see(
     let image = image.map_err(FrameFault::Image)?;
     let mut detections: Vec<Detection, MAX_OBJECTS> = Vec::new();
     for found in frame.boxes {
-        let [x1, y1, x2, y2] = found.corners;
         // As many places as a frame has boxes.
         let _ = detections.push(Detection {
             id: found.id,
-            location: [x1, y1, x2, y2, found.depth_m],
+            visible: found.visible,
+            location: found.location,
         });
     }
     let stamp = Stamp {

@@ -5,9 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Done, StuckError, go_back
 from nsrm_harness.arm.perform import FailedError, perform
@@ -16,12 +13,11 @@ from nsrm_harness.arm.stop import StoppedError, WayBack
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.pose import Pose, Vector3
 from nsrm_harness.world.world import World
 
 GRASP_M = 0.03
-"""How far from where an object is seen a block's centre may be for it to be taken: the middle of
-its visible box lies up to 2 cm from its centre."""
+"""How far from where an object is seen a block's centre may be for it to be taken."""
 MISPLACED_M = 0.02
 """How far from its sub-goal a block may come to rest."""
 TICKS = 20
@@ -46,7 +42,7 @@ class SetsDown:
     * `seen`: where an object is seen, world frame, metres; None if it never was
     """
 
-    def __init__(self, world: World, seen: Callable[[int], NDArray[np.float64] | None]) -> None:
+    def __init__(self, world: World, seen: Callable[[int], Vector3 | None]) -> None:
         self._world, self._seen = world, seen
 
     def __call__(self, command: SubGoal) -> Outcome:

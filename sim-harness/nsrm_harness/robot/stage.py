@@ -3,28 +3,23 @@ controller."""
 
 from __future__ import annotations
 
-import logging
 import threading
-
-import numpy as np
+from collections.abc import Mapping
 
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State, SubGoal
-from nsrm_harness.perception.cuboids import Cuboid, Cuboids
-from nsrm_harness.perception.detector import detect
-from nsrm_harness.perception.relief import relief
-from nsrm_harness.perception.tracking import Tracker
+from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.robot.config import RobotConfig
 from nsrm_harness.robot.controller import Controller, Mover, stops_first
 from nsrm_harness.robot.movers import Carries, SetsDown
 from nsrm_harness.robot.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
+from nsrm_harness.sight import Eyes
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import Camera, default_camera
-from nsrm_harness.world.render import Light, Renderer
+from nsrm_harness.world.pose import Vector3
+from nsrm_harness.world.render import Renderer
 from nsrm_harness.world.world import World
-
-_LOG = logging.getLogger(__name__)
 
 FRAME_S = 0.1
 """Time between two frames, at least."""
@@ -45,17 +40,14 @@ class Stage:
         with_arm: bool,
     ) -> None:
         """Raises `PortError` if the robot has a camera or a controller already."""
-        self._renderer, self._camera = renderer, default_camera()
+        self._camera = default_camera()
         self._robot = Robot(config, "controller")
         self._commands = CommandsIn(self._robot)
         self._feedback = FeedbackOut(self._robot)
         self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)
         self._life = Life(self._robot, Role.CONTROLLER)
         self._listener = self._robot.listener("sub_goal")
-        self._tracker = Tracker()
-        # What an arm needs besides: none is made where nobody asks for it.
-        self._cuboids = Cuboids(self._camera) if with_arm else None
-        self._seen: dict[int, Cuboid] = {}
+        self._seen: Mapping[int, Cuboid] = {}
         self._sequence = 0
         scene = tabletop(domain, seed)
         self.sentence = scene.sentence
@@ -63,6 +55,7 @@ class Stage:
         self.world = ArmWorld() if with_arm else World()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
+        self._eyes = Eyes(renderer, self.world, self._camera)
         self._ending = threading.Event()
         self._waiting: list[SubGoal] = []
         self._arm = (
@@ -70,7 +63,7 @@ class Stage:
             if isinstance(self.world, ArmWorld)
             else None
         )
-        mover: Mover = self._arm or SetsDown(self.world, self._tracker.position)
+        mover: Mover = self._arm or SetsDown(self.world, self._position)
         self._controller = Controller(mover, self._feedback.say, self._life.reject, now_ns)
 
     def close(self) -> None:
@@ -113,32 +106,31 @@ class Stage:
         self._hear()
         return self._ending.is_set() or self._controller.is_stopped_by(self._waiting)
 
-    def _look_again(self) -> dict[int, Cuboid]:
+    def _look_again(self) -> Mapping[int, Cuboid]:
         self.look()
         return self._seen
+
+    def _position(self, number: int) -> Vector3 | None:
+        seen = self._seen.get(number)
+        return None if seen is None else seen.pose.position
 
     def look(self) -> None:
         """Publishes what the camera sees and the detector finds in it."""
         taken_ns = now_ns()
-        frame = self._renderer.render(self.world, self._camera, Light())
-        found = detect(frame.rgb, frame.depth, self._camera)
-        numbers = self._tracker.update(frame.rgb, found, self._camera)
-        if self._cuboids is not None:
-            seen = relief(frame.rgb, frame.depth, self._camera)
-            self._seen = self._cuboids.update(numbers, found, seen)
+        sight = self._eyes.look()
+        self._seen = sight.cuboids
         self._sequence += 1
         header = CameraFrame(
             sequence=self._sequence,
             timestamp_ns=taken_ns,
             camera=_camera_message(self._camera),
-            count=len(found),
+            count=len(sight.locations),
         )
-        for row, number in enumerate(numbers):
-            box = header.boxes[row]
-            box.id = number
-            box.corners[:] = found.boxes[row].tolist()
-            box.depth_m = float(found.depths[row])
-        self._frames.send(header, frame.rgb, frame.depth.astype(np.float32, copy=False))
+        for box, (number, location) in zip(header.boxes, sight.locations.items(), strict=False):
+            box.id, box.covered = number, number in sight.covered
+            box.visible[:] = location[:4].tolist()
+            box.location[:] = sight.whole[number].tolist()
+        self._frames.send(header, sight.rgb, sight.depth)
 
 
 def _camera_message(camera: Camera) -> CameraMessage:

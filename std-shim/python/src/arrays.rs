@@ -67,10 +67,7 @@ pub(crate) fn detections(
     }
     let detections = ids.into_iter().zip(boxes).zip(depths);
     Ok(detections
-        .map(|((id, [x1, y1, x2, y2]), depth)| Detection {
-            id,
-            location: [x1, y1, x2, y2, depth],
-        })
+        .map(|((id, [x1, y1, x2, y2]), depth)| Detection::whole(id, [x1, y1, x2, y2, depth]))
         .collect())
 }
 

@@ -47,11 +47,7 @@ struct World {
 impl World {
     fn new(config: &Config) -> Self {
         let camera = join("left", Role::Camera, config);
-        let at = |id, x: f32| DetectedBox {
-            id,
-            corners: [x, 0.4, x + 0.05, 0.45],
-            depth_m: 0.5,
-        };
+        let at = |id, x: f32| DetectedBox::whole(id, [x, 0.4, x + 0.05, 0.45, 0.5]);
         Self {
             boxes: [at(1, 0.2), at(3, 0.6)],
             frames: camera.frames_out(Self::bytes()).unwrap(),
@@ -89,7 +85,7 @@ impl World {
             image.fill(0);
             // The first one stands in front.
             for (found, color) in boxes.iter().zip(COLORS).rev() {
-                let [x1, y1, x2, y2] = found.corners;
+                let [x1, y1, x2, y2] = found.visible;
                 let columns = (x1 * width as f32) as usize..(x2 * width as f32) as usize;
                 for row in (y1 * height as f32) as usize..(y2 * height as f32) as usize {
                     for column in columns.clone() {
@@ -109,10 +105,9 @@ impl World {
         } = self;
         controller.works = works;
         controller.turn(now_ns(), |command| {
-            let [x1, y1, x2, y2, depth_m] = command.location;
             let found = boxes.iter_mut();
             for found in found.filter(|found| found.id == command.object_id) {
-                (found.corners, found.depth_m) = ([x1, y1, x2, y2], depth_m);
+                *found = DetectedBox::whole(found.id, command.location);
             }
         });
         self.look();

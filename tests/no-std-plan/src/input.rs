@@ -43,19 +43,18 @@ impl<'a> Input<'a> {
         let mut input = Self {
             camera,
             pixels: &[],
-            detections: [Detection {
-                id: 0,
-                location: [0.0; 5],
-            }; MAX_OBJECTS],
+            detections: [Detection::whole(0, [0.0; 5]); MAX_OBJECTS],
             count: usize::try_from(integer()?).ok()?,
             sentence: [0; MAX_SENTENCE_BYTES],
             sentence_length: 0,
         };
         for detection in input.detections.get_mut(..input.count)? {
-            detection.id = integer()?;
-            for value in &mut detection.location {
+            let id = integer()?;
+            let mut location = [0.0; 5];
+            for value in &mut location {
                 *value = number()?;
             }
+            *detection = Detection::whole(id, location);
         }
         input.sentence_length = usize::try_from(integer()?).ok()?;
         fill(input.sentence.get_mut(..input.sentence_length)?)?;

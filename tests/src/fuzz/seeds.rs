@@ -130,11 +130,7 @@ fn camera_frames() -> Vec<Vec<u8>> {
     frame.camera.height = 6;
     for (place, id) in frame.boxes.iter_mut().zip(1..=2_u32) {
         let left = 0.4 * (id - 1) as f32;
-        *place = DetectedBox {
-            id,
-            corners: [left, 0.2, left + 0.3, 0.6],
-            depth_m: 0.95,
-        };
+        *place = DetectedBox::whole(id, [left, 0.2, left + 0.3, 0.6, 0.95]);
     }
     let image: Vec<u8> = (0..8 * 6 * 7).map(|at: u32| (at * 7 % 256) as u8).collect();
     let alone = bytes_of(&frame).to_vec();

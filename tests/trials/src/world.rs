@@ -58,13 +58,8 @@ impl World {
         let (width, height) = (scene.camera.width, scene.camera.height);
         ensure!(picture.dimensions() == (width, height), "camera.png: size");
         let blocks = scene.detections.iter().map(|detection| {
-            let [x1, y1, x2, y2, depth_m] = detection.location;
-            let found = DetectedBox {
-                id: detection.id,
-                corners: [x1, y1, x2, y2],
-                depth_m,
-            };
-            let [left, top, right, bottom] = pixels(&found.corners, width, height);
+            let found = DetectedBox::whole(detection.id, detection.location);
+            let [left, top, right, bottom] = pixels(&found.visible, width, height);
             let patch = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
             Block {
                 found,
@@ -106,8 +101,7 @@ impl World {
         let Some(block) = blocks.find(|block| block.found.id == object) else {
             return false;
         };
-        let [x1, y1, x2, y2, depth_m] = location;
-        (block.found.corners, block.found.depth_m) = ([x1, y1, x2, y2], depth_m);
+        block.found = DetectedBox::whole(block.found.id, location);
         true
     }
 
@@ -137,9 +131,9 @@ impl World {
         let CameraMessage { width, height, .. } = self.camera;
         image[..self.table.len()].copy_from_slice(&self.table);
         let mut blocks: Vec<&Block> = self.blocks.iter().collect();
-        blocks.sort_by(|one, other| other.found.depth_m.total_cmp(&one.found.depth_m));
+        blocks.sort_by(|one, other| depth_m(other).total_cmp(&depth_m(one)));
         for block in blocks {
-            let [left, top, right, bottom] = pixels(&block.found.corners, width, height);
+            let [left, top, right, bottom] = pixels(&block.found.visible, width, height);
             let rows = block.patch.len() / 3 / block.columns;
             for y in top..bottom {
                 let row = (y - top) * rows / (bottom - top);
@@ -157,6 +151,11 @@ impl World {
 }
 
 /// Left, top, right and bottom in pixels, inside the picture and not empty.
+fn depth_m(block: &Block) -> f32 {
+    let [.., depth_m] = block.found.location;
+    depth_m
+}
+
 fn pixels(corners: &[f32; 4], width: u32, height: u32) -> [usize; 4] {
     let [x1, y1, x2, y2] = *corners;
     let span = |from: f32, to: f32, size: u32| {

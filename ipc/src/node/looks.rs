@@ -1,0 +1,118 @@
+//! What objects look like when nothing stands before them.
+
+use heapless::Vec;
+use nsrm_core::MAX_OBJECTS;
+use nsrm_core::model::OBJECT_EMBEDDING;
+
+use crate::message::{CameraFrame, ObjectMessage};
+
+/// The embeddings of a camera's objects as they were when all of each was seen. The crop of
+/// one that is partly hidden shows what hides it, too.
+#[derive(Debug, Default)]
+pub(super) struct Looks {
+    /// Of the last frame: another publisher begins anew, with other objects.
+    sequence: u64,
+    known: Vec<Look, MAX_OBJECTS>,
+}
+
+#[derive(Debug)]
+struct Look {
+    id: u32,
+    embedding: [f32; OBJECT_EMBEDDING],
+}
+
+impl Looks {
+    /// Remembers what is seen whole, and gives what is not its look of before.
+    ///
+    /// * `objects`: those of the frame's boxes, in their order
+    pub(super) fn recall(&mut self, header: &CameraFrame, objects: &mut [ObjectMessage]) {
+        if header.sequence <= self.sequence {
+            self.known.clear();
+        }
+        self.sequence = header.sequence;
+        for (found, object) in header.boxes.iter().zip(objects) {
+            let known = self.known.iter_mut().find(|look| look.id == object.id);
+            match (found.covered, known) {
+                (0, Some(known)) => known.embedding = object.embedding,
+                (0, None) => self.remember(object, header),
+                (_, Some(known)) => object.embedding = known.embedding,
+                (_, None) => {}
+            }
+        }
+    }
+
+    /// In the place of one that is not in the frame, if all are taken: there is one then.
+    fn remember(&mut self, object: &ObjectMessage, header: &CameraFrame) {
+        let look = Look {
+            id: object.id,
+            embedding: object.embedding,
+        };
+        let Err(look) = self.known.push(look) else {
+            return;
+        };
+        let is_here = |id| header.boxes.iter().any(|found| found.id == id);
+        if let Some(place) = self.known.iter_mut().find(|known| !is_here(known.id)) {
+            *place = look;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nsrm_core::MAX_OBJECTS;
+    use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING};
+
+    use super::Looks;
+    use crate::message::{CameraFrame, DetectedBox, ObjectMessage};
+
+    const BOX: [f32; LOCATION] = [0.1, 0.1, 0.3, 0.3, 0.9];
+
+    /// Of a frame of these objects, each whole or not and all of one look: the looks that
+    /// they are given.
+    fn see(looks: &mut Looks, sequence: u64, objects: &[(u32, bool)], look: f32) -> Vec<f32> {
+        let mut header = CameraFrame {
+            sequence,
+            count: objects.len() as u32,
+            ..CameraFrame::default()
+        };
+        let mut seen = Vec::new();
+        for (place, (id, is_whole)) in objects.iter().copied().enumerate() {
+            header.boxes[place] = DetectedBox::whole(id, BOX);
+            header.boxes[place].covered = u32::from(!is_whole);
+            seen.push(ObjectMessage {
+                id,
+                location: BOX,
+                embedding: [look; OBJECT_EMBEDDING],
+            });
+        }
+        looks.recall(&header, &mut seen);
+        seen.iter().map(|object| object.embedding[0]).collect()
+    }
+
+    #[test]
+    fn what_is_hidden_looks_as_it_did_whole() {
+        let mut looks = Looks::default();
+        // Never seen whole: there is nothing better.
+        assert_eq!(see(&mut looks, 1, &[(5, false)], 1.0), [1.0]);
+        let both = [(4, true), (5, true)];
+        assert_eq!(see(&mut looks, 2, &both, 2.0), [2.0, 2.0]);
+        // In another order, too.
+        let hidden = [(5, false), (4, true)];
+        assert_eq!(see(&mut looks, 3, &hidden, 3.0), [2.0, 3.0]);
+        assert_eq!(see(&mut looks, 4, &[(4, false)], 4.0), [3.0]);
+        // A camera that was started anew: object 4 is another one.
+        assert_eq!(see(&mut looks, 1, &[(4, false)], 5.0), [5.0]);
+    }
+
+    #[test]
+    fn who_has_long_left_gives_room() {
+        let mut looks = Looks::default();
+        let first: Vec<_> = (1..=MAX_OBJECTS as u32).map(|id| (id, true)).collect();
+        let then: Vec<_> = first.iter().map(|(id, _)| (100 + id, true)).collect();
+        see(&mut looks, 1, &first, 1.0);
+        see(&mut looks, 2, &then, 2.0);
+        let hidden: Vec<_> = then.iter().map(|(id, _)| (*id, false)).collect();
+        let given = see(&mut looks, 3, &hidden, 3.0);
+        assert_eq!(given, [2.0; MAX_OBJECTS]);
+    }
+}
