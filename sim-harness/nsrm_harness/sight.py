@@ -35,8 +35,8 @@ Location = NDArray[np.float32]
 class Sight:
     """One picture and the objects found in it.
 
-    * `rgb`: `uint8 [H, W, 3]`; `labels`: `int32 [H, W]`, an object's number where it is seen
-    * `depth`: `float32 [H, W]`, metres
+    * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
+    * `labels`: `int32 [H, W]`, an object's number where it is seen
     * `locations`: of what is seen of each, by number; the same object has the same number in all
       pictures
     * `whole`: of all of each, as it was seen before where another covers a part of it

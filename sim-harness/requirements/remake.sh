@@ -13,3 +13,4 @@ lock() {
 lock demo
 lock train --constraint demo.txt
 lock dev --constraint train.txt
+lock record --constraint dev.txt

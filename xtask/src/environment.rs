@@ -45,11 +45,13 @@ const LIGHT_COMMANDS: [&str; 7] = [
     "world",
 ];
 
-/// A set of requirements, each with all of those before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// A set of requirements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Requirements {
     /// World, renderer, episodes, the build of the Python module.
     Demo,
+    /// Recordings of the demo.
+    Record,
     /// Learning and evaluation.
     Train,
     /// Lints, types and tests of the Python parts.
@@ -57,12 +59,21 @@ pub(crate) enum Requirements {
 }
 
 impl Requirements {
-    const ALL: [Self; 3] = [Self::Demo, Self::Train, Self::Dev];
+    /// It and what it needs, in the order in which they are installed.
+    fn sets(self) -> &'static [Self] {
+        match self {
+            Self::Demo => &[Self::Demo],
+            Self::Record => &[Self::Demo, Self::Record],
+            Self::Train => &[Self::Demo, Self::Train],
+            Self::Dev => &[Self::Demo, Self::Train, Self::Dev, Self::Record],
+        }
+    }
 
     /// What a command of the harness needs; its name is the first word.
     pub(crate) fn of_command(arguments: &[OsString]) -> Self {
         match arguments.first().and_then(|name| name.to_str()) {
             Some(name) if !name.starts_with('-') && !LIGHT_COMMANDS.contains(&name) => Self::Train,
+            _ if records(arguments) => Self::Record,
             _ => Self::Demo,
         }
     }
@@ -70,6 +81,7 @@ impl Requirements {
     fn name(self) -> &'static str {
         match self {
             Self::Demo => "demo",
+            Self::Record => "record",
             Self::Train => "train",
             Self::Dev => "dev",
         }
@@ -81,10 +93,20 @@ impl Requirements {
             Self::Demo => {
                 "installing the Python packages of world, camera and detector (about a minute)"
             }
+            Self::Record => "installing the Python packages of recordings (some seconds, 700 MB)",
             Self::Train => "installing the Python packages of learning (about a minute, 600 MB)",
             Self::Dev => "installing the Python packages of the checks (some seconds)",
         }
     }
+}
+
+/// Whether a command is told to write a recording.
+fn records(arguments: &[OsString]) -> bool {
+    arguments
+        .iter()
+        .filter_map(|argument| argument.to_str())
+        .take_while(|&argument| argument != "--")
+        .any(|argument| argument == "--record" || argument.starts_with("--record="))
 }
 
 /// The environment of a checkout, made or not.
@@ -110,13 +132,10 @@ impl Environment {
         self.folder.join("bin/python")
     }
 
-    /// Installs a set of requirements and all those before it, where they are not
+    /// Installs a set of requirements and all that it needs, where they are not
     /// installed as their files now say.
     pub(crate) fn ensure(&self, wanted: Requirements) -> Result<()> {
-        for set in Requirements::ALL {
-            if set > wanted {
-                break;
-            }
+        for set in wanted.sets() {
             let file = self
                 .project
                 .path(&format!("sim-harness/requirements/{}.txt", set.name()));
@@ -303,6 +322,25 @@ mod tests {
         assert_eq!(of(&["--help"]), Requirements::Demo);
         assert_eq!(of(&[]), Requirements::Demo);
         assert_eq!(of(&["train", "--quick"]), Requirements::Train);
+        assert_eq!(of(&["train", "--record"]), Requirements::Train);
         assert_eq!(of(&["evaluate"]), Requirements::Train);
+    }
+
+    #[test]
+    fn only_recordings_and_the_checks_need_what_records() {
+        let of = |words: &[&str]| {
+            let arguments: Vec<_> = words.iter().map(Into::into).collect();
+            Requirements::of_command(&arguments)
+        };
+        assert_eq!(of(&["demo", "--record", "a.rrd"]), Requirements::Record);
+        assert_eq!(of(&["demo", "--record=a.rrd"]), Requirements::Record);
+        assert_eq!(of(&["demo", "--recorded"]), Requirements::Demo);
+        assert_eq!(of(&["demo", "--", "--record"]), Requirements::Demo);
+        for set in [Requirements::Demo, Requirements::Train] {
+            assert!(!set.sets().contains(&Requirements::Record));
+        }
+        for set in [Requirements::Record, Requirements::Dev] {
+            assert_eq!(set.sets().last(), Some(&Requirements::Record));
+        }
     }
 }

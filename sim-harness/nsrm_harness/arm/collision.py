@@ -261,20 +261,20 @@ def _ball(name: str, held: Cuboid | None) -> tuple[NDArray[np.float64], float]:
 
 @lru_cache(maxsize=1)
 def _vertices() -> dict[str, NDArray[np.float64]]:
-    return {name: np.array(mesh.vertices) for name, mesh in _meshes().items()}
+    return {name: np.array(mesh.vertices) for name, mesh in link_hulls().items()}
 
 
 @lru_cache(maxsize=1)
 def _hulls() -> dict[str, fcl.Convex]:
     hulls = {}
-    for name, mesh in _meshes().items():
+    for name, mesh in link_hulls().items():
         faces = np.insert(np.array(mesh.faces), 0, 3, axis=1).flatten()
         hulls[name] = fcl.Convex(np.array(mesh.vertices), len(mesh.faces), faces)
     return hulls
 
 
 @lru_cache(maxsize=1)
-def _meshes() -> dict[str, trimesh.Trimesh]:
+def link_hulls() -> dict[str, trimesh.Trimesh]:
     """Convex hull of each link's collision mesh, in the link's frame."""
     meshes = {}
     for link in ElementTree.parse(panda.URDF).getroot().iter("link"):

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import sys
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import click
 
 from nsrm_harness import domain as domains
 from nsrm_harness.commands.options import arm_option, seed_option
+from nsrm_harness.demo.onlooker import Onlooker
 from nsrm_harness.demo.outcome import Stopped
 from nsrm_harness.demo.show import show
+from nsrm_harness.errors import HarnessError
 from nsrm_harness.world.render import open_renderer
 
 
@@ -26,9 +29,20 @@ from nsrm_harness.world.render import open_renderer
     help="Folder for the pictures and the scene.",
 )
 @arm_option
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path),
+    metavar="FILE.rrd",
+    help="Write a recording for Rerun's viewer as well.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document instead of text.")
 def command(
-    sentence: str | None, seed: int, out: Path | None, with_arm: bool, as_json: bool
+    sentence: str | None,
+    seed: int,
+    out: Path | None,
+    with_arm: bool,
+    record: Path | None,
+    as_json: bool,
 ) -> None:
     """Plan SENTENCE in the scene of a seed; without a sentence, one that fits.
 
@@ -37,11 +51,20 @@ def command(
     not stand.
     """
     folder = out or Path("out") / f"demo-{seed}"
-    with closing(open_renderer()) as renderer:
-        shown = show(domains.load(), renderer, seed, sentence, folder, with_arm=with_arm)
+    with _recording(record) as onlooker, closing(open_renderer()) as renderer:
+        shown = show(
+            domains.load(),
+            renderer,
+            seed,
+            sentence,
+            folder,
+            with_arm=with_arm,
+            onlooker=onlooker,
+        )
     pictures = [str(path) for path in shown.pictures]
     if as_json:
-        click.echo(json.dumps(shown.document | {"pictures": pictures}, ensure_ascii=False))
+        files = {"pictures": pictures} | ({} if record is None else {"recording": str(record)})
+        click.echo(json.dumps(shown.document | files, ensure_ascii=False))
     else:
         click.echo(shown.text)
     if isinstance(shown.refusal, Stopped):
@@ -49,6 +72,27 @@ def command(
     elif shown.refusal is not None:
         click.echo(f"refused: {shown.refusal}", err=True)
     if not as_json:
+        if record is not None:
+            click.echo(f"recording: {record}")
         click.echo(f"pictures: {' '.join(pictures)}")
     if shown.refusal is not None:
         sys.exit(2)
+
+
+@contextmanager
+def _recording(path: Path | None) -> Iterator[Onlooker]:
+    """Who writes the recording; without a path, nobody."""
+    if path is None:
+        yield Onlooker()
+        return
+    try:
+        from nsrm_harness.recording.episode import Recording
+        from nsrm_harness.recording.file import recorded
+    except ModuleNotFoundError as error:
+        raise HarnessError(
+            f"--record needs the Python package rerun-sdk ({error}): cargo installs it where the "
+            "arguments say --record; or: pip install --require-hashes -r "
+            "sim-harness/requirements/record.txt"
+        ) from error
+    with recorded(path) as stream:
+        yield Recording(stream)

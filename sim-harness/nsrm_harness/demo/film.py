@@ -35,9 +35,11 @@ class Film:
         self._ticks = 0
         self._frames: list[NDArray[np.uint8]] = []
         self._shots: list[tuple[str, NDArray[np.uint8]]] = []
+        self._others_tick = world.on_tick
         world.on_tick = self._tick
 
     def _tick(self) -> None:
+        self._others_tick()
         if self._ticks % round(FRAME_S / self._world.tick_s) == 0:
             self._frames.append(self._look())
         self._ticks += 1

@@ -28,6 +28,10 @@ class Outcome(Protocol):
     def as_json(self) -> dict[str, Any]: ...
 
 
+def untold(outcome: Outcome) -> None:
+    """Tells nobody."""
+
+
 @dataclass(frozen=True)
 class Landing:
     """How one sub-goal went, without an arm.
@@ -53,9 +57,14 @@ class Landing:
         return {key: value for key, value in asdict(self).items() if key != "object_id"}
 
 
-def set_down(world: World, sight: Sight, goals: Sequence[Goal]) -> list[Landing]:
+def set_down(
+    world: World, sight: Sight, goals: Sequence[Goal], tell: Callable[[Outcome], None] = untold
+) -> list[Landing]:
     """Puts each block, the one nearest to where the object is seen, in place, and settles after
-    each; the world is changed."""
+    each; the world is changed.
+
+    * `tell`: is told each outcome, when it has come
+    """
     blocks = {
         number: world.nearest(cuboid.pose.position)[0] for number, cuboid in sight.cuboids.items()
     }
@@ -75,6 +84,7 @@ def set_down(world: World, sight: Sight, goals: Sequence[Goal]) -> list[Landing]
                 settled.at_rest,
             )
         )
+        tell(landings[-1])
     return landings
 
 
@@ -103,10 +113,12 @@ def carry(
     names: Mapping[int, str],
     mark: Mark,
     keep: Collection[int] = (),
+    tell: Callable[[Outcome], None] = untold,
 ) -> list[Performed | Stopped]:
     """Has the arm carry each block to its sub-goal, until one can't be.
 
     * `keep`: the objects that are not moved aside for another
+    * `tell`: is told each outcome, when it has come
     """
 
     def seen() -> dict[str, Cuboid]:
@@ -124,5 +136,7 @@ def carry(
             outcomes.append(perform(body, planner, seen, names[number], goal, mark, keep=kept))
         except (RefusedError, FailedError, StuckError) as error:
             outcomes.append(Stopped(not isinstance(error, RefusedError), str(error)))
+        tell(outcomes[-1])
+        if isinstance(outcomes[-1], Stopped):
             break
     return outcomes

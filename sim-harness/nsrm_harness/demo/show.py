@@ -14,6 +14,7 @@ from PIL import Image
 
 from nsrm_harness.demo import report
 from nsrm_harness.demo.film import Film
+from nsrm_harness.demo.onlooker import Onlooker
 from nsrm_harness.demo.outcome import Goal, Outcome, Stopped, carry, set_down
 from nsrm_harness.demo.prediction import cut_out, predicted_scene
 from nsrm_harness.demo.tabletop import tabletop
@@ -48,13 +49,18 @@ def show(
     out: Path,
     *,
     with_arm: bool = True,
+    onlooker: Onlooker | None = None,
 ) -> Shown:
     """Draws the scene of `seed`, plans `sentence` (or one that fits) in it, has the arm carry
     the plan out, or without it sets the blocks down where the plan says, and writes pictures and
-    `scene.json` into `out`."""
+    `scene.json` into `out`.
+
+    * `onlooker`: is told of all that happens
+    """
     out.mkdir(parents=True, exist_ok=True)
     for name in FILES:
         (out / name).unlink(missing_ok=True)
+    onlooker = onlooker or Onlooker()
     model = nsrm.Model.pretrained()
     camera = default_camera()
     stage = tabletop(domain, seed)
@@ -66,6 +72,8 @@ def show(
         eyes = Eyes(renderer, world, camera)
         sight = eyes.look()
         known = names(model, domain, sight)
+        onlooker.begin(world, camera, known, sentence)
+        onlooker.looked(sight)
         _write_scene(out, sight, camera)
         heading = (
             f'sentence  "{sentence}"\n'
@@ -76,22 +84,37 @@ def show(
         try:
             plan = model.plan(sight.scene(model, camera), sentence)
         except nsrm.Refused as refusal:
+            onlooker.refused(refusal)
+            onlooker.end()
             refused = {"kind": refusal.kind, "message": str(refusal), **refusal.details}
             caption = f"“{sentence}”\nRefused: {refusal}"
             picture = annotate(sight.rgb, _marks(sight, known), caption=caption)
             paths = _save(out, {"initial": picture})
             return Shown(heading, document | {"refused": refused}, paths, refusal)
+        onlooker.planned(plan)
         goals: list[Goal] = [(step.object_id, sub_goal(step)) for step in plan.steps]
         films: list[Path] = []
         outcomes: Sequence[Outcome]
         if isinstance(world, ArmWorld):
             film = Film(world, renderer)
+
+            def look() -> Sight:
+                seen = eyes.look()
+                onlooker.looked(seen)
+                return seen
+
+            def mark(event: str) -> None:
+                film.mark(event)
+                onlooker.mark(event)
+
             keep = {n for step in plan.steps for n in (step.object_id, step.reference_id)}
-            outcomes = carry(world, eyes.look, goals, _spoken(known), film.mark, keep)
+            outcomes = carry(world, look, goals, _spoken(known), mark, keep, onlooker.ended)
             films = film.save(out)
         else:
-            outcomes = set_down(world, sight, goals)
+            outcomes = set_down(world, sight, goals, onlooker.ended)
         result = eyes.look()
+        onlooker.looked(result)
+        onlooker.end()
     pictures = _pictures(sentence, sight, known, plan, outcomes, background, result)
     text = f"{heading}\n{report.as_text(plan, known.words, outcomes)}"
     last = outcomes[-1]
