@@ -30,6 +30,7 @@ COMMANDS = {
     "tables": "The paper's tables, from nothing to a report.",
     "publish": "A finished report and its model into the project.",
     "trials": "How often the arm does what a sentence says.",
+    "speed": "How fast such trials run, and where their time goes.",
     "robot": "All processes of a robot in a simulated world, for one sentence.",
     "world": "A simulated world as a robot's camera and controller.",
     "chaos": "Kill a robot's processes at random and see what becomes of its commands.",

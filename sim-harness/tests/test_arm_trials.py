@@ -20,10 +20,10 @@ from nsrm_harness.arm import panda
 from nsrm_harness.arm.execute import wait
 from nsrm_harness.arm_trials import report, trial
 from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS
+from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.judge import Judge, Verdict, turned_rad
-from nsrm_harness.arm_trials.rows import ROWS, draw
-from nsrm_harness.arm_trials.run import TrialsError, run
-from nsrm_harness.arm_trials.trial import Ended
+from nsrm_harness.arm_trials.rows import ROWS, Row, draw
+from nsrm_harness.arm_trials.run import TrialsError, episode, run
 from nsrm_harness.cli import main
 from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.moves import Move, target
@@ -231,10 +231,18 @@ def test_the_control_is_given_the_truth_and_the_others_are_not(
     def blind(*_: object) -> None:
         raise AssertionError("the truth was looked at")
 
-    monkeypatch.setattr(trial._Episode, "_true_objects", blind)
+    monkeypatch.setattr(trial._ByTruth, "_true_objects", blind)
     assert trial.run(BY_NAME["steps_1"], 5, 0).end != "failed"
     with pytest.raises(AssertionError, match="the truth"):
         trial.run(BY_NAME["control"], 5, 0)
+
+
+@pytest.mark.parametrize("row", [BY_NAME["steps_1"], DISTURBED_ROWS[0]], ids=lambda row: row.name)
+def test_a_worker_without_the_domain_s_file_carries_an_episode_out(
+    domain: Domain, monkeypatch: pytest.MonkeyPatch, row: Row
+) -> None:
+    monkeypatch.setattr(domains, "load", lambda: pytest.fail("there is no such file"))
+    assert episode(row, 5, 0, None, domain).row == row.name
 
 
 def test_what_was_broken_off_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

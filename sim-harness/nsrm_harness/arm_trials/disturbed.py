@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-import nsrm
 import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
-from nsrm_harness.arm.execute import Mark, StuckError, unmarked, wait
-from nsrm_harness.arm.perform import FailedError, Performed
-from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm.execute import wait
 from nsrm_harness.arm_trials.disturb import (
     BEGUN,
     DISTURBANCES,
@@ -22,16 +19,25 @@ from nsrm_harness.arm_trials.disturb import (
     DisturbedArm,
     DisturbedEyes,
 )
-from nsrm_harness.arm_trials.judge import SHIFT_M, Judge, Verdict
+from nsrm_harness.arm_trials.episode import (
+    End,
+    Ended,
+    Episode,
+    lasting,
+    model,
+    planner,
+    renderer,
+)
+from nsrm_harness.arm_trials.judge import SHIFT_M
 from nsrm_harness.arm_trials.open_loop import follow_blindly
 from nsrm_harness.arm_trials.rows import MAX_TRIES, Drawn, Row, draw
-from nsrm_harness.arm_trials.trial import Ended, lasting, model, planner, renderer
-from nsrm_harness.demo.film import Film
+from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.seeds import generator
 from nsrm_harness.errors import HarnessError
-from nsrm_harness.follow import Follower
+from nsrm_harness.sight import Eyes
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.layout import LayoutError
+from nsrm_harness.world.pose import Pose
 
 Loop = Literal["closed", "open"]
 
@@ -69,46 +75,38 @@ DISTURBED_ROWS = tuple(
 """The closed loop of each kind, and the open one below it for comparison, which has no goal."""
 
 
-def run_disturbed(kind: str, loop: Loop, seed: int, index: int, films: Path | None = None) -> Ended:
+def run_disturbed(
+    kind: str,
+    loop: Loop,
+    seed: int,
+    index: int,
+    films: Path | None = None,
+    domain: Domain | None = None,
+) -> Ended:
     """Carries one episode out; the same in any process, and disturbed alike with either loop.
 
     It has succeeded when all is done as said, or when what can't be done has ended in a failure
     in words, at rest.
 
-    * `films`: see `trial.run`
+    * `films`, `domain`: see `trial.run`
     """
     number = list(DISTURBANCES).index(kind)
     rng = generator(seed, "arm_disturbed", MOST_KINDS * index + number)
     with closing(DisturbedArm()) as arm:
-        drawn, disturbance = _draw(kind, arm, rng)
-        arm.spawn(drawn.arrangement.blocks, drawn.arrangement.poses)
-        arm.settle()
-        film = Film(arm, renderer()) if films else None
-        episode = _Episode(arm, drawn, disturbance, film.mark if film else unmarked)
-        end, why, refusal = episode.carry_out(loop)
-        if film and films:
-            films.mkdir(parents=True, exist_ok=True)
-            film.save(films)
-    return Ended(
-        f"{kind}_{loop}",
-        index,
-        drawn.sentence,
-        end,
-        why,
-        refusal,
-        tuple(episode.verdicts),
-        tuple(done.corrected_m for done in episode.performed),
-        tuple(done.tries for done in episode.performed),
-    )
+        drawn, disturbance = _draw(kind, arm, rng, domain or domains.load())
+        episode = _Disturbed(arm, drawn, films, disturbance, loop)
+        return episode.carry_out(f"{kind}_{loop}", index)
 
 
-def _draw(kind: str, arm: DisturbedArm, rng: np.random.Generator) -> tuple[Drawn, Disturbance]:
+def _draw(
+    kind: str, arm: DisturbedArm, rng: np.random.Generator, domain: Domain
+) -> tuple[Drawn, Disturbance]:
     """A scene with one or two steps in which there is room for the disturbance."""
     disturbance = DISTURBANCES[kind]
     for _ in range(MAX_TRIES):
         steps = MOST_STEPS if disturbance.is_stack else int(rng.integers(1, MOST_STEPS + 1))
         row = Row(kind, "", 0.0, steps, is_stack=disturbance.is_stack)
-        drawn = draw(row, rng, domains.load())
+        drawn = draw(row, rng, domain)
         try:
             return drawn, disturbance(arm, drawn, rng)
         except LayoutError:
@@ -116,99 +114,79 @@ def _draw(kind: str, arm: DisturbedArm, rng: np.random.Generator) -> tuple[Drawn
     raise HarnessError(f"{kind}: no scene in which it can be done after {MAX_TRIES} tries")
 
 
-class _Episode:
+class _Disturbed(Episode):
     def __init__(
-        self, arm: DisturbedArm, drawn: Drawn, disturbance: Disturbance, shown: Mark
+        self,
+        arm: DisturbedArm,
+        drawn: Drawn,
+        films: Path | None,
+        disturbance: Disturbance,
+        loop: Loop,
     ) -> None:
-        self._arm, self._drawn, self._disturbance = arm, drawn, disturbance
-        self._shown = shown
-        self._moves = drawn.task.moves
-        self._judge = Judge(arm, drawn.arrangement.blocks)
+        super().__init__(arm, drawn, films)
+        self._arm, self._disturbance, self._loop = arm, disturbance, loop
         self._step, self._is_clearing = 0, False
         self._carried: set[int] = set()
         self._before = arm.poses()
-        self.verdicts: list[Verdict] = []
-        self.performed: list[Performed] = []
-        self._others_tick = arm.on_tick
-        arm.on_tick = self._tick
 
-    def carry_out(self, loop: Loop) -> tuple[str, str, str]:
-        """How it ended, why, and what kind of refusal it was."""
-        try:
-            self._follow(loop)
-        except nsrm.Refused as refusal:
-            return self._stopped("refused", str(refusal), refusal.kind)
-        except RefusedError as refusal:
-            return self._stopped("refused", str(refusal), refusal.why.value)
-        except FailedError as failure:
-            return self._stopped("failed", str(failure), "")
-        except StuckError as failure:
-            return self._stopped("failed", str(failure), "", must_be_ready=False)
+    def _followed(self) -> End:
         wait(self._arm, CALM_S)
         if not self._judge.stands(lasting(self._moves)):
-            return "failed", "it is not done as said, and no failure was reported", ""
+            return End("failed", "it is not done as said, and no failure was reported")
         if not (self._arm.slow() and self._is_ready()):
-            return "failed", "it is not at rest", ""
+            return End("failed", "it is not at rest")
         if others := self._others():
-            return "failed", f"{others} moved", ""
+            return End("failed", f"{others} moved")
         if not self._disturbance.has_acted:
-            return "failed", "it ended before it was disturbed", ""
-        return "succeeded", "", ""
+            return End("failed", "it ended before it was disturbed")
+        return End("succeeded")
 
-    def _stopped(
-        self, end: str, why: str, refusal: str, *, must_be_ready: bool = True
-    ) -> tuple[str, str, str]:
+    def _stopped(self, told: End, *, is_stuck: bool = False) -> End:
         """With a failure in words, which may be right."""
         wait(self._arm, CALM_S)
         joints = self._arm.joints()
         wait(self._arm, CALM_S)
         is_still = bool(np.abs(self._arm.joints() - joints).max() < STILL_RAD)
         if not (is_still and self._arm.slow()):
-            return "failed", f"{why}; it is not at rest", refusal
+            return replace(told, end="failed", why=f"{told.why}; it is not at rest")
         if self._arm.has_opened_astray:
-            return "failed", f"{why}; it has let go where it was not to", refusal
+            why = f"{told.why}; it has let go where it was not to"
+            return replace(told, end="failed", why=why)
         if others := self._others():
-            return "failed", f"{why}; {others} moved", refusal
-        if must_be_ready and not self._is_ready():
-            return "failed", f"{why}; it is not in its ready pose", refusal
-        if self._disturbance.must_fail and self._disturbance.has_acted and end == "failed":
-            return "succeeded", why, refusal
-        return end, why, refusal
+            return replace(told, end="failed", why=f"{told.why}; {others} moved")
+        if not (is_stuck or self._is_ready()):
+            return replace(told, end="failed", why=f"{told.why}; it is not in its ready pose")
+        is_right = self._disturbance.must_fail and self._disturbance.has_acted
+        if is_right and told.end == "failed":
+            return replace(told, end="succeeded")
+        return told
 
-    def _follow(self, loop: Loop) -> None:
-        eyes = DisturbedEyes(renderer(), self._arm, default_camera(), self._disturbance)
-        if loop == "open":
-            follow_blindly(
-                self._arm,
-                planner(),
-                eyes,
-                model(),
-                self._drawn.sentence,
-                self._mark,
-                self._begin,
-                self._end,
-            )
-        else:
-            follower = Follower(
-                self._arm,
-                planner(),
-                eyes,
-                model(),
-                mark=self._mark,
-                begin=self._begin,
-                end=self._end,
-            )
-            self.performed = follower.performed
-            follower.follow(self._drawn.sentence)
+    def _eyes(self) -> Eyes:
+        return DisturbedEyes(renderer(), self._arm, default_camera(), self._disturbance)
 
-    def _begin(self, index: int) -> None:
-        # A sentence of which more steps were understood is judged by its last one.
+    def _follow(self) -> None:
+        if self._loop == "closed":
+            super()._follow()
+            return
+        follow_blindly(
+            self._arm,
+            planner(),
+            self._eyes(),
+            model(),
+            self._drawn.sentence,
+            self._mark,
+            self._begin,
+            self._end,
+        )
+
+    def _begin(self, index: int) -> Pose:
         self._step, self._is_clearing = min(index, len(self._moves) - 1), False
-        self._judge.begin(self._moves[self._step])
+        goal = super()._begin(index)
         self._mark(BEGUN)
+        return goal
 
     def _mark(self, event: str) -> None:
-        self._shown(event)
+        super()._mark(event)
         if event == "grasped":
             block_id, _ = self._arm.nearest(self._arm.fingers_at().position)
             self._carried.add(block_id - 1)
@@ -222,11 +200,8 @@ class _Episode:
         self._disturbance.tick()
         self._judge.tick()
 
-    def _end(self, index: int) -> None:
-        verdict = self._judge.end([self._arm.pose(index + 1) for index in self._handled()])
-        # What was refused has not begun.
-        if verdict.seconds > 0:
-            self.verdicts.append(verdict)
+    def _aside(self) -> list[Pose]:
+        return [self._arm.pose(index + 1) for index in self._handled()]
 
     def _is_ready(self) -> bool:
         return bool(np.abs(self._arm.joints() - panda.READY_RAD).max() < READY_RAD)

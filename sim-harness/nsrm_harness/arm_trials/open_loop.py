@@ -20,7 +20,7 @@ def follow_blindly(
     model: nsrm.Model,
     sentence: str,
     mark: Mark,
-    begin: Callable[[int], None],
+    begin: Callable[[int], object],
     end: Callable[[int], None],
 ) -> None:
     """Has the arm carry each block once to where the plan of the first picture has it go, believed

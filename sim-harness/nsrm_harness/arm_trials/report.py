@@ -16,9 +16,9 @@ from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 from scipy.stats import binom
 
+from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.judge import Verdict
 from nsrm_harness.arm_trials.rows import Row
-from nsrm_harness.arm_trials.trial import Ended
 
 CORRECTED_MM = 1.0
 CHANCE = 0.001

@@ -10,11 +10,13 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from nsrm_harness import domain as domains
 from nsrm_harness.arm_trials import trial
 from nsrm_harness.arm_trials.disturbed import DisturbedRow, run_disturbed
+from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.judge import Verdict
 from nsrm_harness.arm_trials.rows import Row
-from nsrm_harness.arm_trials.trial import Ended
+from nsrm_harness.domain import Domain
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.workers import Workers
 
@@ -33,8 +35,9 @@ def run(
     Raises `TrialsError` for a file of another seed.
     """
     kept = {(each.row, each.index): each for each in _kept(path, seed)}
+    domain = domains.load()
     missing = [
-        ((row.name, index), (row, seed, index))
+        ((row.name, index), (row, seed, index, None, domain))
         for index in range(episodes)
         for row in rows
         if (row.name, index) not in kept
@@ -51,22 +54,28 @@ def run(
     return [kept[row.name, index] for row in rows for index in range(episodes)]
 
 
-def episode(row: Row, seed: int, index: int, films: Path | None = None) -> Ended:
+def episode(row: Row, seed: int, index: int, films: Path | None, domain: Domain) -> Ended:
     """An episode of any row: see `trial.run`."""
     if isinstance(row, DisturbedRow):
-        return run_disturbed(row.kind, row.loop, seed, index, films)
-    return trial.run(row, seed, index, films)
+        return run_disturbed(row.kind, row.loop, seed, index, films, domain)
+    return trial.run(row, seed, index, films, domain)
 
 
 def films(
     shown: Sequence[Ended], rows: Sequence[Row], seed: int, workers: Workers, folder: Path
 ) -> None:
     """Carries these episodes out again, each filmed into a folder of its own."""
-    by_name = {row.name: row for row in rows}
+    by_name, domain = {row.name: row for row in rows}, domains.load()
     tasks = (
         (
             each,
-            (by_name[each.row], seed, each.index, folder / f"{each.end}-{each.row}-{each.index}"),
+            (
+                by_name[each.row],
+                seed,
+                each.index,
+                folder / f"{each.end}-{each.row}-{each.index}",
+                domain,
+            ),
         )
         for each in shown
     )

@@ -7,8 +7,7 @@ from pathlib import Path
 import click
 from tqdm import tqdm
 
-from nsrm_harness.commands.options import jobs_option, ray_option, seed_option, workers_of
-from nsrm_harness.errors import HarnessError
+from nsrm_harness.commands.options import episodes_options, make_folder, workers_of
 
 
 @click.command("figures")
@@ -19,38 +18,25 @@ from nsrm_harness.errors import HarnessError
     show_default=True,
     help="Scenes of each figure; the first is drawn.",
 )
-@seed_option
-@jobs_option
-@ray_option
-@click.option("--quiet", is_flag=True, help="No progress.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("out/figures"),
-    show_default=True,
-    help="Folder for the pictures, figures.csv and figures.jsonl.",
-)
+@episodes_options("out/figures", "Folder for the pictures, figures.csv and figures.jsonl.")
 def command(variations: int, seed: int, jobs: int, ray: str | None, quiet: bool, out: Path) -> None:
     """Have the arm carry the sentences of the paper's figures 2 to 5 out, in random scenes.
 
     The model plans from what camera and detector see; the truth of the simulator judges each step
     when it is done.
     """
+    from nsrm_harness import domain as domains
     from nsrm_harness.figures import report
     from nsrm_harness.figures.scenes import FIGURES
     from nsrm_harness.figures.show import run
 
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise HarnessError(
-            f"can't make the folder {out}: {error.strerror}: another --out"
-        ) from None
+    make_folder(out)
+    domain = domains.load()
     pictures = {figure.number: out / f"figure_{figure.number}.png" for figure in FIGURES}
     tasks = [
         (
             (figure.number, variation),
-            (figure, seed, variation, None if variation else pictures[figure.number]),
+            (figure, seed, variation, None if variation else pictures[figure.number], domain),
         )
         for figure in FIGURES
         for variation in range(variations)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
 
 import click
+from click.decorators import FC
 
 from nsrm_harness import domain as domains
 from nsrm_harness.episodes.disturbance import Disturbance
+from nsrm_harness.errors import HarnessError
 from nsrm_harness.workers import Processes, RayCluster, Workers
 
 
@@ -96,6 +98,40 @@ ray_option = click.option(
     metavar="ADDRESS",
     help="Work on a Ray cluster: 'auto', 'HOST:PORT', or 'local' for one of --jobs processors.",
 )
+quiet_option = click.option("--quiet", is_flag=True, help="No progress.")
+
+
+def out_option(default: str, help_text: str) -> Callable[[FC], FC]:
+    """The folder that results go into."""
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path, file_okay=False),
+        default=Path(default),
+        show_default=True,
+        help=help_text,
+    )
+
+
+def episodes_options(default: str, help_text: str) -> Callable[[FC], FC]:
+    """What a command that carries episodes out is given besides its own: --seed, who works, and
+    where what comes of it goes, as `out_option`."""
+
+    def add(command: FC) -> FC:
+        for option in (out_option(default, help_text), quiet_option, ray_option, jobs_option):
+            command = option(command)
+        return seed_option(command)
+
+    return add
+
+
+def make_folder(path: Path) -> None:
+    """Makes a folder that results go into. Raises `HarnessError`."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HarnessError(
+            f"can't make the folder {path}: {error.strerror}: another --out"
+        ) from None
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from nsrm_harness.commands.options import jobs_option, ray_option, seed_option, workers_of
+from nsrm_harness.commands.options import episodes_options, workers_of
 
 FILMED = 20
 """Episodes that ended worst are shown as films."""
@@ -23,16 +23,8 @@ FILMED = 20
     help="Rows that are disturbed on purpose, with open loops beside.",
 )
 @click.option("--row", "names", multiple=True, help="Only this one; may be repeated.")
-@seed_option
-@jobs_option
-@ray_option
-@click.option("--quiet", is_flag=True, help="No progress.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("out/trials"),
-    show_default=True,
-    help="Folder for the table and what it is made of; one that was broken off goes on.",
+@episodes_options(
+    "out/trials", "Folder for the table and what it is made of; one that was broken off goes on."
 )
 def command(
     episodes: int,

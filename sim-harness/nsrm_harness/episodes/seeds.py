@@ -41,6 +41,7 @@ STREAMS = {
     "arm_control": 57,
     "figures": 58,
     "arm_disturbed": 59,
+    "arm_checks": 60,
 }
 
 

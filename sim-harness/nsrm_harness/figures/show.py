@@ -12,8 +12,9 @@ import nsrm
 from nsrm_harness import domain as domains
 from nsrm_harness.arm.perform import FailedError, perform
 from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm_trials.episode import model, planner, renderer
 from nsrm_harness.arm_trials.judge import Judge, Verdict
-from nsrm_harness.arm_trials.trial import model, planner, renderer
+from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.moves import Move
 from nsrm_harness.figures.scenes import Figure, Scene, draw
 from nsrm_harness.figures.sheet import Sheet
@@ -58,14 +59,24 @@ class Ended:
     steps: tuple[Done, ...]
 
 
-def run(figure: Figure, seed: int, variation: int, picture: Path | None = None) -> Ended:
+def run(
+    figure: Figure,
+    seed: int,
+    variation: int,
+    picture: Path | None = None,
+    domain: Domain | None = None,
+) -> Ended:
     """Carries a variation of a figure out, and draws it into `picture`; the same in any
-    process."""
-    scene = draw(figure, domains.load(), seed, variation)
+    process.
+
+    * `domain`: the paper's if none is given; a cluster's worker has no file of it
+    """
+    domain = domain or domains.load()
+    scene = draw(figure, domain, seed, variation)
     with closing(ArmWorld()) as world:
         world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         world.settle()
-        episode = _Episode(world, scene, Sheet(figure))
+        episode = _Episode(world, scene, domain, Sheet(figure))
         end, why = episode.carry_out(figure.sentence)
     if picture is not None:
         episode.sheet.save(picture, "" if end == "succeeded" else f"{end}: {why}")
@@ -73,8 +84,9 @@ def run(figure: Figure, seed: int, variation: int, picture: Path | None = None) 
 
 
 class _Episode:
-    def __init__(self, world: ArmWorld, scene: Scene, sheet: Sheet) -> None:
+    def __init__(self, world: ArmWorld, scene: Scene, domain: Domain, sheet: Sheet) -> None:
         self._world, self._moves, self.sheet = world, scene.moves, sheet
+        self._domain = domain
         self._judge = Judge(world, scene.arrangement.blocks)
         world.on_tick = self._judge.tick
         self._eyes = Eyes(renderer(), world, default_camera())
@@ -105,7 +117,7 @@ class _Episode:
 
     def _plan(self, sentence: str) -> nsrm.Plan:
         sight = self._look()
-        known = names(model(), domains.load(), sight)
+        known = names(model(), self._domain, sight)
         self._names = {number: f"object {number} ({it})" for number, it in known.words.items()}
         self.sheet.add_scene(sight, known)
         plan = model().plan(sight.scene(model(), self._eyes.camera), sentence)
