@@ -107,6 +107,21 @@ def test_a_block_without_support_falls():
         assert world.pose(2).position[2] < z - 0.01
 
 
+@pytest.mark.parametrize(("slope", "slides"), [(0.33, False), (0.39, True)])
+def test_blocks_slide_from_the_slope_on_that_the_docs_say(slope: float, slides: bool):
+    with World() as world:
+        blocks = random_blocks(np.random.default_rng(3), 1)
+        world.spawn(blocks, [Pose.upright(0.45, 0.0, blocks[0].edges_m[2] / 2)])
+        world.settle()
+        before = world.pose(1)
+        tilt = math.atan(slope)
+        along, down = 9.81 * math.sin(tilt), -9.81 * math.cos(tilt)
+        pybullet.setGravity(along, 0.0, down, physicsClientId=world._client)
+        for _ in range(300):
+            world._step()
+        assert (world.pose(1).distance_m(before) > 0.002) == slides
+
+
 def test_placing_holds_the_block_above_its_goal_at_rest():
     with World(robot=False) as world:
         build_scene(world, 1)

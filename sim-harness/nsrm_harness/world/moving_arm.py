@@ -16,7 +16,7 @@ from nsrm_harness.world.pose import Pose
 POSITION_GAIN, SPEED_GAIN = 0.3, 1.0
 """Of the motors' control, in each step."""
 FINGER_FRICTION = 1.0
-"""Rubber pads."""
+"""Of a finger's pad; with that of a block: 0.6 (docs/arm)."""
 SPINNING_FRICTION, ROLLING_FRICTION = 0.005, 0.0001
 GEAR_ERP, GEAR_FORCE_N = 0.1, 50.0
 """Of what keeps the two fingers equally far from the middle, as one motor moves both."""

@@ -17,8 +17,10 @@ from nsrm_harness.world.pose import Pose, Vector3
 TIME_STEP_S = 1.0 / 1000.0
 SOLVER_ITERATIONS = 50
 FRICTION = 0.6
+"""Of each surface. Bullet multiplies those of two that touch: 0.36 between blocks and on the table,
+which is that of dry wood on wood (docs/arm)."""
 BLOCK_DENSITY_KG_M3 = 700.0
-"""That of beech."""
+"""That of beech (docs/arm)."""
 CONTACT_BREAKING_M = 0.02
 """PyBullet's own value. It is global to the process and outlives clients: another
 client may have changed it, so that it is set again before every call that moves a
