@@ -331,15 +331,18 @@ typedef struct nsrm_feedback {
     uint32_t command;
     /** How it went: the number of an `Outcome`. */
     uint32_t outcome;
+    /** Ids of up to two objects that stood in its way; 0 for none. */
+    uint32_t objects[2];
 } nsrm_feedback;
-#define NSRM_FEEDBACK_TYPE_NAME "nsrm.v1.Feedback.de461e2b7225b913"
-NSRM_ASSERT(sizeof(nsrm_feedback) == 32, "size of nsrm_feedback");
+#define NSRM_FEEDBACK_TYPE_NAME "nsrm.v1.Feedback.343e85d0c8daab6b"
+NSRM_ASSERT(sizeof(nsrm_feedback) == 40, "size of nsrm_feedback");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_feedback) == 8, "alignment of nsrm_feedback");
 NSRM_ASSERT(offsetof(nsrm_feedback, plan) == 0, "offset of plan");
 NSRM_ASSERT(offsetof(nsrm_feedback, sequence) == 8, "offset of sequence");
 NSRM_ASSERT(offsetof(nsrm_feedback, timestamp_ns) == 16, "offset of timestamp_ns");
 NSRM_ASSERT(offsetof(nsrm_feedback, command) == 24, "offset of command");
 NSRM_ASSERT(offsetof(nsrm_feedback, outcome) == 28, "offset of outcome");
+NSRM_ASSERT(offsetof(nsrm_feedback, objects) == 32, "offset of objects");
 
 /** A sign of life. */
 typedef struct nsrm_heartbeat {

@@ -57,6 +57,8 @@ class Outcome(IntEnum):
     BUSY = 8
     IMPOSSIBLE = 9
     TOO_LATE = 10
+    WOULD_FALL = 11
+    OUT_OF_REACH = 12
 
 
 class Role(IntEnum):
@@ -513,8 +515,10 @@ class Feedback(ctypes.Structure):
         ("command", ctypes.c_uint32),
         # How it went: the number of an `Outcome`.
         ("outcome", ctypes.c_uint32),
+        # Ids of up to two objects that stood in its way; 0 for none.
+        ("objects", ctypes.c_uint32 * 2),
     ]
-    LAYOUT: ClassVar = (32, 8)
+    LAYOUT: ClassVar = (40, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
         "plan": 0,
@@ -522,13 +526,14 @@ class Feedback(ctypes.Structure):
         "timestamp_ns": 16,
         "command": 24,
         "outcome": 28,
+        "objects": 32,
     }
     """Bytes before each field, as Rust has them."""
 
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.Feedback.de461e2b7225b913"
+        return "nsrm.v1.Feedback.343e85d0c8daab6b"
 
 
 class Heartbeat(ctypes.Structure):

@@ -20,7 +20,7 @@ from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfigError, read_config
-from nsrm_harness.robot.controller import MOVE, STOP, Controller, fault, stops_first
+from nsrm_harness.robot.controller import MOVE, STOP, Answer, Controller, fault, stops_first
 from nsrm_harness.robot.half_made import SEGMENTS
 from nsrm_harness.robot.movers import SetsDown
 from nsrm_harness.robot.ports import FeedbackOut, FramesOut, PortError, Robot
@@ -102,8 +102,8 @@ class Ear:
         assert service == "sub_goal"
         self.rejected.append(why)
 
-    def __call__(self, plan: int, command: int, outcome: Outcome) -> None:
-        self.said.append((plan, command, outcome))
+    def __call__(self, plan: int, command: int, answer: Answer) -> None:
+        self.said.append((plan, command, answer.outcome))
 
     def outcomes(self) -> list[Outcome]:
         said = [outcome for *_, outcome in self.said]

@@ -16,7 +16,7 @@ from nsrm_harness.arm_trials.disturb import DisturbedArm
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.robot.controller import MOVE, STOP, Controller
+from nsrm_harness.robot.controller import MOVE, STOP, Answer, Controller
 from nsrm_harness.robot.movers import Carries
 from nsrm_harness.sight import Eyes, Sight, sub_goal
 from nsrm_harness.world.camera import default_camera
@@ -24,6 +24,8 @@ from nsrm_harness.world.render import Renderer
 
 SEED = 4
 CROWDED = 34
+STACKED = 21
+"""Its first step puts a block on another."""
 NOW_NS = 10**15
 STAYED_M = 0.0015
 HOME_RAD = 0.01
@@ -43,6 +45,7 @@ class Scene:
         plan = model.plan(self.sight.scene(model, default_camera()), scene.sentence)
         self.steps = list(plan.steps)
         self.said: list[Outcome] = []
+        self.in_the_way: tuple[int, ...] = ()
         self.waiting: list[SubGoal] = []
         self.while_working: Callable[[], None] = lambda: None
         self.arm = Carries(self.world, self.look, self._work, self._is_stopped)
@@ -51,8 +54,9 @@ class Scene:
     def _work(self) -> None:
         self.while_working()
 
-    def _say(self, plan: int, command: int, outcome: Outcome) -> None:
-        self.said.append(outcome)
+    def _say(self, plan: int, command: int, answer: Answer) -> None:
+        self.said.append(answer.outcome)
+        self.in_the_way = answer.objects
 
     def _reject(self, service: str, why: str) -> None:
         raise AssertionError(f"{service}: {why}")
@@ -76,9 +80,12 @@ class Scene:
         command.until_ns = NOW_NS
         return command
 
-    def obey(self, step: int, number: int) -> list[Outcome]:
+    def obey(self, step: int, number: int, **changed: object) -> list[Outcome]:
         """What is said to a command, then to all that came meanwhile."""
-        self.controller.obey(self.command(step, number))
+        command = self.command(step, number)
+        for name, value in changed.items():
+            setattr(command, name, value)
+        self.controller.obey(command)
         for command in self.waiting:
             self.controller.obey(command)
         self.waiting.clear()
@@ -193,3 +200,29 @@ def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
     assert scene.world.time_s == time_s
     np.testing.assert_array_equal(scene.world.joints(), joints)
     assert "look at the arm and start its controller anew" in caplog.text
+
+
+def test_what_is_not_begun_is_said_with_what_is_in_the_way(scene: Scene) -> None:
+    begun_s = scene.world.time_s
+    x, y, z = scene.steps[0].position
+    for number, (changed, outcome) in enumerate(
+        [
+            ({"object_id": 77}, Outcome.IMPOSSIBLE),
+            ({"position": (x, y, z + 0.2)}, Outcome.WOULD_FALL),
+            ({"position": (0.95, 0.6, 0.02)}, Outcome.OUT_OF_REACH),
+        ],
+        start=1,
+    ):
+        assert scene.obey(0, number, **changed) == [Outcome.ACCEPTED, outcome]
+        assert scene.in_the_way == ()
+    assert scene.world.time_s == begun_s
+
+
+def test_what_stands_on_an_object_is_in_its_way(renderer: Renderer) -> None:
+    with closing(Scene(renderer, STACKED)) as scene:
+        assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.REACHED]
+        first = scene.steps[0]
+        swapped = {"object_id": first.reference_id, "reference_id": first.object_id}
+        said = scene.obey(0, 2, position=(0.4, -0.2, 0.03), **swapped)
+        assert said == [Outcome.ACCEPTED, Outcome.NO_PATH]
+        assert scene.in_the_way == (first.object_id,)

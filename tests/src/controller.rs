@@ -124,6 +124,7 @@ impl Controller {
             timestamp_ns: now_ns,
             command: command.command,
             outcome: outcome as u32,
+            objects: [0; 2],
         };
         self.feedback.send(&feedback).expect("nobody must wait");
     }

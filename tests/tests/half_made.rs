@@ -46,6 +46,7 @@ fn sends(sender: &Sender<Feedback>, receiver: &Receiver<Feedback>) -> bool {
         timestamp_ns: 1,
         command: 1,
         outcome: 1,
+        objects: [0; 2],
     };
     sender.send(&feedback).unwrap();
     receiver.receive().unwrap().is_some()

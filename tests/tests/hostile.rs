@@ -88,6 +88,7 @@ const FEEDBACK: Feedback = Feedback {
     timestamp_ns: 2,
     command: 1,
     outcome: Outcome::Reached as u32,
+    objects: [0; 2],
 };
 const FEEDBACKS: &[Break<Feedback>] = &[
     |it| it.command = 0,

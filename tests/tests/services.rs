@@ -47,6 +47,7 @@ fn feedback(sequence: u64) -> Feedback {
         timestamp_ns: 0,
         command: 1,
         outcome: 1,
+        objects: [0; 2],
     }
 }
 
@@ -320,6 +321,7 @@ struct OtherFeedback {
     numbers: [u64; 3],
     outcome: u32,
     command: u32,
+    objects: [u32; 2],
 }
 
 #[test]

@@ -90,6 +90,8 @@ pub enum Failure {
         step: u8,
         /// What it says.
         outcome: Outcome,
+        /// Ids of objects that stood in the way, as it says; 0 for none.
+        objects: [u32; 2],
     },
     /// The controller says that it did it, and the object is seen elsewhere.
     NotThere {
@@ -170,8 +172,19 @@ impl fmt::Display for Failure {
                  look at the robot",
                 step(*at)
             ),
-            Self::Unsuccessful { step: at, outcome } => {
-                write!(f, "step {}: {}", step(*at), outcome.words())
+            Self::Unsuccessful {
+                step: at,
+                outcome,
+                objects,
+            } => {
+                write!(f, "step {}: {}", step(*at), outcome.words())?;
+                match objects {
+                    [0, 0] => Ok(()),
+                    [object, 0] | [0, object] => write!(f, ": object {object} is in the way"),
+                    [one, other] => {
+                        write!(f, ": objects {one} and {other} are in the way")
+                    }
+                }
             }
             Self::NotThere {
                 step: at,

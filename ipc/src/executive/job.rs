@@ -92,6 +92,7 @@ enum Heard {
     Accepted,
     Ended {
         outcome: Outcome,
+        objects: [u32; 2],
         at_ns: u64,
     },
     /// No more of it: the controller died.
@@ -141,7 +142,11 @@ impl<'m> Job<'m> {
                     // Not before the command, whatever the controller's clock says: a
                     // scene from before it shows nothing of what came of it.
                     let at_ns = report.timestamp_ns.max(*sent_ns);
-                    *heard = Heard::Ended { outcome, at_ns };
+                    *heard = Heard::Ended {
+                        outcome,
+                        objects: report.objects,
+                        at_ns,
+                    };
                 }
                 (_, Heard::Ended { .. } | Heard::Undelivered) => {}
             },
@@ -275,8 +280,27 @@ impl<'m> Job<'m> {
                         Ok(Event::Stop(command.id))
                     }
                     Heard::Undelivered => Err(Failure::NotAccepted { step }),
-                    Heard::Ended { outcome, at_ns } => {
-                        self.end_command(&command, outcome, at_ns, limits, now_ns)
+                    Heard::Ended {
+                        outcome: Outcome::Reached,
+                        at_ns,
+                        ..
+                    } => Ok(self.end_command(&command, at_ns, now_ns)),
+                    Heard::Ended {
+                        outcome,
+                        objects,
+                        at_ns,
+                    } => {
+                        let failure = Failure::Unsuccessful {
+                            step,
+                            outcome,
+                            objects,
+                        };
+                        if self.mode == Mode::OpenLoop || !outcome.may_be_tried_again() {
+                            return Err(failure);
+                        }
+                        let event = self.again(failure, limits)?;
+                        self.look(at_ns, now_ns, Purpose::Ground);
+                        Ok(event)
                     }
                 }
             }
@@ -354,25 +378,8 @@ impl<'m> Job<'m> {
         self.parsed.program.steps().len()
     }
 
-    /// The controller says how a command went.
-    fn end_command(
-        &mut self,
-        command: &Command,
-        outcome: Outcome,
-        at_ns: u64,
-        limits: &Limits,
-        now_ns: u64,
-    ) -> Result<Event, Failure> {
-        let step = command.step;
-        if outcome != Outcome::Reached {
-            let failure = Failure::Unsuccessful { step, outcome };
-            if self.mode == Mode::OpenLoop || !outcome.may_be_tried_again() {
-                return Err(failure);
-            }
-            let event = self.again(failure, limits)?;
-            self.look(at_ns, now_ns, Purpose::Ground);
-            return Ok(event);
-        }
+    /// The controller says that it has carried a command out.
+    fn end_command(&mut self, command: &Command, at_ns: u64, now_ns: u64) -> Event {
         let sub_goal = &command.planned.sub_goal;
         self.place(Placed {
             object: sub_goal.object,
@@ -380,11 +387,13 @@ impl<'m> Job<'m> {
         });
         if self.mode == Mode::OpenLoop {
             self.advance_step(Stage::Send);
-            let off_m = f32::NAN;
-            return Ok(Event::Reached { step, off_m });
+            return Event::Reached {
+                step: command.step,
+                off_m: f32::NAN,
+            };
         }
         self.look(at_ns, now_ns, Purpose::Verify { missing: None });
-        Ok(Event::Working)
+        Event::Working
     }
 
     /// This step has put an object somewhere: no longer where others had put it.

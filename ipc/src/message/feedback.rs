@@ -9,7 +9,7 @@ use crate::executive::CommandId;
 
 message! {
     /// How a command went (service `feedback`).
-    "nsrm.v1.Feedback.de461e2b7225b913"
+    "nsrm.v1.Feedback.343e85d0c8daab6b"
     pub struct Feedback {
         /// Number of the plan, as in [`crate::message::SubGoal::plan`].
         pub plan: u64,
@@ -21,6 +21,8 @@ message! {
         pub command: u32,
         /// How it went: the number of an [`Outcome`].
         pub outcome: u32,
+        /// Ids of up to two objects that stood in its way; 0 for none.
+        pub objects: [u32; 2],
     }
 }
 
@@ -32,7 +34,7 @@ pub enum Outcome {
     Accepted = 1,
     /// The object stands where it should.
     Reached = 2,
-    /// No way there without a collision.
+    /// No room or no way there without a collision, or something stands on the object.
     NoPath = 3,
     /// The gripper did not get hold of the object.
     NotGrasped = 4,
@@ -49,11 +51,15 @@ pub enum Outcome {
     Impossible = 9,
     /// It was read after its time; it won't be carried out.
     TooLate = 10,
+    /// Nothing bears the object at its sub-goal, or it would fall there.
+    WouldFall = 11,
+    /// The object or its sub-goal is beyond the arm's reach.
+    OutOfReach = 12,
 }
 
 impl Outcome {
     /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Accepted,
         Self::Reached,
         Self::NoPath,
@@ -64,6 +70,8 @@ impl Outcome {
         Self::Busy,
         Self::Impossible,
         Self::TooLate,
+        Self::WouldFall,
+        Self::OutOfReach,
     ];
 
     /// What happened, for a person.
@@ -79,6 +87,8 @@ impl Outcome {
             Self::Busy => "the controller carries out another command",
             Self::Impossible => "the controller can't carry it out",
             Self::TooLate => "the controller was held up and read it too late",
+            Self::WouldFall => "the object would not stand there",
+            Self::OutOfReach => "the arm does not reach that far",
         }
     }
 
@@ -95,6 +105,8 @@ pub struct Report {
     pub id: CommandId,
     /// How it went.
     pub outcome: Outcome,
+    /// Ids of objects that stood in its way; 0 for none.
+    pub objects: [u32; 2],
     /// When it was so, nanoseconds on the sender's clock.
     pub timestamp_ns: u64,
 }
@@ -135,6 +147,7 @@ impl Feedback {
                 command: self.command,
             },
             outcome,
+            objects: self.objects,
             timestamp_ns: self.timestamp_ns,
         })
     }
@@ -151,6 +164,7 @@ mod tests {
             timestamp_ns: 2,
             command,
             outcome,
+            objects: [5, 0],
         }
     }
 
@@ -161,8 +175,9 @@ mod tests {
             let (plan, command) = (7, 3);
             assert_eq!(report.id, CommandId { plan, command });
             assert_eq!((report.outcome, report.timestamp_ns), (outcome, 2));
+            assert_eq!(report.objects, [5, 0]);
         }
-        for number in [0, 11, u32::MAX] {
+        for number in [0, 13, u32::MAX] {
             let refused = feedback(3, number).read();
             assert_eq!(refused, Err(FeedbackError::Outcome(number)));
         }

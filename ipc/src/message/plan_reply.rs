@@ -545,6 +545,7 @@ mod tests {
             Failure::Unsuccessful {
                 step,
                 outcome: crate::message::Outcome::NoPath,
+                objects: [0; 2],
             },
             Failure::NotThere {
                 step,

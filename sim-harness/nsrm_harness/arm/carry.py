@@ -85,7 +85,7 @@ class Planner:
         others = {key: cuboid for key, cuboid in objects.items() if key != name}
         if on_it := resting_on(block, others):
             raise RefusedError(
-                Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first"
+                Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first", tuple(on_it)
             )
         try:
             put = placement(goal, block, others)

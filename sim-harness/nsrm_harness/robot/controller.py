@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from nsrm_harness.messages import Outcome, SubGoal
 
@@ -15,11 +16,19 @@ MAX_STEPS = 8
 UNIT_TOLERANCE = 1e-3
 """How far from 1 the squared length of an orientation may be."""
 
-Say = Callable[[int, int, Outcome], None]
+
+class Answer(NamedTuple):
+    """How a command goes; `objects`: what stood in its way."""
+
+    outcome: Outcome
+    objects: tuple[int, ...] = ()
+
+
+Say = Callable[[int, int, Answer], None]
 """Plan, command and how it goes."""
 Reject = Callable[[str, str], None]
 """Service and why what came through it is passed over."""
-Mover = Callable[[SubGoal], Outcome]
+Mover = Callable[[SubGoal], Answer]
 """Moves the object of a command to where it says."""
 
 
@@ -27,7 +36,7 @@ Mover = Callable[[SubGoal], Outcome]
 class _Done:
     plan: int
     command: int
-    outcome: Outcome
+    answer: Answer
 
 
 def fault(command: SubGoal) -> str | None:
@@ -71,7 +80,7 @@ class Controller:
 
     def __init__(self, mover: Mover, say: Say, reject: Reject, clock: Callable[[], int]) -> None:
         self._mover, self._say, self._reject, self._clock = mover, say, reject, clock
-        self._last = _Done(0, 0, Outcome.IMPOSSIBLE)
+        self._last = _Done(0, 0, Answer(Outcome.IMPOSSIBLE))
         self._current: tuple[int, int] | None = None
 
     def is_stopped_by(self, commands: Iterable[SubGoal]) -> bool:
@@ -89,24 +98,24 @@ class Controller:
             # Its numbers don't count: those of commands to come may be smaller.
             self._reject("sub_goal", why)
             if number > 0:
-                self._say(plan, number, Outcome.IMPOSSIBLE)
+                self._say(plan, number, Answer(Outcome.IMPOSSIBLE))
             return
         if (plan, number) == (self._last.plan, self._last.command):
             # Again: its end is known. A stop that comes after it comes too late.
-            self._say(plan, number, self._last.outcome)
+            self._say(plan, number, self._last.answer)
             return
         if (plan, number) < (self._last.plan, self._last.command):
-            self._say(plan, number, Outcome.IMPOSSIBLE)
+            self._say(plan, number, Answer(Outcome.IMPOSSIBLE))
             return
         late_ns = self._clock() - command.until_ns
-        outcome = Outcome.STOPPED
+        answer = Answer(Outcome.STOPPED)
         if command.kind == MOVE and late_ns > 0:
             self._reject("sub_goal", f"{late_ns // 1_000_000} ms after its time")
-            outcome = Outcome.TOO_LATE
+            answer = Answer(Outcome.TOO_LATE)
         elif command.kind == MOVE:
-            self._say(plan, number, Outcome.ACCEPTED)
+            self._say(plan, number, Answer(Outcome.ACCEPTED))
             self._current = plan, number
-            outcome = self._mover(command)
+            answer = self._mover(command)
             self._current = None
-        self._last = _Done(plan, number, outcome)
-        self._say(plan, number, outcome)
+        self._last = _Done(plan, number, answer)
+        self._say(plan, number, answer)

@@ -8,10 +8,11 @@ from collections.abc import Callable, Mapping
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Done, StuckError, go_back
 from nsrm_harness.arm.perform import FailedError, perform
-from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.stop import StoppedError, WayBack
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.robot.controller import Answer
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.pose import Pose, Vector3
 from nsrm_harness.world.world import World
@@ -34,6 +35,16 @@ FAILURES = {
 }
 """What a controller says of a carrying that ended so, and the block is not seen where it was to
 go."""
+REFUSALS = {
+    Why.UNSEEN: Outcome.IMPOSSIBLE,
+    Why.COVERED: Outcome.NO_PATH,
+    Why.NO_SUPPORT: Outcome.WOULD_FALL,
+    Why.UNSTABLE: Outcome.WOULD_FALL,
+    Why.NO_ROOM: Outcome.NO_PATH,
+    Why.OUT_OF_REACH: Outcome.OUT_OF_REACH,
+    Why.NO_WAY: Outcome.NO_PATH,
+}
+"""And of one that was not begun."""
 
 
 class SetsDown:
@@ -45,19 +56,19 @@ class SetsDown:
     def __init__(self, world: World, seen: Callable[[int], Vector3 | None]) -> None:
         self._world, self._seen = world, seen
 
-    def __call__(self, command: SubGoal) -> Outcome:
+    def __call__(self, command: SubGoal) -> Answer:
         """Moves an object."""
         seen, goal = self._seen(command.object_id), goal_of(command)
         if seen is None:
-            return Outcome.IMPOSSIBLE
+            return Answer(Outcome.IMPOSSIBLE)
         block_id, distance_m = self._world.nearest(seen)
         if distance_m > GRASP_M:
-            return Outcome.NOT_GRASPED
+            return Answer(Outcome.NOT_GRASPED)
         self._world.place(block_id, goal)
         if not self._world.settle().at_rest:
-            return Outcome.DROPPED
+            return Answer(Outcome.DROPPED)
         missed = self._world.pose(block_id).distance_m(goal) > MISPLACED_M
-        return Outcome.MISPLACED if missed else Outcome.REACHED
+        return Answer(Outcome.MISPLACED if missed else Outcome.REACHED)
 
 
 class Carries:
@@ -84,12 +95,12 @@ class Carries:
         self._plan, self._meant = 0, set[int]()
         world.on_tick = self._tick
 
-    def __call__(self, command: SubGoal) -> Outcome:
+    def __call__(self, command: SubGoal) -> Answer:
         """Moves an object."""
         self.tidy_up()
         if self._stuck:
             _LOG.error("not begun: %s; look at the arm and start its controller anew", self._stuck)
-            return Outcome.STOPPED
+            return Answer(Outcome.STOPPED)
         if command.plan != self._plan:
             self._plan, self._meant = command.plan, set()
         # What this plan has moved, or put something beside, stays where it is.
@@ -109,22 +120,22 @@ class Carries:
             )
         except RefusedError as refusal:
             _LOG.warning("not begun: %s", refusal)
-            return Outcome.NO_PATH
+            return Answer(REFUSALS[refusal.why], tuple(map(_number, refusal.in_the_way)))
         except FailedError as failure:
             _LOG.warning("%s", failure)
-            return FAILURES[failure.done]
+            return Answer(FAILURES[failure.done])
         except _StoppedPlanningError:
-            return Outcome.STOPPED
+            return Answer(Outcome.STOPPED)
         except StoppedError as stopped:
             _LOG.warning("%s", stopped)
             self._back = stopped.back
-            return Outcome.STOPPED
+            return Answer(Outcome.STOPPED)
         except StuckError as error:
             _LOG.error("%s", error)
             self._stuck = str(error)
-            return Outcome.STOPPED
+            return Answer(Outcome.STOPPED)
         _LOG.info("%s", performed)
-        return Outcome.REACHED
+        return Answer(Outcome.REACHED)
 
     def tidy_up(self) -> None:
         """After a stop that has been answered: puts what it holds down where it was taken, and
@@ -164,3 +175,7 @@ def goal_of(command: SubGoal) -> Pose:
 
 def _name(number: int) -> str:
     return f"object {number}"
+
+
+def _number(name: str) -> int:
+    return int(name.split()[-1])

@@ -28,6 +28,7 @@ from nsrm_harness.messages import (
     SubGoal,
 )
 from nsrm_harness.robot.config import RobotConfig, iox2
+from nsrm_harness.robot.controller import Answer
 from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
 
 BEAT_S = 0.1
@@ -269,18 +270,19 @@ class FeedbackOut:
         self._bell = robot.bell("feedback")
         self._sequence = 0
 
-    def say(self, plan: int, command: int, outcome: int) -> None:
+    def say(self, plan: int, command: int, answer: Answer) -> None:
         """How a command goes, as of now."""
         self._sequence += 1
-        self._publisher.send_copy(
-            Feedback(
-                plan=plan,
-                sequence=self._sequence,
-                timestamp_ns=now_ns(),
-                command=command,
-                outcome=outcome,
-            )
+        feedback = Feedback(
+            plan=plan,
+            sequence=self._sequence,
+            timestamp_ns=now_ns(),
+            command=command,
+            outcome=answer.outcome,
         )
+        for place, number in enumerate(answer.objects[: len(feedback.objects)]):
+            feedback.objects[place] = number
+        self._publisher.send_copy(feedback)
         self._bell.notify()
 
 

@@ -74,6 +74,7 @@ mod tests {
             timestamp_ns: 2,
             command: 3,
             outcome: Outcome::Reached as u32,
+            objects: [0; 2],
         };
         let bytes = [bytes_of(&feedback), b"behind"].concat();
         let (back, rest): (Feedback, _) = message(&bytes);

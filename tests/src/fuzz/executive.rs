@@ -303,6 +303,7 @@ impl World {
             timestamp_ns,
             command,
             outcome,
+            objects: [0; 2],
         });
     }
 

@@ -235,6 +235,7 @@ fn feedbacks() -> Vec<Vec<u8>> {
         timestamp_ns: 10_000_000 * sequence,
         command: 1,
         outcome: outcome as u32,
+        objects: [5, 0],
     });
     let each: Vec<_> = all.map(|feedback| bytes_of(&feedback).to_vec()).collect();
     let together = each.concat();

@@ -5,7 +5,7 @@ use nsrm_ipc::message::{Feedback, FeedbackError, Outcome};
 use nsrm_tests::by_hand::{Parts, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
-use crate::world::{MS, World};
+use crate::world::{MS, World, unsuccessful};
 
 #[test]
 fn a_cancelled_sentence_stops_the_robot_and_waits_for_it() {
@@ -50,7 +50,7 @@ fn what_a_controller_says_first_of_a_commands_end_is_what_counts() {
         world.say(&command, Outcome::Dropped);
         world.say(&command, later);
         let (step, outcome) = (0, Outcome::Dropped);
-        let why = Failure::Unsuccessful { step, outcome };
+        let why = unsuccessful(step, outcome);
         let event = world.executive.poll(world.now_ns);
         assert_eq!(event, Event::Again { step, why }, "{later:?}");
         assert_eq!(world.run(), Ok(()));
@@ -94,6 +94,7 @@ fn a_scene_from_before_a_command_shows_nothing_of_what_came_of_it() {
         timestamp_ns: 0,
         command,
         outcome: Outcome::Reached as u32,
+        objects: [0; 2],
     };
     world.executive.hear(&feedback, world.now_ns).unwrap();
     assert_eq!(world.executive.poll(world.now_ns), Event::Working);
@@ -196,6 +197,7 @@ fn what_is_about_another_command_changes_nothing() {
         timestamp_ns: world.now_ns,
         command: 1,
         outcome: 77,
+        objects: [0; 2],
     };
     let refused = world.executive.hear(&nonsense, world.now_ns);
     assert_eq!(refused, Err(FeedbackError::Outcome(77)));

@@ -11,7 +11,7 @@ use nsrm_ipc::message::{Outcome, SceneMessage};
 use nsrm_tests::by_hand::{Parts, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
-use crate::world::{MS, World};
+use crate::world::{MS, World, unsuccessful};
 
 #[test]
 fn a_sentence_is_done_step_by_step_each_in_the_scene_after_the_one_before() {
@@ -70,7 +70,7 @@ fn open_loop_carries_out_the_first_plan_without_looking() {
     world.scene = raw_scene(&model, &BLOCKS);
     world.outcomes = [Outcome::Dropped].into();
     let (step, outcome) = (0, Outcome::Dropped);
-    assert_eq!(world.run(), Err(Failure::Unsuccessful { step, outcome }));
+    assert_eq!(world.run(), Err(unsuccessful(step, outcome)));
 }
 
 #[test]
@@ -142,17 +142,24 @@ fn what_went_wrong_is_tried_again_a_bounded_number_of_times() {
     world.outcomes = [Outcome::NotGrasped; 3].into();
     world.ask("put the red block on the blue block", Mode::ClosedLoop);
     let (step, outcome) = (0, Outcome::NotGrasped);
-    assert_eq!(world.run(), Err(Failure::Unsuccessful { step, outcome }));
+    assert_eq!(world.run(), Err(unsuccessful(step, outcome)));
+    let why = unsuccessful(0, Outcome::NoPath).to_string();
+    assert_eq!(
+        why,
+        "step 1: there is no way there without a collision: object 3 is in the way"
+    );
     // That can't get better by itself.
     for outcome in [
         Outcome::NoPath,
+        Outcome::WouldFall,
+        Outcome::OutOfReach,
         Outcome::Stopped,
         Outcome::Busy,
         Outcome::Impossible,
     ] {
         world.outcomes = [outcome].into();
         world.ask("put the red block on the blue block", Mode::ClosedLoop);
-        assert_eq!(world.run(), Err(Failure::Unsuccessful { step, outcome }));
+        assert_eq!(world.run(), Err(unsuccessful(step, outcome)));
     }
 }
 

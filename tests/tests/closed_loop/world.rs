@@ -10,6 +10,18 @@ use nsrm_tests::world::BLOCKS;
 
 pub(crate) const MS: u64 = 1_000_000;
 
+/// What the controller says of every command, whatever its outcome.
+const IN_THE_WAY: [u32; 2] = [3, 0];
+
+/// What a sentence fails with then.
+pub(crate) const fn unsuccessful(step: u8, outcome: Outcome) -> Failure {
+    Failure::Unsuccessful {
+        step,
+        outcome,
+        objects: IN_THE_WAY,
+    }
+}
+
 /// What stands around an executive.
 pub(crate) struct World<'m> {
     pub(crate) executive: Executive<'m>,
@@ -62,6 +74,7 @@ impl<'m> World<'m> {
             timestamp_ns: self.now_ns,
             command: command.id.command,
             outcome: outcome as u32,
+            objects: IN_THE_WAY,
         };
         self.executive.hear(&feedback, self.now_ns).unwrap();
     }

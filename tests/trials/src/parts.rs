@@ -251,6 +251,7 @@ impl Controller {
             timestamp_ns: now_ns(),
             command: id.command,
             outcome: outcome as u32,
+            objects: [0; 2],
         };
         self.feedback.send(&feedback)?;
         Ok(())

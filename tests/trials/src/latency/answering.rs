@@ -121,6 +121,7 @@ pub(super) fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome)
         timestamp_ns: now_ns(),
         command,
         outcome: outcome as u32,
+        objects: [0; 2],
     }
 }
 

@@ -165,6 +165,7 @@ impl<A: Alone> Answers<A> {
             timestamp_ns: taken_ns,
             command: id.command,
             outcome: Outcome::Accepted as u32,
+            objects: [0; 2],
         })?;
         Ok(())
     }
