@@ -208,3 +208,17 @@ def test_a_block_that_meets_nothing_is_put_down(arm: DisturbedArm) -> None:
     put(arm)
     assert carried(arm, lambda done: None) is Done.PLACED
     assert arm.pose(1).distance_m(GOAL) < 0.001
+
+
+def test_fingers_that_come_down_on_a_block_go_up_again(arm: DisturbedArm) -> None:
+    put(arm)
+    before = arm.pose(1)
+    marks: list[str] = []
+    # It is believed to be 8 mm from where it is, along what the fingers close over.
+    x, y, z = before.position
+    objects = {"1": Cuboid(Pose.upright(x, y + 0.008, z), (0.04, 0.04, 0.04))}
+    carry = Planner().carry(objects, "1", GOAL, arm.joints())
+    assert carry_out(arm, carry, marks.append) is Done.NOT_GRASPED
+    assert marks == ["not grasped"]
+    assert float(np.abs(arm.joints() - panda.READY_RAD).max()) < HOME_RAD
+    assert arm.pose(1).distance_m(before) < 0.003

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
+from contextlib import closing
 from typing import Any
 
 import numpy as np
 import pytest
 from arm_scenes import KINEMATICS, above
+from world_scenes import DOMAIN
 
 from nsrm_harness.arm import panda, ways
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.collision import Guard, Nearest, steps
+from nsrm_harness.arm.execute import Done, carry_out
+from nsrm_harness.arm.panda import READY_RAD as READY
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.pose import Pose
 
 
@@ -80,3 +87,26 @@ def test_where_there_is_no_way_it_is_told_what_stands_in_it(
     on_it = {"block": Cuboid(Pose((0.5, 0.2, 0.075)), (0.1, 0.1, 0.15))}
     touch = around(on_it)
     assert isinstance(touch, Nearest) and "block" in touch.pair
+
+
+def test_a_hand_that_would_touch_a_tower_leans_away_from_it() -> None:
+    high, small = (0.06, 0.06, 0.05), (0.04, 0.04, 0.04)
+    tower = {f"tower {n}": Cuboid(Pose.upright(0.5, 0.0, 0.025 + 0.05 * n), high) for n in range(4)}
+    blocks = [block_from_attributes(DOMAIN, {"color": "red", "size": "lego"})] * 4
+    blocks.append(block_from_attributes(DOMAIN, {"color": "blue", "size": "small"}))
+    beside, goal = Pose.upright(0.5, 0.075, 0.02), Pose.upright(0.5, 0.2, 0.02)
+    carry = Planner().carry({"block": Cuboid(beside, small), **tower}, "block", goal, READY)
+    assert carry.grasp.lean_rad != 0.0
+    lean = math.acos(float(-carry.grasp.hand.rotation()[2, 2]))
+    assert lean == pytest.approx(abs(carry.grasp.lean_rad))
+    # Without the tower it does not.
+    alone = Planner().carry({"block": Cuboid(beside, small)}, "block", goal, READY)
+    assert alone.grasp.lean_rad == 0.0
+    with closing(ArmWorld()) as world:
+        world.spawn(blocks, [*(cuboid.pose for cuboid in tower.values()), beside])
+        assert world.settle().at_rest
+        before = world.poses()
+        assert carry_out(world, carry) is Done.PLACED
+        after = world.poses()
+        assert all(after[number].distance_m(before[number]) < 0.0005 for number in range(1, 5))
+        assert after[5].distance_m(goal) < 0.001

@@ -33,7 +33,7 @@ SQUARE_M = 0.002
 class Carry:
     """What the arm does, in this order.
 
-    * `reach`: to above the block, with the fingers as far open as the grasp says
+    * the fingers open as far as the grasp says; `reach`: to above the block
     * `descend`; then the fingers close; `lift`
     * `transfer`: to above where it is put
     * `lower`; then they open; `retreat`
@@ -135,7 +135,6 @@ class Planner:
             return None
         down, lower = up.reversed(), away.reversed()
         opening = grasp.opening_m
-        # The fingers open to what the grasp says while they come.
         grasped = [(finger, name) for finger in panda.FINGERS]
         before = self._guard({**others, name: block}, ignored=grasped)
         after = self._guard({**others, name: put.cuboid}, ignored=grasped)
@@ -152,16 +151,16 @@ class Planner:
             touch = guard.along(way, wide)
             if touch is not None:
                 return touch
-        reach = free(before, begin, down.begin, panda.MAX_OPENING_M, self._pace)
+        reach = free(before, begin, down.begin, opening, self._pace)
         if isinstance(reach, Nearest):
             return reach
         transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
         if isinstance(transfer, Nearest):
             return transfer
-        home = free(after, away.end, panda.READY_RAD, panda.MAX_OPENING_M, self._pace)
+        home = free(after, away.end, panda.READY_RAD, opening, self._pace)
         if isinstance(home, Nearest):
             return home
-        back = free(before, up.end, panda.READY_RAD, panda.MAX_OPENING_M, self._pace)
+        back = free(before, up.end, panda.READY_RAD, opening, self._pace)
         if isinstance(back, Nearest):
             return back
         return Carry(
@@ -208,11 +207,13 @@ def _looking_the_same(put: Cuboid, block: Cuboid) -> list[Cuboid]:
 
 
 def _least_turns_first(found: Sequence[Grasp]) -> list[Grasp]:
-    """Low ones first, of them those that turn the hand least from how it is when ready."""
+    """Upright ones first, of them low ones, of those such that turn the hand least from how it is
+    when ready."""
 
-    def order(grasp: Grasp) -> tuple[float, float]:
-        x, y, _, _ = grasp.hand.orientation
-        turn_rad = (2 * math.atan2(y, x) + math.pi) % (2 * math.pi) - math.pi
-        return grasp.hand.position[2], round(abs(turn_rad), 6)
+    def order(grasp: Grasp) -> tuple[float, float, float]:
+        # Where the fingers close along.
+        x, y, _ = grasp.hand.rotation()[:, 1]
+        turn_rad = math.atan2(x, -y)
+        return abs(grasp.lean_rad), grasp.hand.position[2], round(abs(turn_rad), 6)
 
     return sorted(found, key=order)

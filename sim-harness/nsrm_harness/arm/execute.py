@@ -44,8 +44,8 @@ BACK_PACE = 0.2
 LAG_RAD = 0.02
 """Joints that follow are behind by less than that: at full speed, 2.6 rad/s, that would be 8 ms."""
 TOUCH_RAD = 0.0025
-"""While a block is lowered, slowly, they are behind by 0.001; by more than that, it has met
-something before it was to."""
+"""While the hand or a block is lowered, slowly, they are behind by 0.001; by more than that, it has
+met something before it was to."""
 ARRIVED_RAD = 0.002
 """At the end of a motion they have stopped nearer than that, before the fingers are moved."""
 
@@ -108,8 +108,20 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unst
     `StuckError`; `StoppedError` where it was told to stop.
     """
     grasp = carry.grasp
+    # First, while the arm stands: what was looked at is the arm with its fingers so.
+    begin = carry.reach[0].begin
     body.grip(grasp.opening_m, GRIP_N)
-    _follow(body, (*carry.reach, carry.descend), _Halt(stop, back_from, WayBack()))
+    body.drive(begin, np.zeros_like(begin))
+    _until_still(body, OPENING_S)
+    _follow(body, carry.reach, _Halt(stop, back_from, WayBack()))
+    from_here = WayBack(ways=tuple(Backwards(way) for way in carry.reach[::-1]))
+    try:
+        _follow(body, [carry.descend], _Halt(stop, back_from, from_here), lag_rad=TOUCH_RAD)
+    except StuckError:
+        up = Straight(body.joints(), carry.descend.begin, BACK_PACE)
+        _follow(body, (up, *carry.back), _Halt(stop, on_from, WayBack()))
+        mark("not grasped")
+        return Done.NOT_GRASPED
     mark("reached")
     body.grip(0.0, GRIP_N)
     _until_still(body, CLOSING_S)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -12,6 +13,8 @@ from nsrm_harness.world.pose import Pose
 HEIGHTS_M = (0.0, 0.006, 0.010, 0.014)
 """Of the fingertips above the block's middle: the higher ones keep the palm off a neighbour
 that is taller."""
+LEANS_RAD = (0.0, 0.35, -0.35, 0.6, -0.6)
+"""Of the hand along the faces that it holds: leaning keeps its upper part off a tower."""
 HELD_M = 0.010
 """So much of the fingers is on the block, at least."""
 CLEAR_M = 0.003
@@ -24,28 +27,35 @@ class Grasp:
 
     * `hand`: its frame in the world
     * `width_m`: between the fingers when they hold it
+    * `lean_rad`: of the hand from pointing straight down
     * `opening_m`: before they close, and after they let go
     """
 
     hand: Pose
     width_m: float
+    lean_rad: float = 0.0
 
     @property
     def opening_m(self) -> float:
         return min(self.width_m + 2 * CLEAR_M, panda.MAX_OPENING_M)
 
 
-def pointing_down(x: float, y: float, z: float, yaw_rad: float) -> Pose:
-    """The hand with its fingertips there; it closes along y, turned by the yaw."""
+def pointing_down(x: float, y: float, z: float, yaw_rad: float, lean_rad: float = 0.0) -> Pose:
+    """The hand with its fingertips there; it closes along y, turned by the yaw, and leans about
+    that line."""
     turn = (math.cos(yaw_rad / 2), math.sin(yaw_rad / 2), 0.0, 0.0)
-    return Pose((x, y, z + panda.FINGERTIP_M), turn)
+    if lean_rad == 0.0:
+        return Pose((x, y, z + panda.FINGERTIP_M), turn)
+    lean = Pose((0.0, 0.0, 0.0), (0.0, math.sin(lean_rad / 2), 0.0, math.cos(lean_rad / 2)))
+    return Pose((x, y, z), turn) @ lean @ Pose((0.0, 0.0, -panda.FINGERTIP_M))
 
 
 def grasps(block: Cuboid) -> list[Grasp]:
-    """All ways that are tried, the best first: low ones before high ones."""
+    """All ways that are tried, the best first: upright ones before those that lean, low ones
+    before high ones."""
     x, y, z = block.pose.position
     found = []
-    for height_m in HEIGHTS_M:
+    for lean_rad, height_m in itertools.product(LEANS_RAD, HEIGHTS_M):
         if block.edges_m[2] / 2 - height_m < HELD_M:
             continue
         for quarter in range(4):
@@ -54,5 +64,6 @@ def grasps(block: Cuboid) -> list[Grasp]:
             if width_m > panda.MAX_OPENING_M - CLEAR_M:
                 continue
             yaw_rad = block.pose.yaw_rad() + (quarter - 1) * math.pi / 2
-            found.append(Grasp(pointing_down(x, y, z + height_m, yaw_rad), width_m))
+            hand = pointing_down(x, y, z + height_m, yaw_rad, lean_rad)
+            found.append(Grasp(hand, width_m, lean_rad))
     return found

@@ -43,7 +43,8 @@ MAX_OPENING_M = 0.08
 """Between the fingers."""
 FINGER_SPEED_M_S = 0.05
 """Of each finger, at most."""
-GRIP_N = 20.0
-"""With which the fingers hold; the hand may hold with up to 70 N lastingly."""
+GRIP_N = 40.0
+"""With which the fingers hold; the hand may hold with up to 70 N lastingly. A block that is lowered
+onto another one must not slide up between them before the joints feel it."""
 MAX_TORQUE_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
 """The most that each joint's motor gives."""
