@@ -285,3 +285,27 @@ def test_where_all_of_a_covered_block_is_is_remembered_until_it_moves(renderer: 
         world.settle()
         assert not eyes.look().covered
         np.testing.assert_array_equal(eyes.look().whole[lower], eyes.look().locations[lower])
+
+
+@pytest.mark.parametrize(("y", "yaw"), [(0.052, 0.0), (0.055, 0.1)])
+def test_a_block_that_is_moved_behind_a_tower_keeps_its_edges(
+    renderer: Renderer, y: float, yaw: float
+) -> None:
+    large = block_from_attributes(DOMAIN, {"color": "red", "size": "lego"})
+    moved = small("green")
+    with World() as world:
+        half = moved.edges_m[2] / 2
+        tower = [Pose.upright(0.56, 0.12, 0.025 + 0.05 * level) for level in range(2)]
+        world.spawn([large] * 2 + [moved], [*tower, Pose.upright(0.42, -0.22, half)])
+        world.settle()
+        eyes = Eyes(renderer, world)
+        number = eyes.numbers()[3]
+        world.place(3, Pose.upright(0.515 - moved.edges_m[0] / 2, 0.12 + y, half + 0.003, yaw))
+        world.settle()
+        seen = eyes.look()[number]
+        assert seen.pose.distance_m(world.pose(3)) < 0.002
+        assert sorted(seen.edges_m) == pytest.approx(sorted(moved.edges_m), abs=EDGE_M)
+        # Only a part of it is in view.
+        alone = Eyes(renderer, world).look()
+        parts = [c for c in alone.values() if c.pose.distance_m(world.pose(3)) < 0.03]
+        assert parts and min(parts[0].edges_m[:2]) < min(moved.edges_m[:2]) - EDGE_M

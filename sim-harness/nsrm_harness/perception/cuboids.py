@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -27,6 +28,12 @@ FACE_M = 0.004
 """What is seen of a box lies by no more outside it."""
 WITHIN_SHARE = 0.95
 """Of what is seen of it, at least."""
+HIDDEN_SHARE = 0.8
+"""Of what is taken to go on behind others, so much at least is behind them."""
+NEARER_M = 0.005
+"""What covers a point is nearer to the camera by more."""
+SAMPLES = 13
+"""Places along each edge of an upper face at which that is looked at."""
 BEHIND_M = 0.02
 """What is seen by so much behind a point has nothing there before it."""
 
@@ -63,7 +70,8 @@ class Cuboids:
     """The objects as boxes, over pictures: what is hidden of one now was seen before.
 
     An object is believed to be where it was last seen whole as long as what is still seen of it
-    lies there; one of which nothing is seen, as long as nothing is seen behind it.
+    lies there; one of which nothing is seen, as long as nothing is seen behind it. One that was
+    moved to where others cover a part of it keeps its edges, and is taken to go on behind them.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -82,8 +90,8 @@ class Cuboids:
             # Not a number where nothing was measured.
             points = points[np.isfinite(points[:, 2])]
             now, before = _from_top(points, self._camera), self._known.get(number)
-            if before is not None and not _is_whole(now, before) and _within(points, before):
-                now = before
+            if before is not None and not _is_whole(now, before):
+                now = before if _within(points, before) else self._completed(now, before, seen)
             tops[number] = now
         for number, before in self._known.items():
             if number not in tops and not self._is_seen_through(before, seen):
@@ -93,14 +101,55 @@ class Cuboids:
         }
         return dict(self._known)
 
+    def _completed(self, now: Cuboid, before: Cuboid, seen: Relief) -> Cuboid:
+        """What is seen of a block's upper face with the edges that it had: the rest of it lies
+        where something nearer to the camera is seen. As it is seen if there is no such place."""
+        length, width, height = before.edges_m
+        if now.edges_m[2] < height - HEIGHT_M:
+            return now
+        best, most = now, HIDDEN_SHARE
+        for edges in ((length, width), (width, length)):
+            missing = np.subtract(edges, now.edges_m[:2])
+            if (missing < -EDGE_M).any():
+                continue
+            missing = np.maximum(missing, 0.0)
+            for side in itertools.product((-0.5, 0.5), repeat=2):
+                shift = now.pose.rotation()[:2, :2] @ (missing * side)
+                x, y, z = now.pose.position
+                pose = replace(now.pose, position=(x + shift[0], y + shift[1], z))
+                whole = Cuboid(pose, (*edges, now.edges_m[2]))
+                hidden = self._hidden_share(whole, now, seen)
+                if hidden > most:
+                    best, most = whole, hidden
+        return best
+
+    def _hidden_share(self, whole: Cuboid, visible: Cuboid, seen: Relief) -> float:
+        """How much of what an upper face has beyond a part of it that is seen is behind
+        something nearer to the camera."""
+        steps = np.linspace(-0.5, 0.5, SAMPLES)
+        local = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        flat = (local * whole.edges_m[:2]) @ whole.pose.rotation()[:2, :2].T
+        flat += whole.pose.position[:2]
+        own = (flat - visible.pose.position[:2]) @ visible.pose.rotation()[:2, :2]
+        beyond = flat[(np.abs(own) > np.array(visible.edges_m[:2]) / 2 + EDGE_M).any(axis=1)]
+        if not len(beyond):
+            return 0.0
+        points = np.column_stack([beyond, np.full(len(beyond), whole.top_m)])
+        return float((self._nearer_m(points, seen) > NEARER_M).mean())
+
     def _is_seen_through(self, cuboid: Cuboid, seen: Relief) -> bool:
         """Whether what lies behind all corners of its upper face is seen."""
         corners = np.column_stack([cuboid.corners(), np.full(4, cuboid.top_m)])
-        pixels = self._camera.project(corners)
+        return bool((self._nearer_m(corners, seen) < -BEHIND_M).all())
+
+    def _nearer_m(self, points: NDArray[np.float64], seen: Relief) -> NDArray[np.float64]:
+        """By how much nearer to the camera than points `[n, 3]` is what is seen where they are,
+        along the optical axis."""
+        pixels = self._camera.project(points)
         columns, rows = np.floor(pixels[:, :2]).astype(int).T
         columns = np.clip(columns, 0, self._camera.width - 1)
         rows = np.clip(rows, 0, self._camera.height - 1)
-        return bool((seen.depth[rows, columns] > pixels[:, 2] + BEHIND_M).all())
+        return np.asarray(pixels[:, 2] - seen.depth[rows, columns], np.float64)
 
 
 def _from_top(points: NDArray[np.float32], camera: Camera) -> Cuboid:
