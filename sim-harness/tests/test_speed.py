@@ -18,8 +18,7 @@ from PIL import Image
 
 from nsrm_harness.arm_trials.rows import ROWS
 from nsrm_harness.arm_trials.speed import checks, report, throughput
-from nsrm_harness.arm_trials.speed.episode import Episode, mixed
-from nsrm_harness.arm_trials.speed.errors import SpeedError
+from nsrm_harness.arm_trials.speed.episode import Episode, SpeedError, mixed
 from nsrm_harness.arm_trials.speed.profile import PARTS, SITES, Profiled, profiled
 from nsrm_harness.arm_trials.speed.run import check_same, rounds
 from nsrm_harness.arm_trials.speed.stopwatch import REST, Site, Stopwatch

@@ -69,7 +69,7 @@ class Episode(ABC):
         world.settle()
         self._world, self._drawn, self._films = world, drawn, films
         self._moves = drawn.task.moves
-        self._film = Film(world, renderer()) if films else None
+        self._film = Film(world, renderer(), small=True) if films else None
         self._judge = Judge(world, drawn.arrangement.blocks)
         self._verdicts: list[Verdict] = []
         self._performed: list[Performed] = []

@@ -60,7 +60,9 @@ def command(
     lines = report.counted(rows, ended)
     report.write_csv(lines, out / "trials.csv")
     report.draw(lines, out / "trials.png")
-    click.echo(report.text(lines))
-    click.echo(f"table and picture: {out / 'trials.csv'} {out / 'trials.png'}")
+    text = report.text(lines)
+    (out / "trials.md").write_text(f"{text}\n", encoding="utf-8")
+    click.echo(text)
+    click.echo(f"tables and picture: {out / 'trials.csv'} {out / 'trials.md'} {out / 'trials.png'}")
     if missed := report.missed(lines):
         raise TrialsError("; ".join(missed))

@@ -17,6 +17,8 @@ FRAME_S = 0.12
 """Simulated time between two frames."""
 SPEED = 1.5
 """The film is so much faster."""
+SMALL = 2 / 3
+"""Of the sides of a film, those of a small one."""
 COLORS = 192
 PALETTE_FRAMES = 8
 """Of the film, and of how many of its frames they are taken."""
@@ -25,13 +27,22 @@ SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
 
 
 class Film:
-    """An arm that is filmed from its side while it works."""
+    """An arm that is filmed from its side while it works.
 
-    def __init__(self, world: ArmWorld, renderer: Renderer) -> None:
+    * `small`: half as many frames, of less than half the pixels, for many films
+    """
+
+    def __init__(self, world: ArmWorld, renderer: Renderer, *, small: bool = False) -> None:
         self._world, self._renderer = world, renderer
+        scale = SMALL if small else 1.0
         self._camera = Camera.looking_at(
-            (1.10, -0.75, 0.80), (0.46, 0.0, 0.15), width=480, height=360, focal_px=580.0
+            (1.10, -0.75, 0.80),
+            (0.46, 0.0, 0.15),
+            width=round(480 * scale),
+            height=round(360 * scale),
+            focal_px=580.0 * scale,
         )
+        self._frame_s = 2 * FRAME_S if small else FRAME_S
         self._ticks = 0
         self._frames: list[NDArray[np.uint8]] = []
         self._shots: list[tuple[str, NDArray[np.uint8]]] = []
@@ -40,7 +51,7 @@ class Film:
 
     def _tick(self) -> None:
         self._others_tick()
-        if self._ticks % round(FRAME_S / self._world.tick_s) == 0:
+        if self._ticks % round(self._frame_s / self._world.tick_s) == 0:
             self._frames.append(self._look())
         self._ticks += 1
 
@@ -61,7 +72,7 @@ class Film:
             Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
             for frame in (*self._frames, self._look())
         ]
-        pause = [round(1000 * FRAME_S / SPEED)] * (len(frames) - 1) + [1500]
+        pause = [round(1000 * self._frame_s / SPEED)] * (len(frames) - 1) + [1500]
         frames[0].save(film, save_all=True, append_images=frames[1:], duration=pause, loop=0)
         titles = [event for event, _ in self._shots]
         side_by_side([picture for _, picture in self._shots], titles).save(strip)

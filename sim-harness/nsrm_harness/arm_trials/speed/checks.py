@@ -18,7 +18,7 @@ from nsrm_harness.arm import panda
 from nsrm_harness.arm.collision import Guard
 from nsrm_harness.arm.grasp import pointing_down
 from nsrm_harness.arm.kinematics import Joints, Kinematics
-from nsrm_harness.arm_trials.speed.errors import SpeedError
+from nsrm_harness.arm_trials.speed.episode import SpeedError
 from nsrm_harness.episodes.programs import sample_blocks
 from nsrm_harness.episodes.seeds import generator
 from nsrm_harness.perception.cuboids import Cuboid

@@ -10,11 +10,16 @@ from nsrm_harness.arm_trials import trial
 from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.rows import ROWS, Row
 from nsrm_harness.domain import Domain
+from nsrm_harness.errors import HarnessError
 
 WARM_UP = 1_000_000
 """The index of a worker's first episode: none that is measured."""
 
 _is_warm = False
+
+
+class SpeedError(HarnessError):
+    """Workers that don't start, or episodes that do not end the same each time."""
 
 
 @dataclass(frozen=True)

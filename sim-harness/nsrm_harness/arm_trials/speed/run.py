@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.speed.checks import Looks, looks
-from nsrm_harness.arm_trials.speed.episode import Episode, mixed
-from nsrm_harness.arm_trials.speed.errors import SpeedError
+from nsrm_harness.arm_trials.speed.episode import Episode, SpeedError, mixed
 from nsrm_harness.arm_trials.speed.profile import Profiled, profiled
 from nsrm_harness.arm_trials.speed.throughput import Measured, measure
 from nsrm_harness.workers import Processes, RayCluster

@@ -9,8 +9,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from nsrm_harness.arm_trials.episode import Ended
-from nsrm_harness.arm_trials.speed.episode import Episode, warm_up
-from nsrm_harness.arm_trials.speed.errors import SpeedError
+from nsrm_harness.arm_trials.speed.episode import Episode, SpeedError, warm_up
 from nsrm_harness.workers import Workers
 
 NAP_S = 0.05
