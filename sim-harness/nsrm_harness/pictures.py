@@ -127,6 +127,24 @@ def side_by_side(
     return sheet
 
 
+def in_rows(
+    images: Sequence[Image.Image | NDArray[np.uint8]], titles: Sequence[str], columns: int
+) -> Image.Image:
+    """As `side_by_side`, in as many rows as are needed for at most so many `columns`, all about
+    equally long."""
+    columns = math.ceil(len(images) / math.ceil(len(images) / columns))
+    rows = [
+        side_by_side(images[start : start + columns], titles[start : start + columns])
+        for start in range(0, len(images), columns)
+    ]
+    sheet = Image.new("RGB", (rows[0].width, sum(row.height for row in rows)), _PAPER_RGB)
+    top = 0
+    for row in rows:
+        sheet.paste(row, (0, top))
+        top += row.height
+    return sheet
+
+
 class _Canvas:
     """An enlarged image being drawn on; takes boxes as fractions."""
 

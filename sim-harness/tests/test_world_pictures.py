@@ -12,6 +12,7 @@ from nsrm_harness.pictures import (
     Arrow,
     BoxMark,
     annotate,
+    in_rows,
     side_by_side,
 )
 
@@ -81,3 +82,12 @@ def test_side_by_side_holds_all_images_and_titles():
     assert count(sheet, (255, 0, 0)) > 0.95 * 320 * 160, "the smaller is enlarged"
     with pytest.raises(ValueError, match="1 images but 2 titles"):
         side_by_side([red], ["a", "b"])
+
+
+def test_many_images_go_into_rows_of_about_equal_length():
+    red = np.zeros((50, 100, 3), np.uint8) + np.array([255, 0, 0], np.uint8)
+    row = side_by_side([red] * 3, ["one"] * 3)
+    sheet = in_rows([red] * 5, ["one"] * 5, 4)
+    assert sheet.size == (row.width, 2 * row.height)
+    assert count(sheet, (255, 0, 0)) == 5 * 50 * 100
+    assert in_rows([red] * 3, ["one"] * 3, 4).tobytes() == row.tobytes()

@@ -1,4 +1,4 @@
-"""What the arm does, as a film and as a row of pictures."""
+"""What the arm does, as a film and as rows of pictures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from nsrm_harness.pictures import side_by_side
+from nsrm_harness.pictures import in_rows
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import Camera
 from nsrm_harness.world.render import Light, Renderer
@@ -22,8 +22,10 @@ SMALL = 2 / 3
 COLORS = 192
 PALETTE_FRAMES = 8
 """Of the film, and of how many of its frames they are taken."""
+COLUMNS = 4
+"""Of the pictures: a step, if all goes well, has a row."""
 SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
-"""What is done in the pictures of the row."""
+"""What is done in the pictures."""
 
 
 class Film:
@@ -56,7 +58,7 @@ class Film:
         self._ticks += 1
 
     def mark(self, event: str) -> None:
-        """Takes a picture for the row."""
+        """Takes a picture for the rows."""
         if event in SHOWN:
             self._shots.append((event, self._look()))
 
@@ -75,7 +77,7 @@ class Film:
         pause = [round(1000 * self._frame_s / SPEED)] * (len(frames) - 1) + [1500]
         frames[0].save(film, save_all=True, append_images=frames[1:], duration=pause, loop=0)
         titles = [event for event, _ in self._shots]
-        side_by_side([picture for _, picture in self._shots], titles).save(strip)
+        in_rows([picture for _, picture in self._shots], titles, COLUMNS).save(strip)
         return [film, strip]
 
     def _look(self) -> NDArray[np.uint8]:

@@ -3,14 +3,13 @@ side by side."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import nsrm
 from PIL import Image
 
 from nsrm_harness.figures.scenes import Figure
-from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
+from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, in_rows, side_by_side
 from nsrm_harness.sight import Location, Names, Sight
 
 SHOWN: Rect = (0.03, 0.14, 0.97, 0.97)
@@ -18,6 +17,8 @@ SHOWN: Rect = (0.03, 0.14, 0.97, 0.97)
 and height."""
 COLUMNS = 3
 """More panels than these go into more rows."""
+WIDTH_PX = 1800
+"""Of the picture, at most."""
 
 
 class Sheet:
@@ -59,22 +60,12 @@ class Sheet:
             path.unlink(missing_ok=True)
             return
         caption = f"Figure {self._figure.number}: “{self._figure.sentence}”"
-        side_by_side([self._grid()], [f"{caption}\n{ending}" if ending else caption]).save(path)
-
-    def _grid(self) -> Image.Image:
-        columns = math.ceil(len(self._panels) / math.ceil(len(self._panels) / COLUMNS))
-        rows = []
-        for start in range(0, len(self._panels), columns):
-            titles, images = zip(*self._panels[start : start + columns], strict=True)
-            rows.append(side_by_side(images, titles))
-        grid = Image.new(
-            "RGB", (rows[0].width, sum(row.height for row in rows)), rows[0].getpixel((0, 0))
-        )
-        top = 0
-        for row in rows:
-            grid.paste(row, (0, top))
-            top += row.height
-        return grid
+        titles, images = zip(*self._panels, strict=True)
+        panels = in_rows(images, titles, COLUMNS)
+        sheet = side_by_side([panels], [f"{caption}\n{ending}" if ending else caption])
+        # As large as it is drawn it would fill three screens.
+        sheet.thumbnail((WIDTH_PX, sheet.height), Image.Resampling.LANCZOS)
+        sheet.save(path)
 
     def _mark(self, number: int, location: Location, before: str = "") -> BoxMark:
         label = f"{before}{self._known.words[number]}"
