@@ -99,8 +99,16 @@ class Noting(Planner):
         super().__init__()
         self.carries: list[Carry] = []
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
-        self.carries.append(super().carry(objects, name, goal, begin))
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
+        self.carries.append(super().carry(objects, name, goal, begin, leaning=leaning))
         return self.carries[-1]
 
 

@@ -110,9 +110,17 @@ class Asked(Planner):
         super().__init__()
         self.asked: list[tuple[Mapping[str, Cuboid], str, Pose, Carry | None]] = []
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
         self.asked.append((objects, name, goal, None))
-        planned = super().carry(objects, name, goal, begin)
+        planned = super().carry(objects, name, goal, begin, leaning=leaning)
         self.asked[-1] = (objects, name, goal, planned)
         return planned
 
@@ -341,8 +349,16 @@ def test_all_is_planned_before_the_first_motion(world: ArmWorld) -> None:
 class Doubting(Asked):
     """Finds no way for the block, wherever what is in its way is put, but without it."""
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
-        planned = super().carry(objects, name, goal, begin)
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
+        planned = super().carry(objects, name, goal, begin, leaning=leaning)
         if name == "block" and "near" in objects:
             raise RefusedError(Why.NO_WAY, "not proven", ("near",))
         return planned
@@ -364,11 +380,19 @@ class Choosy(Planner):
         super().__init__()
         self._left = count
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
         if name == "near" and self._left:
             self._left -= 1
             raise RefusedError(Why.OUT_OF_REACH, "not there")
-        return super().carry(objects, name, goal, begin)
+        return super().carry(objects, name, goal, begin, leaning=leaning)
 
 
 def test_where_a_blocker_can_not_be_carried_to_it_is_not_put() -> None:
@@ -387,7 +411,15 @@ class Endless(Planner):
         super().__init__()
         self.count = 0
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
         self.count += 1
         raise RefusedError(Why.NO_WAY, "", tuple(other for other in objects if other != name))
 

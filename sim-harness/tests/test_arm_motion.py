@@ -11,7 +11,7 @@ import pytest
 from nsrm_harness.arm import panda, ways
 from nsrm_harness.arm.grasp import pointing_down
 from nsrm_harness.arm.kinematics import Joints, Kinematics
-from nsrm_harness.arm.timing import Along, Straight, Trajectory
+from nsrm_harness.arm.timing import Along, Straight, Trajectory, moments_of, rest_to_rest
 from nsrm_harness.world.arm import rest_links
 
 KINEMATICS = Kinematics()
@@ -159,3 +159,17 @@ def test_a_slower_pace_takes_longer() -> None:
     assert (
         Straight(panda.READY_RAD, end, 0.5).duration_s > Straight(panda.READY_RAD, end).duration_s
     )
+
+
+def test_moments_are_those_of_ruckig() -> None:
+    rng = np.random.default_rng(4)
+    for limits in np.exp(rng.uniform([-2.0, 0.0, 2.0], [2.0, 3.0, 6.0], (200, 3))):
+        timed = rest_to_rest(*limits)
+        times_s = np.array([0.0, *rng.uniform(0.0, timed.duration, 20), timed.duration])
+        expected = np.array([timed.at_time(time_s) for time_s in times_s.tolist()])[..., 0]
+        # Before and behind it, too.
+        for outside in (np.array([-1.0]), np.array([2 * timed.duration])):
+            found = np.hstack(moments_of(timed, np.concatenate([times_s, outside])))
+            at = 0 if outside[0] < 0 else -1
+            np.testing.assert_allclose(found[:-1], expected, atol=1e-12)
+            np.testing.assert_allclose(found[-1], expected[at], atol=1e-12)

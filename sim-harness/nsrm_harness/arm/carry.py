@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.collision import HELD, Guard, Nearest
-from nsrm_harness.arm.grasp import Grasp, grasps
+from nsrm_harness.arm.grasp import LEANS_RAD, UPRIGHT, Grasp, grasps
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
@@ -70,12 +70,22 @@ class Planner:
         # The arm's hulls are loaded now, not when something waits.
         self._guard({})
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints) -> Carry:
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
         """How a block is carried to its sub-goal.
 
         * `objects`: all that is seen, by name
         * `goal`: of the block's centre, upright
         * `begin`: the joints as they are
+        * `leaning`: whether hands that lean are tried, too, which takes five times as long where
+          nothing is found
 
         Raises `RefusedError`.
         """
@@ -94,7 +104,7 @@ class Planner:
                 refusal.why, f"{name} can't stand there: {refusal}", refusal.in_the_way
             ) from None
         touches: list[Nearest] = []
-        ways = _least_turns_first(grasps(block))
+        ways = _least_turns_first(grasps(block, LEANS_RAD if leaning else UPRIGHT))
         for there, grasp in itertools.product(_looking_the_same(put.cuboid, block), ways):
             found = self._by(grasp, others, name, block, replace(put, cuboid=there), begin)
             if isinstance(found, Carry):

@@ -142,7 +142,7 @@ class _Search:
             return RefusedError(Why.NO_WAY, "enough was planned")
         self._plans += 1
         try:
-            self._planner.carry(objects, name, goal, begin)
+            self._planner.carry(objects, name, goal, begin, leaning=False)
         except RefusedError as refusal:
             return refusal
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nsrm_harness.arm import panda
@@ -13,7 +14,8 @@ from nsrm_harness.world.pose import Pose
 HEIGHTS_M = (0.0, 0.006, 0.010, 0.014)
 """Of the fingertips above the block's middle: the higher ones keep the palm off a neighbour
 that is taller."""
-LEANS_RAD = (0.0, 0.35, -0.35, 0.6, -0.6)
+UPRIGHT = (0.0,)
+LEANS_RAD = (*UPRIGHT, 0.35, -0.35, 0.6, -0.6)
 """Of the hand along the faces that it holds: leaning keeps its upper part off a tower."""
 HELD_M = 0.010
 """So much of the fingers is on the block, at least."""
@@ -50,12 +52,12 @@ def pointing_down(x: float, y: float, z: float, yaw_rad: float, lean_rad: float 
     return Pose((x, y, z), turn) @ lean @ Pose((0.0, 0.0, -panda.FINGERTIP_M))
 
 
-def grasps(block: Cuboid) -> list[Grasp]:
+def grasps(block: Cuboid, leans_rad: Sequence[float] = LEANS_RAD) -> list[Grasp]:
     """All ways that are tried, the best first: upright ones before those that lean, low ones
     before high ones."""
     x, y, z = block.pose.position
     found = []
-    for lean_rad, height_m in itertools.product(LEANS_RAD, HEIGHTS_M):
+    for lean_rad, height_m in itertools.product(leans_rad, HEIGHTS_M):
         if block.edges_m[2] / 2 - height_m < HELD_M:
             continue
         for quarter in range(4):

@@ -148,10 +148,25 @@ def _least(limits: NDArray[np.float64], factors: NDArray[np.float64]) -> float:
 
 
 def moments_of(timed: Timed, times_s: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Positions, speeds and accelerations `[n, joints]`."""
-    duration_s = float(timed.duration)
-    moments = [timed.at_time(time) for time in np.clip(times_s, 0.0, duration_s).tolist()]
-    return [np.array(part) for part in zip(*moments, strict=True)]
+    """Position, speed and acceleration of one axis, `[n, 1]` each, at each of n times; before and
+    behind it, its ends.
+
+    All at once, from its parts of constant jerk: to ask Ruckig time by time took 40 % of the
+    planning.
+    """
+    ((profile,),) = timed.profiles
+    ends_s = np.cumsum(profile.t)
+    times_s = np.clip(times_s, 0.0, ends_s[-1])
+    part = np.minimum(np.searchsorted(ends_s, times_s, side="right"), len(ends_s) - 1)
+    since_s = times_s - np.concatenate(([0.0], ends_s))[part]
+    position, speed, acceleration, jerk = (
+        np.array(each)[part] for each in (profile.p, profile.v, profile.a, profile.j)
+    )
+    return [
+        (position + since_s * (speed + since_s * (acceleration / 2 + since_s * jerk / 6)))[:, None],
+        (speed + since_s * (acceleration + since_s * jerk / 2))[:, None],
+        (acceleration + since_s * jerk)[:, None],
+    ]
 
 
 def _limits(pace: float) -> tuple[Joints, Joints, Joints]:
