@@ -225,7 +225,7 @@ def draw(speed: Speed, path: Path) -> None:
         yscale="log",
     )
     looks.grid(alpha=0.3)
-    looks.legend(fontsize=7, loc="upper right")
+    looks.legend(fontsize=7, loc="center right")
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
