@@ -35,9 +35,11 @@ def publish(report: Path, model: Path, root: Path) -> None:
             raise PublishError(f"{needed}: not there: 'harness tables' makes it")
     text = with_figures((root / README).read_text(encoding="utf-8"), report)
     target = root / REPORT_FOLDER
-    if target.exists():
-        shutil.rmtree(target)
-    shutil.copytree(report, target)
+    # Folders in it are other reports.
+    for old in target.glob("*"):
+        if old.is_file():
+            old.unlink()
+    shutil.copytree(report, target, dirs_exist_ok=True)
     shutil.copyfile(model, root / MODEL)
     (root / README).write_text(text, encoding="utf-8")
 
