@@ -100,15 +100,9 @@ class Noting(Planner):
         self.carries: list[Carry] = []
 
     def carry(
-        self,
-        objects: Mapping[str, Cuboid],
-        name: str,
-        goal: Pose,
-        begin: Joints,
-        *,
-        leaning: bool = True,
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
     ) -> Carry:
-        self.carries.append(super().carry(objects, name, goal, begin, leaning=leaning))
+        self.carries.append(super().carry(objects, name, goal, begin, **how))
         return self.carries[-1]
 
 

@@ -111,16 +111,10 @@ class Asked(Planner):
         self.asked: list[tuple[Mapping[str, Cuboid], str, Pose, Carry | None]] = []
 
     def carry(
-        self,
-        objects: Mapping[str, Cuboid],
-        name: str,
-        goal: Pose,
-        begin: Joints,
-        *,
-        leaning: bool = True,
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
     ) -> Carry:
         self.asked.append((objects, name, goal, None))
-        planned = super().carry(objects, name, goal, begin, leaning=leaning)
+        planned = super().carry(objects, name, goal, begin, **how)
         self.asked[-1] = (objects, name, goal, planned)
         return planned
 
@@ -350,15 +344,9 @@ class Doubting(Asked):
     """Finds no way for the block, wherever what is in its way is put, but without it."""
 
     def carry(
-        self,
-        objects: Mapping[str, Cuboid],
-        name: str,
-        goal: Pose,
-        begin: Joints,
-        *,
-        leaning: bool = True,
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
     ) -> Carry:
-        planned = super().carry(objects, name, goal, begin, leaning=leaning)
+        planned = super().carry(objects, name, goal, begin, **how)
         if name == "block" and "near" in objects:
             raise RefusedError(Why.NO_WAY, "not proven", ("near",))
         return planned
@@ -381,18 +369,12 @@ class Choosy(Planner):
         self._left = count
 
     def carry(
-        self,
-        objects: Mapping[str, Cuboid],
-        name: str,
-        goal: Pose,
-        begin: Joints,
-        *,
-        leaning: bool = True,
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
     ) -> Carry:
         if name == "near" and self._left:
             self._left -= 1
             raise RefusedError(Why.OUT_OF_REACH, "not there")
-        return super().carry(objects, name, goal, begin, leaning=leaning)
+        return super().carry(objects, name, goal, begin, **how)
 
 
 def test_where_a_blocker_can_not_be_carried_to_it_is_not_put() -> None:
@@ -412,13 +394,7 @@ class Endless(Planner):
         self.count = 0
 
     def carry(
-        self,
-        objects: Mapping[str, Cuboid],
-        name: str,
-        goal: Pose,
-        begin: Joints,
-        *,
-        leaning: bool = True,
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
     ) -> Carry:
         self.count += 1
         raise RefusedError(Why.NO_WAY, "", tuple(other for other in objects if other != name))

@@ -327,8 +327,8 @@ class Watched(Guard):
 
     looked: list[tuple[Joints, float]]
 
-    def _free_m(self, joints: Joints, opening_m: float) -> float:
-        free_m = super()._free_m(joints, opening_m)
+    def free_m(self, joints: Joints, opening_m: float) -> float:
+        free_m = super().free_m(joints, opening_m)
         self.looked.append((joints, free_m))
         return free_m
 
@@ -378,7 +378,7 @@ def test_two_that_move_are_near_after_half_the_way() -> None:
     folded = panda.READY_RAD + np.array([0.0, 0.0, 0.0, -0.3, 0.0, -1.2, 0.0])
     nearest = guard.nearest(folded, OPEN_M)
     assert TABLE not in nearest.pair and MARGIN_M < nearest.distance_m < 2 * FAR_M
-    assert guard._free_m(folded, OPEN_M) == pytest.approx((nearest.distance_m - MARGIN_M) / 2)
+    assert guard.free_m(folded, OPEN_M) == pytest.approx((nearest.distance_m - MARGIN_M) / 2)
 
 
 def test_no_point_is_farther_from_a_joint_than_its_reach() -> None:

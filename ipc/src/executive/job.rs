@@ -90,11 +90,7 @@ enum Purpose {
 enum Heard {
     Nothing,
     Accepted,
-    Ended {
-        outcome: Outcome,
-        objects: [u32; 2],
-        at_ns: u64,
-    },
+    Ended(Report),
     /// No more of it: the controller died.
     Lost,
     /// It never got there.
@@ -138,17 +134,15 @@ impl<'m> Job<'m> {
                 (Outcome::Accepted, _) => {}
                 // What is said first counts; it may have been on its way when the
                 // controller was lost.
-                (outcome, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
+                (_, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
                     // Not before the command, whatever the controller's clock says: a
                     // scene from before it shows nothing of what came of it.
-                    let at_ns = report.timestamp_ns.max(*sent_ns);
-                    *heard = Heard::Ended {
-                        outcome,
-                        objects: report.objects,
-                        at_ns,
-                    };
+                    *heard = Heard::Ended(Report {
+                        timestamp_ns: report.timestamp_ns.max(*sent_ns),
+                        ..*report
+                    });
                 }
-                (_, Heard::Ended { .. } | Heard::Undelivered) => {}
+                (_, Heard::Ended(_) | Heard::Undelivered) => {}
             },
             Stage::Stopping {
                 id,
@@ -280,28 +274,7 @@ impl<'m> Job<'m> {
                         Ok(Event::Stop(command.id))
                     }
                     Heard::Undelivered => Err(Failure::NotAccepted { step }),
-                    Heard::Ended {
-                        outcome: Outcome::Reached,
-                        at_ns,
-                        ..
-                    } => Ok(self.end_command(&command, at_ns, now_ns)),
-                    Heard::Ended {
-                        outcome,
-                        objects,
-                        at_ns,
-                    } => {
-                        let failure = Failure::Unsuccessful {
-                            step,
-                            outcome,
-                            objects,
-                        };
-                        if self.mode == Mode::OpenLoop || !outcome.may_be_tried_again() {
-                            return Err(failure);
-                        }
-                        let event = self.again(failure, limits)?;
-                        self.look(at_ns, now_ns, Purpose::Ground);
-                        Ok(event)
-                    }
+                    Heard::Ended(report) => self.end_command(&command, &report, limits, now_ns),
                 }
             }
             &mut Stage::Stopping {
@@ -378,8 +351,28 @@ impl<'m> Job<'m> {
         self.parsed.program.steps().len()
     }
 
-    /// The controller says that it has carried a command out.
-    fn end_command(&mut self, command: &Command, at_ns: u64, now_ns: u64) -> Event {
+    /// The controller says how a command went.
+    fn end_command(
+        &mut self,
+        command: &Command,
+        report: &Report,
+        limits: &Limits,
+        now_ns: u64,
+    ) -> Result<Event, Failure> {
+        let (step, at_ns) = (command.step, report.timestamp_ns);
+        if report.outcome != Outcome::Reached {
+            let failure = Failure::Unsuccessful {
+                step,
+                outcome: report.outcome,
+                objects: report.objects,
+            };
+            if self.mode == Mode::OpenLoop || !report.outcome.may_be_tried_again() {
+                return Err(failure);
+            }
+            let event = self.again(failure, limits)?;
+            self.look(at_ns, now_ns, Purpose::Ground);
+            return Ok(event);
+        }
         let sub_goal = &command.planned.sub_goal;
         self.place(Placed {
             object: sub_goal.object,
@@ -387,13 +380,11 @@ impl<'m> Job<'m> {
         });
         if self.mode == Mode::OpenLoop {
             self.advance_step(Stage::Send);
-            return Event::Reached {
-                step: command.step,
-                off_m: f32::NAN,
-            };
+            let off_m = f32::NAN;
+            return Ok(Event::Reached { step, off_m });
         }
         self.look(at_ns, now_ns, Purpose::Verify { missing: None });
-        Event::Working
+        Ok(Event::Working)
     }
 
     /// This step has put an object somewhere: no longer where others had put it.

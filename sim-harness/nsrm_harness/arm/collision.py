@@ -177,7 +177,7 @@ class Guard:
         index = 0
         while index < len(way.joints):
             self._alive()
-            free_m = self._free_m(way.joints[index], opening_m)
+            free_m = self.free_m(way.joints[index], opening_m)
             if free_m <= 0.0:
                 return self.touches(way.joints[index], opening_m)
             # All that any point has moved no farther than that is free too.
@@ -185,9 +185,9 @@ class Guard:
             index = max(index + 1, int(free))
         return None
 
-    def _free_m(self, joints: Joints, opening_m: float) -> float:
-        """How far any point of the arm may move at least until a pair is as near as the margin; 0
-        or less if one is, at most `FAR_M`."""
+    def free_m(self, joints: Joints, opening_m: float) -> float:
+        """How far, metres, any point of the arm may move at least until a pair is as near as the
+        margin; 0 or less if one is, at most `FAR_M`."""
         self._place(joints, opening_m)
         free_m = (self._at_least_m() - MARGIN_M) / self._movers
         least_m = FAR_M

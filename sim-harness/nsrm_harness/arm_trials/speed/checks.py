@@ -93,7 +93,7 @@ def _times(guard: Guard, joints: Joints, opening_m: float) -> tuple[float, float
     began_s = time.thread_time()
     guard.touches(joints, opening_m)
     between_s = time.thread_time()
-    guard._free_m(joints, opening_m)
+    guard.free_m(joints, opening_m)
     return between_s - began_s, time.thread_time() - between_s
 
 
