@@ -116,7 +116,7 @@ class Cuboids:
             for side in itertools.product((-0.5, 0.5), repeat=2):
                 shift = now.pose.rotation()[:2, :2] @ (missing * side)
                 x, y, z = now.pose.position
-                pose = replace(now.pose, position=(x + shift[0], y + shift[1], z))
+                pose = replace(now.pose, position=(x + float(shift[0]), y + float(shift[1]), z))
                 whole = Cuboid(pose, (*edges, now.edges_m[2]))
                 hidden = self._hidden_share(whole, now, seen)
                 if hidden > most:

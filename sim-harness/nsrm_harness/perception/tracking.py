@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ EDGE = 0.005
 SAME_SIZE = 0.25
 """Widths of two pictures of one object mostly differ by less than this share,"""
 ANY_SIZE = 0.5
-"""and never by more: a cube that is seen over an edge is 1.4 times as wide."""
+"""and none is ever wider by more: a cube that is seen over an edge is 1.4 times as wide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,10 @@ class Track:
         low, high = self.box[:2] >= other.box[:2] - EDGE, self.box[2:] <= other.box[2:] + EDGE
         return self.has_color_of(other) and bool(low.all() and high.all())
 
+    def shows(self, other: Track) -> bool:
+        """Whether this may be the other somewhere else, of which a part may be hidden there."""
+        return self.has_color_of(other) and self.width_m < other.width_m * math.exp(ANY_SIZE)
+
     def distance_m(self, other: Track) -> float:
         """Between where both were seen."""
         return float(np.linalg.norm(self.position - other.position))
@@ -78,14 +82,19 @@ class Tracker:
 
         First come those that stand where one of their looks was seen, the nearest before
         the others; then those that were moved, by their looks; then what is left to see of one
-        that is hidden; at last those of the same colour. Who is left is new.
+        that is hidden; at last what has the colour of one that was moved to where it is hidden in
+        part. Who is left is new.
         """
         seen = [_track(image, found, row, camera) for row in range(len(found))]
         names: dict[int, int] = {}
         self._match(seen, names, lambda new, old: new.looks_like(old, SAME_SIZE, STAYED_M))
         self._match(seen, names, lambda new, old: new.looks_like(old, SAME_SIZE))
         hidden = self._match(seen, names, Track.is_part_of)
-        self._match(seen, names, lambda new, old: new.looks_like(old, ANY_SIZE))
+        for row in self._match(seen, names, Track.shows):
+            # By the width of the whole it is known again.
+            seen[row] = replace(
+                seen[row], width_m=max(seen[row].width_m, self._tracks[names[row]].width_m)
+            )
         for row in range(len(seen)):
             if row not in names:
                 names[row] = self._next
