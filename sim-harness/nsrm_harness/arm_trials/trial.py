@@ -76,13 +76,15 @@ class _ByTruth(_ByModel):
                     _name(move.moved + 1),
                     goal,
                     self._mark,
-                    keep=self._meant(),
+                    keep=self._kept(index),
                 )
             )
             self._end(index)
 
-    def _meant(self) -> set[str]:
-        return {_name(index + 1) for move in self._moves for index in (move.moved, move.reference)}
+    def _kept(self, index: int) -> set[str]:
+        """What the steps so far have to do with; what only later ones name may be moved aside."""
+        moves = self._moves[: index + 1]
+        return {_name(block + 1) for move in moves for block in (move.moved, move.reference)}
 
     def _true_objects(self) -> dict[str, Cuboid]:
         return {
