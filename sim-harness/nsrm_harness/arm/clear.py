@@ -31,7 +31,7 @@ FINGER_ROOM_M = 0.034
 keeps 2 mm from the next one; the rest is for what is seen a little off."""
 
 Aside = tuple[str, Pose]
-"""The name of a blocker, and where its centre is put."""
+"""The name of what is carried first, and where its centre is put."""
 
 
 def clearing(
@@ -117,7 +117,7 @@ class _Search:
         the block, as soon as the later blockers are too."""
         block = objects[blocker]
         others = [*_without(objects, blocker).values(), self._there]
-        for place in islice(_with_room(block, others), MAX_PLACES):
+        for place in islice(with_room(block, others), MAX_PLACES):
             moved = {**objects, blocker: Cuboid(place, block.edges_m)}
             if self._refusal(_without(moved, *later)) is None and (
                 self._plan(objects, blocker, place, begin) is None
@@ -148,8 +148,8 @@ class _Search:
         return None
 
 
-def _with_room(block: Cuboid, others: Collection[Cuboid]) -> Iterator[Pose]:
-    """Places of a block on the table with room for the fingers around it, turned as it is; the
+def with_room(block: Cuboid, others: Collection[Cuboid]) -> Iterator[Pose]:
+    """Places of a block on the table with room for the fingers all around it, turned as it is; the
     nearest first."""
     x, y, _ = block.pose.position
     places = sorted(_grid(), key=lambda place: (math.dist(place, (x, y)), place))

@@ -1,5 +1,6 @@
 """One sub-goal, whatever goes wrong on the way: carried out, looked at, and tried again a
-bounded number of times. What only stands too near is moved aside first."""
+bounded number of times. What only stands too near is moved aside first, and a block that must be
+held otherwise is set down on the way."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from nsrm_harness.arm.clear import Aside, clearing
 from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.arm.stop import Stop, unstopped
+from nsrm_harness.arm.stopover import stopover
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.pose import Pose
@@ -45,7 +47,8 @@ class Performed:
     * `miss_m`: between that and where it is
     * `shifted`: what else has moved, and how far, metres
     * `motion_s`: of the arm, in all tries
-    * `cleared`: what was moved aside before, and where it was put; `tries` is without it
+    * `cleared`: what was moved aside before, or the block itself, and where it was put; `tries`
+      is without it
     """
 
     name: str
@@ -65,7 +68,7 @@ class Performed:
         if self.tries > 1:
             text += f"; at try {self.tries}"
         if self.cleared:
-            text += f"; {_names(self.cleared)} moved aside first"
+            text += f"; {_first(self.name, self.cleared)}"
         for name, shift_m in self.shifted:
             text += f"; {name} was pushed by {1000 * shift_m:.1f} mm"
         return text
@@ -97,7 +100,8 @@ def perform(
     tries: int = MAX_TRIES,
     stop: Stop = unstopped,
 ) -> Performed:
-    """Carries a block to its sub-goal; what only stands too near is moved aside first.
+    """Carries a block to its sub-goal; what only stands too near is moved aside first, or the block
+    itself is set down on the way.
 
     * `keep`: the names of what is not moved aside
     * `tries`: of anything that is carried, at most
@@ -110,7 +114,10 @@ def perform(
     try:
         return hands.carry(objects, name, goal)
     except RefusedError as refusal:
-        asides = clearing(planner, objects, name, goal, body.joints(), refusal, keep)
+        begin = body.joints()
+        asides = clearing(planner, objects, name, goal, begin, refusal, keep) or stopover(
+            planner, objects, name, goal, begin, refusal
+        )
         if not asides:
             raise
     mark("clearing")
@@ -119,9 +126,7 @@ def perform(
     try:
         performed = hands.carry(look(), name, goal)
     except (RefusedError, FailedError) as error:
-        raise FailedError(
-            f"{_names(asides)} moved aside first; then: {error}", _done(error)
-        ) from None
+        raise FailedError(f"{_first(name, asides)}; then: {error}", _done(error)) from None
     return replace(
         performed,
         cleared=asides,
@@ -154,11 +159,12 @@ class _Hands:
             try:
                 done.append(self.carry(objects, blocker, place))
             except (RefusedError, FailedError) as error:
-                raise FailedError(
-                    f"{blocker} stands in the way of {name} and was to be moved aside first: "
-                    f"{error}",
-                    _done(error),
-                ) from None
+                what = (
+                    f"{name} was to be set down on the way"
+                    if blocker == name
+                    else f"{blocker} stands in the way of {name} and was to be moved aside first"
+                )
+                raise FailedError(f"{what}: {error}", _done(error)) from None
             objects = self.look()
         return done
 
@@ -219,6 +225,9 @@ def _farthest(*parts: Performed) -> tuple[tuple[str, float], ...]:
     return tuple(shifts.items())
 
 
-def _names(asides: tuple[Aside, ...]) -> str:
-    names = [name for name, _ in asides]
-    return f"{' and '.join(names)} {'was' if len(names) == 1 else 'were'}"
+def _first(name: str, asides: tuple[Aside, ...]) -> str:
+    """What was done before a block was carried to its sub-goal."""
+    names = [other for other, _ in asides]
+    if names == [name]:
+        return f"{name} was set down on the way, to be held otherwise"
+    return f"{' and '.join(names)} {'was' if len(names) == 1 else 'were'} moved aside first"

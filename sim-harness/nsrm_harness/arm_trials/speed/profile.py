@@ -27,7 +27,7 @@ _FUNCTIONS: dict[str, tuple[tuple[type | ModuleType, tuple[str, ...]], ...]] = {
     "kinematics": ((Kinematics, ("joints",)),),
     "collision": ((Guard, ("__init__", "along", "touches", "nearest")),),
     "sampling": ((ways, ("_sampled",)),),
-    "planning": ((carry.Planner, ("carry",)), (perform, ("clearing",))),
+    "planning": ((carry.Planner, ("carry",)), (perform, ("clearing", "stopover"))),
     "timing": (
         (timing.Straight, ("__init__", "at")),
         (timing.Along, ("__init__", "at")),
