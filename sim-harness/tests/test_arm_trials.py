@@ -286,8 +286,9 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     assert "touched what it should not have: 1." in text
     assert "100.0 % by more than 1.0 mm, 2.0 mm in the middle" in text
     assert "- steps_1 2: refused: so it was" in text and "steps_1 0" not in text
-    assert [each.index for each in report.worst(all_ended, 3)] == [1, 2, 0]
-    assert report.worst(all_ended, 3)[2].row == "control"
+    assert "given up" not in text
+    assert [each.index for each in report.worst(lines, 3)] == [1, 2, 0]
+    assert report.worst(lines, 3)[2].row == "control"
     report.draw(lines, tmp_path / "trials.png")
     assert (tmp_path / "trials.png").stat().st_size > 10_000
 
@@ -313,10 +314,25 @@ def test_who_interferes_may_be_touched_and_an_open_loop_has_no_goal(tmp_path: Pa
     lines = report.counted(rows, all_ended)
     assert report.missed(lines) == []
     text = report.text(lines)
-    assert "another block put onto the goal: loop open | 1 | 0.0 % | – |" in text
+    assert "another block put onto the goal: loop open | 1 | 0.0 % | 0.0 % | – |" in text
+    # It has no goal, and is not shown as one that ended badly.
+    assert [each.row for each in report.worst(lines, 9)] == ["goal_taken_closed"]
     assert "touched what it should not have: 0." in text
     report.draw(lines[1:], tmp_path / "open.png")
     assert (tmp_path / "open.png").stat().st_size > 10_000
+
+
+def test_what_had_to_be_given_up_is_not_counted_as_done() -> None:
+    rows = [row for row in DISTURBED_ROWS if row.name == "grasp_fails_closed"]
+    all_ended = [
+        ended(rows[0].name, 0, "succeeded", GOOD),
+        replace(ended(rows[0].name, 1, "succeeded", GOOD), why="1 was tried 3 times; I stopped"),
+        replace(ended(rows[0].name, 2, "succeeded", GOOD), why="1 was tried 3 times; I stopped"),
+        ended(rows[0].name, 3, "failed", GOOD),
+    ]
+    text = report.text(report.counted(rows, all_ended))
+    assert "| done as said | rightly given up in words | goal |" in text
+    assert "loop closed | 4 | 25.0 % | 50.0 % | 95.0 % | 0 | 1 |" in text
 
 
 def test_a_row_that_is_none_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -47,6 +47,11 @@ class Line:
         return Counter(each.end for each in self.ended)
 
     @property
+    def given_up(self) -> int:
+        """Of those that succeeded: what can't be done was told as a failure, at rest."""
+        return sum(each.end == "succeeded" and bool(each.why) for each in self.ended)
+
+    @property
     def steps(self) -> list[Verdict]:
         """All that were carried out."""
         return [step for each in self.ended for step in each.steps]
@@ -84,18 +89,20 @@ def counted(rows: Sequence[Row], ended: Sequence[Ended]) -> list[Line]:
 
 def text(lines: Sequence[Line]) -> str:
     """For a person: a table in Markdown, and why what did not succeed did not."""
-    rows = [
-        "| | episodes | done as said | goal | refused | failed | off, p50 | p95 | seconds a step |",
-        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
-    ]
+    disturbed = any(line.row.is_disturbed for line in lines)
+    columns = ["", "episodes", "done as said", "goal", "refused", "failed", "off, p50", "p95"]
+    columns.append("seconds a step")
+    if disturbed:
+        columns.insert(3, "rightly given up in words")
+    rows = [_columns(columns), "|---|" + (len(columns) - 1) * "---:|"]
     for line in lines:
         _, episodes, succeeded, refused, failed, half, most, seconds = line.values()
-        share = 100 * int(succeeded) / int(episodes)
+        shares = [_percent(int(succeeded) - line.given_up, int(episodes))]
+        if disturbed:
+            shares.append(_percent(line.given_up, int(episodes)))
         goal = f"{100 * line.row.goal:.1f} %" if line.row.goal else "–"
-        rows.append(
-            f"| {line.row.title} | {episodes} | {share:.1f} % | {goal} "
-            f"| {refused} | {failed} | {half} mm | {most} mm | {seconds} |"
-        )
+        ends = [goal, refused, failed, f"{half} mm", f"{most} mm", seconds]
+        rows.append(_columns([line.row.title, episodes, *shares, *ends]))
     rows.extend(["", *_beside(lines), ""])
     rows.extend(
         f"- {each.row} {each.index}: {each.end}: {each.why}"
@@ -104,6 +111,11 @@ def text(lines: Sequence[Line]) -> str:
         if each.end != "succeeded"
     )
     return "\n".join(rows)
+
+
+def _columns(texts: Sequence[str]) -> str:
+    """Of a line of a table in Markdown."""
+    return f"| {' | '.join(texts)} |".replace("|  |", "| |")
 
 
 def _beside(lines: Sequence[Line]) -> list[str]:
@@ -152,13 +164,15 @@ def _percent(count: int, whole: int) -> str:
     return f"{100 * count / max(whole, 1):.1f} %"
 
 
-def worst(ended: Sequence[Ended], count: int) -> list[Ended]:
-    """Those that ended worst: failed ones, refused ones, then the farthest off."""
+def worst(lines: Sequence[Line], count: int) -> list[Ended]:
+    """Those that ended worst, of rows with a goal: failed ones, refused ones, then the farthest
+    off."""
     order = ("failed", "refused", "succeeded")
 
     def rank(each: Ended) -> tuple[int, float]:
         return order.index(each.end), -max((step.off_m for step in each.steps), default=0.0)
 
+    ended = [each for line in lines if line.row.goal for each in line.ended]
     return sorted(ended, key=rank)[:count]
 
 
@@ -175,9 +189,17 @@ def draw(lines: Sequence[Line], path: Path) -> None:
     figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")
     names = [line.row.title for line in lines]
     left = np.zeros(len(lines))
-    for end, color in (("succeeded", "tab:green"), ("refused", "gold"), ("failed", "tab:red")):
-        shares = np.array([100 * line.ends[end] / max(len(line.ended), 1) for line in lines])
-        ends.barh(names, shares, left=left, color=color, label=end)
+    counts = {
+        ("done as said", "tab:green"): [line.ends["succeeded"] - line.given_up for line in lines],
+        ("rightly given up in words", "yellowgreen"): [line.given_up for line in lines],
+        ("refused", "gold"): [line.ends["refused"] for line in lines],
+        ("failed", "tab:red"): [line.ends["failed"] for line in lines],
+    }
+    for (label, color), count in counts.items():
+        if not any(count) and label.startswith("rightly"):
+            continue
+        shares = 100 * np.array(count) / [max(len(line.ended), 1) for line in lines]
+        ends.barh(names, shares, left=left, color=color, label=label)
         left += shares
     aimed = [line.row for line in lines if line.row.goal]
     goals, titles = [100 * row.goal for row in aimed], [row.title for row in aimed]

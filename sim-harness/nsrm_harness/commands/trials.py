@@ -56,8 +56,8 @@ def command(
         (out / "trials.jsonl").unlink(missing_ok=True)
     with workers_of(jobs, ray) as workers:
         ended = run(rows, count, seed, workers, out / "trials.jsonl", quiet=quiet)
-        films(report.worst(ended, 0 if quick else FILMED), rows, seed, workers, out / "worst")
-    lines = report.counted(rows, ended)
+        lines = report.counted(rows, ended)
+        films(report.worst(lines, 0 if quick else FILMED), rows, seed, workers, out / "worst")
     report.write_csv(lines, out / "trials.csv")
     report.draw(lines, out / "trials.png")
     text = report.text(lines)
