@@ -309,3 +309,28 @@ def test_a_block_that_is_moved_behind_a_tower_keeps_its_edges(
         alone = Eyes(renderer, world).look()
         parts = [c for c in alone.values() if c.pose.distance_m(world.pose(3)) < 0.03]
         assert parts and min(parts[0].edges_m[:2]) < min(moved.edges_m[:2]) - EDGE_M
+
+
+def test_a_block_that_is_moved_to_where_a_sliver_is_seen_keeps_its_number(
+    renderer: Renderer, world: World
+) -> None:
+    put(
+        world,
+        (large("green"), 0.502, -0.013, 0.0),
+        (large("white"), 0.502, -0.013, 0.05),
+        (large("red"), 0.426, 0.088, 0.0),
+        (small("cyan"), 0.42, 0.18, 0.0),
+    )
+    eyes = Eyes(renderer, world)
+    named = eyes.numbers()
+    move(world, 4, Pose.upright(0.426, 0.013, 0.02, YAW))
+    eyes.look()
+    assert sorted(eyes.seen) == sorted(named.values())
+    # It is that little that is in view.
+    alone = Eyes(renderer, world).look()
+    parts = [c for c in alone.values() if c.pose.distance_m(world.pose(4)) < 0.03]
+    assert parts and min(parts[0].edges_m[:2]) < 0.5 * min(small("cyan").edges_m[:2])
+    # And it is known by its whole again.
+    move(world, 4, Pose.upright(0.36, 0.2, 0.02, YAW))
+    assert eyes.numbers() == named
+    check(world, 4, eyes.look()[named[4]])

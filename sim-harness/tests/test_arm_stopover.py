@@ -1,0 +1,105 @@
+"""A block that must be held otherwise where it goes is set down on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+
+import pytest
+from test_arm_carry import PLACED_M, STAYED_M, Still, at_home, known, put
+from test_arm_clear import Endless, Numb
+
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.execute import Done
+from nsrm_harness.arm.perform import FailedError, perform
+from nsrm_harness.arm.refused import RefusedError, Why
+from nsrm_harness.arm.stopover import stopover
+from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.pose import Pose
+
+LEFT, RIGHT = Pose.upright(0.42, 0.093, 0.02), Pose.upright(0.42, 0.217, 0.02)
+"""Of the tower: a hand must lean away from it to reach between, the one way and the other."""
+TOWER = ("2", "3", "4")
+FREE = Pose.upright(0.6, -0.1, 0.02)
+
+
+@pytest.fixture
+def world() -> Iterator[ArmWorld]:
+    with closing(ArmWorld()) as made:
+        put(
+            made,
+            ("small", 0.42, 0.217, 0.0, 0.0),
+            ("small", 0.42, 0.155, 0.0, 0.0),
+            ("lego", 0.42, 0.155, 0.04, 0.0),
+            ("lego", 0.42, 0.155, 0.09, 0.0),
+        )
+        yield made
+
+
+def objects(world: ArmWorld) -> Mapping[str, Cuboid]:
+    return known(world)()
+
+
+def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) -> None:
+    before = world.poses()
+    with pytest.raises(RefusedError) as caught:
+        Planner().carry(objects(world), "1", LEFT, world.joints())
+    assert caught.value.why is Why.NO_WAY
+    marks: list[str] = []
+    performed = perform(world, Planner(), known(world), "1", LEFT, marks.append, keep=TOWER)
+    after = world.poses()
+    ((name, place),) = performed.cleared
+    assert name == "1" and place.distance_m(LEFT) > PLACED_M
+    assert after[1].distance_m(LEFT) < PLACED_M + performed.corrected_m
+    assert all(after[number].distance_m(before[number]) < STAYED_M for number in (2, 3, 4))
+    assert marks.count("grasped") == 2 and at_home(world)
+    assert "; 1 was set down on the way, to be held otherwise" in str(performed)
+
+
+def test_from_there_it_can_be_carried_on_and_each_time_it_is_the_same(world: ArmWorld) -> None:
+    seen, ready = objects(world), panda.READY_RAD
+    why = RefusedError(Why.NO_WAY, "")
+    ((name, place),) = stopover(Planner(), seen, "1", LEFT, ready, why)
+    assert ((name, place),) == stopover(Planner(), seen, "1", LEFT, ready, why)
+    moved = {**seen, name: Cuboid(place, seen[name].edges_m)}
+    assert Planner().carry(seen, "1", place, ready).grasp.lean_rad != 0.0
+    assert Planner().carry(moved, "1", LEFT, ready).grasp.lean_rad != 0.0
+
+
+def test_where_one_lean_does_nothing_is_set_down(world: ArmWorld) -> None:
+    assert perform(world, Planner(), known(world), "1", FREE).cleared == ()
+
+
+@pytest.mark.parametrize("why", [why for why in Why if why is not Why.NO_WAY])
+def test_no_other_refusal_leads_to_one(world: ArmWorld, why: Why) -> None:
+    planner = Endless()
+    seen = objects(world)
+    assert stopover(planner, seen, "1", LEFT, panda.READY_RAD, RefusedError(why, "")) == ()
+    assert planner.count == 0
+
+
+def test_where_it_does_not_help_the_first_refusal_stands(world: ArmWorld) -> None:
+    planner = Endless()
+    with pytest.raises(RefusedError) as caught:
+        perform(Still(world), planner, known(world), "4", FREE, keep=("1", "2", "3"))
+    assert caught.value.why is Why.NO_WAY
+    # To its sub-goal, and to where it would be set down.
+    assert planner.count == 2
+
+
+def test_what_fails_on_the_way_is_told_in_words(world: ArmWorld) -> None:
+    with pytest.raises(FailedError) as caught:
+        perform(Numb(world), Planner(), known(world), "1", LEFT, keep=TOWER)
+    assert "1 was to be set down on the way: 1 was tried" in str(caught.value)
+    assert Done.NOT_GRASPED.value in str(caught.value) and at_home(world)
+
+
+def test_what_fails_after_it_is_told_in_words(world: ArmWorld) -> None:
+    body = Numb(world, since="cleared")
+    with pytest.raises(
+        FailedError, match=r"^1 was set down on the way, to be held otherwise; then"
+    ):
+        perform(body, Planner(), known(world), "1", LEFT, body.mark, keep=TOWER)
+    assert at_home(world)
