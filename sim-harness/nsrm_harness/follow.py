@@ -38,8 +38,8 @@ def numbered(number: int) -> str:
     return f"object {number}"
 
 
-def nothing(index: int) -> None:
-    """Is told of a step and does nothing."""
+def nothing(*_: object) -> None:
+    """Is told of something and does nothing."""
 
 
 @dataclass
@@ -97,8 +97,10 @@ class Follower:
     """Follows sentences with one arm and one camera.
 
     * `name`: what an object is called, by its number
+    * `looked`: is told what is seen, each time
     * `begin`, `end`: are told the index of a step before and after each attempt at it
-    * `performed`: how each sub-goal was reached, so far
+    * `reached`: is told the index of a step and how its sub-goal was reached
+    * `performed`: all of those so far
     """
 
     body: Body
@@ -107,8 +109,10 @@ class Follower:
     model: nsrm.Model
     name: Callable[[int], str] = numbered
     mark: Mark = unmarked
+    looked: Callable[[Sight], object] = nothing
     begin: Callable[[int], object] = nothing
     end: Callable[[int], None] = nothing
+    reached: Callable[[int, Performed], None] = nothing
     performed: list[Performed] = field(default_factory=list, init=False)
     _sight: Sight | None = field(default=None, init=False)
 
@@ -129,7 +133,7 @@ class Follower:
             attempts[index] += 1
             self.begin(index)
             try:
-                self.performed.append(self._perform(step, belief))
+                performed = self._perform(step, belief)
             except BlindError:
                 raise
             except (RefusedError, FailedError):
@@ -138,6 +142,8 @@ class Follower:
                 if not has_changed or attempts[index] == MAX_ATTEMPTS:
                     raise
             else:
+                self.performed.append(performed)
+                self.reached(index, performed)
                 belief.poses[step.object_id] = self._seen().cuboids[step.object_id].pose
                 belief.done.add(index)
             finally:
@@ -191,6 +197,7 @@ class Follower:
                 sight = self.eyes.look()
                 if sight.taken_s >= begun_s:
                     self._sight = sight
+                    self.looked(sight)
                     return sight
                 why = f"the camera's picture is {self.eyes.now_s - sight.taken_s:.1f} s old"
             except PerceptionError as error:

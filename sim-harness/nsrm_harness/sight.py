@@ -145,6 +145,11 @@ class Names:
     words: Mapping[int, str]
     colors: Mapping[int, tuple[float, float, float]]
 
+    def spoken(self, number: int) -> str:
+        """What tells an object from all others; one that was not there before has no words."""
+        words = self.words.get(number)
+        return f"object {number} ({words})" if words else f"object {number}"
+
 
 def names(model: nsrm.Model, domain: Domain, sight: Sight) -> Names:
     """The objects' names as the model sees them."""

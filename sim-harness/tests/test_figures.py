@@ -77,7 +77,12 @@ def test_three_steps_are_carried_out_and_drawn(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("sentence", "program", "end", "why"),
     [
-        ("put cyan block on the blue block", (ON_CYAN,), "failed", "step 1 is not as said"),
+        (
+            "put cyan block on the blue block",
+            (ON_CYAN,),
+            "failed",
+            "attempt 1 at a step was not as said",
+        ),
         ("put red block on blue block", FIGURES[2].program, "failed", "1 steps, but 2"),
         ("put purple block on the blue block", (ON_BLUE,), "refused", "model: "),
     ],

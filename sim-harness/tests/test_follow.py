@@ -14,6 +14,7 @@ from nsrm_harness import follow
 from nsrm_harness.arm.execute import StuckError
 from nsrm_harness.arm.perform import FailedError, Look, Performed
 from nsrm_harness.arm.refused import RefusedError, Why
+from nsrm_harness.demo.outcome import Stopped, carry
 from nsrm_harness.follow import MAX_ATTEMPTS, PATIENCE_S, BlindError, Follower
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.sight import DarkError, Sight
@@ -317,3 +318,53 @@ def test_an_arm_that_does_not_follow_is_not_told_anything_more() -> None:
     with pytest.raises(StuckError):
         scene.follow()
     assert scene.attempts == scene.ended == [0]
+
+
+def demonstrated(scene: Scene) -> tuple[list[Performed | Stopped], list[tuple[int, object]]]:
+    """As the demonstration has it: how each step went in the end, and what was told meanwhile."""
+    told: list[tuple[int, object]] = []
+    made_up = cast("Any", scene)
+    outcomes = carry(
+        made_up,
+        made_up,
+        made_up,
+        "so",
+        follow.numbered,
+        follow.nothing,
+        follow.nothing,
+        lambda *what: told.append(what),
+    )
+    return outcomes, told
+
+
+def test_the_demonstration_tells_how_each_step_went_in_the_end() -> None:
+    scene = Scene((1, 3), (2, 4))
+    scene.happens[2] = scene.move(1)
+    outcomes, told = demonstrated(scene)
+    assert scene.carried == ["object 1", "object 2", "object 1"] and scene.is_done()
+    assert [index for index, _ in told] == [0, 1, 0]
+    assert outcomes == [told[2][1], told[1][1]]
+
+
+@pytest.mark.parametrize(
+    ("error", "moved"), [(REFUSED, False), (FailedError("it fell"), True), (StuckError("it"), True)]
+)
+def test_the_demonstration_tells_why_it_stopped(error: Exception, moved: bool) -> None:
+    outcomes, told = demonstrated(Unable(error, (1, 3), (2, 4)))
+    assert outcomes == [Stopped(moved, str(error))] and told == [(0, outcomes[0])]
+
+
+def test_the_demonstration_has_no_outcome_without_a_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise nsrm.Refused("no such object")
+
+    scene = Scene((1, 3))
+    monkeypatch.setattr(scene, "plan", refuse)
+    with pytest.raises(nsrm.Refused):
+        demonstrated(scene)
+    # When some of it is done already, this is told.
+    scene = Scene((1, 3))
+    scene.happens[1] = lambda: (scene.move(3)(), monkeypatch.setattr(scene, "plan", refuse))[0]
+    (outcome,), _ = demonstrated(scene)
+    assert isinstance(outcome, Stopped) and outcome.moved
+    assert outcome.message == "then there was no plan for what is left: no such object"

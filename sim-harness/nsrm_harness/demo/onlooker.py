@@ -28,8 +28,8 @@ class Onlooker:
     def mark(self, event: str) -> None:
         """The arm has just done this."""
 
-    def ended(self, outcome: Outcome) -> None:
-        """How the next sub-goal went."""
+    def ended(self, index: int, outcome: Outcome) -> None:
+        """How a step went, by its index."""
 
     def end(self) -> None:
         """Nothing more is done."""

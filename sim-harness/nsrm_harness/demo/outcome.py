@@ -3,16 +3,18 @@ with blocks that are set down there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
+import nsrm
+
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Body, Mark, StuckError
-from nsrm_harness.arm.perform import FailedError, Performed, perform
+from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm.refused import RefusedError
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.sight import Sight
+from nsrm_harness.follow import Follower
+from nsrm_harness.sight import Eyes, Sight
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.world import World
 
@@ -28,7 +30,11 @@ class Outcome(Protocol):
     def as_json(self) -> dict[str, Any]: ...
 
 
-def untold(outcome: Outcome) -> None:
+Tell = Callable[[int, Any], None]
+"""Is told the index of a step and how it went."""
+
+
+def untold(index: int, outcome: Outcome) -> None:
     """Tells nobody."""
 
 
@@ -58,7 +64,7 @@ class Landing:
 
 
 def set_down(
-    world: World, sight: Sight, goals: Sequence[Goal], tell: Callable[[Outcome], None] = untold
+    world: World, sight: Sight, goals: Sequence[Goal], tell: Tell = untold
 ) -> list[Landing]:
     """Puts each block, the one nearest to where the object is seen, in place, and settles after
     each; the world is changed.
@@ -69,7 +75,7 @@ def set_down(
         number: world.nearest(cuboid.pose.position)[0] for number, cuboid in sight.cuboids.items()
     }
     landings = []
-    for number, goal in goals:
+    for index, (number, goal) in enumerate(goals):
         block_id = blocks[number]
         before = world.poses()
         world.place(block_id, goal)
@@ -84,7 +90,7 @@ def set_down(
                 settled.at_rest,
             )
         )
-        tell(landings[-1])
+        tell(index, landings[-1])
     return landings
 
 
@@ -108,35 +114,49 @@ class Stopped:
 
 def carry(
     body: Body,
-    look: Callable[[], Sight],
-    goals: Sequence[Goal],
-    names: Mapping[int, str],
+    eyes: Eyes,
+    model: nsrm.Model,
+    sentence: str,
+    name: Callable[[int], str],
     mark: Mark,
-    keep: Collection[int] = (),
-    tell: Callable[[Outcome], None] = untold,
+    looked: Callable[[Sight], None],
+    tell: Tell = untold,
 ) -> list[Performed | Stopped]:
-    """Has the arm carry each block to its sub-goal, until one can't be.
+    """Has the arm follow a sentence, step by step, until all is done or a step can't be.
 
-    * `keep`: the objects that are not moved aside for another
-    * `tell`: is told each outcome, when it has come
+    * `name`: what an object is called, by its number
+    * `looked`: is told what is seen, each time
+    * `tell`: is told each outcome, when it has come; of a step that was undone and done again the
+      last one counts
+
+    Raises `nsrm.Refused` if there is no plan.
     """
+    outcomes: dict[int, Performed | Stopped] = {}
+    begun: list[int] = []
 
-    def seen() -> dict[str, Cuboid]:
-        return {
-            # One that was not there before has no name yet.
-            names.get(number, f"object {number}"): cuboid
-            for number, cuboid in look().cuboids.items()
-        }
+    def told(index: int, outcome: Performed | Stopped) -> None:
+        outcomes[index] = outcome
+        tell(index, outcome)
 
-    planner = Planner()
-    kept = {names[number] for number in keep}
-    outcomes: list[Performed | Stopped] = []
-    for number, goal in goals:
-        try:
-            outcomes.append(perform(body, planner, seen, names[number], goal, mark, keep=kept))
-        except (RefusedError, FailedError, StuckError) as error:
-            outcomes.append(Stopped(not isinstance(error, RefusedError), str(error)))
-        tell(outcomes[-1])
-        if isinstance(outcomes[-1], Stopped):
-            break
-    return outcomes
+    follower = Follower(
+        body,
+        Planner(),
+        eyes,
+        model,
+        name,
+        mark,
+        looked=looked,
+        begin=begun.append,
+        reached=told,
+    )
+    try:
+        follower.follow(sentence)
+    except nsrm.Refused as refusal:
+        if not begun:
+            raise
+        told(begun[-1], Stopped(True, f"then there was no plan for what is left: {refusal}"))
+    except (RefusedError, FailedError, StuckError) as error:
+        if not begun:
+            raise
+        told(begun[-1], Stopped(not isinstance(error, RefusedError), str(error)))
+    return [outcomes[index] for index in sorted(outcomes)]

@@ -92,43 +92,40 @@ def show(
             paths = _save(out, {"initial": picture})
             return Shown(heading, document | {"refused": refused}, paths, refusal)
         onlooker.planned(plan)
-        goals: list[Goal] = [(step.object_id, sub_goal(step)) for step in plan.steps]
         films: list[Path] = []
         outcomes: Sequence[Outcome]
         if isinstance(world, ArmWorld):
             film = Film(world, renderer)
 
-            def look() -> Sight:
-                seen = eyes.look()
-                onlooker.looked(seen)
-                return seen
-
             def mark(event: str) -> None:
                 film.mark(event)
                 onlooker.mark(event)
 
-            keep = {n for step in plan.steps for n in (step.object_id, step.reference_id)}
-            outcomes = carry(world, look, goals, _spoken(known), mark, keep, onlooker.ended)
+            outcomes = carry(
+                world,
+                eyes,
+                model,
+                sentence,
+                known.spoken,
+                mark,
+                onlooker.looked,
+                onlooker.ended,
+            )
             films = film.save(out)
         else:
+            goals: list[Goal] = [(step.object_id, sub_goal(step)) for step in plan.steps]
             outcomes = set_down(world, sight, goals, onlooker.ended)
         result = eyes.look()
         onlooker.looked(result)
         onlooker.end()
     pictures = _pictures(sentence, sight, known, plan, outcomes, background, result)
     text = f"{heading}\n{report.as_text(plan, known.words, outcomes)}"
-    last = outcomes[-1]
     return Shown(
         text,
         document | report.as_json(plan, outcomes),
         (*_save(out, pictures), *films),
-        last if isinstance(last, Stopped) else None,
+        next((outcome for outcome in outcomes if isinstance(outcome, Stopped)), None),
     )
-
-
-def _spoken(known: Names) -> dict[int, str]:
-    """Names that tell all objects apart."""
-    return {number: f"object {number} ({words})" for number, words in known.words.items()}
 
 
 def _pictures(

@@ -1,5 +1,5 @@
 """A figure carried out: the model plans from sentence and picture, the arm follows its sub-goals,
-and each step is judged."""
+and each attempt at a step is judged."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pathlib import Path
 import nsrm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm.perform import FailedError, perform
+from nsrm_harness.arm.execute import StuckError
+from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm.refused import RefusedError
-from nsrm_harness.arm_trials.episode import model, planner, renderer
+from nsrm_harness.arm_trials.episode import lasting, model, planner, renderer
 from nsrm_harness.arm_trials.judge import Judge, Verdict
 from nsrm_harness.domain import Domain
-from nsrm_harness.episodes.moves import Move
 from nsrm_harness.figures.scenes import Figure, Scene, draw
 from nsrm_harness.figures.sheet import Sheet
-from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.follow import Follower
 from nsrm_harness.perception.relief import PerceptionError
-from nsrm_harness.sight import Eyes, Sight, names, sub_goal
+from nsrm_harness.sight import Eyes, Names, Sight, names, sub_goal
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import default_camera
 
@@ -29,7 +29,7 @@ from nsrm_harness.world.camera import default_camera
 class Done:
     """A step that was carried out.
 
-    * `goal_off_m`: between the model's sub-goal and where the block is to be
+    * `goal_off_m`: between the model's first sub-goal and where the block is to be
     * `corrected_m`: between the model's sub-goal and where the arm meant to put the block
     """
 
@@ -90,59 +90,61 @@ class _Episode:
         self._judge = Judge(world, scene.arrangement.blocks)
         world.on_tick = self._judge.tick
         self._eyes = Eyes(renderer(), world, default_camera())
-        self._names: dict[int, str] = {}
+        self._number = 0
         self.done: list[Done] = []
 
     def carry_out(self, sentence: str) -> tuple[str, str]:
         """How it ends, and why."""
         try:
-            plan = self._plan(sentence)
+            plan, known = self._plan(sentence)
         except nsrm.Refused as refusal:
             return "refused", f"model: {refusal}"
         except PerceptionError as error:
             return "failed", f"detector: {error}"
         if len(plan.steps) != len(self._moves):
             return "failed", f"model: {len(plan.steps)} steps, but {len(self._moves)} were said"
-        for number, (step, move) in enumerate(zip(plan.steps, self._moves, strict=True), start=1):
-            try:
-                self._step(number, step, move)
-            except RefusedError as refusal:
-                return "refused", f"arm, step {number}: {refusal}"
-            except (FailedError, PerceptionError) as error:
-                self.sheet.add_step(number, self._sight, "failed")
-                return "failed", f"arm, step {number}: {error}"
-            if not self.done[-1].verdict.is_as_said:
-                return "failed", f"step {number} is not as said: {self.done[-1]}"
+        self._steps = plan.steps
+        follower = Follower(
+            self._world,
+            planner(),
+            self._eyes,
+            model(),
+            known.spoken,
+            looked=self._looked,
+            begin=self._begin,
+            reached=self._reached,
+        )
+        try:
+            follower.follow(sentence)
+        except (nsrm.Refused, RefusedError) as refusal:
+            return "refused", f"arm, step {self._number}: {refusal}"
+        except (FailedError, StuckError) as error:
+            self.sheet.add_step(self._number, self._sight, "failed")
+            return "failed", f"arm, step {self._number}: {error}"
+        for number, done in enumerate(self.done, start=1):
+            if not done.verdict.is_as_said:
+                return "failed", f"attempt {number} at a step was not as said: {done}"
+        if not self._judge.stands(lasting(self._moves)):
+            return "failed", "what was done did not stay"
         return "succeeded", ""
 
-    def _plan(self, sentence: str) -> nsrm.Plan:
-        sight = self._look()
+    def _plan(self, sentence: str) -> tuple[nsrm.Plan, Names]:
+        sight = self._eyes.look()
         known = names(model(), self._domain, sight)
-        self._names = {number: f"object {number} ({it})" for number, it in known.words.items()}
         self.sheet.add_scene(sight, known)
         plan = model().plan(sight.scene(model(), self._eyes.camera), sentence)
         self.sheet.add_plan(plan)
-        meant = {n for step in plan.steps for n in (step.object_id, step.reference_id)}
-        self._keep = {self._names[number] for number in meant}
-        return plan
+        return plan, known
 
-    def _step(self, number: int, step: nsrm.PlannedStep, move: Move) -> None:
-        goal, truth = sub_goal(step), self._judge.begin(move)
-        name = self._names[step.object_id]
-        performed = perform(self._world, planner(), self._objects, name, goal, keep=self._keep)
+    def _looked(self, sight: Sight) -> None:
+        self._sight = sight
+
+    def _begin(self, index: int) -> None:
+        self._number = index + 1
+        self._truth = self._judge.begin(self._moves[index])
+
+    def _reached(self, index: int, performed: Performed) -> None:
         verdict = self._judge.end([place for _, place in performed.cleared])
-        self.done.append(
-            Done(verdict, goal.distance_m(truth), performed.corrected_m, performed.tries)
-        )
-        self.sheet.add_step(number, self._sight, f"{1000 * verdict.off_m:.1f} mm off")
-
-    def _look(self) -> Sight:
-        self._sight = self._eyes.look()
-        return self._sight
-
-    def _objects(self) -> dict[str, Cuboid]:
-        return {
-            # One that was not there before has no name yet.
-            self._names.get(number, f"object {number}"): cuboid
-            for number, cuboid in self._look().cuboids.items()
-        }
+        goal_off_m = sub_goal(self._steps[index]).distance_m(self._truth)
+        self.done.append(Done(verdict, goal_off_m, performed.corrected_m, performed.tries))
+        self.sheet.add_step(self._number, self._sight, f"{1000 * verdict.off_m:.1f} mm off")

@@ -35,7 +35,6 @@ class Recording(Onlooker):
         self._stream = stream
         self._steps: Sequence[nsrm.PlannedStep] = ()
         self._sight: Sight | None = None
-        self._ended = 0
 
     def begin(self, world: World, camera: Camera, known: Names, sentence: str) -> None:
         """The table, and what was said."""
@@ -88,11 +87,10 @@ class Recording(Onlooker):
         level = rr.TextLogLevel.WARN if event in UNPLANNED else rr.TextLogLevel.INFO
         self._event(event, level)
 
-    def ended(self, outcome: Outcome) -> None:
-        """How a sub-goal went."""
-        self._ended += 1
+    def ended(self, index: int, outcome: Outcome) -> None:
+        """How a step went."""
         level = rr.TextLogLevel.ERROR if isinstance(outcome, Stopped) else rr.TextLogLevel.INFO
-        self._event(f"step {self._ended}: {outcome}", level)
+        self._event(f"step {index + 1}: {outcome}", level)
 
     def end(self) -> None:
         """The last moment."""
