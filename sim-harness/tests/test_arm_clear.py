@@ -11,13 +11,13 @@ from contextlib import closing
 from typing import Any
 
 import pytest
-from test_arm_carry import (
+from arm_scenes import (
     HEMMED_IN,
     PLACED_M,
     STAYED_M,
     TESTS,
+    Numb,
     Still,
-    Through,
     at_home,
     known,
     put,
@@ -404,20 +404,6 @@ def test_planning_ends() -> None:
     why = RefusedError(Why.NO_WAY, "", tuple(FULL))
     asides = clearing(planner, FULL, "block", BESIDE_NEAR, panda.READY_RAD, why)
     assert asides == () and planner.count == MAX_PLANS
-
-
-class Numb(Through):
-    """Its fingers never close as long as it is numb."""
-
-    def __init__(self, world: ArmWorld, until: str = "", since: str = "") -> None:
-        super().__init__(world)
-        self._until, self._since, self.is_numb = until, since, not since
-
-    def mark(self, event: str) -> None:
-        self.is_numb = (self.is_numb or event == self._since) and event != self._until
-
-    def grip(self, opening_m: float, force_n: float) -> None:
-        super().grip(max(opening_m, 0.055) if self.is_numb else opening_m, force_n)
 
 
 def test_a_blocker_that_can_not_be_moved_is_given_up_in_words(world: ArmWorld) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing
 
 import pytest
-from test_arm_carry import PLACED_M, STAYED_M, Still, at_home, known, put
-from test_arm_clear import Endless, Numb
+from arm_scenes import PLACED_M, STAYED_M, Numb, Still, at_home, known, put
+from test_arm_clear import Endless
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.carry import Planner

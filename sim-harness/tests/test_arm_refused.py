@@ -1,0 +1,98 @@
+"""What can't be carried out is refused before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+
+import numpy as np
+import pytest
+from arm_scenes import (
+    BESIDE,
+    HEMMED_IN,
+    Still,
+    known,
+    put,
+    three,
+)
+
+from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.perform import perform
+from nsrm_harness.arm.refused import RefusedError, Why
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.pose import Pose
+
+
+@pytest.fixture
+def world() -> Iterator[ArmWorld]:
+    with closing(ArmWorld()) as made:
+        yield made
+
+
+def goal_unseen(world: ArmWorld) -> tuple[str, Pose]:
+    three(world)
+    return "7", BESIDE
+
+
+def goal_covered(world: ArmWorld) -> tuple[str, Pose]:
+    put(world, ("lego", 0.5, 0.1, 0, 0.0), ("small", 0.5, 0.1, 0.05, 0.0))
+    return "1", BESIDE
+
+
+def goal_far(world: ArmWorld) -> tuple[str, Pose]:
+    three(world)
+    return "1", Pose.upright(0.93, 0.0, 0.02)
+
+
+def goal_out_of_a_gap(world: ArmWorld) -> tuple[str, Pose]:
+    put(world, ("small", 0.5, 0.0, 0, 0.0), *HEMMED_IN)
+    return "1", BESIDE
+
+
+def goal_in_a_gap(world: ArmWorld) -> tuple[str, Pose]:
+    put(world, ("small", 0.5, -0.2, 0, 0.0), *HEMMED_IN)
+    return "1", Pose.upright(0.5, 0.0, 0.02)
+
+
+def goal_without_support(world: ArmWorld) -> tuple[str, Pose]:
+    three(world)
+    return "1", Pose.upright(0.5, -0.2, 0.06)
+
+
+def goal_without_room(world: ArmWorld) -> tuple[str, Pose]:
+    three(world)
+    return "1", Pose.upright(0.6, 0.042, 0.02)
+
+
+def goal_unstable(world: ArmWorld) -> tuple[str, Pose]:
+    three(world)
+    return "1", Pose.upright(0.6, 0.025, 0.06)
+
+
+@pytest.mark.parametrize(
+    ("scene", "why", "words"),
+    [
+        (goal_unseen, Why.UNSEEN, ["7"]),
+        (goal_covered, Why.COVERED, ["1", "2"]),
+        (goal_far, Why.OUT_OF_REACH, ["1"]),
+        (goal_out_of_a_gap, Why.NO_WAY, ["1", "finger"]),
+        (goal_in_a_gap, Why.NO_WAY, ["1", "finger"]),
+        (goal_without_support, Why.NO_SUPPORT, ["40 mm"]),
+        (goal_without_room, Why.NO_ROOM, ["3"]),
+        (goal_unstable, Why.UNSTABLE, ["3"]),
+    ],
+)
+def test_what_can_not_be_done_is_refused_before_anything_moves(
+    world: ArmWorld,
+    scene: Callable[[ArmWorld], tuple[str, Pose]],
+    why: Why,
+    words: list[str],
+) -> None:
+    name, goal = scene(world)
+    poses, joints = world.poses(), world.joints()
+    with pytest.raises(RefusedError) as caught:
+        perform(Still(world), Planner(), known(world), name, goal, keep=known(world)())
+    assert caught.value.why is why
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+    assert world.poses() == poses
+    np.testing.assert_array_equal(world.joints(), joints)

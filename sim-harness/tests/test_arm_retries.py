@@ -1,0 +1,204 @@
+"""What goes wrong on the way is tried again, or ends at rest and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import closing
+
+import numpy as np
+import pytest
+from arm_scenes import (
+    BESIDE,
+    ON_THE_LARGE_ONE,
+    PLACED_M,
+    STAYED_M,
+    Noting,
+    Numb,
+    Through,
+    above,
+    at_home,
+    known,
+    pictured,
+    three,
+)
+
+from nsrm_harness.arm import panda
+from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.execute import Done, carry_out
+from nsrm_harness.arm.perform import MAX_TRIES, FailedError, perform
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.pose import Pose
+from nsrm_harness.world.render import Renderer
+
+
+@pytest.fixture
+def world() -> Iterator[ArmWorld]:
+    with closing(ArmWorld()) as made:
+        yield made
+
+
+class Snatched(Through):
+    """The first time that the fingers close, the block has just been put elsewhere."""
+
+    def __init__(self, world: ArmWorld, elsewhere: Pose) -> None:
+        super().__init__(world)
+        self._elsewhere: Pose | None = elsewhere
+
+    def grip(self, opening_m: float, force_n: float) -> None:
+        super().grip(opening_m, force_n)
+        if opening_m == 0.0 and self._elsewhere is not None:
+            self.world.place(1, self._elsewhere)
+            self._elsewhere = None
+
+
+ELSEWHERE = Pose.upright(0.42, -0.22, 0.02, 0.1)
+
+
+def test_fingers_that_close_on_nothing_feel_it_and_the_arm_goes_home(world: ArmWorld) -> None:
+    three(world)
+    before = world.poses()
+    carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
+    marks: list[str] = []
+    assert carry_out(Snatched(world, ELSEWHERE), carry, marks.append) is Done.NOT_GRASPED
+    assert at_home(world)
+    assert marks[0] == "reached" and "grasped" not in marks and "lifted" not in marks
+    after = world.poses()
+    assert after[1].distance_m(ELSEWHERE) < PLACED_M
+    assert all(after[other].distance_m(before[other]) < STAYED_M for other in (2, 3))
+
+
+@pytest.mark.parametrize("by_pictures", [False, True])
+def test_a_block_that_was_snatched_is_grasped_where_it_is_then(
+    world: ArmWorld, renderer: Renderer, by_pictures: bool
+) -> None:
+    three(world)
+    look = pictured(world, renderer) if by_pictures else known(world)
+    body, planner = Snatched(world, ELSEWHERE), Noting()
+    performed = perform(body, planner, look, "1", ON_THE_LARGE_ONE)
+    assert performed.tries == 2 and "try 2" in str(performed)
+    first, second = planner.carries
+    assert math.dist(second.grasp.hand.position[:2], ELSEWHERE.position[:2]) < 0.002
+    assert performed.motion_s == pytest.approx(first.duration_s + second.duration_s)
+    assert world.pose(1).distance_m(second.placement.cuboid.pose) < 2 * PLACED_M
+    assert at_home(world)
+
+
+def test_a_grasp_that_always_fails_ends_after_a_few_tries(world: ArmWorld) -> None:
+    three(world)
+    before, planner = world.poses(), Noting()
+    marks: list[str] = []
+    with pytest.raises(FailedError, match="1") as caught:
+        perform(Numb(world), planner, known(world), "1", BESIDE, marks.append)
+    assert Done.NOT_GRASPED.value in str(caught.value) and str(MAX_TRIES) in str(caught.value)
+    assert len(planner.carries) == marks.count("reached") == MAX_TRIES
+    assert at_home(world)
+    after = world.poses()
+    assert all(after[number].distance_m(before[number]) < STAYED_M for number in before)
+
+
+def test_an_arm_that_began_elsewhere_ends_in_the_ready_pose_whatever_happens(
+    world: ArmWorld,
+) -> None:
+    three(world)
+    joints = above(0.4, 0.2, 0.25)
+    for _ in range(1500):
+        world.drive(joints, np.zeros(panda.JOINTS))
+        world.tick()
+    assert not at_home(world)
+    carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
+    assert carry_out(Numb(world), carry) is Done.NOT_GRASPED
+    assert at_home(world)
+
+
+class Jolted(Through):
+    """So many ticks after an event the fingers open for a moment; `times` times in all."""
+
+    OPEN_TICKS = 80
+
+    def __init__(self, world: ArmWorld, event: str, after_ticks: int, times: int) -> None:
+        super().__init__(world)
+        self._event, self._after_ticks, self._times = event, after_ticks, times
+        self._ticks: int | None = None
+        self.marks: list[str] = []
+
+    def mark(self, event: str) -> None:
+        """Is told what is done."""
+        self.marks.append(event)
+        if event == self._event and self._times:
+            self._times -= 1
+            self._ticks = 0
+
+    def tick(self) -> None:
+        super().tick()
+        if self._ticks is None:
+            return
+        self._ticks += 1
+        if self._ticks == self._after_ticks:
+            self.world.grip(0.07, 20.0)
+        elif self._ticks == self._after_ticks + self.OPEN_TICKS:
+            self.world.grip(0.0, 20.0)
+            self._ticks = None
+
+
+ACROSS = Pose.upright(0.62, 0.2, 0.02)
+
+
+@pytest.mark.parametrize(("event", "after_ticks"), [("grasped", 100), ("lifted", 60)])
+def test_a_block_that_is_knocked_out_of_the_hand_is_missed(
+    world: ArmWorld, event: str, after_ticks: int
+) -> None:
+    three(world)
+    before = world.poses()
+    carry = Planner().carry(known(world)(), "1", ACROSS, world.joints())
+    body = Jolted(world, event, after_ticks, 1)
+    assert carry_out(body, carry, body.mark) is Done.SLIPPED
+    # With nothing in the hand, nothing is put down.
+    assert "let go" not in body.marks
+    assert at_home(world) and world.settle().at_rest
+    after = world.poses()
+    assert after[1].distance_m(ACROSS) > 0.05 and after[1].position[2] < 0.03
+    assert all(after[other].distance_m(before[other]) < STAYED_M for other in (2, 3))
+
+
+@pytest.mark.parametrize(
+    ("event", "after_ticks", "times"),
+    [("grasped", 100, 1), ("lifted", 60, 2), ("above", 20, 1)],
+)
+def test_one_that_was_knocked_out_is_fetched_where_it_fell(
+    world: ArmWorld, renderer: Renderer, event: str, after_ticks: int, times: int
+) -> None:
+    three(world)
+    body, planner = Jolted(world, event, after_ticks, times), Noting()
+    performed = perform(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    assert performed.tries == len(planner.carries) == body.marks.count("reached") == times + 1
+    assert world.pose(1).distance_m(ACROSS) < 0.002
+    assert at_home(world)
+
+
+def test_one_that_is_always_knocked_out_is_given_up(world: ArmWorld, renderer: Renderer) -> None:
+    three(world)
+    body, planner = Jolted(world, "lifted", 60, 100), Noting()
+    with pytest.raises(FailedError, match="1") as caught:
+        perform(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    assert Done.SLIPPED.value in str(caught.value) and str(MAX_TRIES) in str(caught.value)
+    assert len(planner.carries) == body.marks.count("reached") == MAX_TRIES
+    assert at_home(world)
+
+
+@pytest.mark.parametrize("after_ticks", [120, 200, 280])
+def test_one_that_falls_among_others_is_fetched_or_given_up_in_words(
+    world: ArmWorld, renderer: Renderer, after_ticks: int
+) -> None:
+    """Leaning on another, it may not even be seen as a block of its own."""
+    three(world)
+    body, planner = Jolted(world, "lifted", after_ticks, 1), Noting()
+    try:
+        performed = perform(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    except FailedError as failure:
+        assert Done.SLIPPED.value in str(failure)
+    else:
+        assert performed.tries > 1 and performed.miss_m < 0.005
+        assert world.pose(1).distance_m(ACROSS) < 0.005
+    assert 1 <= len(planner.carries) == body.marks.count("reached") <= MAX_TRIES
+    assert at_home(world)
