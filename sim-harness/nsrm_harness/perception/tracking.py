@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from nsrm_harness.perception.detector import Detections
 from nsrm_harness.world.camera import Camera
@@ -23,6 +23,13 @@ SAME_SIZE = 0.25
 """Widths of two pictures of one object mostly differ by less than this share,"""
 ANY_SIZE = 0.5
 """and none is ever wider by more: a cube that is seen over an edge is 1.4 times as wide."""
+
+HIDDEN, MOVED, TURNED, MOVED_BEHIND, NEW, NEVER = 1.0, 2.0, 3.0, 4.0, 10.0, 1000.0
+"""What it costs to believe that an object is hidden in part where it stands, was moved, was moved
+and shows another side, was moved to where it is hidden in part, or is new."""
+NEAR_M = 0.05
+"""What is left to see of an object lies nearer to its middle; another that stands in front of it
+does not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,32 +47,30 @@ class Track:
     width_m: float
     box: NDArray[np.float32]
 
-    def has_color_of(self, other: Track) -> bool:
-        """Whether both may be of one colour, in whatever light."""
-        return float(np.abs(self.chroma - other.chroma).max()) < SAME_CHROMA
+    def seen_again(self, before: Track) -> tuple[float, Track]:
+        """What it costs to believe that this is an object that was there before, and what is
+        known of it then."""
+        if np.abs(self.chroma - before.chroma).max() >= SAME_CHROMA:
+            return NEVER, before
+        distance_m = float(np.linalg.norm(self.position - before.position))
+        ratio = math.log(self.width_m / before.width_m)
+        if abs(ratio) < SAME_SIZE and distance_m <= STAYED_M:
+            return distance_m, self
+        costs = [(NEVER, before)]
+        if self._lies_within(before):
+            # By its whole look it is known again.
+            costs.append((HIDDEN + distance_m / NEAR_M, before))
+        if abs(ratio) < SAME_SIZE:
+            costs.append((MOVED + distance_m, self))
+        elif abs(ratio) < ANY_SIZE:
+            costs.append((TURNED + distance_m, self))
+        elif ratio < 0:
+            costs.append((MOVED_BEHIND + distance_m, replace(self, width_m=before.width_m)))
+        return min(costs, key=lambda cost: cost[0])
 
-    def looks_like(self, other: Track, size: float, within_m: float = math.inf) -> bool:
-        """Whether both may be the same object.
-
-        * `size`: by what share their widths may differ
-        * `within_m`: how far apart they may be
-        """
-        ratio = self.width_m / other.width_m
-        has_size = bool(abs(np.log(ratio)) < size)
-        return has_size and self.has_color_of(other) and self.distance_m(other) <= within_m
-
-    def is_part_of(self, other: Track) -> bool:
-        """Whether this may be what is left to see of the other, where it stood."""
-        low, high = self.box[:2] >= other.box[:2] - EDGE, self.box[2:] <= other.box[2:] + EDGE
-        return self.has_color_of(other) and bool(low.all() and high.all())
-
-    def shows(self, other: Track) -> bool:
-        """Whether this may be the other somewhere else, of which a part may be hidden there."""
-        return self.has_color_of(other) and self.width_m < other.width_m * math.exp(ANY_SIZE)
-
-    def distance_m(self, other: Track) -> float:
-        """Between where both were seen."""
-        return float(np.linalg.norm(self.position - other.position))
+    def _lies_within(self, before: Track) -> bool:
+        low, high = self.box[:2] >= before.box[:2] - EDGE, self.box[2:] <= before.box[2:] + EDGE
+        return bool(low.all() and high.all())
 
 
 class Tracker:
@@ -80,53 +85,31 @@ class Tracker:
     ) -> tuple[int, ...]:
         """The number of each object found; an object that is hidden keeps its own.
 
-        First come those that stand where one of their looks was seen, the nearest before
-        the others; then those that were moved, by their looks; then what is left to see of one
-        that is hidden; at last what has the colour of one that was moved to where it is hidden in
-        part. Who is left is new.
+        All are matched at once, so that what has to be believed is as little as possible: that an
+        object stays, that a part of it is hidden, that it was moved, in this order. Who can be
+        none of those that were there is new.
         """
         seen = [_track(image, found, row, camera) for row in range(len(found))]
-        names: dict[int, int] = {}
-        self._match(seen, names, lambda new, old: new.looks_like(old, SAME_SIZE, STAYED_M))
-        self._match(seen, names, lambda new, old: new.looks_like(old, SAME_SIZE))
-        hidden = self._match(seen, names, Track.is_part_of)
-        for row in self._match(seen, names, Track.shows):
-            # By the width of the whole it is known again.
-            seen[row] = replace(
-                seen[row], width_m=max(seen[row].width_m, self._tracks[names[row]].width_m)
-            )
-        for row in range(len(seen)):
-            if row not in names:
-                names[row] = self._next
+        numbers = list(self._tracks)
+        again = [[new.seen_again(self._tracks[number]) for number in numbers] for new in seen]
+        costs = np.full((len(seen), len(numbers) + len(seen)), NEW)
+        for row, known in enumerate(again):
+            costs[row, : len(numbers)] = [cost for cost, _ in known]
+        names: list[int] = []
+        for row, column in zip(*linear_sum_assignment(costs), strict=True):
+            if column < len(numbers):
+                names.append(numbers[column])
+                self._tracks[names[-1]] = again[row][column][1]
+            else:
+                names.append(self._next)
+                self._tracks[names[-1]] = seen[row]
                 self._next += 1
-        # One that is partly hidden is still known by its whole look.
-        self._tracks |= {names[row]: track for row, track in enumerate(seen) if row not in hidden}
-        return tuple(names[row] for row in range(len(seen)))
+        return tuple(names)
 
     def position(self, number: int) -> NDArray[np.float64] | None:
         """Where an object was seen last, world frame, metres; None if it never was."""
         track = self._tracks.get(number)
         return None if track is None else track.position
-
-    def _match(
-        self,
-        seen: list[Track],
-        names: dict[int, int],
-        may_be: Callable[[Track, Track], bool],
-    ) -> set[int]:
-        """Gives numbers to rows that have none yet, the nearest first; which ones."""
-        pairs = sorted(
-            (new.distance_m(old), row, number)
-            for row, new in enumerate(seen)
-            for number, old in self._tracks.items()
-            if row not in names and number not in names.values() and may_be(new, old)
-        )
-        matched: set[int] = set()
-        for _, row, number in pairs:
-            if row not in names and number not in names.values():
-                names[row] = number
-                matched.add(row)
-        return matched
 
 
 def _track(image: NDArray[np.uint8], found: Detections, row: int, camera: Camera) -> Track:
