@@ -334,3 +334,25 @@ def test_a_block_that_is_moved_to_where_a_sliver_is_seen_keeps_its_number(
     move(world, 4, Pose.upright(0.36, 0.2, 0.02, YAW))
     assert eyes.numbers() == named
     check(world, 4, eyes.look()[named[4]])
+
+
+def test_what_is_left_to_see_of_one_is_not_taken_for_another_that_was_moved(
+    renderer: Renderer, world: World
+) -> None:
+    put(
+        world,
+        (small("magenta"), 0.364, -0.046, 0.0),
+        (large("magenta"), 0.378, 0.232, 0.0),
+        (large("blue"), 0.505, 0.169, 0.0),
+        (large("red"), 0.606, -0.16, 0.0),
+        (large("green"), 0.501, 0.013, 0.0),
+    )
+    eyes = Eyes(renderer, world)
+    named = eyes.numbers()
+    for moved, reference in ((4, 3), (5, 4), (1, 5)):
+        move(world, moved, onto(world, moved, reference))
+        cuboids = eyes.look()
+        assert cuboids[named[moved]].pose.distance_m(world.pose(moved)) < 0.003
+    # The large one behind the tower is believed where it stands.
+    check(world, 2, cuboids[named[2]])
+    assert named[2] in eyes.seen
