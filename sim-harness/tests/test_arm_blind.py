@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
-TESTS = Path(__file__).parent
+from another_process import TESTS, elsewhere
 
 TRUTH = (
     "pybullet",
@@ -30,14 +25,7 @@ print(*sorted(sys.modules), sep="\\n")
 
 
 def loaded_with(code: str) -> set[str]:
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": str(TESTS.parent)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return set(done.stdout.split())
+    return set(elsewhere(code).split())
 
 
 def truths(modules: set[str]) -> set[str]:

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from typing import Any
 
 import numpy as np
 import pytest
+from another_process import elsewhere
 from arm_scenes import (
     BESIDE,
     ON_THE_LARGE_ONE,
     PLACED_M,
     STAYED_M,
-    TESTS,
     Noting,
     Through,
     at_home,
@@ -223,12 +220,4 @@ def carried() -> str:
 
 
 def test_the_same_carrying_in_another_process_ends_in_the_same_bytes() -> None:
-    paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-    done = subprocess.run(
-        [sys.executable, "-c", "import test_arm_carry; print(test_arm_carry.carried())"],
-        env={**os.environ, "PYTHONPATH": paths},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.strip() == carried()
+    assert elsewhere("import test_arm_carry as t; print(t.carried())") == carried()

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import closing
 from typing import Any
 
 import pytest
+from another_process import elsewhere
 from arm_scenes import (
     HEMMED_IN,
     PLACED_M,
     STAYED_M,
-    TESTS,
     Numb,
     Still,
     at_home,
@@ -298,17 +295,9 @@ def test_a_blocker_is_put_where_the_blocks_stand_at_the_start() -> None:
 
 
 def test_the_same_is_moved_to_the_same_place_in_another_process() -> None:
-    code = "import test_arm_clear as t; print(t.cleared(t.NO_WAY, t.BETWEEN))"
     found = cleared(NO_WAY, BETWEEN)
-    paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": paths, "PYTHONHASHSEED": "1"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert found and done.stdout.strip() == repr(found)
+    there = elsewhere("import test_arm_clear as t; print(t.cleared(t.NO_WAY, t.BETWEEN))")
+    assert found and there == repr(found)
 
 
 class MovedError(Exception):

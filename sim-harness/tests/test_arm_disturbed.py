@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from pathlib import Path
 
 import numpy as np
 import pytest
+from another_process import elsewhere
 from world_scenes import DOMAIN
 
 from nsrm_harness.arm import panda
@@ -24,7 +21,6 @@ from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.pose import Pose
 
-TESTS = Path(__file__).parent
 SEED = 1
 GOAL = Pose.upright(0.62, 0.15, 0.02)
 STAYED_M = 0.0005
@@ -59,18 +55,10 @@ def test_without_the_loop_it_is_not_done(kind: str) -> None:
 
 
 def test_the_same_episode_in_another_process_is_the_same_to_the_last_bit() -> None:
-    paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-    call = "test_arm_disturbed.episode('block_pushed_out', 'closed')"
-    done = subprocess.run(
-        [sys.executable, "-c", f"import test_arm_disturbed; print({call})"],
-        env={**os.environ, "PYTHONPATH": paths},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    code = "import test_arm_disturbed as t; print(t.episode('block_pushed_out', 'closed'))"
     # After another one here.
     episode("camera_dark", "open")
-    assert done.stdout.strip() == episode("block_pushed_out", "closed")
+    assert elsewhere(code) == episode("block_pushed_out", "closed")
 
 
 def test_each_kind_has_a_row_with_the_loop_and_one_without_below_it() -> None:

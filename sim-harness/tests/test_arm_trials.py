@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import asdict, replace
@@ -13,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from another_process import elsewhere
 from arm_scenes import above
 
 from nsrm_harness import domain as domains
@@ -208,19 +207,12 @@ def test_the_fingers_may_touch_the_block_that_they_carry(
 
 def test_the_same_seed_is_the_same_episode_in_another_process() -> None:
     here = trial.run(BY_NAME["steps_1"], 5, 1)
-    there = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "import json; from dataclasses import asdict;"
-            "from nsrm_harness.arm_trials import rows, trial;"
-            "print(json.dumps(asdict(trial.run(rows.ROWS[0], 5, 1))))",
-        ],
-        check=True,
-        capture_output=True,
-        text=True,
+    there = elsewhere(
+        "import json; from dataclasses import asdict;"
+        "from nsrm_harness.arm_trials import rows, trial;"
+        "print(json.dumps(asdict(trial.run(rows.ROWS[0], 5, 1))))"
     )
-    assert json.loads(there.stdout) == json.loads(json.dumps(asdict(here)))
+    assert json.loads(there) == json.loads(json.dumps(asdict(here)))
     assert here.end == "succeeded" and here.steps[0].is_as_said
     assert 2.0 < here.steps[0].seconds < 10.0
 

@@ -8,10 +8,10 @@ import math
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from another_process import TESTS, elsewhere
 from world_scenes import build_scene, on_top, random_blocks
 
 from nsrm_harness.world import world as world_module
@@ -19,8 +19,6 @@ from nsrm_harness.world.bullet import connect_direct, pybullet
 from nsrm_harness.world.layout import sample_layout
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.world import DROP_M, World
-
-TESTS = Path(__file__).parent
 
 
 def digest(world: World) -> str:
@@ -44,15 +42,7 @@ def test_final_poses_are_the_same_bytes_in_any_order_and_process():
     assert here == digests(seeds[::-1])
     assert here[7] == digests([7])[7]
     code = "import json, test_world_physics as t;print(json.dumps(t.digests([11, 5, 7, 3])))"
-    paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": paths},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    for seed, value in json.loads(done.stdout).items():
+    for seed, value in json.loads(elsewhere(code)).items():
         assert here[int(seed)] == value, f"seed {seed}"
 
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import subprocess
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
+from another_process import elsewhere
 from numpy.typing import NDArray
 from world_scenes import DOMAIN, build_scene, require_gl
 
@@ -27,7 +24,6 @@ from nsrm_harness.world.render import (
 )
 from nsrm_harness.world.world import World
 
-TESTS = Path(__file__).parent
 KINDS = ["gl", "pybullet"]
 
 
@@ -189,24 +185,11 @@ def picture_digest(kind: str) -> str:
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
-def run(code: str, **variables: str) -> str:
-    paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-    environment = {k: v for k, v in os.environ.items() if k != VARIABLE}
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**environment, "PYTHONPATH": paths, **variables},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return done.stdout.strip()
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_pictures_are_the_same_bytes_in_another_process(kind: str):
     if kind == "gl":
         require_gl().close()
-    other = run(f"import test_world_render as t; print(t.picture_digest({kind!r}))")
+    other = elsewhere(f"import test_world_render as t; print(t.picture_digest({kind!r}))")
     assert other == picture_digest(kind)
 
 
@@ -225,14 +208,17 @@ def test_an_unknown_kind_is_refused():
         open_renderer("vulkan")
 
 
-def test_without_egl_auto_falls_back_and_gl_says_what_to_install():
+def test_without_egl_auto_falls_back_and_gl_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.delenv(VARIABLE, raising=False)
     code = (
         "from nsrm_harness.world.render import open_renderer, RendererError\n"
         "print(open_renderer('auto').name)\n"
         "try: open_renderer('gl')\n"
         "except RendererError as error: print(error)\n"
     )
-    lines = run(code, GLCONTEXT_LINUX_LIBEGL="libnothing.so").splitlines()
+    lines = elsewhere(code, GLCONTEXT_LINUX_LIBEGL="libnothing.so").splitlines()
     assert lines[0] == "pybullet"
     assert "libegl1" in lines[1] and "libnothing.so" in lines[1]
 
