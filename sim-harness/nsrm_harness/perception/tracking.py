@@ -17,6 +17,9 @@ STAYED_M = 0.015
 SAME_CHROMA = 0.06
 """Shares of red and green of two pictures of one object differ by less: light and shade
 change them little, another colour by 0.15 and more."""
+MIXED_CHROMA = 0.15
+"""Those of a sliver differ by less than that: the pixels along its edges show what is beside it,
+too."""
 EDGE = 0.005
 """What is left to see of an object lies within its box, but for so much of the image."""
 SAME_SIZE = 0.25
@@ -24,9 +27,10 @@ SAME_SIZE = 0.25
 ANY_SIZE = 0.5
 """and none is ever wider by more: a cube that is seen over an edge is 1.4 times as wide."""
 
-HIDDEN, MOVED, TURNED, MOVED_BEHIND, NEW, NEVER = 1.0, 2.0, 3.0, 4.0, 10.0, 1000.0
+HIDDEN, MOVED, TURNED, MOVED_BEHIND, SLIVER, NEW, NEVER = 1.0, 2.0, 3.0, 4.0, 5.0, 10.0, 1000.0
 """What it costs to believe that an object is hidden in part where it stands, was moved, was moved
-and shows another side, was moved to where it is hidden in part, or is new."""
+and shows another side, was moved to where it is hidden in part, shows so little of itself where
+it stands that its colour is mixed with another, or is new."""
 NEAR_M = 0.05
 """What is left to see of an object lies nearer to its middle; another that stands in front of it
 does not."""
@@ -50,9 +54,11 @@ class Track:
     def seen_again(self, before: Track) -> tuple[float, Track]:
         """What it costs to believe that this is an object that was there before, and what is
         known of it then."""
-        if np.abs(self.chroma - before.chroma).max() >= SAME_CHROMA:
-            return NEVER, before
+        off = np.abs(self.chroma - before.chroma).max()
         distance_m = float(np.linalg.norm(self.position - before.position))
+        if off >= SAME_CHROMA:
+            is_sliver = off < MIXED_CHROMA and self._lies_within(before)
+            return (SLIVER + distance_m / NEAR_M if is_sliver else NEVER), before
         ratio = math.log(self.width_m / before.width_m)
         if abs(ratio) < SAME_SIZE and distance_m <= STAYED_M:
             return distance_m, self
