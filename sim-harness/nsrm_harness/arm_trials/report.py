@@ -209,7 +209,8 @@ def draw(lines: Sequence[Line], path: Path) -> None:
         title="how episodes ended (goal: |)", xlabel="percent", xlim=(80 if least > 82 else 0, 100)
     )
     ends.invert_yaxis()
-    ends.legend(fontsize=8, loc="lower left")
+    # Beside the bars, which fill it.
+    ends.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)
     for line in lines:
         for axis, values in ((off, np.sort(line.off_mm)), (seconds, np.sort(line.seconds))):
             if len(values):
