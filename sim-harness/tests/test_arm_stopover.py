@@ -51,6 +51,8 @@ def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) 
     performed = perform(world, Planner(), known(world), "1", LEFT, marks.append, keep=TOWER)
     after = world.poses()
     ((name, place),) = performed.cleared
+    # Whoever now stands nearest to that place was not to be moved.
+    assert performed.aside == []
     assert name == "1" and place.distance_m(LEFT) > PLACED_M
     assert after[1].distance_m(LEFT) < PLACED_M + performed.corrected_m
     assert all(after[number].distance_m(before[number]) < STAYED_M for number in (2, 3, 4))

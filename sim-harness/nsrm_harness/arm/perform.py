@@ -59,6 +59,11 @@ class Performed:
     motion_s: float
     cleared: tuple[Aside, ...] = ()
 
+    @property
+    def aside(self) -> list[Pose]:
+        """Where other blocks were put before; not where this one was set down on the way."""
+        return [place for other, place in self.cleared if other != self.name]
+
     def __str__(self) -> str:
         text = (
             f"{self.name} is seen {1000 * self.miss_m:.1f} mm from where it was to go, which is "

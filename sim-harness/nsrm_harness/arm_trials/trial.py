@@ -51,7 +51,7 @@ class _ByModel(Episode):
 
     def _aside(self) -> list[Pose]:
         reached = self._performed[self._reached :]
-        return [place for done in reached for _, place in done.cleared]
+        return [place for done in reached for place in done.aside]
 
     def _followed(self) -> End:
         for number, verdict in enumerate(self._verdicts, start=1):

@@ -144,7 +144,7 @@ class _Episode:
         self._truth = self._judge.begin(self._moves[index])
 
     def _reached(self, index: int, performed: Performed) -> None:
-        verdict = self._judge.end([place for _, place in performed.cleared])
+        verdict = self._judge.end(performed.aside)
         goal_off_m = sub_goal(self._steps[index]).distance_m(self._truth)
         self.done.append(Done(verdict, goal_off_m, performed.corrected_m, performed.tries))
         self.sheet.add_step(self._number, self._sight, f"{1000 * verdict.off_m:.1f} mm off")
