@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from arm_scenes import (
     BESIDE,
+    HEMMED_IN,
     ON_THE_LARGE_ONE,
     PLACED_M,
     STAYED_M,
@@ -20,6 +21,7 @@ from arm_scenes import (
     at_home,
     known,
     pictured,
+    put,
     three,
 )
 
@@ -82,6 +84,35 @@ def test_a_block_that_was_snatched_is_grasped_where_it_is_then(
     assert performed.motion_s == pytest.approx(first.duration_s + second.duration_s)
     assert world.pose(1).distance_m(second.placement.cuboid.pose) < 2 * PLACED_M
     assert at_home(world)
+
+
+def test_what_stands_too_near_where_it_was_snatched_to_is_moved_aside(world: ArmWorld) -> None:
+    put(world, ("small", 0.5, 0.2, 0.0, 0.3), *HEMMED_IN)
+    amid = Pose.upright(0.5, 0.0, 0.02)
+    before = world.poses()
+    marks: list[str] = []
+    performed = perform(Snatched(world, amid), Planner(), known(world), "1", BESIDE, marks.append)
+    assert performed.tries == 2
+    assert marks.index("not grasped") < marks.index("clearing") < marks.index("cleared")
+    # Those on two opposite sides of it.
+    assert {name for name, _ in performed.cleared} in ({"2", "3"}, {"4", "5"})
+    after = world.poses()
+    for name, place in performed.cleared:
+        assert after[int(name)].distance_m(place) < PLACED_M
+    for other in {2, 3, 4, 5} - {int(name) for name, _ in performed.cleared}:
+        assert after[other].distance_m(before[other]) < STAYED_M
+    assert after[1].distance_m(BESIDE) < PLACED_M + performed.corrected_m
+    assert performed.shifted == () and performed.motion_s > 3.0 * (2 + 2)
+    assert at_home(world)
+
+
+def test_where_it_was_snatched_to_it_may_be_out_of_reach(world: ArmWorld) -> None:
+    put(world, ("small", 0.5, 0.2, 0.0, 0.3), *HEMMED_IN)
+    amid = Pose.upright(0.5, 0.0, 0.02)
+    with pytest.raises(FailedError, match="at try 1, and now") as caught:
+        perform(Snatched(world, amid), Planner(), known(world), "1", BESIDE, keep="2345")
+    assert str(caught.value).startswith(f"1: {Done.NOT_GRASPED.value}")
+    assert world.pose(1).distance_m(amid) < STAYED_M and at_home(world)
 
 
 def test_a_grasp_that_always_fails_ends_after_a_few_tries(world: ArmWorld) -> None:

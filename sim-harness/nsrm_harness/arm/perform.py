@@ -5,10 +5,10 @@ held otherwise is set down on the way."""
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.clear import Aside, clearing
 from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
 from nsrm_harness.arm.refused import RefusedError
@@ -47,8 +47,8 @@ class Performed:
     * `miss_m`: between that and where it is
     * `shifted`: what else has moved, and how far, metres
     * `motion_s`: of the arm, in all tries
-    * `cleared`: what was moved aside before, or the block itself, and where it was put; `tries`
-      is without it
+    * `cleared`: what was moved aside before a try, or the block itself, and where it was put;
+      `tries` is without it
     """
 
     name: str
@@ -62,7 +62,7 @@ class Performed:
     @property
     def aside(self) -> list[Pose]:
         """Where other blocks were put before; not where this one was set down on the way."""
-        return [place for other, place in self.cleared if other != self.name]
+        return [place for other, place in dict(self.cleared).items() if other != self.name]
 
     def __str__(self) -> str:
         text = (
@@ -115,33 +115,22 @@ def perform(
     `FailedError` if it was tried and is not done; `StuckError` and `StoppedError` as `carry_out`.
     """
     hands = _Hands(body, planner, look, mark, tries, stop)
-    objects = look()
-    try:
-        return hands.carry(objects, name, goal)
-    except RefusedError as refusal:
+
+    def before(objects: Mapping[str, Cuboid], refusal: RefusedError) -> tuple[Aside, ...]:
         begin = body.joints()
-        asides = clearing(planner, objects, name, goal, begin, refusal, keep) or stopover(
+        return clearing(planner, objects, name, goal, begin, refusal, keep) or stopover(
             planner, objects, name, goal, begin, refusal
         )
-        if not asides:
-            raise
-    mark("clearing")
-    first = hands.clear(objects, name, asides)
-    mark("cleared")
-    try:
-        performed = hands.carry(look(), name, goal)
-    except (RefusedError, FailedError) as error:
-        raise FailedError(f"{_first(name, asides)}; then: {error}", _done(error)) from None
-    return replace(
-        performed,
-        cleared=asides,
-        shifted=_farthest(performed, *first),
-        motion_s=performed.motion_s + sum(part.motion_s for part in first),
-    )
+
+    return hands.carry(look(), name, goal, before)
 
 
-def _done(error: RefusedError | FailedError) -> Done | None:
-    return error.done if isinstance(error, FailedError) else None
+Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Aside, ...]]
+"""What is carried first, so that what was refused among these objects can be done."""
+
+
+def _nothing(*_: object) -> tuple[Aside, ...]:
+    return ()
 
 
 @dataclass(frozen=True)
@@ -155,10 +144,56 @@ class _Hands:
     tries: int
     stop: Stop
 
-    def clear(
+    def carry(
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, before: Before = _nothing
+    ) -> Performed:
+        """Carries a block to its sub-goal as it looks, and again as it looks then; each time what
+        is to be carried first is. Raises as `perform`."""
+        first: list[Performed] = []
+        cleared: tuple[Aside, ...] = ()
+        motion_s = 0.0
+        done = Done.PLACED
+        for number in range(1, self.tries + 1):
+            try:
+                carry = self.planner.carry(objects, name, goal, self.body.joints())
+            except RefusedError as refusal:
+                asides = before(objects, refusal)
+                if not asides and number == 1:
+                    raise
+                if not asides:
+                    why = f"{name}: {done.value} at try {number - 1}, and now {refusal}"
+                    raise FailedError(_after(name, cleared, why)) from None
+                cleared += asides
+                first += self._clear(objects, name, asides)
+                objects = self.look()
+                carry = self._carry_after(asides, objects, name, goal)
+            done = carry_out(self.body, carry, self.mark, self.stop)
+            motion_s += carry.duration_s
+            seen, objects = objects, self.look()
+            target = carry.placement.cuboid.pose
+            miss_m = objects[name].pose.distance_m(target) if name in objects else float("inf")
+            if done is Done.PLACED and miss_m <= PLACED_M:
+                return Performed(
+                    name,
+                    number,
+                    carry.placement.corrected_m,
+                    miss_m,
+                    _farthest(_shifted(seen, objects, name), *(part.shifted for part in first)),
+                    motion_s + sum(part.motion_s for part in first),
+                    cleared,
+                )
+        where = (
+            f"{1000 * miss_m:.0f} mm from where it was to go" if miss_m < 1 else "nowhere in sight"
+        )
+        times = "once" if self.tries == 1 else f"{self.tries} times"
+        why = f"{name} was tried {times} and is {where} ({done.value}); I stopped"
+        raise FailedError(_after(name, cleared, why), done)
+
+    def _clear(
         self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Aside, ...]
     ) -> list[Performed]:
         """Carries away what stands in the way of a block. Raises `FailedError`."""
+        self.mark("clearing")
         done = []
         for blocker, place in asides:
             try:
@@ -169,45 +204,20 @@ class _Hands:
                     if blocker == name
                     else f"{blocker} stands in the way of {name} and was to be moved aside first"
                 )
-                raise FailedError(f"{what}: {error}", _done(error)) from None
+                last = error.done if isinstance(error, FailedError) else None
+                raise FailedError(f"{what}: {error}", last) from None
             objects = self.look()
+        self.mark("cleared")
         return done
 
-    def carry(self, objects: Mapping[str, Cuboid], name: str, goal: Pose) -> Performed:
-        """Carries a block to its sub-goal as it looks, and again as it looks then. Raises as
-        `perform`."""
-        motion_s = 0.0
-        done = Done.PLACED
-        for number in range(1, self.tries + 1):
-            try:
-                carry = self.planner.carry(objects, name, goal, self.body.joints())
-            except RefusedError as refusal:
-                if number == 1:
-                    raise
-                raise FailedError(
-                    f"{name}: {done.value} at try {number - 1}, and now {refusal}", None
-                ) from None
-            done = carry_out(self.body, carry, self.mark, self.stop)
-            motion_s += carry.duration_s
-            before, objects = objects, self.look()
-            target = carry.placement.cuboid.pose
-            miss_m = objects[name].pose.distance_m(target) if name in objects else float("inf")
-            if done is Done.PLACED and miss_m <= PLACED_M:
-                return Performed(
-                    name,
-                    number,
-                    carry.placement.corrected_m,
-                    miss_m,
-                    _shifted(before, objects, name),
-                    motion_s,
-                )
-        where = (
-            f"{1000 * miss_m:.0f} mm from where it was to go" if miss_m < 1 else "nowhere in sight"
-        )
-        times = "once" if self.tries == 1 else f"{self.tries} times"
-        raise FailedError(
-            f"{name} was tried {times} and is {where} ({done.value}); I stopped", done
-        )
+    def _carry_after(
+        self, asides: tuple[Aside, ...], objects: Mapping[str, Cuboid], name: str, goal: Pose
+    ) -> Carry:
+        """What was refused before these were moved. Raises `FailedError`."""
+        try:
+            return self.planner.carry(objects, name, goal, self.body.joints())
+        except RefusedError as refusal:
+            raise FailedError(_after(name, asides, str(refusal))) from None
 
 
 def _shifted(
@@ -221,18 +231,22 @@ def _shifted(
     return tuple((other, shift_m) for other, shift_m in shifts if shift_m > SHIFTED_M)
 
 
-def _farthest(*parts: Performed) -> tuple[tuple[str, float], ...]:
+def _farthest(*parts: tuple[tuple[str, float], ...]) -> tuple[tuple[str, float], ...]:
     """What was moved besides in any part, and how far at most."""
     shifts: dict[str, float] = {}
     for part in parts:
-        for name, shift_m in part.shifted:
+        for name, shift_m in part:
             shifts[name] = max(shift_m, shifts.get(name, 0.0))
     return tuple(shifts.items())
 
 
+def _after(name: str, asides: tuple[Aside, ...], what: str) -> str:
+    return f"{_first(name, asides)}; then: {what}" if asides else what
+
+
 def _first(name: str, asides: tuple[Aside, ...]) -> str:
     """What was done before a block was carried to its sub-goal."""
-    names = [other for other, _ in asides]
+    names = list(dict(asides))
     if names == [name]:
         return f"{name} was set down on the way, to be held otherwise"
     return f"{' and '.join(names)} {'was' if len(names) == 1 else 'were'} moved aside first"
