@@ -13,7 +13,7 @@ from nsrm_harness.demo.outcome import Outcome, Stopped
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.recording.motion import AXES_M, Motion
 from nsrm_harness.recording.scene import Scene
-from nsrm_harness.recording.shapes import boxes, frame
+from nsrm_harness.recording.shapes import RGB, boxes, frame
 from nsrm_harness.recording.timeline import Log
 from nsrm_harness.recording.view import View
 from nsrm_harness.sight import Names, Sight, sub_goal
@@ -23,6 +23,7 @@ from nsrm_harness.world.world import TABLE_HIGH, TABLE_LOW, World
 
 WORLD, TABLE, SUB_GOALS = "world", "world/table", "world/sub_goals"
 PLAN, EVENTS = "plan", "events"
+TABLE_RGB: RGB = (0.65, 0.6, 0.55)
 
 UNPLANNED = ("not grasped", "slipped", "taken back", "clearing")
 """What the arm does only where something is not as it was to be."""
@@ -44,7 +45,7 @@ class Recording(Onlooker):
         self._motion = Motion(self._log, self._scene)
         self._log.always(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         size_m = np.subtract(TABLE_HIGH, TABLE_LOW)
-        self._log.always(TABLE, rr.Boxes3D(mins=[TABLE_LOW], sizes=[size_m]))
+        self._log.always(TABLE, rr.Boxes3D(mins=[TABLE_LOW], sizes=[size_m], colors=[TABLE_RGB]))
         self._event(f"sentence: {sentence}")
 
     def looked(self, sight: Sight) -> None:
@@ -54,7 +55,8 @@ class Recording(Onlooker):
         self._sight = sight
         self._scene.seen(sight.cuboids)
         self._view.show(sight)
-        self._view.ground(sight, self._steps)
+        if self._steps:
+            self._view.ground(sight, self._steps)
         self._motion.look()
 
     def refused(self, refusal: nsrm.Refused) -> None:
@@ -72,7 +74,7 @@ class Recording(Onlooker):
         for index, step in enumerate(plan.steps, start=1):
             number = step.object_id
             moved = Cuboid(Pose((0.0, 0.0, 0.0)), self._sight.cuboids[number].edges_m)
-            label = f"sub-goal {index}: {self._scene.name(number)}"
+            label = f"sub-goal {index}"
             self._log.now(
                 f"{SUB_GOALS}/step_{index}",
                 frame(sub_goal(step)),

@@ -12,10 +12,14 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.recording.episode import WORLD
 from nsrm_harness.recording.timeline import TIMELINE
+from nsrm_harness.recording.view import CAMERA, DEPTH
 
 APPLICATION = "nsrm"
 SUFFIX = ".rrd"
+EYE_M, LOOKS_AT_M = (1.45, 0.7, 0.9), (0.35, 0.0, 0.25)
+"""Whence the viewer shows the scene at first: table, arm and camera."""
 
 
 class RecordingError(HarnessError):
@@ -69,8 +73,15 @@ def _blueprint() -> rrb.Blueprint:
     return rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(
-                rrb.Spatial3DView(origin="world", name="scene"),
-                rrb.Spatial2DView(origin="world/camera", name="camera"),
+                rrb.Spatial3DView(
+                    origin=WORLD,
+                    contents=["$origin/**", f"- {DEPTH}"],
+                    name="scene",
+                    eye_controls=rrb.EyeControls3D(
+                        position=EYE_M, look_target=LOOKS_AT_M, eye_up=(0.0, 0.0, 1.0)
+                    ),
+                ),
+                rrb.Spatial2DView(origin=CAMERA, name="camera"),
                 row_shares=[3, 2],
             ),
             rrb.Vertical(
@@ -82,5 +93,7 @@ def _blueprint() -> rrb.Blueprint:
             ),
             column_shares=[3, 2],
         ),
-        rrb.TimePanel(timeline=TIMELINE),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE),
     )

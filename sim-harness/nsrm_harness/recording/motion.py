@@ -51,6 +51,7 @@ class Motion:
                 f"{ARM}/{link}",
                 rr.Mesh3D(
                     vertex_positions=hull.vertices,
+                    vertex_normals=hull.vertex_normals,
                     triangle_indices=hull.faces,
                     albedo_factor=(220, 220, 225),
                 ),

@@ -23,7 +23,8 @@ def frame(pose: Pose) -> rr.Transform3D:
 def boxes(
     cuboids: Sequence[Cuboid], labels: Sequence[str], colors: Sequence[RGB], *, solid: bool = False
 ) -> rr.Boxes3D:
-    """Cuboids with a label and a colour each; their edges alone, or `solid`."""
+    """Cuboids with a label, shown where a pointer is, and a colour each; their edges alone, or
+    `solid`."""
     fill = rr.components.FillMode
     return rr.Boxes3D(
         centers=np.reshape([cuboid.pose.position for cuboid in cuboids], (-1, 3)),
@@ -31,5 +32,6 @@ def boxes(
         quaternions=np.reshape([cuboid.pose.orientation for cuboid in cuboids], (-1, 4)),
         colors=np.reshape(colors, (-1, 3)),
         labels=labels,
+        show_labels=False,
         fill_mode=fill.Solid if solid else fill.MajorWireframe,
     )

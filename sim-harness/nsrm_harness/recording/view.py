@@ -25,9 +25,11 @@ DEPTH_UNITS = 10_000
 """A metre, in the picture of depths: 16 bits a pixel, in tenths of millimetres."""
 PLANE_M = 0.2
 """Before the camera, where the viewer hangs up its picture."""
-ROLES = ("moves", "refers to")
-ROLE_RGB: tuple[RGB, ...] = ((1.0, 0.85, 0.0), (0.0, 0.85, 1.0))
-"""Of a step's two objects."""
+MOVES, REFERS_TO = "moves", "refers to"
+MOVED_RGB: RGB = (1.0, 0.85, 0.0)
+"""Of what any step moves,"""
+REFERENCE_RGB: RGB = (0.0, 0.85, 1.0)
+"""and of what steps only refer to."""
 
 
 class View:
@@ -70,29 +72,34 @@ class View:
                 numbers,
                 [self._scene.name(number) for number in numbers],
                 [self._scene.rgb(number) for number in numbers],
+                show_labels=False,
             ),
         )
 
     def ground(self, sight: Sight, steps: Sequence[nsrm.PlannedStep]) -> None:
-        """What each step moves and refers to, where it is seen, in the picture and in space."""
+        """What the steps move and refer to, where it is seen, in the picture and in space."""
+        roles: dict[int, list[str]] = {}
         for index, step in enumerate(steps, start=1):
-            objects = {
-                number: (f"step {index} {role} {self._scene.name(number)}", rgb)
-                for number, role, rgb in zip(
-                    (step.object_id, step.reference_id), ROLES, ROLE_RGB, strict=True
-                )
-            }
-            for entity, shown, drawn in (
-                (GROUNDINGS_2D, sight.locations, self._boxes),
-                (GROUNDINGS_3D, sight.cuboids, _cuboids),
-            ):
-                numbers = [number for number in objects if number in shown]
-                labels = [objects[number][0] for number in numbers]
-                colors = [objects[number][1] for number in numbers]
-                self._log.now(f"{entity}/step_{index}", drawn(sight, numbers, labels, colors))
+            roles.setdefault(step.object_id, []).append(f"{index} {MOVES}")
+            roles.setdefault(step.reference_id, []).append(f"{index} {REFERS_TO}")
+        moved = {step.object_id for step in steps}
+        for entity, shown, drawn in (
+            (GROUNDINGS_2D, sight.locations, self._boxes),
+            (GROUNDINGS_3D, sight.cuboids, _cuboids),
+        ):
+            numbers = [number for number in roles if number in shown]
+            labels = [f"{number}: step {', '.join(roles[number])}" for number in numbers]
+            colors = [MOVED_RGB if number in moved else REFERENCE_RGB for number in numbers]
+            self._log.now(entity, drawn(sight, numbers, labels, colors))
 
     def _boxes(
-        self, sight: Sight, numbers: Sequence[int], labels: Sequence[str], colors: Sequence[RGB]
+        self,
+        sight: Sight,
+        numbers: Sequence[int],
+        labels: Sequence[str],
+        colors: Sequence[RGB],
+        *,
+        show_labels: bool = True,
     ) -> rr.Boxes2D:
         size_px = np.array([self._camera.width, self._camera.height] * 2)
         corners = [sight.locations[number][:4] * size_px for number in numbers]
@@ -100,6 +107,7 @@ class View:
             array=np.reshape(corners, (-1, 4)),
             array_format=rr.Box2DFormat.XYXY,
             labels=labels,
+            show_labels=show_labels,
             colors=np.reshape(colors, (-1, 3)),
         )
 
