@@ -285,6 +285,19 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     assert (tmp_path / "trials.png").stat().st_size > 10_000
 
 
+def test_the_best_have_the_most_steps_and_are_the_least_off() -> None:
+    off = replace(GOOD, off_m=0.002)
+    all_ended = [
+        ended("steps_1", 0, "succeeded", off),
+        ended("steps_1", 1, "succeeded", GOOD),
+        ended("steps_2", 2, "succeeded", GOOD, off),
+        ended("steps_2", 3, "failed", GOOD, GOOD),
+    ]
+    lines = report.counted([BY_NAME["steps_1"], BY_NAME["steps_2"]], all_ended)
+    assert [each.index for each in report.best(lines, 9)] == [2, 1, 0]
+    assert [each.index for each in report.best(lines, 1)] == [2]
+
+
 def test_what_can_be_chance_is_told_from_what_can_not() -> None:
     row = BY_NAME["steps_1"]
 
@@ -309,6 +322,7 @@ def test_who_interferes_may_be_touched_and_an_open_loop_has_no_goal(tmp_path: Pa
     assert "another block put onto the goal: loop open | 1 | 0.0 % | 0.0 % | – |" in text
     # It has no goal, and is not shown as one that ended badly.
     assert [each.row for each in report.worst(lines, 9)] == ["goal_taken_closed"]
+    assert report.best(lines, 9) == []
     assert "touched what it should not have: 0." in text
     report.draw(lines[1:], tmp_path / "open.png")
     assert (tmp_path / "open.png").stat().st_size > 10_000

@@ -168,12 +168,21 @@ def worst(lines: Sequence[Line], count: int) -> list[Ended]:
     """Those that ended worst, of rows with a goal: failed ones, refused ones, then the farthest
     off."""
     order = ("failed", "refused", "succeeded")
+    return sorted(_aimed(lines), key=lambda each: (order.index(each.end), -_off_m(each)))[:count]
 
-    def rank(each: Ended) -> tuple[int, float]:
-        return order.index(each.end), -max((step.off_m for step in each.steps), default=0.0)
 
-    ended = [each for line in lines if line.row.goal for each in line.ended]
-    return sorted(ended, key=rank)[:count]
+def best(lines: Sequence[Line], count: int) -> list[Ended]:
+    """Those that were done best, of rows with a goal: of the most steps, the least off."""
+    done = [each for each in _aimed(lines) if each.end == "succeeded"]
+    return sorted(done, key=lambda each: (-len(each.steps), _off_m(each)))[:count]
+
+
+def _aimed(lines: Sequence[Line]) -> list[Ended]:
+    return [each for line in lines if line.row.goal for each in line.ended]
+
+
+def _off_m(ended: Ended) -> float:
+    return max((step.off_m for step in ended.steps), default=0.0)
 
 
 def write_csv(lines: Sequence[Line], path: Path) -> None:

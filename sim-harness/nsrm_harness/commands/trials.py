@@ -8,8 +8,8 @@ import click
 
 from nsrm_harness.commands.options import episodes_options, workers_of
 
-FILMED = 20
-"""Episodes that ended worst are shown as films."""
+WORST, BEST = 20, 4
+"""Episodes that ended so are shown as films."""
 
 
 @click.command("trials")
@@ -57,7 +57,9 @@ def command(
     with workers_of(jobs, ray) as workers:
         ended = run(rows, count, seed, workers, out / "trials.jsonl", quiet=quiet)
         lines = report.counted(rows, ended)
-        films(report.worst(lines, 0 if quick else FILMED), rows, seed, workers, out / "worst")
+        if not quick:
+            films(report.worst(lines, WORST), rows, seed, workers, out / "worst")
+            films(report.best(lines, BEST), rows, seed, workers, out / "best")
     report.write_csv(lines, out / "trials.csv")
     report.draw(lines, out / "trials.png")
     text = report.text(lines)
