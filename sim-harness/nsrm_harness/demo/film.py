@@ -26,6 +26,8 @@ COLUMNS = 4
 """Of the pictures: a step, if all goes well, has a row."""
 SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
 """What is done in the pictures."""
+UNMOVED = "it did not begin"
+"""Where nothing is: the arm has only waited."""
 
 
 class Film:
@@ -70,14 +72,15 @@ class Film:
         # One palette for all: what doesn't move has the same colours throughout.
         some = self._frames[:: max(1, len(self._frames) // PALETTE_FRAMES)]
         palette = Image.fromarray(np.vstack(some)).quantize(COLORS)
+        last = self._look()
         frames = [
             Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-            for frame in (*self._frames, self._look())
+            for frame in (*self._frames, last)
         ]
         pause = [round(1000 * self._frame_s / SPEED)] * (len(frames) - 1) + [1500]
         frames[0].save(film, save_all=True, append_images=frames[1:], duration=pause, loop=0)
-        titles = [event for event, _ in self._shots]
-        in_rows([picture for _, picture in self._shots], titles, COLUMNS).save(strip)
+        titles, pictures = zip(*(self._shots or [(UNMOVED, last)]), strict=True)
+        in_rows(pictures, titles, COLUMNS).save(strip)
         return [film, strip]
 
     def _look(self) -> NDArray[np.uint8]:

@@ -1,0 +1,55 @@
+"""What was filmed is shown, whatever came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from nsrm_harness.demo.film import FRAME_S, Film
+from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.world.render import Renderer
+
+FRAMES = 3
+
+
+@pytest.fixture
+def world() -> Iterator[ArmWorld]:
+    with closing(ArmWorld()) as made:
+        yield made
+
+
+def filmed(world: ArmWorld, renderer: Renderer) -> Film:
+    film = Film(world, renderer, small=True)
+    for _ in range(round(2 * FRAMES * FRAME_S / world.tick_s)):
+        world.tick()
+    return film
+
+
+def test_an_arm_that_only_waits_has_a_film_and_a_picture(
+    world: ArmWorld, renderer: Renderer, tmp_path: Path
+) -> None:
+    film, strip = filmed(world, renderer).save(tmp_path)
+    with Image.open(film) as shown:
+        width, height = shown.size
+    with Image.open(strip) as shown:
+        assert width < shown.width < 2 * width and height < shown.height < 2 * height
+
+
+def test_each_event_that_is_shown_has_a_picture(
+    world: ArmWorld, renderer: Renderer, tmp_path: Path
+) -> None:
+    film = filmed(world, renderer)
+    for event in ("reached", "grasped", "above", "lifted"):
+        film.mark(event)
+    path, strip = film.save(tmp_path)
+    with Image.open(path) as shown, Image.open(strip) as pictures:
+        assert 2 * shown.width < pictures.width < 3 * shown.width
+
+
+def test_nothing_is_written_of_nothing(world: ArmWorld, renderer: Renderer, tmp_path: Path) -> None:
+    assert Film(world, renderer).save(tmp_path) == []
+    assert [*tmp_path.iterdir()] == []
