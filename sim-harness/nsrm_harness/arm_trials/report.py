@@ -106,8 +106,7 @@ def text(lines: Sequence[Line]) -> str:
     rows.extend(["", *_beside(lines), ""])
     rows.extend(
         f"- {each.row} {each.index}: {each.end}: {each.why}"
-        for line in lines
-        for each in line.ended
+        for each in _aimed(lines)
         if each.end != "succeeded"
     )
     return "\n".join(rows)
@@ -194,8 +193,9 @@ def write_csv(lines: Sequence[Line], path: Path) -> None:
 
 
 def draw(lines: Sequence[Line], path: Path) -> None:
-    """How the episodes ended, how far steps were off, and how long they took, as a PNG."""
-    figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")
+    """How the episodes ended, and how far steps were off and how long they took in rows with a
+    goal, as a PNG."""
+    figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(16.0, 4.2), layout="constrained")
     names = [line.row.title for line in lines]
     left = np.zeros(len(lines))
     counts = {
@@ -221,6 +221,8 @@ def draw(lines: Sequence[Line], path: Path) -> None:
     # Beside the bars, which fill it.
     ends.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)
     for line in lines:
+        if not line.row.goal:
+            continue
         for axis, values in ((off, np.sort(line.off_mm)), (seconds, np.sort(line.seconds))):
             if len(values):
                 axis.step(values, np.arange(1, len(values) + 1) / len(values), label=line.row.title)
@@ -229,6 +231,8 @@ def draw(lines: Sequence[Line], path: Path) -> None:
     seconds.set(title="time of a step, simulated", xlabel="seconds")
     for axis in (off, seconds):
         axis.grid(alpha=0.3)
-    off.legend(fontsize=7, loc="lower right")
+    if aimed:
+        # Beside the curves, which are everywhere.
+        seconds.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.02, 1.0))
     figure.savefig(path, dpi=110)
     plt.close(figure)
