@@ -166,7 +166,7 @@ class _Hands:
                 cleared += asides
                 first += self._clear(objects, name, asides)
                 objects = self.look()
-                carry = self._carry_after(asides, objects, name, goal)
+                carry = self._carry_after(cleared, objects, name, goal)
             done = carry_out(self.body, carry, self.mark, self.stop)
             motion_s += carry.duration_s
             seen, objects = objects, self.look()
@@ -211,13 +211,13 @@ class _Hands:
         return done
 
     def _carry_after(
-        self, asides: tuple[Aside, ...], objects: Mapping[str, Cuboid], name: str, goal: Pose
+        self, cleared: tuple[Aside, ...], objects: Mapping[str, Cuboid], name: str, goal: Pose
     ) -> Carry:
-        """What was refused before these were moved. Raises `FailedError`."""
+        """What was refused before the last of these were moved. Raises `FailedError`."""
         try:
             return self.planner.carry(objects, name, goal, self.body.joints())
         except RefusedError as refusal:
-            raise FailedError(_after(name, asides, str(refusal))) from None
+            raise FailedError(_after(name, cleared, str(refusal))) from None
 
 
 def _shifted(
@@ -241,6 +241,7 @@ def _farthest(*parts: tuple[tuple[str, float], ...]) -> tuple[tuple[str, float],
 
 
 def _after(name: str, asides: tuple[Aside, ...], what: str) -> str:
+    """What went wrong, behind what was done before it."""
     return f"{_first(name, asides)}; then: {what}" if asides else what
 
 

@@ -26,8 +26,8 @@ COLUMNS = 4
 """Of the pictures: a step, if all goes well, has a row."""
 SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
 """What is done in the pictures."""
-UNMOVED = "it did not begin"
-"""Where nothing is: the arm has only waited."""
+LAST = "in the end"
+"""The one picture where none of that was done: the arm waited, or stopped on its way."""
 
 
 class Film:
@@ -79,7 +79,7 @@ class Film:
         ]
         pause = [round(1000 * self._frame_s / SPEED)] * (len(frames) - 1) + [1500]
         frames[0].save(film, save_all=True, append_images=frames[1:], duration=pause, loop=0)
-        titles, pictures = zip(*(self._shots or [(UNMOVED, last)]), strict=True)
+        titles, pictures = zip(*(self._shots or [(LAST, last)]), strict=True)
         in_rows(pictures, titles, COLUMNS).save(strip)
         return [film, strip]
 
