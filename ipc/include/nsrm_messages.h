@@ -275,8 +275,9 @@ NSRM_ASSERT(offsetof(nsrm_plan_reply, steps) == 1080, "offset of steps");
 typedef struct nsrm_sub_goal {
     /** Number of the plan; a later plan has a greater one. */
     uint64_t plan;
-    /** Until when it may be begun, nanoseconds on the machine's monotonic clock:
-     *  then the planner gives it up. 0 for a stop, which is never too late. */
+    /** Until when it may be begun, nanoseconds on the clock that the robot's processes go
+     *  by: the machine's monotonic one, or the wall clock over several hosts. Then the
+     *  planner gives it up. 0 for a stop, which is never too late. */
     uint64_t until_ns;
     /** Counts the plan's commands from 1; a stop has that of what it stops. */
     uint32_t command;

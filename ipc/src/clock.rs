@@ -13,7 +13,9 @@ pub enum Clock {
     #[default]
     Machine,
     /// The wall clock (`CLOCK_REALTIME`; Python's `time.time_ns`), which several hosts keep
-    /// equal by PTP or NTP. Where it is set, scenes and commands under way are refused.
+    /// equal by PTP or NTP. Where it is set, scenes and commands under way are refused; where it
+    /// is set back, a planner that is started anew numbers its plans below those that the
+    /// controller has had, which answers that they are impossible: start that one anew, too.
     Wall,
 }
 

@@ -40,6 +40,7 @@ REASONS = (
     "no_such_request",
     "stopping",
     "unanswered",
+    "clock_set_back",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 
@@ -449,8 +450,9 @@ class SubGoal(ctypes.Structure):
     _fields_: ClassVar = [
         # Number of the plan; a later plan has a greater one.
         ("plan", ctypes.c_uint64),
-        # Until when it may be begun, nanoseconds on the machine's monotonic clock:
-        # then the planner gives it up. 0 for a stop, which is never too late.
+        # Until when it may be begun, nanoseconds on the clock that the robot's processes go
+        # by: the machine's monotonic one, or the wall clock over several hosts. Then the
+        # planner gives it up. 0 for a stop, which is never too late.
         ("until_ns", ctypes.c_uint64),
         # Counts the plan's commands from 1; a stop has that of what it stops.
         ("command", ctypes.c_uint32),

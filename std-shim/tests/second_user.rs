@@ -8,9 +8,12 @@ mod common;
 use std::fs::Permissions;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::os::unix::process::CommandExt as _;
+use std::process::Command;
 
 use common::stage::{SENTENCE, Stage};
 use common::{done, refused};
+use nsrm_ipc::message::Role;
+use nsrm_tests::corner::join;
 
 /// User and group `nobody`, on Debian and most others.
 const OTHER: u32 = 65534;
@@ -22,6 +25,16 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
     let user = std::fs::metadata(stage.bench.folder.path()).unwrap().uid();
     assert_eq!(user, 0, "only root can start processes as another user");
     stage.open_to_all();
+    // Anyone may write there; this looks like what is just being made, for ever.
+    let foreign = format!("/dev/shm/{}x.connection", stage.corner.prefix());
+    let mut touch = Command::new("touch");
+    let touched = touch.arg(&foreign).uid(OTHER).gid(OTHER).status();
+    assert!(touched.unwrap().success());
+    let robot = join("left", Role::Watcher, &stage.corner.config);
+    assert!(robot.bury());
+    assert!(std::fs::exists(&foreign).unwrap());
+    std::fs::remove_file(foreign).unwrap();
+    drop(robot);
     stage.start("perceive", "perceiving");
     stage.start("serve", "planning");
     for arguments in [

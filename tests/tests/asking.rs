@@ -4,8 +4,10 @@
 use nsrm_core::RawScene;
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::{Limits, Mode};
-use nsrm_ipc::message::{PlanReply, Reply, ReplyTo, Role, SceneMessage, SubGoal};
-use nsrm_ipc::node::{Asker, Conversation, Line, PlannerNode};
+use nsrm_ipc::message::{
+    PlanReply, PlanRequest, Reply, ReplyTo, Role, SceneMessage, State, SubGoal,
+};
+use nsrm_ipc::node::{AskError, Asker, Conversation, Life, Line, PlannerNode};
 use nsrm_ipc::service::{Robot, Sender};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
 use nsrm_tests::corner::Corner;
@@ -45,6 +47,31 @@ fn what_is_said_to_another_asker_is_passed_over() {
     }
     let reply = asker.hear(&mut conversation, now_ns()).unwrap().unwrap();
     assert_eq!((reply.request, reply.number), (own.request, 1));
+}
+
+/// Without a connection nobody says that what was asked did not arrive.
+#[test]
+fn what_was_lost_on_the_way_is_missed_while_the_planner_lives() {
+    let corner = Corner::new("lost-request");
+    let planner = join(Role::Planner, &corner);
+    let _deaf = planner.receiver::<PlanRequest>().unwrap();
+    let mut life = Life::begin(&planner, Role::Planner, now_ns()).unwrap();
+    let asker = join(Role::Asker, &corner);
+    let mut asker = Asker::begin(asker, Line::Broadcast, 350 * MS).unwrap();
+    let begun_ns = now_ns();
+    for (state, expected) in [
+        (State::Busy, None),
+        (State::Idle, Some(AskError::ReplyLost { number: 1 })),
+    ] {
+        let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+        let begun_ns = now_ns().max(begun_ns);
+        let heard = (0..40).find_map(|beat| {
+            let now_ns = begun_ns + beat * 100 * MS;
+            life.beat(state, now_ns).unwrap();
+            asker.hear(&mut conversation, now_ns).err()
+        });
+        assert_eq!(heard, expected);
+    }
 }
 
 /// A planner without a controller whose heartbeats it would hear.

@@ -113,6 +113,8 @@ pub enum Failure {
     Cancelled,
     /// As before, but the controller did not say that it has stopped.
     CancelledUnconfirmed,
+    /// The clock was set back, so that nobody can tell how old a scene is.
+    ClockSetBack,
 }
 
 impl Failure {
@@ -130,6 +132,7 @@ impl Failure {
             Self::NotSeen { .. } => "not_seen",
             Self::Cancelled => "cancelled",
             Self::CancelledUnconfirmed => "cancelled_unconfirmed",
+            Self::ClockSetBack => "clock_set_back",
         }
     }
 }
@@ -202,6 +205,10 @@ impl fmt::Display for Failure {
             Self::Cancelled => f.write_str("cancelled"),
             Self::CancelledUnconfirmed => f.write_str(
                 "cancelled, but the controller did not say that it has stopped; look at the robot",
+            ),
+            Self::ClockSetBack => f.write_str(
+                "the clock was set back meanwhile, so how old a scene is can't be told; look at \
+                 the robot, and ask again",
             ),
         }
     }

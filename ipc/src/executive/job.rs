@@ -7,7 +7,7 @@ use nsrm_core::{MAX_STEPS, Plan, Planner, Progress, Refusal};
 
 use super::failure::Failure;
 use super::limits::Limits;
-use super::looking::{Looking, too_old};
+use super::looking::{AHEAD_NS, Looking, too_old};
 use super::{Command, CommandId, Event, Mode, Sentence};
 use crate::message::{Outcome, Report};
 
@@ -25,7 +25,8 @@ pub(super) struct Job<'m> {
     commands: u32,
     /// What each step so far has put where, as long as no other took it elsewhere.
     placed: [Option<Placed>; MAX_STEPS],
-    cancelled: bool,
+    /// Why it is to end, whatever it is at.
+    end: Option<Failure>,
     stage: Stage<'m>,
 }
 
@@ -54,7 +55,11 @@ enum Stage<'m> {
         since_ns: u64,
     },
     /// The next step of the plan is commanded.
-    Send,
+    Send {
+        /// When the scene was seen in which it was grounded, and since when one is waited for;
+        /// nobody looks with the loop open.
+        seen: Option<(u64, u64)>,
+    },
     /// Its outcome is waited for.
     Commanded {
         command: Command,
@@ -109,13 +114,21 @@ impl<'m> Job<'m> {
             retries: 0,
             commands: 0,
             placed: [None; MAX_STEPS],
-            cancelled: false,
+            end: None,
             stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
         }
     }
 
     pub(super) fn cancel(&mut self) {
-        self.cancelled = true;
+        self.end.get_or_insert(Failure::Cancelled);
+    }
+
+    /// What was waited for since a time, and how old a scene is, can't be told any more.
+    pub(super) fn set_back(&mut self, now_ns: u64) {
+        self.end.get_or_insert(Failure::ClockSetBack);
+        if let Stage::Stopping { since_ns, .. } = &mut self.stage {
+            *since_ns = now_ns;
+        }
     }
 
     pub(super) fn hear(&mut self, report: &Report, now_ns: u64) {
@@ -136,9 +149,12 @@ impl<'m> Job<'m> {
                 // controller was lost.
                 (_, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
                     // Not before the command, whatever the controller's clock says: a
-                    // scene from before it shows nothing of what came of it.
+                    // scene from before it shows nothing of what came of it. Nor farther
+                    // ahead than a scene may be, or none would ever be later.
+                    let latest_ns = now_ns.saturating_add(AHEAD_NS);
+                    let timestamp_ns = report.timestamp_ns.min(latest_ns).max(*sent_ns);
                     *heard = Heard::Ended(Report {
-                        timestamp_ns: report.timestamp_ns.max(*sent_ns),
+                        timestamp_ns,
                         ..*report
                     });
                 }
@@ -184,8 +200,10 @@ impl<'m> Job<'m> {
         limits: &Limits,
         now_ns: u64,
     ) -> Result<Event, Failure> {
-        if self.cancelled && !matches!(self.stage, Stage::Stopping { .. }) {
-            return self.stop(Failure::Cancelled, now_ns);
+        if let Some(why) = self.end
+            && !matches!(self.stage, Stage::Stopping { .. })
+        {
+            return self.stop(why, now_ns);
         }
         match &mut self.stage {
             Stage::Parse(task) => {
@@ -232,20 +250,25 @@ impl<'m> Job<'m> {
                 self.plan = plan.map_err(Failure::Refused)?;
                 if too_old(taken_ns, limits, now_ns).is_some() {
                     // By now: grounding took its time.
-                    self.stage = Stage::Look {
-                        after_ns: taken_ns,
-                        since_ns,
-                        purpose: Purpose::Ground,
-                    };
+                    self.look(taken_ns, since_ns, Purpose::Ground);
                     return Ok(Event::Working);
                 }
                 self.stage = match self.mode {
                     Mode::PlanOnly => Stage::Finished,
-                    Mode::ClosedLoop | Mode::OpenLoop => Stage::Send,
+                    Mode::ClosedLoop | Mode::OpenLoop => Stage::Send {
+                        seen: Some((taken_ns, since_ns)),
+                    },
                 };
                 Ok(Event::Planned(self.plan.clone()))
             }
-            Stage::Send => self.send(limits, now_ns),
+            &mut Stage::Send {
+                seen: Some((taken_ns, since_ns)),
+            } if too_old(taken_ns, limits, now_ns).is_some() => {
+                // Who polls was held up since it was planned.
+                self.look(taken_ns, since_ns, Purpose::Ground);
+                Ok(Event::Working)
+            }
+            Stage::Send { .. } => self.send(limits, now_ns),
             &mut Stage::Commanded {
                 command,
                 since_ns,
@@ -379,7 +402,7 @@ impl<'m> Job<'m> {
             position: sub_goal.pose.translation.vector.into(),
         });
         if self.mode == Mode::OpenLoop {
-            self.advance_step(Stage::Send);
+            self.advance_step(Stage::Send { seen: None });
             let off_m = f32::NAN;
             return Ok(Event::Reached { step, off_m });
         }

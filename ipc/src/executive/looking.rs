@@ -8,7 +8,7 @@ use crate::message::SceneMessage;
 const NS_PER_MS: u64 = 1_000_000;
 /// How far ahead a scene's time may be, nanoseconds: clocks of one machine agree,
 /// those of two within about a millisecond.
-const AHEAD_NS: u64 = 5 * NS_PER_MS;
+pub(super) const AHEAD_NS: u64 = 5 * NS_PER_MS;
 
 /// The latest scene that may be acted upon.
 #[derive(Debug)]

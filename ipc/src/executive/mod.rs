@@ -20,7 +20,7 @@ use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner};
 
 use crate::message::{Feedback, FeedbackError, SceneMessage};
 use job::Job;
-use looking::Looking;
+use looking::{AHEAD_NS, Looking};
 
 /// A sentence, as long as it may be.
 pub type Sentence = String<MAX_SENTENCE_BYTES>;
@@ -123,6 +123,8 @@ pub struct Executive<'m> {
     looking: Looking,
     next_plan: u64,
     job: Option<Job<'m>>,
+    /// The latest time that it was told.
+    latest_ns: u64,
 }
 
 impl<'m> Executive<'m> {
@@ -138,6 +140,7 @@ impl<'m> Executive<'m> {
             looking: Looking::new(),
             next_plan: first_plan,
             job: None,
+            latest_ns: 0,
         }
     }
 
@@ -208,8 +211,18 @@ impl<'m> Executive<'m> {
     /// Does one piece of work, at most [`nsrm_core::planner::UNIT_MULTIPLY_ADDS`]
     /// and a copy of a scene.
     ///
-    /// * `now_ns`: the time, on the clock of the scenes and of the feedback
+    /// * `now_ns`: the time, on the clock of the scenes and of the feedback; when it is set back
+    ///   by more than 5 ms, what is under way ends with [`Failure::ClockSetBack`]
     pub fn poll(&mut self, now_ns: u64) -> Event {
+        if now_ns.saturating_add(AHEAD_NS) < self.latest_ns {
+            // Its scene would be later than all that come.
+            self.looking = Looking::new();
+            if let Some(job) = &mut self.job {
+                job.set_back(now_ns);
+            }
+            self.latest_ns = now_ns;
+        }
+        self.latest_ns = self.latest_ns.max(now_ns);
         let Some(job) = &mut self.job else {
             return Event::Waiting;
         };

@@ -89,7 +89,7 @@ message! {
 /// Why a request is not followed, by the names of [`nsrm_core::Refusal::kind`] and
 /// [`Failure::kind`], and of what the planner's node finds: a number in
 /// [`PlanReply::reason`] is a place in here, counted from 1.
-pub const REASONS: [&str; 30] = [
+pub const REASONS: [&str; 31] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -120,6 +120,7 @@ pub const REASONS: [&str; 30] = [
     "no_such_request",
     "stopping",
     "unanswered",
+    "clock_set_back",
 ];
 
 /// What has become of a request.
@@ -555,6 +556,7 @@ mod tests {
             Failure::NotSeen { step, object },
             Failure::Cancelled,
             Failure::CancelledUnconfirmed,
+            Failure::ClockSetBack,
         ] {
             assert!(REASONS.contains(&why.kind()), "{why:?}");
         }

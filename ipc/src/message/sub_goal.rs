@@ -23,8 +23,9 @@ message! {
     pub struct SubGoal {
         /// Number of the plan; a later plan has a greater one.
         pub plan: u64,
-        /// Until when it may be begun, nanoseconds on the machine's monotonic clock:
-        /// then the planner gives it up. 0 for a stop, which is never too late.
+        /// Until when it may be begun, nanoseconds on the clock that the robot's processes go
+        /// by: the machine's monotonic one, or the wall clock over several hosts. Then the
+        /// planner gives it up. 0 for a stop, which is never too late.
         pub until_ns: u64,
         /// Counts the plan's commands from 1; a stop has that of what it stops.
         pub command: u32,

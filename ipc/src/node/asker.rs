@@ -41,7 +41,10 @@ impl fmt::Display for AskError {
                 "the planner of robot `{robot}` died or hangs; look at the robot, then start the \
                  planner anew"
             ),
-            Self::ReplyLost { number } => write!(f, "reply {number} was lost; look at the robot"),
+            Self::ReplyLost { number } => write!(
+                f,
+                "reply {number} was lost, or what was asked; look at the robot, then ask again"
+            ),
             Self::Request(error) => write!(f, "{error}"),
             Self::Iceoryx(says) => write!(f, "asking: {says}"),
         }
@@ -50,6 +53,9 @@ impl fmt::Display for AskError {
 
 impl core::error::Error for AskError {}
 
+/// How long a planner may say that it is idle while an end is waited for, nanoseconds: so long
+/// two tunnels at most take there and back before all its scenes are too old.
+const IDLE_NS: u64 = 2_000_000_000;
 /// How many replies are looked through at once for one that belongs to a conversation.
 const REPLIES_AT_ONCE: usize = 64;
 
@@ -99,6 +105,8 @@ pub struct Conversation {
     /// Of the next reply.
     number: u32,
     began_ns: u64,
+    /// Since when the planner says that it is idle.
+    idle_ns: Option<u64>,
 }
 
 impl Asker {
@@ -131,6 +139,9 @@ impl Asker {
     /// Asks for a sentence to be followed.
     pub fn ask(&mut self, sentence: &str, mode: Mode) -> Result<Conversation, AskError> {
         self.sequence += 1;
+        // What was heard before is no word on this one, nor is a planner that died before.
+        self.life.listen(now_ns(), |_, _, _| {});
+        self.planner = Peer::default();
         let request = PlanRequest::new(self.asker, self.sequence, mode, sentence);
         let pending = self.send(request.map_err(AskError::Request)?)?;
         Ok(Conversation {
@@ -138,6 +149,7 @@ impl Asker {
             sequence: self.sequence,
             number: 1,
             began_ns: now_ns(),
+            idle_ns: None,
         })
     }
 
@@ -218,9 +230,13 @@ impl Asker {
     ) -> Result<Option<PlanReply>, AskError> {
         let planner = &mut self.planner;
         let mut is_other = false;
-        self.life.listen(now_ns, |role, _, heartbeat| {
+        self.life.listen(now_ns, |role, state, heartbeat| {
             if role == Role::Planner {
                 is_other |= planner.hear(heartbeat, now_ns);
+                match state {
+                    State::Idle => _ = conversation.idle_ns.get_or_insert(now_ns),
+                    _ => conversation.idle_ns = None,
+                }
             }
         });
         // Not being heard by anyone does not keep it from hearing.
@@ -234,12 +250,19 @@ impl Asker {
                 return Err(AskError::ReplyLost { number });
             }
             conversation.number = number.saturating_add(1);
+            conversation.idle_ns = None;
             return Ok(Some(reply));
         }
         // One that ends a conversation of its own will has a last word.
         let (began_ns, silence_ns) = (conversation.began_ns, self.silence_ns);
         if !goes_on || is_other || !self.planner.may_live(began_ns, silence_ns, now_ns) {
             return Err(AskError::PlannerLost(self.robot.name().clone()));
+        }
+        // Without a connection nothing else tells that what was asked, or its end, was lost.
+        let idle_ns = conversation.idle_ns;
+        if idle_ns.is_some_and(|since_ns| now_ns.saturating_sub(since_ns) > IDLE_NS) {
+            let number = conversation.number;
+            return Err(AskError::ReplyLost { number });
         }
         Ok(None)
     }

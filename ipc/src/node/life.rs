@@ -40,7 +40,9 @@ impl Life {
 
     /// Says that the node lives, when it is time to; whether it was.
     pub fn beat(&mut self, state: State, now_ns: u64) -> Result<bool, SendFailure> {
-        if now_ns < self.next_ns {
+        // A longer wait than between two was made by a clock that was set back.
+        let waits_ns = self.next_ns.saturating_sub(now_ns);
+        if (1..=HEARTBEAT_NS).contains(&waits_ns) {
             return Ok(false);
         }
         self.next_ns = now_ns.saturating_add(HEARTBEAT_NS);
@@ -98,13 +100,14 @@ impl Peer {
         is_other
     }
 
-    /// Whether it may be alive: it was heard of, or is listened to, no longer ago
-    /// than it may be silent.
+    /// Whether it may be alive: it was heard of, or is listened to if it never was, no longer
+    /// ago than it may be silent. A time that is yet to come is that of a clock that was set
+    /// back, and counts like one that has gone.
     ///
     /// * `since_ns`: when listening began
     pub fn may_live(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
-        let heard_ns = self.known.map_or(0, |(_, heard_ns)| heard_ns);
-        now_ns.saturating_sub(heard_ns.max(since_ns)) <= silence_ns
+        let heard_ns = self.known.map_or(since_ns, |(_, heard_ns)| heard_ns);
+        now_ns.abs_diff(heard_ns) <= silence_ns
     }
 }
 
@@ -128,5 +131,9 @@ mod tests {
         assert!(peer.may_live(10, 50, 70) && !peer.may_live(10, 50, 71));
         assert!(!peer.hear(&heartbeat(5), 30));
         assert!(peer.hear(&heartbeat(6), 40));
+        // The clock is set back: who is heard again lives, who isn't does not for long.
+        let (mut heard, silent) = (peer, peer);
+        heard.hear(&heartbeat(6), 2);
+        assert!(heard.may_live(10_000, 5, 3) && !silent.may_live(10_000, 5, 3));
     }
 }

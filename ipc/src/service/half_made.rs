@@ -15,6 +15,8 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
+use super::folder;
+
 /// Making any of them takes a millisecond; what is half made for so long stays so.
 const GIVEN_UP: Duration = Duration::from_secs(1);
 
@@ -32,17 +34,23 @@ const OWNER_READ: u32 = 0o400;
 ///
 /// To be called before iceoryx2 looks at what the dead have left: it waits without end for
 /// a segment that is still empty. Who waits so is freed by the next one that calls this.
+///
+/// Anyone may put files there. Those of others than this user and who owns the folder in which
+/// the processes meet are none of a robot's.
 pub(super) fn remove_segments(config: &Config) -> bool {
     let prefix = config.global.prefix.to_string();
+    let user = rustix::process::geteuid().as_raw();
+    let meeting = folder(config).metadata().map_or(user, |it| it.uid());
     let mut being_made = false;
     for entry in std::fs::read_dir(SEGMENTS).into_iter().flatten().flatten() {
         if !entry.file_name().to_string_lossy().starts_with(&prefix) {
             continue;
         }
         // What has gone meanwhile is not half made.
-        let is_half_made = entry
-            .metadata()
-            .is_ok_and(|segment| segment.len() == 0 || segment.mode() & OWNER_READ == 0);
+        let is_half_made = entry.metadata().is_ok_and(|segment| {
+            let is_ours = [user, meeting].contains(&segment.uid());
+            is_ours && (segment.len() == 0 || segment.mode() & OWNER_READ == 0)
+        });
         if is_half_made {
             let is_gone = was_given_up(&entry.path()) && std::fs::remove_file(entry.path()).is_ok();
             being_made |= !is_gone;

@@ -159,7 +159,11 @@ impl Robot {
     /// Sends messages of this type.
     pub fn sender<M: Carried>(&self) -> Result<Sender<M>, ServiceError> {
         let service = self.stream::<M>()?;
-        let publisher = self.place(M::SERVICE, Self::taken, || {
+        let full = match M::QUALITY.publishers {
+            1 => Self::taken,
+            _ => Self::full,
+        };
+        let publisher = self.place(M::SERVICE, full, || {
             service
                 .publisher_builder()
                 // The default waits for ever when a buffer is full; this says so.

@@ -17,6 +17,8 @@ use super::config::Config;
 use super::{join, open, stop_on_signals};
 use crate::Failure;
 
+/// Until a stop that was said, and may have been lost, is said again, nanoseconds.
+const SAID_AGAIN_NS: u64 = 200_000_000;
 /// Between two looks for a reply.
 const NAP: Duration = Duration::from_millis(2);
 
@@ -36,15 +38,21 @@ pub(super) fn say(
         config.limits.silence_ns,
     )?;
     let mut conversation = asker.ask(sentence, mode)?;
-    let mut cancelled = false;
+    let mut cancelled_ns = None;
     let mut told = Told::default();
     loop {
-        if stop.load(Ordering::Relaxed) && !cancelled {
-            cancelled = true;
-            eprintln!("nsrm: stopping the robot …");
-            asker.cancel(&conversation)?;
+        let now_ns = now_ns();
+        let is_due = |said_ns: u64| now_ns.saturating_sub(said_ns) >= SAID_AGAIN_NS;
+        if stop.load(Ordering::Relaxed) && cancelled_ns.is_none_or(is_due) {
+            let is_first = cancelled_ns.replace(now_ns).is_none();
+            let said = asker.cancel(&conversation);
+            // What has become of the planner since the first is heard below.
+            if is_first {
+                eprintln!("nsrm: stopping the robot …");
+                said?;
+            }
         }
-        let Some(reply) = asker.hear(&mut conversation, now_ns())? else {
+        let Some(reply) = asker.hear(&mut conversation, now_ns)? else {
             std::thread::sleep(NAP);
             continue;
         };

@@ -334,3 +334,67 @@ fn a_plan_that_took_too_long_is_made_again() {
     assert_eq!(world.run(), Ok(()));
     assert_eq!(world.log, ["planned from 0", "command 0", "reached 0"]);
 }
+
+/// Who polls may be held up between a plan and its command.
+#[test]
+fn a_plan_that_has_grown_old_is_made_again() {
+    for mode in [Mode::ClosedLoop, Mode::OpenLoop] {
+        let parts = Parts::new();
+        let model = parts.model();
+        let mut world = World::new(&model, Limits::default());
+        world.ask("put the red block on the blue block", mode);
+        world.see();
+        while !matches!(world.executive.poll(world.now_ns), Event::Planned(_)) {}
+        world.now_ns += 501 * MS;
+        assert_eq!(world.executive.poll(world.now_ns), Event::Working);
+        assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
+        assert_eq!(world.run(), Ok(()));
+        assert_eq!(world.log, ["planned from 0", "command 0", "reached 0"]);
+    }
+}
+
+/// The wall clock, by which several hosts go, may be set back.
+#[test]
+fn a_clock_that_is_set_back_ends_what_is_under_way_and_no_more() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    for is_commanded in [true, false] {
+        world.ask("put the red block on the blue block", Mode::ClosedLoop);
+        world.see();
+        let mut commands = 0;
+        let mut events = std::iter::from_fn(|| Some(world.executive.poll(world.now_ns)));
+        let last = events.find(|event| {
+            commands += u32::from(matches!(event, Event::Command(_)));
+            !is_commanded || commands > 0
+        });
+        assert!(last.is_some());
+        world.now_ns -= 5000 * MS;
+        let mut event = world.executive.poll(world.now_ns);
+        if is_commanded {
+            assert!(matches!(event, Event::Stop(_)), "{event:?}");
+            world.now_ns += Limits::default().accept_wait_ns + 1;
+            event = world.executive.poll(world.now_ns);
+        }
+        assert_eq!(event, Event::Ended(Err(Failure::ClockSetBack)));
+    }
+    // Scenes earlier than those before are taken again.
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    assert_eq!(world.run(), Ok(()));
+    world.now_ns -= 5000 * MS;
+    assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
+    world.ask("put the red block on the blue block", Mode::PlanOnly);
+    assert_eq!(world.run(), Ok(()));
+}
+
+/// Its clock may be another one, from which no scene would ever be later.
+#[test]
+fn feedback_from_the_future_does_not_keep_the_planner_from_looking() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ahead_ns = 3_600_000 * MS;
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.log, ["planned from 0", "command 0", "reached 0"]);
+}

@@ -27,6 +27,8 @@ pub(crate) struct World<'m> {
     pub(crate) executive: Executive<'m>,
     pub(crate) scene: RawScene,
     pub(crate) now_ns: u64,
+    /// By how much the controller's clock is ahead.
+    pub(crate) ahead_ns: u64,
     pub(crate) sequence: u64,
     /// What the controller will say of the next commands; when none is left, that
     /// they were reached.
@@ -42,6 +44,7 @@ impl<'m> World<'m> {
             executive: Executive::new(model, limits, 100),
             scene: raw_scene(model, &BLOCKS),
             now_ns: 10_000 * MS,
+            ahead_ns: 0,
             sequence: 0,
             outcomes: VecDeque::new(),
             log: Vec::new(),
@@ -71,7 +74,7 @@ impl<'m> World<'m> {
         let feedback = Feedback {
             plan: command.id.plan,
             sequence: 0,
-            timestamp_ns: self.now_ns,
+            timestamp_ns: self.now_ns + self.ahead_ns,
             command: command.id.command,
             outcome: outcome as u32,
             objects: IN_THE_WAY,

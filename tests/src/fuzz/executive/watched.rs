@@ -27,6 +27,8 @@ pub(super) struct Watched {
     is_lost: bool,
     is_stopping: bool,
     cancelled_ns: Option<u64>,
+    /// When the scene of the last plan had been taken, at the latest.
+    planned_ns: u64,
 }
 
 /// What is known outside when an event is told.
@@ -55,6 +57,7 @@ impl Watched {
             is_lost: false,
             is_stopping: false,
             cancelled_ns: None,
+            planned_ns: 0,
         }
     }
 
@@ -95,6 +98,7 @@ impl Watched {
                 assert!(age_ns <= now.limits.scene_age_ns, "{self:?}");
                 assert!(now.seen_ns > self.sent_ns(), "{self:?}");
                 self.steps = plan.program().steps().len();
+                self.planned_ns = now.seen_ns;
             }
             Event::Command(command) => self.command(command, now.limits, now.now_ns),
             &Event::Stop(id) => self.stop(id),
@@ -179,6 +183,11 @@ impl Watched {
     fn command(&mut self, command: &Command, limits: &Limits, now_ns: u64) {
         assert!(self.mode != Mode::PlanOnly && !self.is_stopping);
         assert_eq!(self.cancelled_ns, None);
+        // Whoever polls may be held up behind the plan.
+        if self.mode == Mode::ClosedLoop {
+            let age_ns = now_ns.saturating_sub(self.planned_ns);
+            assert!(age_ns <= limits.scene_age_ns, "{self:?}");
+        }
         // No two at once, and none has the number of another.
         assert!(self.last.is_none() || self.ended.is_some(), "{self:?}");
         let id = CommandId {
