@@ -134,6 +134,14 @@ def both(*spoils: Callable[[Lines], None]) -> Callable[[Lines], None]:
         (without("ended"), "nobody was stopped in the end"),
         (but("left", names=["a.data"]), "left behind: ['a.data']"),
         (without("left"), "nobody looked"),
+        (
+            lambda lines: lines.append(line(20, "ended", node="planner", process=7, code=1)),
+            "the planner ended by itself with code 1",
+        ),
+        (
+            lambda lines: lines.append(line(20, "ended", node="camera", process=7, code=0)),
+            "the camera ended by itself with code 0",
+        ),
     ],
 )
 def test_what_must_not_be_is_told(spoil: Callable[[Lines], None], fault: str) -> None:
@@ -164,6 +172,26 @@ def test_a_plan_of_which_nobody_was_told_must_be_of_one_who_was_killed() -> None
     assert any("nobody was told" in fault for fault in judge(lines).faults)
     lines.append(line(12, "kill", node="asker", process=8))
     assert judge(lines).faults == ()
+
+
+@pytest.mark.parametrize(
+    ("message", "excuses"),
+    [
+        ("nsrm: the planner of robot `trial` died or hangs; look at the robot", True),
+        ("nsrm: reply 1 was lost; look at the robot", True),
+        ("nsrm: robot `trial` has no planner; start one: nsrm serve --robot trial", False),
+        ("nsrm: step 1: the controller was lost, so it is unknown", False),
+    ],
+)
+def test_or_of_one_who_was_told_of_a_lost_planner_or_reply(message: str, excuses: bool) -> None:
+    lines = journal()
+    # Of its plan it has heard nothing.
+    lines.remove(find(lines, "said", 4))
+    but("said", 4, event={"error": "asking"})(lines)
+    but("answered", 1, message=message)(lines)
+    faults = judge(lines).faults
+    told = () if excuses else ("of 1 plans that were not carried out nobody was told",)
+    assert faults == told
 
 
 def test_what_can_not_be_read_is_told(tmp_path: Path) -> None:

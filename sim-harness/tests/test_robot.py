@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -16,14 +17,22 @@ from numpy.typing import NDArray
 
 from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
-from nsrm_harness.messages import Outcome, SubGoal
+from nsrm_harness.messages import Heartbeat, Outcome, Role, State, SubGoal
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import MOVE, STOP, Answer, Controller, fault, stops_first
-from nsrm_harness.robot.half_made import SEGMENTS
+from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
 from nsrm_harness.robot.movers import SetsDown
-from nsrm_harness.robot.ports import FeedbackOut, FramesOut, PortError, Robot
+from nsrm_harness.robot.ports import (
+    BEAT_NS,
+    LINE_NS,
+    FeedbackOut,
+    FramesOut,
+    Life,
+    PortError,
+    Robot,
+)
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Light, Renderer
@@ -301,6 +310,45 @@ def test_a_segment_that_was_given_up_keeps_nobody_waiting(place: Path) -> None:
     assert robot.bury()
 
 
+@pytest.fixture
+def begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A segment of this user's, given up, among segments kept elsewhere."""
+    monkeypatch.setattr("nsrm_harness.robot.half_made.SEGMENTS", tmp_path)
+    path = tmp_path / "mine_1_2.connection"
+    path.touch()
+    os.utime(path, (0.0, 0.0))
+    return path
+
+
+def test_a_segment_of_other_users_keeps_nobody_waiting(
+    begun: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = os.geteuid() + 1
+    monkeypatch.setattr(os, "geteuid", lambda: other)
+    nowhere = begun.parent / "none"
+    assert not remove_segments("mine_", nowhere) and begun.exists()
+    os.utime(begun)
+    assert not remove_segments("mine_", nowhere) and begun.exists()
+    # Whose folder it is may have begun it.
+    assert remove_segments("mine_", begun.parent)
+    os.utime(begun, (0.0, 0.0))
+    assert not remove_segments("mine_", begun.parent) and not begun.exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "being_made"),
+    [(PermissionError, True), (OSError, True), (FileNotFoundError, False)],
+)
+def test_a_segment_that_stays_may_be_being_made(
+    begun: Path, monkeypatch: pytest.MonkeyPatch, error: type[OSError], being_made: bool
+) -> None:
+    def refuse(_: Path) -> None:
+        raise error
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    assert remove_segments("mine_", begun.parent) == being_made
+
+
 def test_too_little_shared_memory_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = list(os.statvfs(SEGMENTS))
 
@@ -331,10 +379,61 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_a_dead_ones_place_is_free(place: Path) -> None:
+def die(place: Path) -> None:
+    """Has a controller take its places and be killed."""
     died = subprocess.run([sys.executable, "-c", DIES, str(place)], check=False)
     assert died.returncode == -signal.SIGKILL
+
+
+def test_a_dead_ones_place_is_free(place: Path) -> None:
+    die(place)
     heir = FeedbackOut(Robot(read_config(place), "controller"))
-    with pytest.raises(PortError, match="all places are taken"):
+    who = rf"`feedback`: all places are taken; .* or stop process {os.getpid()}$"
+    with pytest.raises(PortError, match=who):
         FeedbackOut(Robot(read_config(place), "controller"))
+    # Nobody else goes by that name.
+    with pytest.raises(PortError, match=r"or stop the process that has it$"):
+        FeedbackOut(Robot(read_config(place), "camera"))
     del heir
+
+
+def test_who_is_there_already_takes_a_dead_ones_place(place: Path) -> None:
+    robot = Robot(read_config(place), "controller")
+    die(place)
+    # Nobody has buried it: it is found when its place is wanted.
+    heir = FeedbackOut(robot)
+    del heir
+
+
+class Sent:
+    """A robot with one port, which remembers the times of heartbeats."""
+
+    def __init__(self) -> None:
+        self.times_ns: list[int] = []
+
+    def publisher(self, service: str, message: type[Heartbeat]) -> Sent:
+        assert (service, message) == ("heartbeat", Heartbeat)
+        return self
+
+    def send_copy(self, beat: Heartbeat) -> None:
+        self.times_ns.append(beat.timestamp_ns)
+
+
+def test_a_clock_that_is_set_back_silences_nobody(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    now_ns = [NOW_NS]
+    monkeypatch.setattr("nsrm_harness.robot.ports._clock", lambda: now_ns[0])
+    sent = Sent()
+    life = Life(cast(Any, sent), Role.CONTROLLER)
+    hour_ns = 3600 * LINE_NS
+    times_ns = [NOW_NS, NOW_NS + BEAT_NS - 1, NOW_NS + BEAT_NS]
+    for now_ns[0] in [*times_ns, *(time_ns - hour_ns for time_ns in times_ns)]:
+        life.beat(State.IDLE)
+    due_ns = [NOW_NS, NOW_NS + BEAT_NS]
+    assert sent.times_ns == [*due_ns, *(time_ns - hour_ns for time_ns in due_ns)]
+    for now_ns[0] in (NOW_NS, NOW_NS + LINE_NS - 1, NOW_NS - hour_ns, NOW_NS - hour_ns + 1):
+        life.reject("sub_goal", "command 0")
+    assert [record.getMessage() for record in caplog.records] == [
+        f"sub_goal passed over: command 0 ({count} so far)" for count in (1, 3)
+    ]

@@ -13,7 +13,9 @@ from nsrm_harness.trials.soak import draw, read_soak
 SECOND = 1_000_000_000
 
 
-def journal(rss_kib: float = 0.0, handles: float = 0.0, size: float = 0.0) -> list[dict[str, Any]]:
+def journal(
+    rss_kib: float = 0.0, handles: float = 0.0, size: float = 0.0, said_ms: float = 0.0
+) -> list[dict[str, Any]]:
     """Forty minutes, a sample and a sentence each; quantities grow by so much a minute."""
     lines = []
     for minute in range(40):
@@ -28,7 +30,12 @@ def journal(rss_kib: float = 0.0, handles: float = 0.0, size: float = 0.0) -> li
                 "scenes": {"latency_ns": 2_000_000},
             },
             {"t": t + SECOND, "what": "ask", "ask": minute},
-            {"t": t + 1.5 * SECOND, "what": "answered", "ask": minute, "code": 2 * (minute == 3)},
+            {
+                "t": t + 1.5 * SECOND + said_ms * minute * SECOND / 1000,
+                "what": "answered",
+                "ask": minute,
+                "code": 2 * (minute == 3),
+            },
         ]
     return lines
 
@@ -59,6 +66,7 @@ def test_the_rest_at_the_end_goes_with_the_last_whole_minute() -> None:
         ({"rss_kib": 50.0}, "planner: rss_kib has grown from 8"),
         ({"handles": 1.0}, "planner: handles has grown from"),
         ({"size": 1e6}, "shared memory: bytes has grown from"),
+        ({"said_ms": 300.0}, "a sentence, p50: "),
     ],
 )
 def test_what_grows_is_a_fault(growth: dict[str, float], fault: str) -> None:
@@ -68,6 +76,12 @@ def test_what_grows_is_a_fault(growth: dict[str, float], fault: str) -> None:
 
 def test_a_little_is_none() -> None:
     assert read_soak(journal(rss_kib=5.0)).faults() == []
+    assert read_soak(journal(said_ms=15.0)).faults() == []
+
+
+def test_a_run_without_a_sentence_that_was_done_has_no_times_to_judge() -> None:
+    lines = [line for line in journal() if line["what"] == "sample"]
+    assert read_soak(lines).faults() == []
 
 
 def test_too_short_a_run_is_refused() -> None:

@@ -31,7 +31,7 @@ def command(
     """Have sentences carried out for hours; memory, open files and times, as OUT/soak.md and
     OUT/soak.png.
 
-    Exit code 1 if anything has grown.
+    Exit code 1 if anything has grown, or sentences have become slow.
     """
     if journal is None:
         options = ["--hours", str(hours), "--every", str(every)]

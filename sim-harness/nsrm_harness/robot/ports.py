@@ -5,6 +5,7 @@ Ports belong to the process that opened them: a process that uses them must not 
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import logging
 import os
@@ -31,12 +32,12 @@ from nsrm_harness.robot.config import RobotConfig, iox2
 from nsrm_harness.robot.controller import Answer
 from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
 
-BEAT_S = 0.1
+BEAT_NS = 100_000_000
 """Time between two heartbeats."""
 IN_FLUX_S = 4.0
-"""How long is waited, in joining, for what others are making."""
+"""How long is waited for what others are making, and for the places of the dead."""
 BETWEEN_TRIES_S = 0.01
-LINE_S = 1.0
+LINE_NS = 1_000_000_000
 """The least time between two log lines about messages that are passed over."""
 NAME = re.compile(r"[a-z0-9_-]{1,32}")
 
@@ -128,10 +129,32 @@ class Robot:
     def bury(self) -> bool:
         """Frees the places of processes that have died, a few times a second; whether it could
         be done now: not while something is being made."""
-        if remove_segments(self._prefix):
+        if remove_segments(self._prefix, self._folder):
             return False
         self._node.try_cleanup_dead_nodes()
         return True
+
+    def _nodes(self) -> list[Any]:
+        """How the nodes of all processes that meet here are; of none, if they can't be looked
+        at."""
+        with contextlib.suppress(iox2.NodeListFailure):
+            return iox2.Node.list(iox2.ServiceType.Ipc, self._node.config)
+        return []
+
+    def _has_dead(self) -> bool:
+        """Whether there are dead processes that are not buried yet."""
+        return any(isinstance(state, iox2.NodeState.Dead) for state in self._nodes())
+
+    def _namesake(self) -> int | None:
+        """The process whose node has the name of this one's, if there is one."""
+        for state in self._nodes():
+            if not isinstance(state, iox2.NodeState.Alive):
+                continue
+            view = state[0]
+            details = view.details
+            if view.id != self._node.id and details and details.name == self._node.name:
+                return details.process_id
+        return None
 
     def publisher(self, service: str, message: type[ctypes.Structure]) -> Any:
         """Publishes messages of one type."""
@@ -202,20 +225,38 @@ class Robot:
             raise PortError(self._of_other_user() or opened) from None
 
     def _create(self, service: str, builder: Any) -> Any:
-        try:
-            return builder.create()
-        except Exception as error:
-            if str(error).startswith("ExceedsMaxSupported"):
-                told = "all places are taken; choose another name, or stop the process that has it"
-            else:
-                told = (
-                    f"{error}; the folder in which processes meet may be too long a path for its "
-                    "sockets, or not to be written to"
-                )
-            raise PortError(f"robot `{self.name}`: `{service}`: {told}") from None
+        """Takes a place at a service; one that a dead process still has is waited for while it
+        is buried, by this process or by another one that has begun to."""
+        end = time.monotonic() + IN_FLUX_S
+        while True:
+            try:
+                return builder.create()
+            except Exception as error:
+                if time.monotonic() >= end or not self._has_dead():
+                    raise self._not_created(service, error) from None
+            self.bury()
+            time.sleep(BETWEEN_TRIES_S)
+
+    def _not_created(self, service: str, error: Exception) -> PortError:
+        if str(error).startswith("ExceedsMaxSupported"):
+            process = self._namesake()
+            who = "the process that has it" if process is None else f"process {process}"
+            told = f"all places are taken; choose another name, or stop {who}"
+        else:
+            told = (
+                f"{error}; the folder in which processes meet may be too long a path for its "
+                "sockets, or not to be written to"
+            )
+        return PortError(f"robot `{self.name}`: `{service}`: {told}")
 
 
 _DISCARD = iox2.BackpressureStrategy.DiscardData
+
+
+def _is_due(next_ns: int, now_ns: int, every_ns: int) -> bool:
+    """Whether it is time for what is done once in so long. A longer wait than that shows a clock
+    that was set back."""
+    return not 0 < next_ns - now_ns <= every_ns
 
 
 class Life:
@@ -230,16 +271,16 @@ class Life:
         """Counts a message that makes no sense; logs one a second at most."""
         self._beat.rejected += 1
         now = now_ns()
-        if now >= self._next_line_ns:
-            self._next_line_ns = now + int(LINE_S * 1e9)
+        if _is_due(self._next_line_ns, now, LINE_NS):
+            self._next_line_ns = now + LINE_NS
             _LOG.warning("%s passed over: %s (%d so far)", service, why, self._beat.rejected)
 
     def beat(self, state: int) -> None:
         """A heartbeat, when it is time to."""
         now = now_ns()
-        if now < self._next_ns:
+        if not _is_due(self._next_ns, now, BEAT_NS):
             return
-        self._next_ns = now + int(BEAT_S * 1e9)
+        self._next_ns = now + BEAT_NS
         self._beat.sequence += 1
         self._beat.timestamp_ns = now
         self._beat.state = state

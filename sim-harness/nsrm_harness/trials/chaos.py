@@ -6,12 +6,15 @@ What must hold, whoever was killed when:
   controller died; then who asked was told that it was not done, unless killed as well.
 * Nothing is carried out that was not accepted, twice, or after it was stopped.
 * Each sentence ends once: done, with all of its steps carried out, or with a reason.
-* Who dies or hangs is missed within half a second.
+* A plan that was not carried out and of which nobody says to have heard is of one who was
+  killed, or who was told that the planner or a reply was lost.
+* Who dies or hangs is missed within half a second. Nobody ends by itself.
 * In the end a sentence is carried out again, every process ends well, and nothing is left.
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -22,6 +25,11 @@ from nsrm_harness.trials.journal import JournalError, Line
 
 NOTICED_NS = 500_000_000
 """After so long a death or a hang must have been noticed."""
+
+PLANNER_LOST = "died or hangs"
+"""What who asked is told of a lost planner; that there is none is said in other words."""
+TOLD_OF_LOSS = re.compile(rf"{PLANNER_LOST}|reply \d+ was lost")
+"""Words to those who may never have heard of their plan."""
 
 CONNECTION = ".connection"
 """What a segment between two ports is called. iceoryx2 0.10 leaves one now and then when both are
@@ -191,7 +199,11 @@ def _of_commands(
             unclaimed.add(command[0])
         elif ask.code == 0:
             yield f"command {command} was not carried out, and its sentence said to be done"
-    lost = sum("planner" in ask.ends[-1]["message"] for ask in asks.values() if ask.ends)
+    lost = sum(
+        TOLD_OF_LOSS.search(ask.ends[-1]["message"]) is not None
+        for ask in asks.values()
+        if ask.ends
+    )
     if len(unclaimed) > killed_askers + lost:
         yield f"of {len(unclaimed)} plans that were not carried out nobody was told"
 
@@ -236,6 +248,8 @@ def _of_the_end(of: Mapping[str, list[Line]]) -> Iterable[str]:
     if not of["recovered"] or not of["recovered"][-1]["done"]:
         yield "in the end no sentence was carried out"
     early = _early_ends(of)
+    for line in early:
+        yield f"the {line['node']} ended by itself with code {line['code']}"
     late = [line for line in of["ended"] if line not in early]
     if not late:
         yield "nobody was stopped in the end"
@@ -252,7 +266,7 @@ def _of_the_end(of: Mapping[str, list[Line]]) -> Iterable[str]:
 def _told_ms(of: Mapping[str, list[Line]], asks: Mapping[int, _Ask]) -> Iterable[float]:
     """From the death of planner or controller to the end of the sentence under way, of those
     that ended by it."""
-    words = {"planner": "died or hangs", "controller": "the controller was lost"}
+    words = {"planner": PLANNER_LOST, "controller": "the controller was lost"}
     for line in of["kill"]:
         word = words.get(line["node"])
         for ask in asks.values():

@@ -21,6 +21,9 @@ GROWTH = 0.02
 """A share by which nothing may have grown, from the second quarter to the last."""
 GROWTH_LEAST = {"rss_kib": 512.0, "handles": 3.0, "threads": 0.0, "files": 6.0, "bytes": 1e6}
 """What each may have grown by, however little it was: of what sways with who asks just now."""
+SLOWER = 2.0
+"""How many times as long a sentence may take in the last quarter as in the second: one run is
+compared with itself, so only other work on the machine has to be allowed for."""
 MINUTE_NS = 60_000_000_000
 
 Series = NDArray[np.float64]
@@ -49,7 +52,7 @@ class Soak:
     sentences: tuple[int, int]
 
     def faults(self) -> list[str]:
-        """What has grown."""
+        """What has grown, and whether sentences take longer."""
         series = [
             (f"{node}: {what}", what, values)
             for node, quantities in self.held.items()
@@ -61,6 +64,11 @@ class Soak:
             early, late = _quarters(values)
             if late - early > max(GROWTH * early, GROWTH_LEAST[what]):
                 faults.append(f"{name} has grown from {early:.0f} to {late:.0f}")
+        # Without a sentence that was done there is nothing to compare.
+        if len(self.minutes) > 0:
+            early, late = _quarters(self.said_ms[:, 0])
+            if late > SLOWER * early:
+                faults.append(f"a sentence, p50: {late:.0f} ms, and {early:.0f} before")
         return faults
 
     def text(self) -> str:
