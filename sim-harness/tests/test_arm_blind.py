@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import pytest
 from another_process import TESTS, elsewhere
+
+from nsrm_harness import follow
+from nsrm_harness.arm_trials import disturbed, trial
+from nsrm_harness.arm_trials.rows import ROWS
+from nsrm_harness.follow import Follower
+from nsrm_harness.world.arm_world import ArmWorld
 
 TRUTH = (
     "pybullet",
@@ -24,6 +35,19 @@ print(*sorted(sys.modules), sep="\\n")
 """
 
 
+FOLLOWING = """
+import sys, types
+camera = {"nsrm_harness.world.render": "Frame Light Renderer", "nsrm_harness.world.world": "World"}
+for name, kinds in camera.items():
+    sys.modules[name] = types.ModuleType(name)
+    for kind in kinds.split():
+        setattr(sys.modules[name], kind, type(kind, (), {}))
+import nsrm_harness.follow
+print(*sorted(set(sys.modules) - set(camera)), sep="\\n")
+"""
+"""What draws the camera's pictures has to know the world, and is left out."""
+
+
 def loaded_with(code: str) -> set[str]:
     return set(elsewhere(code).split())
 
@@ -41,6 +65,115 @@ def test_no_module_of_the_arm_loads_what_knows_the_truth() -> None:
     written = {path.stem for path in (TESTS.parent / "nsrm_harness" / "arm").glob("*.py")}
     assert {f"nsrm_harness.arm.{name}" for name in written - {"__init__"}} <= modules
     assert truths(modules) == set()
+
+
+def test_what_follows_a_sentence_loads_nothing_else_than_the_camera_that_knows_the_truth() -> None:
+    modules = loaded_with(FOLLOWING)
+    assert {"nsrm_harness.follow", "nsrm_harness.sight", "nsrm_harness.arm.perform"} <= modules
+    assert truths(modules) == set()
+    files = {
+        name: TESTS.parent / f"{name.replace('.', '/')}.py"
+        for name in modules
+        if name.startswith("nsrm_harness.")
+    }
+    camera = ("nsrm_harness.world.render", "nsrm_harness.world.world")
+    with_camera = {
+        name
+        for name, file in files.items()
+        if file.exists()
+        and any(f"from {each}" in file.read_text(encoding="utf-8") for each in camera)
+    }
+    # `sight` hands the world to what draws it, and reads its clock; the camera names their types.
+    assert with_camera == {"nsrm_harness.sight", "nsrm_harness.world.camera"}
+
+
+class Watch:
+    """Who asks for the truth, or sets it, while a sentence is followed: the names of modules."""
+
+    ASKED = ("poses", "pose", "placed", "nearest", "contacts", "place", "slow")
+    WORLDS = ("nsrm_harness.world.world", "nsrm_harness.world.arm_world")
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.askers: set[str] = set()
+        self._is_on = False
+        for name in self.ASKED:
+            monkeypatch.setattr(ArmWorld, name, self._watched(getattr(ArmWorld, name)))
+        for of in (Follower, disturbed):
+            name = "follow" if of is Follower else "follow_blindly"
+            monkeypatch.setattr(of, name, self._watching(getattr(of, name)))
+
+    def _watched(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        def asked(*arguments: Any) -> Any:
+            if self._is_on:
+                self.askers.add(self._asker())
+            return function(*arguments)
+
+        return asked
+
+    def _watching(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        def follow(*arguments: Any) -> None:
+            self._is_on = True
+            try:
+                function(*arguments)
+            finally:
+                self._is_on = False
+
+        return follow
+
+    def _asker(self) -> str:
+        """The first module up the stack that is not the world's own."""
+        frame = sys._getframe()
+        while frame.f_globals["__name__"] in (__name__, *self.WORLDS):
+            assert frame.f_back is not None
+            frame = frame.f_back
+        return str(frame.f_globals["__name__"])
+
+
+WATCHING = ("judge", "disturb", "disturbed")
+"""Of `nsrm_harness.arm_trials`."""
+
+
+def others(askers: set[str]) -> set[str]:
+    """Those that are to know no truth; what draws the pictures does."""
+    known = {f"nsrm_harness.arm_trials.{name}" for name in WATCHING}
+    return {
+        asker
+        for asker in askers
+        if asker not in known and not asker.startswith("nsrm_harness.world.render.")
+    }
+
+
+def test_nobody_but_judge_and_disturber_asks_for_the_truth(monkeypatch: pytest.MonkeyPatch) -> None:
+    (row,) = (row for row in ROWS if row.name == "steps_2")
+    watch = Watch(monkeypatch)
+    assert trial.run(row, 5, 0).steps
+    # It was watched.
+    assert "nsrm_harness.arm_trials.judge" in watch.askers
+    assert any(asker.startswith("nsrm_harness.world.render.") for asker in watch.askers)
+    assert others(watch.askers) == set()
+    for loop in ("closed", "open"):
+        assert disturbed.run_disturbed("goal_taken", loop, 771, 0).steps
+    assert "nsrm_harness.arm_trials.disturb" in watch.askers
+    assert others(watch.askers) == set()
+
+
+@pytest.mark.parametrize("question", ["poses()", "placed()", "nearest((0.4, 0.0, 0.0))"])
+def test_an_arm_that_asks_for_the_truth_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, question: str
+) -> None:
+    (row,) = (row for row in ROWS if row.name == "steps_1")
+    watch = Watch(monkeypatch)
+    peeking: dict[str, Any] = {"__name__": "nsrm_harness.arm.peeking"}
+    exec(f"def peek(world):\n    return world.{question}", peeking)
+    perform = follow.perform
+
+    def peeks(body: ArmWorld, *arguments: Any, **named: Any) -> Any:
+        peeking["peek"](body)
+        return perform(body, *arguments, **named)
+
+    monkeypatch.setattr(follow, "perform", peeks)
+    trial.run(row, 5, 0)
+    assert others(watch.askers) == {"nsrm_harness.arm.peeking"}
 
 
 def test_the_truth_would_be_noticed() -> None:

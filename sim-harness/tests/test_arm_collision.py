@@ -372,6 +372,29 @@ def test_only_steps_are_left_out_in_which_nothing_can_have_come_near() -> None:
     assert looked < 0.7 * stepped
 
 
+class Rounded(Guard):
+    """Tells distances in tenths of a millimetre."""
+
+    def _distance_m(self, i: int, j: int) -> float:
+        return round(super()._distance_m(i, j), 4)
+
+
+def test_behind_a_place_that_is_as_near_as_the_margin_it_is_looked_at_too() -> None:
+    in_hand = Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), (0.04, 0.04, 0.04))
+    begin, end = (pointing_down(0.5, y, 0.12, 0.0) for y in (-0.15, 0.15))
+    way = line(KINEMATICS, begin, end, panda.READY_RAD, 1.0)
+    assert way is not None
+    # What is held is as near to the first as the margin at the beginning, and hits the second.
+    objects = {"first": block_at(0.5, -0.15, 0.08 - MARGIN_M), "second": block_at(0.5, 0.1, 0.12)}
+    guard = Rounded(KINEMATICS, objects, in_hand)
+    assert guard.free_m(way.begin, 0.04) == 0.0 and guard.touches(way.begin, 0.04) is None
+    touch = guard.along(way, 0.04)
+    assert touch is not None and "second" in touch.pair
+    # And it is free if nothing but that is near.
+    del objects["second"]
+    assert Rounded(KINEMATICS, objects, in_hand).along(way, 0.04) is None
+
+
 def test_two_that_move_are_near_after_half_the_way() -> None:
     # The hand turns towards the arm itself: nothing stands there.
     guard = Guard(KINEMATICS, {})

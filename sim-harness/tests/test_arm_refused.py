@@ -16,9 +16,12 @@ from arm_scenes import (
     three,
 )
 
+from nsrm_harness.arm import panda
 from nsrm_harness.arm.carry import Planner
+from nsrm_harness.arm.grasp import LOWEST_M, WIDEST_M, grasps, why_not_held
 from nsrm_harness.arm.perform import perform
 from nsrm_harness.arm.refused import RefusedError, Why
+from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.pose import Pose
 
@@ -96,3 +99,31 @@ def test_what_can_not_be_done_is_refused_before_anything_moves(
     assert all(word in str(caught.value) for word in words), str(caught.value)
     assert world.poses() == poses
     np.testing.assert_array_equal(world.joints(), joints)
+
+
+@pytest.mark.parametrize(
+    ("edges_mm", "words"),
+    [
+        ((90.0, 85.0, 50.0), ["85.0 mm wide", "77.0 mm at most"]),
+        ((40.0, 40.0, 15.0), ["15.0 mm high", "need 20.0 mm"]),
+        ((80.0, 80.0, 10.0), ["80.0 mm wide", "10.0 mm high"]),
+    ],
+)
+def test_a_block_that_no_hand_can_hold_is_refused_with_its_measures(
+    edges_mm: tuple[float, float, float], words: list[str]
+) -> None:
+    a, b, height = (edge / 1000 for edge in edges_mm)
+    block = Cuboid(Pose.upright(0.5, 0.1, height / 2), (a, b, height))
+    goal = Pose.upright(0.5, -0.1, height / 2)
+    with pytest.raises(RefusedError, match="the hand can't hold block") as caught:
+        Planner().carry({"block": block}, "block", goal, panda.READY_RAD)
+    assert all(word in str(caught.value) for word in words), str(caught.value)
+    assert "reach" not in str(caught.value)
+
+
+def test_why_a_block_is_not_held_is_told_of_those_without_a_grasp_alone() -> None:
+    less = (1e-4, -1e-4)
+    for wide, high in ((wide, high) for wide in less for high in less):
+        edges = (WIDEST_M - wide, 0.1, LOWEST_M + high)
+        block = Cuboid(Pose.upright(0.5, 0.0, edges[2] / 2), edges)
+        assert bool(grasps(block)) == (why_not_held(block) == "") == (wide > 0 and high > 0)

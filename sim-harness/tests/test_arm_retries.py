@@ -28,7 +28,8 @@ from arm_scenes import (
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Done, carry_out
-from nsrm_harness.arm.perform import MAX_TRIES, FailedError, perform
+from nsrm_harness.arm.perform import MAX_TRIES, FailedError, perform, seen_turned_rad
+from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Renderer
@@ -140,6 +141,76 @@ def test_an_arm_that_began_elsewhere_ends_in_the_ready_pose_whatever_happens(
     carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
     assert carry_out(Numb(world), carry) is Done.NOT_GRASPED
     assert at_home(world)
+
+
+class Turned(Through):
+    """When the arm is home, the block has been turned where it stands; `times` times in all."""
+
+    def __init__(self, world: ArmWorld, by_rad: float, times: int) -> None:
+        super().__init__(world)
+        self._by_rad, self._times = by_rad, times
+
+    def mark(self, event: str) -> None:
+        """Is told what is done."""
+        if event == "home" and self._times:
+            self._times -= 1
+            pose = self.world.pose(1)
+            self.world.place(1, Pose.upright(*pose.position, pose.yaw_rad() + self._by_rad))
+
+
+def square_off_rad(one: Pose, other: Pose) -> float:
+    """Between two blocks that look the same after a quarter of a turn."""
+    turn_rad = one.yaw_rad() - other.yaw_rad()
+    return abs((turn_rad + math.pi / 4) % (math.pi / 2) - math.pi / 4)
+
+
+@pytest.mark.parametrize(("by_deg", "tries"), [(12.0, 2), (-40.0, 2), (4.0, 1), (90.0, 1)])
+def test_a_block_that_is_seen_turned_is_put_again(
+    world: ArmWorld, renderer: Renderer, by_deg: float, tries: int
+) -> None:
+    three(world)
+    body, planner = Turned(world, math.radians(by_deg), 1), Noting()
+    performed = perform(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
+    assert performed.tries == len(planner.carries) == tries
+    assert square_off_rad(world.pose(1), BESIDE) < math.radians(5.0)
+    assert math.dist(world.pose(1).position[:2], BESIDE.position[:2]) < 0.002 and at_home(world)
+
+
+def test_a_block_that_is_always_turned_is_given_up(world: ArmWorld, renderer: Renderer) -> None:
+    three(world)
+    body, planner = Turned(world, math.radians(20.0), 100), Noting()
+    with pytest.raises(FailedError, match="turned by 20°"):
+        perform(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
+    assert len(planner.carries) == MAX_TRIES and at_home(world)
+
+
+@pytest.mark.parametrize(
+    ("put", "seen", "turned_deg"),
+    [
+        # Edges along x and y in mm, and the yaw in degrees.
+        ((40, 40, 0), (40.5, 39.5, 20), 20),
+        ((40, 40, 10), (40.5, 39.5, 95), 5),
+        ((60, 30, 0), (59, 31, 20), 20),
+        ((60, 30, 0), (59, 31, 175), 5),
+        # A quarter more, its edges the other way round.
+        ((60, 30, 0), (31, 59, -80), 10),
+        ((60, 30, 0), (59, 31, 90), 90),
+        # Too much alike to tell which of them is which.
+        ((40, 36, 0), (38, 37, 90), 0),
+        # Not seen whole: with edges that it is known to have, or with what is left of them.
+        ((60, 30, 0), (60, 30, 20), 0),
+        ((60, 30, 0), (30, 60, 20), 0),
+        ((40, 40, 0), (40, 25, 20), 0),
+    ],
+)
+def test_how_far_a_block_is_seen_to_be_turned(
+    put: tuple[float, float, float], seen: tuple[float, float, float], turned_deg: float
+) -> None:
+    one, other = (
+        Cuboid(Pose.upright(0.5, 0.0, 0.02, math.radians(yaw)), (a / 1000, b / 1000, 0.04))
+        for a, b, yaw in (seen, put)
+    )
+    assert math.degrees(seen_turned_rad(one, other)) == pytest.approx(turned_deg, abs=1e-9)
 
 
 class Jolted(Through):

@@ -7,14 +7,15 @@ from contextlib import closing
 
 import numpy as np
 import pytest
+from arm_scenes import KINEMATICS
 from world_scenes import DOMAIN
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.execute import carry_out, go_back, wait
 from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm.stop import Braking, Part, StoppedError
-from nsrm_harness.arm.timing import Trajectory
+from nsrm_harness.arm.stop import BACK_RAD, Braking, Part, StoppedError, back_along
+from nsrm_harness.arm.timing import Backwards, Trajectory
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.blocks import block_from_attributes
@@ -85,6 +86,33 @@ def test_braking_and_going_on_keep_to_the_path_and_the_makers_limits(world: ArmW
             np.testing.assert_allclose(ends[1], way.begin, atol=1e-5)
             np.testing.assert_allclose(ends[2], way.end, atol=1e-5)
     assert 0.1 < longest_s < BRAKED_S
+
+
+@pytest.mark.parametrize("pushed_rad", [0.0, 0.0025])
+def test_back_from_what_was_met_it_goes_where_it_has_been_looked_at(
+    world: ArmWorld, pushed_rad: float
+) -> None:
+    rng = np.random.default_rng(5)
+    carry = planned(world)
+    for way in (carry.descend, carry.lower, Backwards(carry.lift)):
+        for share in np.linspace(0.0, 1.0, 11):
+            on_it = way.at(np.array([share * way.duration_s])).joints[0]
+            joints = on_it + pushed_rad * rng.choice((-1.0, 1.0), panda.JOINTS)
+            onto, along = back_along(joints, way)
+            np.testing.assert_array_equal(onto.begin, joints)
+            np.testing.assert_allclose(onto.end, along.begin, atol=1e-9)
+            np.testing.assert_allclose(along.end, way.begin, atol=1e-5)
+            # Not on towards what was met, and by no large piece beside its path.
+            heights = [KINEMATICS.hand(each).position[2] for each in (on_it, onto.end, along.end)]
+            assert heights == sorted(heights)
+            assert float(np.abs(onto.end - joints).max()) < 2 * BACK_RAD
+            for part, most_rad in ((onto, pushed_rad + 1e-3), (along, 1e-3)):
+                moments = part.at(np.arange(0.0, part.duration_s + TICK_S, TICK_S))
+                assert off_path_rad(moments.joints, way) < most_rad
+                assert (np.abs(moments.speeds) <= panda.MAX_SPEED_RAD_S).all()
+            # It has left what it has met, unless it has hardly begun.
+            begun_rad = float(np.abs(way.begin - joints).max())
+            assert float(np.abs(onto.end - joints).max()) >= min(BACK_RAD, begun_rad) - 1e-5
 
 
 MOMENTS = [

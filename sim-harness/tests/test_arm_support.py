@@ -184,6 +184,73 @@ def test_a_bridge_stands_on_ends_that_are_nearly_level_and_falls_if_they_are_not
     assert refused.why is Why.UNSTABLE and "high" in str(refused)
 
 
+def test_a_bridge_may_turn_over_what_its_ends_stand_on() -> None:
+    """Each pillar hangs over what it stands on, inwards, and would stand alone."""
+
+    def pillars(off_m: float) -> dict[str, Cuboid]:
+        return {
+            f"{side} {part}": cube(X, sign * y, foot_m)
+            for side, sign in (("left", -1), ("right", 1))
+            for part, y, foot_m in (("lower", 0.05, 0.0), ("upper", 0.05 - off_m, EDGE_M))
+        }
+
+    beam = cube(X, 0.0, 2 * EDGE_M, (0.04, 0.06, 0.04))
+    refused = refusal(beam, **pillars(0.016))
+    assert refused.why is Why.UNSTABLE
+    assert "tower" in str(refused) and "left lower and right lower" in str(refused)
+    # It bears on them farther out, or they stand straighter.
+    for wide, off_m in ((cube(X, 0.0, 2 * EDGE_M, (0.04, 0.12, 0.04)), 0.016), (beam, 0.011)):
+        put = placement(wide.pose, wide, pillars(off_m))
+        assert put.support == ("left upper", "right upper")
+
+
+SLAB: Vector3 = (0.04, 0.20, 0.04)
+"""Weighs as much as five cubes."""
+ON_SLAB_M = 2 * EDGE_M
+
+
+def on_slab(foot: float = EDGE_M, **loads: float) -> dict[str, Cuboid]:
+    """A slab on a foot of that width, with cubes at some y on it."""
+    below = {
+        "foot": cube(X, edges=(0.04, foot, EDGE_M)),
+        "slab": cube(X, 0.0, EDGE_M, SLAB),
+    }
+    return below | {name: cube(X, y, ON_SLAB_M) for name, y in loads.items()}
+
+
+def test_what_else_stands_on_a_block_weighs_too() -> None:
+    # Centres of mass: 14 mm off for one, 18 mm for both; 17 mm stand.
+    goal = cube(X, 0.085, ON_SLAB_M)
+    assert placement(goal.pose, BLOCK, on_slab()).support == ("slab",)
+    refused = refusal(goal, **on_slab(load=0.04))
+    assert refused.why is Why.UNSTABLE and "tower" in str(refused) and "foot" in str(refused)
+    # On the table they stand.
+    on_table = {"slab": cube(X, edges=SLAB), "load": cube(X, 0.04, EDGE_M)}
+    low = cube(X, 0.085, EDGE_M)
+    assert placement(low.pose, BLOCK, on_table).support == ("slab",)
+
+
+def test_a_block_on_the_other_side_holds_the_balance() -> None:
+    goal = cube(X, 0.06, ON_SLAB_M)
+    # Without it the centre of mass would be 10 mm off, and 7 mm stand.
+    assert refusal(goal, **on_slab(0.02)).why is Why.UNSTABLE
+    put = placement(goal.pose, BLOCK, on_slab(0.02, load=-0.04))
+    assert put.support == ("slab",)
+    # So do two of which one stands on the other.
+    higher = {"higher": cube(X, -0.04, 3 * EDGE_M)}
+    far = cube(X, 0.08, ON_SLAB_M)
+    assert refusal(far, **on_slab(0.02, load=-0.02)).why is Why.UNSTABLE
+    put = placement(far.pose, BLOCK, on_slab(0.02, load=-0.04) | higher)
+    assert put.support == ("slab",)
+
+
+def test_what_is_seen_to_stand_though_it_would_fall_is_left_out() -> None:
+    # The load alone would turn the slab over, and the block in the middle would not hold it.
+    goal, others = cube(X, 0.0, ON_SLAB_M), on_slab(0.02, load=0.08)
+    assert refusal(others["load"], **on_slab(0.02)).why is Why.UNSTABLE
+    assert placement(goal.pose, BLOCK, others).support == ("slab",)
+
+
 def test_who_stands_on_whom() -> None:
     objects = {
         "lower": BASE,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.collision import HELD, Guard, Nearest
-from nsrm_harness.arm.grasp import LEANS_RAD, UPRIGHT, Grasp, grasps
+from nsrm_harness.arm.grasp import LEANS_RAD, UPRIGHT, Grasp, grasps, why_not_held
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
@@ -97,6 +97,8 @@ class Planner:
             raise RefusedError(
                 Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first", tuple(on_it)
             )
+        if why := why_not_held(block):
+            raise RefusedError(Why.OUT_OF_REACH, f"the hand can't hold {name}: {why}")
         try:
             put = placement(goal, block, others)
         except RefusedError as refusal:

@@ -179,7 +179,11 @@ class Guard:
             self._alive()
             free_m = self.free_m(way.joints[index], opening_m)
             if free_m <= 0.0:
-                return self.touches(way.joints[index], opening_m)
+                touch = self.touches(way.joints[index], opening_m)
+                if touch is not None:
+                    return touch
+                # As far apart as the margin, to the last bit: free, and looked at again at the
+                # very next step.
             # All that any point has moved no farther than that is free too.
             free = np.searchsorted(way.moved_m, way.moved_m[index] + free_m)
             index = max(index + 1, int(free))

@@ -20,11 +20,12 @@ from nsrm_harness.arm.stop import (
     Stop,
     StoppedError,
     WayBack,
+    back_along,
     back_from,
     on_from,
     unstopped,
 )
-from nsrm_harness.arm.timing import Backwards, Moments, Straight, Trajectory
+from nsrm_harness.arm.timing import Backwards, Moments, Trajectory
 from nsrm_harness.errors import HarnessError
 
 WIDTH_M = 0.004
@@ -39,8 +40,6 @@ OPENING_S = 0.5
 """At most."""
 CALM_S = 0.1
 """Before the fingers open, so that nothing swings."""
-BACK_PACE = 0.2
-"""Share of the maker's limits with which the arm draws back from what it has met."""
 LAG_RAD = 0.02
 """Joints that follow are behind by less than that: at full speed, 2.6 rad/s, that would be 8 ms."""
 TOUCH_RAD = 0.0025
@@ -118,8 +117,8 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unst
     try:
         _follow(body, [carry.descend], _Halt(stop, back_from, from_here), lag_rad=TOUCH_RAD)
     except StuckError:
-        up = Straight(body.joints(), carry.descend.begin, BACK_PACE)
-        _follow(body, (up, *carry.back), _Halt(stop, on_from, WayBack()))
+        up = back_along(body.joints(), carry.descend)
+        _follow(body, (*up, *carry.back), _Halt(stop, on_from, WayBack()))
         mark("not grasped")
         return Done.NOT_GRASPED
     mark("reached")
@@ -184,15 +183,15 @@ def _take_back(body: Body, carry: Carry, mark: Mark, stop: Stop) -> Done:
     """
     away = WayBack(grasp=carry.grasp, home=(carry.lift, *carry.back))
     down = replace(away, ways=(Backwards(carry.lift),))
-    up = Straight(body.joints(), carry.lower.begin, BACK_PACE)
-    ways = (up, *(Backwards(way) for way in carry.transfer[::-1]))
+    up = back_along(body.joints(), carry.lower)
+    ways = (*up, *(Backwards(way) for way in carry.transfer[::-1]))
     _follow(body, ways, _Halt(stop, on_from, down))
     try:
         _follow(body, down.ways, _Halt(stop, on_from, away), lag_rad=TOUCH_RAD)
     except StuckError:
         # What it has met may hang below it, and stands now.
-        up = Straight(body.joints(), carry.lift.end, BACK_PACE)
-        away = replace(away, home=(up, *carry.back))
+        up = back_along(body.joints(), down.ways[0])
+        away = replace(away, home=(*up, *carry.back))
     go_back(body, away, stop)
     mark("taken back")
     return Done.TAKEN_BACK

@@ -21,6 +21,10 @@ HELD_M = 0.010
 """So much of the fingers is on the block, at least."""
 CLEAR_M = 0.003
 """Between each finger and the block before they close."""
+WIDEST_M = panda.MAX_OPENING_M - CLEAR_M
+"""A block that is held is no wider: the hand has to open somewhat farther."""
+LOWEST_M = 2 * (min(HEIGHTS_M) + HELD_M)
+"""And no lower: the fingertips are at its middle, or above."""
 
 
 @dataclass(frozen=True)
@@ -63,9 +67,25 @@ def grasps(block: Cuboid, leans_rad: Sequence[float] = LEANS_RAD) -> list[Grasp]
         for quarter in range(4):
             # Turned as the block, the hand closes along its y.
             width_m = block.edges_m[quarter % 2]
-            if width_m > panda.MAX_OPENING_M - CLEAR_M:
+            if width_m > WIDEST_M:
                 continue
             yaw_rad = block.pose.yaw_rad() + (quarter - 1) * math.pi / 2
             hand = pointing_down(x, y, z + height_m, yaw_rad, lean_rad)
             found.append(Grasp(hand, width_m, lean_rad))
     return found
+
+
+def why_not_held(block: Cuboid) -> str:
+    """What of a block keeps the hand from holding it in any way; empty if nothing does."""
+    why = []
+    narrow_m, high_m = min(block.edges_m[:2]), block.edges_m[2]
+    if narrow_m > WIDEST_M:
+        why.append(
+            f"it is {1000 * narrow_m:.1f} mm wide where it is narrowest, and the hand holds "
+            f"{1000 * WIDEST_M:.1f} mm at most"
+        )
+    if high_m / 2 - min(HEIGHTS_M) < HELD_M:
+        why.append(
+            f"it is {1000 * high_m:.1f} mm high, and the fingers need {1000 * LOWEST_M:.1f} mm"
+        )
+    return "; ".join(why)

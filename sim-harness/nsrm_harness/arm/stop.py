@@ -13,7 +13,15 @@ from ruckig import Trajectory as Timed
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.grasp import Grasp
-from nsrm_harness.arm.timing import Backwards, Moments, Trajectory, moments_of, rest_to_rest
+from nsrm_harness.arm.kinematics import Joints
+from nsrm_harness.arm.timing import (
+    Backwards,
+    Moments,
+    Straight,
+    Trajectory,
+    moments_of,
+    rest_to_rest,
+)
 from nsrm_harness.errors import HarnessError
 
 BRAKING = [12.0 * 0.85**number for number in range(22)]
@@ -26,6 +34,11 @@ PACE, ACCELERATION, JERK = 0.3, 1.0, 10.0
 """Along a trajectory, on the way back: of its own pace, 1/s and 1/s²."""
 LOOKED_S = 0.004
 """Between two moments of a braking whose accelerations are looked at."""
+BACK_PACE = 0.2
+"""Share of the maker's limits with which the arm draws back from what it has met."""
+BACK_RAD = 0.01
+"""So far back, by the joint that turns most, it comes onto its path again: the hand is some
+millimetres off what it has met then, and pushes no more."""
 
 Stop = Callable[[], bool]
 """Whether the arm is to stop; is asked at each tick."""
@@ -113,6 +126,22 @@ def on_from(ways: Sequence[Trajectory], index: int, moment_s: float, then: WayBa
     """What is left of some ways from a moment of one of them, and `then`."""
     way = ways[index]
     return replace(then, ways=(Part(way, moment_s, way.duration_s), *ways[index + 1 :], *then.ways))
+
+
+def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]:
+    """Away from what was met on a trajectory: onto it again a little before, and along it to its
+    beginning. No way of its own, which FCL would have to look at once more: it has looked at the
+    trajectory, and on the short piece until there the arm is nowhere farther off it than it is
+    at first, where it was pushed to.
+
+    * `joints`: where the arm is, less than some hundredths of a radian beside the trajectory
+    """
+    times_s = np.arange(0.0, way.duration_s, LOOKED_S)
+    path = way.at(times_s).joints
+    off_rad = np.abs(path - joints).max(axis=1)
+    before = np.flatnonzero(off_rad[: int(off_rad.argmin())] >= BACK_RAD)
+    index = int(before[-1]) if len(before) else 0
+    return Straight(joints, path[index], BACK_PACE), Part(way, float(times_s[index]), 0.0)
 
 
 def _at_pace(

@@ -4,11 +4,15 @@ there, and whether it would fall. By what is seen, before anything moves."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from shapely import Point, Polygon, unary_union
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from shapely import Point, Polygon, get_coordinates, unary_union
 from shapely.geometry.base import BaseGeometry
+from shapely.ops import nearest_points
 
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.perception.cuboids import Cuboid
@@ -126,29 +130,107 @@ def _check_room(placed: Cuboid, others: Mapping[str, Cuboid]) -> None:
 def _check_stability(
     placed: Cuboid, under: Mapping[str, Cuboid], others: Mapping[str, Cuboid]
 ) -> None:
-    """Of the block on what is under it, and of the tower that it tops on each lower one."""
-    tower = [placed]
-    while under:
-        mass = sum(_volume(block) for block in tower)
-        x, y = (
-            sum(_volume(block) * block.pose.position[axis] for block in tower) / mass
-            for axis in (0, 1)
-        )
-        support = unary_union([_overlap(tower[-1], base) for base in under.values()]).convex_hull
-        if not support.buffer(-STABLE_M).contains(Point(x, y)):
-            names = " and ".join(under)
+    """Of the block on what is under it, and then of what is under it, with all that it bears, on
+    each lower level. A block on the table stands whatever it bears."""
+    tower, fast = {_PLACED: placed}, dict(under)
+    while fast:
+        whole = _with_loads(tower, others)
+        stands = _stands(whole, under, others)
+        if not stands and not _stands(_without_placed(whole), under, others):
+            # By what is seen the others would have fallen, though they stand: one of them is
+            # seen a little off. They are left out.
+            stands = _stands(tower, under, others)
+        if not stands:
             what = "it" if len(tower) == 1 else "the tower"
             raise RefusedError(
                 Why.UNSTABLE,
-                f"{what} would fall from {names}: its centre of mass is not above it",
+                f"{what} would fall from {' and '.join(fast)}: its centre of mass is not above it",
             )
-        if len(under) > 1:
-            # What each of them bears can't be told.
-            return
-        (base,) = under.values()
-        tower.append(base)
-        names = standing_on(base, {k: other for k, other in others.items() if other is not base})
-        under = {name: others[name] for name in names if name != TABLE}
+        tower |= fast
+        names = {name for base in fast for name in _feet(base, others)}
+        fast = {name: others[name] for name in sorted(names - {TABLE, *tower})}
+
+
+_PLACED = ""
+"""Among the others' names: nothing is called so."""
+
+
+def _with_loads(tower: Mapping[str, Cuboid], others: Mapping[str, Cuboid]) -> dict[str, Cuboid]:
+    """These and all that stands on any of them but the block that is placed: by what is seen
+    nothing stands on that."""
+    whole = dict(tower)
+    left = [name for name in tower if name != _PLACED]
+    while left:
+        for name in resting_on(whole[left.pop()], others):
+            if name not in whole:
+                whole[name] = others[name]
+                left.append(name)
+    return whole
+
+
+def _without_placed(blocks: Mapping[str, Cuboid]) -> dict[str, Cuboid]:
+    return {name: block for name, block in blocks.items() if name != _PLACED}
+
+
+def _feet(name: str, others: Mapping[str, Cuboid]) -> list[str]:
+    """The names of what one of the others stands on."""
+    return standing_on(others[name], {key: other for key, other in others.items() if key != name})
+
+
+def _stands(
+    blocks: Mapping[str, Cuboid], under: Mapping[str, Cuboid], others: Mapping[str, Cuboid]
+) -> bool:
+    """Whether some blocks stand together if all else stands fast: whether there are forces, upward
+    and in places where one touches another, that bear each block's weight and what presses on
+    it without turning it over. Of one block on others: whether its centre of mass lies within
+    the support polygon.
+
+    * `under`: what the block that is placed stands on
+    """
+    rows = {name: 3 * number for number, name in enumerate(blocks)}
+    weights = np.zeros(3 * len(rows))
+    forces: list[NDArray[np.float64]] = []
+    for name, block in blocks.items():
+        row = rows[name]
+        weights[row : row + 3] = _volume(block) * _moment(*block.pose.position[:2])
+        feet = list(under) if name == _PLACED else _feet(name, others)
+        for foot, x, y in _bearing(block, {key: others[key] for key in feet if key != TABLE}):
+            force = np.zeros_like(weights)
+            force[row : row + 3] = _moment(x, y)
+            if foot in rows:
+                force[rows[foot] : rows[foot] + 3] = -_moment(x, y)
+            forces.append(force)
+    if not rows:
+        return True
+    if not forces:
+        return False
+    # Shares of the whole weight, so that its tolerances mean the same for all blocks.
+    shares = weights / sum(_volume(block) for block in blocks.values())
+    found = linprog(np.zeros(len(forces)), A_eq=np.array(forces).T, b_eq=shares)
+    return bool(found.status == 0)
+
+
+def _moment(x: float, y: float) -> NDArray[np.float64]:
+    """A force of 1 upward there, and how it turns about the axes; decimetres, so that all are
+    of one size."""
+    return np.array([1.0, 10 * x, 10 * y])
+
+
+def _bearing(block: Cuboid, feet: Mapping[str, Cuboid]) -> Iterator[tuple[str, float, float]]:
+    """Where a block is borne: by which of its feet, and x and y. The corners of where they touch,
+    drawn by `STABLE_M` into what lies between all of them. Without feet, the table's."""
+    if not feet:
+        for x, y in block.corners():
+            yield TABLE, float(x), float(y)
+        return
+    touching = {name: _overlap(block, foot) for name, foot in feet.items()}
+    within = unary_union([*touching.values()]).convex_hull.buffer(-STABLE_M)
+    if within.is_empty:
+        return
+    for name, area in touching.items():
+        for corner in get_coordinates(area):
+            x, y = get_coordinates(nearest_points(within, Point(corner))[0])[0]
+            yield name, float(x), float(y)
 
 
 def _plan(cuboid: Cuboid) -> Polygon:

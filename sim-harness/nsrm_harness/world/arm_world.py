@@ -70,13 +70,19 @@ class ArmWorld(World):
         """The frame of each of the Panda's links in the world, by name."""
         return self._arm.links()
 
-    def contacts(self, block_id: int) -> set[Contact]:
-        """What pushes against the arm or this block now."""
+    def contacts(self, *block_ids: int) -> set[Contact]:
+        """What pushes against the arm or these blocks now."""
         names = {body: f"block {number}" for number, body in self._bodies.items()}
         names[self._table] = TABLE
         points = [
             *self._arm.contact_points(),
-            *pybullet.getContactPoints(bodyA=self._body(block_id), physicsClientId=self._client),
+            *(
+                point
+                for block_id in block_ids
+                for point in pybullet.getContactPoints(
+                    bodyA=self._body(block_id), physicsClientId=self._client
+                )
+            ),
         ]
         found = set()
         for _, one, other, link, other_link, *_, force_n, _, _, _, _ in points:
