@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,8 +16,14 @@ from nsrm_harness.arm import panda
 from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.execute import Done, StuckError, carry_out, wait
 from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm_trials.disturb import DISTURBANCES, DisturbedArm
-from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS, MOST_KINDS, run_disturbed
+from nsrm_harness.arm.perform import FailedError, Performed
+from nsrm_harness.arm_trials import disturbed
+from nsrm_harness.arm_trials.disturb import DISTURBANCES, DisturbedArm, SceneFrozen
+from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS, MOST_KINDS, Loop, run_disturbed
+from nsrm_harness.arm_trials.episode import End
+from nsrm_harness.arm_trials.judge import Judge, Verdict
+from nsrm_harness.episodes.seeds import generator
+from nsrm_harness.follow import BlindError
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.pose import Pose
@@ -54,6 +61,34 @@ def test_without_the_loop_it_is_not_done(kind: str) -> None:
     assert "no failure was reported" in ended.why
 
 
+def test_a_step_that_is_done_again_is_judged_by_its_last_attempt() -> None:
+    ended = run_disturbed("stack_toppled", "closed", 771, 1)
+    assert ended.end == "succeeded", ended.why
+    assert [step.step for step in ended.steps] == [0, 1, 0, 1]
+    assert [step.is_in_place for step in ended.steps] == [True, False, True, True]
+
+
+@pytest.mark.parametrize("loop", ["closed", "open"])
+def test_a_step_that_a_later_one_undoes_is_judged_too(
+    loop: Loop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    index, end, told = 4, Judge.end, list[bool]()
+
+    def first_is_off(self: Judge, aside: Sequence[Pose] = (), *, anew: bool = False) -> Verdict:
+        told.append(anew)
+        verdict = end(self, aside, anew=anew)
+        return replace(verdict, off_m=0.02) if len(told) == 1 else verdict
+
+    ended = run_disturbed("camera_dark", loop, 771, index)
+    assert ended.end == "succeeded" and len(ended.steps) == 2, ended.why
+    monkeypatch.setattr(Judge, "end", first_is_off)
+    ended = run_disturbed("camera_dark", loop, 771, index)
+    assert ended.end == "failed"
+    assert ended.why.startswith("step 1 is not done as said (20.0 mm and")
+    # Its reference may have been moved meanwhile.
+    assert told == [True, True]
+
+
 def test_the_same_episode_in_another_process_is_the_same_to_the_last_bit() -> None:
     code = "import test_arm_disturbed as t; print(t.episode('block_pushed_out', 'closed'))"
     # After another one here.
@@ -72,6 +107,97 @@ def test_each_kind_has_a_row_with_the_loop_and_one_without_below_it() -> None:
 def arm() -> Iterator[DisturbedArm]:
     with closing(DisturbedArm()) as made:
         yield made
+
+
+def begun(arm: DisturbedArm, kind: str, steps: int = 2) -> disturbed._Disturbed:
+    """An episode that has begun, with the disturbance behind it."""
+    for index in range(100):
+        rng = generator(SEED, "arm_disturbed", index)
+        drawn, disturbance = disturbed._draw(kind, arm, rng, DOMAIN)
+        if len(drawn.task.moves) == steps and len(drawn.arrangement.blocks) > 4:
+            episode = disturbed._Disturbed(arm, drawn, None, disturbance, "closed")
+            episode._begin(0)
+            disturbance.has_acted = True
+            return episode
+    raise AssertionError(f"no {kind} of {steps} steps")
+
+
+@pytest.mark.parametrize(
+    ("kind", "error", "is_right"),
+    [
+        ("grasp_fails", FailedError("red was tried 3 times", Done.NOT_GRASPED), True),
+        ("grasp_fails", FailedError("red was tried 3 times", Done.SLIPPED), True),
+        ("grasp_fails", FailedError("red: slipped at try 1, and now no room"), True),
+        ("grasp_fails", FailedError("red was tried 3 times", Done.PLACED), False),
+        ("grasp_fails", FailedError("red was tried 3 times", Done.TAKEN_BACK), False),
+        ("grasp_fails", BlindError("the picture is old"), False),
+        ("grasp_fails", StuckError("the joints"), False),
+        ("controller_stops", StuckError("the joints"), True),
+        ("controller_stops", FailedError("red was tried 3 times", Done.SLIPPED), False),
+        ("scene_frozen", BlindError("the picture is old"), True),
+        ("scene_frozen", FailedError("red was tried 3 times", Done.SLIPPED), False),
+        ("scene_frozen", StuckError("the joints"), False),
+        ("camera_dark", BlindError("the picture is dark"), False),
+        ("block_moved", FailedError("red was tried 3 times", Done.NOT_GRASPED), False),
+    ],
+)
+def test_what_is_given_up_is_given_up_for_what_was_disturbed(
+    arm: DisturbedArm, kind: str, error: Exception, is_right: bool
+) -> None:
+    episode = begun(arm, kind)
+    if isinstance(episode._disturbance, SceneFrozen):
+        episode._disturbance._is_for_ever = True
+    told = End("failed", str(error))
+    assert episode._stopped(told, error).end == ("succeeded" if is_right else "failed")
+    assert episode._stopped(End("refused", "no room", "no room"), error).end == "refused"
+    episode._disturbance.has_acted = False
+    assert episode._stopped(told, error).end == "failed"
+
+
+def test_a_scene_that_is_frozen_for_a_second_is_not_given_up(arm: DisturbedArm) -> None:
+    episode = begun(arm, "scene_frozen")
+    assert isinstance(episode._disturbance, SceneFrozen)
+    episode._disturbance._is_for_ever = False
+    error = BlindError("the picture is old")
+    assert episode._stopped(End("failed", str(error)), error).end == "failed"
+
+
+@pytest.mark.parametrize("is_said", [False, True])
+def test_what_was_grasped_is_excused_only_if_it_was_to_be_moved(
+    arm: DisturbedArm, is_said: bool
+) -> None:
+    episode = begun(arm, "camera_dark")
+    spoken_of = {move.moved for move in episode._moves}
+    other = max(set(range(len(arm.poses()))) - spoken_of)
+    x, y, _ = arm.fingers_at().position
+    if is_said:
+        episode._mark("clearing")
+    pose = arm.pose(other + 1)
+    arm.place(other + 1, Pose.upright(x, y, 0.4))
+    episode._mark("grasped")
+    moved = Pose.upright(pose.position[0] + 0.01, *pose.position[1:])
+    arm.place(other + 1, moved)
+    if is_said:
+        episode._mark("cleared")
+    episode._end(0)
+    assert episode._others() == ("" if is_said else f"block {other + 1}")
+    # What a step moves is not looked at.
+    arm.place(episode._moves[1].moved + 1, Pose.upright(0.5, 0.0, 0.4))
+    assert episode._others() == ("" if is_said else f"block {other + 1}")
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_what_was_said_to_be_moved_aside_is_excused(arm: DisturbedArm, number: int) -> None:
+    episode = begun(arm, "camera_dark")
+    spoken_of = {move.moved for move in episode._moves}
+    free = sorted(set(range(len(arm.poses()))) - spoken_of)
+    for block in free[:2]:
+        x, y, z = arm.pose(block + 1).position
+        arm.place(block + 1, Pose.upright(x + 0.01, y, z))
+    said = (("red", arm.pose(free[number] + 1)),)
+    episode._performed.append(Performed("blue", 1, 0.0, 0.0, (), 1.0, said))
+    episode._end(0)
+    assert episode._others() == f"block {free[1 - number] + 1}"
 
 
 def put(arm: DisturbedArm) -> None:

@@ -17,12 +17,12 @@ from arm_scenes import above
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.execute import wait
-from nsrm_harness.arm_trials import report, trial
+from nsrm_harness.arm_trials import made_by, report, trial
 from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS
 from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.judge import Judge, Verdict, turned_rad
 from nsrm_harness.arm_trials.rows import ROWS, Row, draw
-from nsrm_harness.arm_trials.run import TrialsError, episode, run
+from nsrm_harness.arm_trials.run import TrialsError, episode, films, run
 from nsrm_harness.cli import main
 from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.moves import Move, target
@@ -157,6 +157,20 @@ def test_a_step_is_as_said_within_named_bounds(
     assert not replace(verdict, at_rest=False).is_as_said
 
 
+def test_a_reference_that_someone_moves_is_the_reference_where_it_is_then(
+    domain: Domain, standing: ArmWorld
+) -> None:
+    judge, move = Judge(standing, [CUBE] * 3), on(domain)
+    judge.begin(move)
+    standing.place(2, Pose.upright(0.45, 0.0, 0.02))
+    standing.place(1, Pose.upright(0.45, 0.0, 0.06))
+    assert judge.end().off_m == pytest.approx(0.05, abs=1e-4)
+    assert not judge.end().is_in_place
+    assert judge.end(anew=True).is_in_place
+    # It was moved all the same.
+    assert not judge.end(anew=True).is_as_said
+
+
 def test_a_block_looks_the_same_after_a_quarter_of_a_turn() -> None:
     straight = Pose.upright(0, 0, 0)
     for degrees, turned in ((90, 0), (180, 0), (-88, 2), (50, 40)):
@@ -205,6 +219,52 @@ def test_the_fingers_may_touch_the_block_that_they_carry(
     assert judge.end().touched == ()
 
 
+def test_what_a_block_that_is_carried_aside_touches_is_seen(
+    domain: Domain, standing: ArmWorld
+) -> None:
+    judge = Judge(standing, [CUBE] * 3)
+    judge.begin(on(domain))
+    standing.on_tick = judge.tick
+    descend(standing, 0.4, 0.2, 0.03)
+    standing.grip(0.0, panda.GRIP_N)
+    wait(standing, 1.0)
+    descend(standing, 0.4, 0.2, 0.15)
+    assert judge.end([standing.pose(3)]).touched == ()
+    # Down onto the second block with the third one.
+    descend(standing, 0.4, 0.0, 0.068)
+    aside = [standing.pose(3)]
+    standing.grip(panda.MAX_OPENING_M, panda.GRIP_N)
+    descend(standing, 0.4, 0.0, 0.15)
+    standing.place(3, Pose.upright(0.4, 0.2, 0.02))
+    wait(standing, 0.3)
+    assert aside[0].position[2] > 0.05
+    assert "block 2 and block 3" in judge.end([standing.pose(3)]).touched
+
+
+def test_what_a_block_stands_on_it_may_not_be_dragged_over(
+    domain: Domain, standing: ArmWorld
+) -> None:
+    judge = Judge(standing, [CUBE] * 3)
+    standing.on_tick = judge.tick
+    for drag_m, touched in ((0.0, ()), (0.03, ("block 1 and table",))):
+        judge.begin(on(domain))
+        x, y, _ = standing.pose(1).position
+        descend(standing, x, y, 0.03)
+        standing.grip(0.0, panda.GRIP_N)
+        wait(standing, 1.0)
+        begin, end = standing.joints(), above(x + drag_m, y, 0.03)
+        for share in np.linspace(0.0, 1.0, 1500):
+            standing.drive(begin + share * (end - begin), 0 * begin)
+            standing.tick()
+        descend(standing, x + drag_m, y, 0.15)
+        descend(standing, x + drag_m, y, 0.031)
+        standing.grip(panda.MAX_OPENING_M, panda.GRIP_N)
+        wait(standing, 0.5)
+        descend(standing, x + drag_m, y, 0.15)
+        assert standing.pose(1).position[0] == pytest.approx(x + drag_m, abs=0.003)
+        assert judge.end().touched == touched
+
+
 def test_the_same_seed_is_the_same_episode_in_another_process() -> None:
     here = trial.run(BY_NAME["steps_1"], 5, 1)
     there = elsewhere(
@@ -250,19 +310,58 @@ def test_what_was_broken_off_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert run(rows, 1, 5, Processes(1), path, quiet=True) == first
     with pytest.raises(TrialsError, match="seed 5"):
         run(rows, 1, 6, Processes(1), path, quiet=True)
+    with monkeypatch.context() as changed:
+        changed.setattr(made_by, "digest", lambda: "another")
+        with pytest.raises(TrialsError, match=r"trials.jsonl: .* the code or the model: .* remove"):
+            run(rows, 1, 5, Processes(1), path, quiet=True)
+    # As they were before it was written down.
+    path.write_text(f'{{"seed": 5}}\n{kept.partition(chr(10))[2]}')
+    with pytest.raises(TrialsError, match="the code or the model"):
+        run(rows, 1, 5, Processes(1), path, quiet=True)
     path.write_text("something else\n")
     with pytest.raises(TrialsError, match="no file of trials"):
         run(rows, 1, 5, Processes(1), path, quiet=True)
 
 
+def test_a_changed_source_is_another_state_of_the_code(tmp_path: Path) -> None:
+    (tmp_path / "below").mkdir()
+    source = tmp_path / "below" / "arm.py"
+    source.write_text("a = 1\n")
+    (tmp_path / "notes.txt").write_text("b")
+    first = made_by._of((tmp_path, "*.py"))
+    (tmp_path / "notes.txt").write_text("c")
+    assert made_by._of((tmp_path, "*.py")) == first
+    source.write_text("a = 2\n")
+    second = made_by._of((tmp_path, "*.py"))
+    source.rename(tmp_path / "arm.py")
+    assert len({first, second, made_by._of((tmp_path, "*.py"))}) == 3
+    assert made_by.digest() == made_by.digest() and len(made_by.digest()) == 64
+
+
+def test_films_of_an_earlier_run_are_removed_and_nothing_else(tmp_path: Path) -> None:
+    old, someones = tmp_path / "failed-steps_1-7", tmp_path / "my-films"
+    with_notes = tmp_path / "refused-stack_3-12"
+    for folder in (old, someones, with_notes):
+        folder.mkdir()
+        for name in ("film.gif", "strip.png"):
+            (folder / name).touch()
+    (with_notes / "notes.txt").touch()
+    films([], [], 5, Processes(1), tmp_path)
+    assert not old.exists()
+    assert {path.name for path in someones.iterdir()} == {"film.gif", "strip.png"}
+    assert [path.name for path in with_notes.iterdir()] == ["notes.txt"]
+    films([], [], 5, Processes(1), tmp_path / "none")
+
+
 def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     rows = [BY_NAME["steps_1"], BY_NAME["control"]]
     touched = replace(GOOD, off_m=0.009, touched=("block 2 and panda_hand",))
+    control = ended("control", 0, "succeeded", replace(GOOD, off_m=0.002))
     all_ended = [
         ended("steps_1", 0, "succeeded", GOOD),
         ended("steps_1", 1, "failed", touched),
         ended("steps_1", 2, "refused", kind="no way"),
-        ended("control", 0, "succeeded", replace(GOOD, off_m=0.002)),
+        replace(control, corrected_m=(0.0,)),
     ]
     lines = report.counted(rows, all_ended)
     report.write_csv(lines, tmp_path / "trials.csv")
@@ -274,7 +373,8 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     assert second == "control,1,1,0,0,2.00,2.00,5.00"
     text = report.text(lines)
     assert "| one step | 3 | 33.3 % | 99.0 % | 1 | 1 | 5.00 mm | 8.60 mm | 5.00 |" in text
-    assert "Of 4 sub-goals refused: no way 1 (25.0 %)" in text
+    # The control's are not the model's.
+    assert "Of 3 sub-goals of the model refused: no way 1 (33.3 %)" in text
     assert "touched what it should not have: 1." in text
     assert "100.0 % by more than 1.0 mm, 2.0 mm in the middle" in text
     assert "- steps_1 2: refused: so it was" in text and "steps_1 0" not in text
@@ -312,6 +412,55 @@ def test_what_can_be_chance_is_told_from_what_can_not() -> None:
     assert touched == "one step: not foreseen: block 1 and panda_hand touched"
 
 
+@pytest.mark.parametrize(
+    ("name", "step", "missed"),
+    [
+        ("steps_1", replace(GOOD, off_m=0.0019), ""),
+        ("steps_1", replace(GOOD, off_m=0.0021), "2.10 mm off in the middle, 2.0 is the goal"),
+        ("steps_1", replace(GOOD, seconds=6.1), "6.10 seconds a step in the middle, 6.0"),
+        ("control", replace(GOOD, off_m=0.0004), ""),
+        ("control", replace(GOOD, off_m=0.0006), "0.60 mm off at 95 %, 0.5 is the goal"),
+    ],
+)
+def test_a_row_of_enough_episodes_reaches_the_other_goals_too(
+    name: str, step: Verdict, missed: str
+) -> None:
+    def told(count: int) -> list[str]:
+        all_ended = [ended(name, index, "succeeded", step) for index in range(count)]
+        return report.missed(report.counted([BY_NAME[name]], all_ended))
+
+    assert told(report.ENOUGH - 1) == []
+    found = told(report.ENOUGH)
+    assert len(found) == bool(missed)
+    assert all(f"{BY_NAME[name].title}: {missed}" in each for each in found)
+
+
+def test_a_row_of_enough_episodes_is_not_far_off_nor_refused_too_often() -> None:
+    row, far = BY_NAME["steps_5"], replace(GOOD, off_m=0.006)
+
+    def told(*all_ended: Ended) -> list[str]:
+        return report.missed(report.counted([row], all_ended))
+
+    good = [ended("steps_5", index, "succeeded", GOOD) for index in range(94)]
+    (off,) = told(*good, *[ended("steps_5", index, "failed", far) for index in range(94, 100)])
+    assert off == "five steps: 6.00 mm off at 95 %, 5.0 is the goal"
+    refused = [ended("steps_5", index, "refused", kind="no room") for index in range(94, 100)]
+    (often,) = told(*good, *refused)
+    assert often == "five steps: 6 of 100 sub-goals refused, 1 % is the goal"
+
+
+def test_a_missed_goal_ends_with_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    failed = [ended("steps_1", index, "failed", GOOD) for index in range(10)]
+    monkeypatch.setattr("nsrm_harness.arm_trials.run.run", lambda *_, **__: failed)
+    with pytest.raises(SystemExit) as stopped:
+        main(["trials", "--quick", "--row", "steps_1", "--out", str(tmp_path)])
+    assert stopped.value.code == 1
+    assert "0 of 10 done as said" in capsys.readouterr().err
+    assert (tmp_path / "trials.csv").exists()
+
+
 def test_who_interferes_may_be_touched_and_an_open_loop_has_no_goal(tmp_path: Path) -> None:
     rows = [row for row in DISTURBED_ROWS if row.kind == "goal_taken"]
     touched = replace(GOOD, touched=("block 1 and panda_hand",))
@@ -323,12 +472,33 @@ def test_who_interferes_may_be_touched_and_an_open_loop_has_no_goal(tmp_path: Pa
     # It has no goal, and is not shown as one that ended badly.
     assert [each.row for each in report.worst(lines, 9)] == ["goal_taken_closed"]
     assert report.best(lines, 9) == []
-    assert "touched what it should not have: 0." in text
+    # Who interferes is not judged by it.
+    assert "touched" not in text
     report.draw(lines[1:], tmp_path / "open.png")
     assert (tmp_path / "open.png").stat().st_size > 10_000
 
 
-def test_what_had_to_be_given_up_is_not_counted_as_done() -> None:
+def test_open_loops_are_not_among_the_refused() -> None:
+    rows = [row for row in DISTURBED_ROWS if row.kind == "goal_taken"]
+    all_ended = [ended(row.name, 0, "refused", kind="no room") for row in rows]
+    lines = report.counted(rows, all_ended)
+    assert "Of 1 sub-goals of the model refused: no room 1 (100.0 %)" in report.text(lines)
+    assert "refused: " not in report.text(lines[1:])
+
+
+def test_a_step_that_is_done_again_is_off_by_its_last_attempt() -> None:
+    (row,) = (row for row in DISTURBED_ROWS if row.name == "grasp_fails_closed")
+    far, second = replace(GOOD, off_m=0.2), replace(GOOD, off_m=0.002, step=1)
+    done = ended(row.name, 0, "succeeded", far, replace(far, step=1), GOOD, second)
+    given_up = ended(row.name, 1, "succeeded", GOOD, replace(far, step=1))
+    lines = report.counted([row], [done, replace(given_up, why="it was tried 3 times")])
+    assert [line.off_mm.tolist() for line in lines] == [[1.0, 2.0, 1.0]]
+    assert "at its last attempt" in report.text(lines)
+    failed = report.counted([row], [replace(given_up, end="failed", why="it fell")])
+    assert failed[0].off_mm.tolist() == [1.0, 200.0]
+
+
+def test_what_had_to_be_given_up_is_not_counted_as_done(tmp_path: Path) -> None:
     rows = [row for row in DISTURBED_ROWS if row.name == "grasp_fails_closed"]
     all_ended = [
         ended(rows[0].name, 0, "succeeded", GOOD),
@@ -339,6 +509,10 @@ def test_what_had_to_be_given_up_is_not_counted_as_done() -> None:
     text = report.text(report.counted(rows, all_ended))
     assert "| done as said | rightly given up in words | goal |" in text
     assert "loop closed | 4 | 25.0 % | 50.0 % | 95.0 % | 0 | 1 |" in text
+    report.write_csv(report.counted(rows, all_ended), tmp_path / "trials.csv")
+    header, line = (tmp_path / "trials.csv").read_text().splitlines()
+    assert header.endswith("position_p95_mm,seconds_p50,given_up")
+    assert line.startswith("grasp_fails_closed,4,3,0,1,") and line.endswith(",5.00,2")
 
 
 def test_a_row_that_is_none_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

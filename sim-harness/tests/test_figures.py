@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import nsrm
 import pytest
 from PIL import Image
 
 from nsrm_harness import domain as domains
+from nsrm_harness.arm_trials.judge import Verdict
 from nsrm_harness.cli import main
 from nsrm_harness.figures import report
 from nsrm_harness.figures.scenes import FIGURES, Figure, draw
-from nsrm_harness.figures.show import Ended, run
+from nsrm_harness.figures.show import Done, Ended, run
+from nsrm_harness.follow import Follower
 from nsrm_harness.language.program import Step, canonical
+from nsrm_harness.workers import Processes
 
 DOMAIN = domains.load()
 ON_BLUE, ON_CYAN = Step("MoveOn", ("cyan",), ("blue",)), Step("MoveOn", ("blue",), ("cyan",))
@@ -119,10 +124,55 @@ def test_the_command_writes_all_that_it_says(
     assert [row["figure"] for row in rows] == ["2", "3", "4", "5"]
     lines = [json.loads(line) for line in (out / "figures.jsonl").read_text().splitlines()]
     for figure, row, line in zip(FIGURES, rows, lines, strict=True):
-        assert row["variations"] == "1" and row[line["end"]] == "1"
+        assert row["variations"] == row["succeeded"] == "1" and line["end"] == "succeeded"
         assert line["sentence"] == figure.sentence and line["seed"] == 2
         assert figure.sentence in printed
         assert (out / f"figure_{figure.number}.png").exists()
+
+
+def test_a_figure_that_does_worse_than_chance_ends_with_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def each(_: Processes, function: object, tasks: Iterable[Any]) -> Iterator[tuple[Any, Ended]]:
+        for key, (figure, seed, variation, *_rest) in tasks:
+            end = "failed" if figure.number == 3 and variation < 3 else "succeeded"
+            yield key, Ended(figure.number, variation, seed, figure.sentence, end, "it fell", ())
+
+    monkeypatch.setattr(Processes, "each", each)
+    arguments = ("--jobs", 1, "--quiet", "--out", tmp_path, "--variations", 4)
+    assert exit_code(*arguments) == 1
+    told = capsys.readouterr().err
+    assert "figure 3: 1 of 4 done as said, 98.0 % is the goal" in told and "figure 2" not in told
+    assert (tmp_path / "figures.csv").exists()
+
+
+def test_what_was_touched_is_told() -> None:
+    good = Verdict(0.001, 0.0, 0.0, True, (), 5.0)
+    done = Done(good, 0.0, 0.0, 1)
+    first = Ended(3, 0, 7, FIGURES[1].sentence, "succeeded", "", (done,))
+    touching = replace(done, verdict=replace(good, touched=("block 1 and panda_hand",)))
+    ended = [first, replace(first, figure=4, steps=(done, touching))]
+    assert report.missed([first]) == []
+    assert report.missed(ended) == ["figure 4: not foreseen: block 1 and panda_hand touched"]
+    assert "touched what it should not have: 1." in report.text(ended)
+    # One that fails may be chance.
+    assert report.missed([replace(first, end="failed")]) == []
+
+
+def test_more_steps_that_are_understood_later_are_judged_by_the_last_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    follow = Follower.follow
+
+    def one_more(self: Follower, sentence: str) -> None:
+        follow(self, sentence)
+        self.begin(1)
+        self.reached(1, self.performed[-1])
+
+    monkeypatch.setattr(Follower, "follow", one_more)
+    ended = run(FIGURES[0], 2, 0)
+    assert ended.end == "succeeded", ended.why
+    assert [step.verdict.step for step in ended.steps] == [0, 0]
 
 
 def test_bad_input_ends_with_2_and_what_to_do(

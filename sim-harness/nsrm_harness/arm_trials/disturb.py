@@ -9,10 +9,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from nsrm_harness.arm.execute import Done, StuckError
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.panda import FINGERTIP_M, HAND_FRAME
+from nsrm_harness.arm.perform import FailedError
 from nsrm_harness.arm_trials.rows import Drawn
 from nsrm_harness.episodes.moves import Move, target
+from nsrm_harness.follow import BlindError
 from nsrm_harness.sight import Eyes
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.blocks import Block
@@ -27,6 +30,8 @@ GONE_S = 1.0
 """So long a camera is dark, and a scene is frozen that is not so for ever."""
 ASTRAY_RAD = 0.02
 """Joints that are farther from where they were told to be are not there."""
+NOT_HELD = (Done.NOT_GRASPED, Done.SLIPPED)
+"""A carrying ends so where the fingers can't hold a block."""
 FINGERS = Block((), (0.12, 0.12, 0.06), (0.0, 0.0, 0.0))
 """The room that open fingers take, however they are turned."""
 
@@ -78,7 +83,6 @@ class Disturbance(ABC):
     """Disturbs one step of an episode, once: so long after `since` as is drawn, and not later than
     at `until`.
 
-    * `must_fail`: the sentence can't be done to its end, and the arm is to say so
     * `meddled`: indices of the blocks that were moved by it
     * `has_acted`: whether it has begun
 
@@ -95,7 +99,7 @@ class Disturbance(ABC):
     def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
         self._arm, self._rng = arm, rng
         self._blocks, self._moves = drawn.arrangement.blocks, drawn.task.moves
-        self.must_fail, self.meddled, self.has_acted = False, set[int](), False
+        self.meddled, self.has_acted = set[int](), False
         self.step = int(rng.integers(len(self._moves)))
         self._delay_s = float(rng.uniform())
         self._ticks: int | None = None
@@ -119,6 +123,10 @@ class Disturbance(ABC):
     def picture(self, frame: Frame, taken_s: float) -> tuple[Frame, float]:
         """What becomes of a picture that is taken now, and of its time."""
         return frame, taken_s
+
+    def explains(self, _error: Exception) -> bool:
+        """Whether it keeps the sentence from being done, and what the arm gave up with says so."""
+        return False
 
     @abstractmethod
     def _act(self) -> None: ...
@@ -250,7 +258,7 @@ class SceneFrozen(Disturbance):
 
     def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
-        self.must_fail = bool(rng.random() < 0.5)
+        self._is_for_ever = bool(rng.random() < 0.5)
 
     def picture(self, frame: Frame, taken_s: float) -> tuple[Frame, float]:
         """See `Disturbance`."""
@@ -259,9 +267,13 @@ class SceneFrozen(Disturbance):
             return self._last
         if self._since_s is None and taken_s > self._last[1]:
             self._since_s = taken_s
-        if self._since_s is None or self.must_fail or taken_s < self._since_s + GONE_S:
+        if self._since_s is None or self._is_for_ever or taken_s < self._since_s + GONE_S:
             return self._last
         return frame, taken_s
+
+    def explains(self, error: Exception) -> bool:
+        """See `Disturbance`."""
+        return self._is_for_ever and isinstance(error, BlindError)
 
     def _act(self) -> None: ...
 
@@ -272,9 +284,9 @@ class ControllerStops(Disturbance):
     title = "a controller that stops"
     until, longest_s = "let go", 4.5
 
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
-        super().__init__(arm, drawn, rng)
-        self.must_fail = True
+    def explains(self, error: Exception) -> bool:
+        """See `Disturbance`."""
+        return isinstance(error, StuckError)
 
     def _act(self) -> None:
         self._arm.stop()
@@ -287,7 +299,16 @@ class GraspFails(Disturbance):
 
     def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
-        self.must_fail, self._is_jam = True, bool(rng.random() < 0.5)
+        self._is_jam = bool(rng.random() < 0.5)
+
+    def explains(self, error: Exception) -> bool:
+        """See `Disturbance`."""
+        if not isinstance(error, FailedError):
+            return False
+        if error.done is not None:
+            return error.done in NOT_HELD
+        # After such a try there may have been no way for another one.
+        return any(f"{done.value} at try" in str(error) for done in NOT_HELD)
 
     def _act(self) -> None:
         if self._is_jam:

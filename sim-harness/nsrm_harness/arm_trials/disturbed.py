@@ -11,7 +11,7 @@ import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
-from nsrm_harness.arm.execute import wait
+from nsrm_harness.arm.execute import StuckError, wait
 from nsrm_harness.arm_trials.disturb import (
     BEGUN,
     DISTURBANCES,
@@ -28,7 +28,7 @@ from nsrm_harness.arm_trials.episode import (
     planner,
     renderer,
 )
-from nsrm_harness.arm_trials.judge import SHIFT_M
+from nsrm_harness.arm_trials.judge import SHIFT_M, Verdict
 from nsrm_harness.arm_trials.open_loop import follow_blindly
 from nsrm_harness.arm_trials.rows import MAX_TRIES, Drawn, Row, draw
 from nsrm_harness.domain import Domain
@@ -125,14 +125,14 @@ class _Disturbed(Episode):
     ) -> None:
         super().__init__(arm, drawn, films)
         self._arm, self._disturbance, self._loop = arm, disturbance, loop
-        self._step, self._is_clearing = 0, False
-        self._carried: set[int] = set()
+        self._is_clearing, self._reached = False, 0
+        self._put_aside, self._cleared = set[int](), set[int]()
         self._before = arm.poses()
 
     def _followed(self) -> End:
         wait(self._arm, CALM_S)
-        if not self._judge.stands(lasting(self._moves)):
-            return End("failed", "it is not done as said, and no failure was reported")
+        if why := self._undone():
+            return End("failed", f"{why}, and no failure was reported")
         if not (self._arm.slow() and self._is_ready()):
             return End("failed", "it is not at rest")
         if others := self._others():
@@ -141,7 +141,19 @@ class _Disturbed(Episode):
             return End("failed", "it ended before it was disturbed")
         return End("succeeded")
 
-    def _stopped(self, told: End, *, is_stuck: bool = False) -> End:
+    def _undone(self) -> str:
+        """What is not done as said; each step is judged by its last attempt."""
+        last = {verdict.step: verdict for verdict in self._verdicts}
+        for step in range(len(self._moves)):
+            if step not in last:
+                return f"step {step + 1} was never begun"
+            if not last[step].is_in_place:
+                return f"step {step + 1} is not done as said ({last[step]})"
+        if not self._judge.stands(lasting(self._moves)):
+            return "what was done did not stay"
+        return ""
+
+    def _stopped(self, told: End, error: Exception) -> End:
         """With a failure in words, which may be right."""
         wait(self._arm, CALM_S)
         joints = self._arm.joints()
@@ -154,9 +166,9 @@ class _Disturbed(Episode):
             return replace(told, end="failed", why=why)
         if others := self._others():
             return replace(told, end="failed", why=f"{told.why}; {others} moved")
-        if not (is_stuck or self._is_ready()):
+        if not (isinstance(error, StuckError) or self._is_ready()):
             return replace(told, end="failed", why=f"{told.why}; it is not in its ready pose")
-        is_right = self._disturbance.must_fail and self._disturbance.has_acted
+        is_right = self._disturbance.has_acted and self._disturbance.explains(error)
         if is_right and told.end == "failed":
             return replace(told, end="succeeded")
         return told
@@ -180,16 +192,15 @@ class _Disturbed(Episode):
         )
 
     def _begin(self, index: int) -> Pose:
-        self._step, self._is_clearing = min(index, len(self._moves) - 1), False
+        self._is_clearing, self._reached, self._cleared = False, len(self._performed), set()
         goal = super()._begin(index)
         self._mark(BEGUN)
         return goal
 
     def _mark(self, event: str) -> None:
         super()._mark(event)
-        if event == "grasped":
-            block_id, _ = self._arm.nearest(self._arm.fingers_at().position)
-            self._carried.add(block_id - 1)
+        if event == "grasped" and self._is_clearing:
+            self._cleared.add(self._nearest(self._arm.fingers_at()))
         if event in ("clearing", "cleared"):
             self._is_clearing = event == "clearing"
         elif not self._is_clearing:
@@ -200,6 +211,21 @@ class _Disturbed(Episode):
         self._disturbance.tick()
         self._judge.tick()
 
+    def _end(self, index: int) -> None:
+        reached = self._performed[self._reached :]
+        self._put_aside |= {self._nearest(place) for done in reached for place in done.aside}
+        if not reached:
+            # What it has cleared away before the attempt failed.
+            self._put_aside |= self._cleared
+        super()._end(index)
+
+    def _verdict(self) -> Verdict:
+        return self._judge.end(self._aside(), anew=True)
+
+    def _nearest(self, pose: Pose) -> int:
+        """The index of the block that is nearest to it."""
+        return self._arm.nearest(pose.position)[0] - 1
+
     def _aside(self) -> list[Pose]:
         return [self._arm.pose(index + 1) for index in self._handled()]
 
@@ -207,12 +233,14 @@ class _Disturbed(Episode):
         return bool(np.abs(self._arm.joints() - panda.READY_RAD).max() < READY_RAD)
 
     def _handled(self) -> set[int]:
-        """The indices of the blocks that were moved on purpose, by the arm or by who disturbs."""
-        return self._carried | self._disturbance.meddled
+        """The indices of the blocks that were to be moved: by a step, aside as was said, or by who
+        disturbs."""
+        moved = {move.moved for move in self._moves}
+        return moved | self._put_aside | self._disturbance.meddled
 
     def _others(self) -> str:
         """The names of those that are not where they were, although nobody was to move them."""
-        handled = self._handled() | {move.moved for move in self._moves}
+        handled = self._handled()
         return " and ".join(
             f"block {number}"
             for number, pose in self._arm.poses().items()

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -68,7 +68,7 @@ class Episode(ABC):
         world.spawn(drawn.arrangement.blocks, drawn.arrangement.poses)
         world.settle()
         self._world, self._drawn, self._films = world, drawn, films
-        self._moves = drawn.task.moves
+        self._moves, self._step = drawn.task.moves, 0
         self._film = Film(world, renderer(), small=True) if films else None
         self._judge = Judge(world, drawn.arrangement.blocks)
         self._verdicts: list[Verdict] = []
@@ -101,13 +101,11 @@ class Episode(ABC):
         try:
             self._follow()
         except nsrm.Refused as refusal:
-            return self._stopped(End("refused", str(refusal), refusal.kind))
+            return self._stopped(End("refused", str(refusal), refusal.kind), refusal)
         except RefusedError as refusal:
-            return self._stopped(End("refused", str(refusal), refusal.why.value))
-        except FailedError as failure:
-            return self._stopped(End("failed", str(failure)))
-        except StuckError as failure:
-            return self._stopped(End("failed", str(failure)), is_stuck=True)
+            return self._stopped(End("refused", str(refusal), refusal.why.value), refusal)
+        except (FailedError, StuckError) as failure:
+            return self._stopped(End("failed", str(failure)), failure)
         return self._followed()
 
     def _follow(self) -> None:
@@ -135,10 +133,10 @@ class Episode(ABC):
     def _followed(self) -> End:
         """By the truth, after nothing was refused and no failure told."""
 
-    def _stopped(self, told: End, *, is_stuck: bool = False) -> End:
+    def _stopped(self, told: End, error: Exception) -> End:
         """By the truth, after the arm has said so.
 
-        * `is_stuck`: it stands where it is, not in its ready pose
+        * `error`: as it was raised
         """
         return told
 
@@ -151,13 +149,17 @@ class Episode(ABC):
 
     def _begin(self, index: int) -> Pose:
         # A sentence of which more steps were understood is judged by its last one.
-        return self._judge.begin(self._moves[min(index, len(self._moves) - 1)])
+        self._step = min(index, len(self._moves) - 1)
+        return self._judge.begin(self._moves[self._step])
 
     def _end(self, index: int) -> None:
-        verdict = self._judge.end(self._aside())
+        verdict = self._verdict()
         # What was refused has not begun.
         if verdict.seconds > 0:
-            self._verdicts.append(verdict)
+            self._verdicts.append(replace(verdict, step=self._step))
+
+    def _verdict(self) -> Verdict:
+        return self._judge.end(self._aside())
 
 
 def lasting(moves: Sequence[Move]) -> list[Move]:

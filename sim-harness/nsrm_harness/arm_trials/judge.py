@@ -5,28 +5,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from nsrm_harness.arm import panda
 from nsrm_harness.episodes.moves import Move, target
-from nsrm_harness.world.arm_world import ArmWorld, Contact
+from nsrm_harness.world.arm_world import TABLE, ArmWorld, Contact
 from nsrm_harness.world.blocks import Block
 from nsrm_harness.world.pose import Pose
 
 POSITION_M, YAW_RAD, SHIFT_M = 0.005, math.radians(5.0), 0.003
 """A step is done as said when the block is so near to the true relation, so little turned, and
 nothing else has moved farther."""
+NEAR_M = 0.005
+"""What a block stands on it may touch in the hand so near to where it was grasped or let go."""
+APART_TICKS = 50
+"""Fingers that were off a block for longer hold it anew."""
 
 
 @dataclass(frozen=True)
 class Verdict:
     """How a step went.
 
-    * `off_m`, `off_rad`: from the true relation to its reference as that stood before the step
+    * `off_m`, `off_rad`: from the true relation to its reference: see `Judge.end`
     * `shift_m`: the farthest that another block was moved
     * `at_rest`: all blocks, at its end
     * `touched`: what the arm or the block in its hand pushed against, and should not have
     * `seconds`: simulated
+    * `step`: which one of the sentence it was, counted from 0
     """
 
     off_m: float
@@ -35,16 +40,17 @@ class Verdict:
     at_rest: bool
     touched: tuple[str, ...]
     seconds: float
+    step: int = 0
+
+    @property
+    def is_in_place(self) -> bool:
+        """Done, whatever else has moved."""
+        return self.off_m <= POSITION_M and self.off_rad <= YAW_RAD and self.at_rest
 
     @property
     def is_as_said(self) -> bool:
         """Done, and nothing else."""
-        return (
-            self.off_m <= POSITION_M
-            and self.off_rad <= YAW_RAD
-            and self.shift_m <= SHIFT_M
-            and self.at_rest
-        )
+        return self.is_in_place and self.shift_m <= SHIFT_M
 
     def __str__(self) -> str:
         text = (
@@ -52,6 +58,26 @@ class Verdict:
             f"relation; others moved {1000 * self.shift_m:.1f} mm at most"
         )
         return text if self.at_rest else f"{text}; not at rest"
+
+
+@dataclass
+class _Hold:
+    """A block between the fingers.
+
+    * `begin`, `end`: where it was so first and last, in tick `tick`
+    * `met`: what it pushed against away from `begin`, and where
+    """
+
+    number: int
+    begin: Pose
+    end: Pose
+    tick: int
+    met: list[tuple[Contact, Pose]] = field(default_factory=list)
+
+    @property
+    def on_the_way(self) -> set[Contact]:
+        """What it pushed against elsewhere than where it was grasped or let go."""
+        return {contact for contact, pose in self.met if pose.distance_m(self.end) > NEAR_M}
 
 
 class Judge:
@@ -67,19 +93,27 @@ class Judge:
         """A step begins; gives where its block is to be."""
         self._move, self._before, self._ticks = move, self._poses(), 0
         self._seen: set[Contact] = set()
-        self._rightly = self._of_block()
+        self._holds: list[_Hold] = []
+        self._held: set[int] = set()
+        self._stood = self._standing()
         self._target = target(move, self._blocks, self._before)
         return self._target
 
     def tick(self) -> None:
         """To be called in each tick of the arm."""
         self._ticks += 1
-        self._seen |= self._world.contacts(self._move.moved + 1)
+        now = self._world.contacts(*{self._move.moved + 1, *self._held})
+        self._seen |= now
+        self._held = _between_fingers(now)
+        for number in self._held:
+            self._hold(number, now)
 
-    def end(self, aside: Sequence[Pose] = ()) -> Verdict:
+    def end(self, aside: Sequence[Pose] = (), *, anew: bool = False) -> Verdict:
         """The step has ended.
 
         * `aside`: where other blocks were put that it was said of that they are moved
+        * `anew`: the block is to be where its reference is now; otherwise, where that stood
+          before the step
         """
         moved, after = self._move.moved, self._poses()
         put = {moved, *(self._world.nearest(pose.position)[0] - 1 for pose in aside)}
@@ -88,16 +122,19 @@ class Judge:
             for index, pose in enumerate(after)
             if index not in put
         )
-        rightly = self._rightly | self._of_block()
         carried = {f"block {index + 1}" for index in put}
+        # What they stood on, and stand on now.
+        rightly = {it for it in self._stood | self._standing() if carried & set(it)}
+        on_the_way = {it for hold in self._holds for it in hold.on_the_way}
         touched = sorted(
             f"{one} and {other}"
-            for one, other in self._seen - rightly
+            for one, other in (self._seen - rightly) | on_the_way
             if not {one, other} & set(panda.FINGERS) or not {one, other} & carried
         )
+        there = target(self._move, self._blocks, after) if anew else self._target
         return Verdict(
-            after[moved].distance_m(self._target),
-            turned_rad(after[moved], self._target),
+            after[moved].distance_m(there),
+            turned_rad(after[moved], there),
             max(shifts, default=0.0),
             self._world.slow(),
             tuple(touched),
@@ -114,15 +151,41 @@ class Judge:
             for pose, there in wanted
         )
 
-    def _name(self) -> str:
-        return f"block {self._move.moved + 1}"
+    def _hold(self, number: int, now: set[Contact]) -> None:
+        """A block is between the fingers in this tick, and these push against each other."""
+        pose = self._world.pose(number)
+        before = (hold for hold in reversed(self._holds) if hold.number == number)
+        hold = next(before, None)
+        if hold is None or self._ticks - hold.tick > APART_TICKS:
+            hold = _Hold(number, pose, pose, self._ticks)
+            self._holds.append(hold)
+        hold.end, hold.tick = pose, self._ticks
+        if pose.distance_m(hold.begin) > NEAR_M:
+            others = (it for it in now if _name(number) in it and not set(it) & set(panda.FINGERS))
+            hold.met.extend((it, pose) for it in others)
 
-    def _of_block(self) -> set[Contact]:
-        """What it stands on now."""
-        return {it for it in self._world.contacts(self._move.moved + 1) if self._name() in it}
+    def _standing(self) -> set[Contact]:
+        """What all blocks stand on now, or lean against."""
+        numbers = range(1, len(self._blocks) + 1)
+        standing = {TABLE, *(_name(number) for number in numbers)}
+        return {it for it in self._world.contacts(*numbers) if standing.issuperset(it)}
 
     def _poses(self) -> list[Pose]:
         return [placed.pose for placed in self._world.placed()]
+
+
+def _name(number: int) -> str:
+    """Of a block among contacts."""
+    return f"block {number}"
+
+
+def _between_fingers(contacts: set[Contact]) -> set[int]:
+    """The numbers of the blocks that both fingers push against."""
+    by_finger = [
+        {name for it in contacts if finger in it for name in it if name.startswith("block ")}
+        for finger in panda.FINGERS
+    ]
+    return {int(name.removeprefix("block ")) for name in set.intersection(*by_finger)}
 
 
 def turned_rad(one: Pose, other: Pose) -> float:

@@ -14,14 +14,19 @@ mpl.use("Agg")
 import numpy as np
 from matplotlib import pyplot as plt
 from numpy.typing import NDArray
-from scipy.stats import binom
 
+from nsrm_harness.arm_trials.chance import is_worse
 from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.judge import Verdict
 from nsrm_harness.arm_trials.rows import Row
 
 CORRECTED_MM = 1.0
-CHANCE = 0.001
+ENOUGH = 100
+"""Of so many episodes a row's middle and 95 % say something, and are to be at most:"""
+OFF_P50_MM, OFF_P95_MM, CONTROL_P95_MM = 2.0, 5.0, 0.5
+SECONDS_P50 = 6.0
+REFUSED = 0.01
+"""Share of sub-goals."""
 FIELDS = (
     "row",
     "episodes",
@@ -32,6 +37,8 @@ FIELDS = (
     "position_p95_mm",
     "seconds_p50",
 )
+GIVEN_UP = "given_up"
+"""A last one of tables with disturbed rows: how many of those that succeeded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +64,23 @@ class Line:
         return [step for each in self.ended for step in each.steps]
 
     @property
+    def refused(self) -> int:
+        """Sub-goals."""
+        return sum(bool(each.kind) for each in self.ended)
+
+    @property
+    def asked(self) -> int:
+        """Sub-goals, refused ones included."""
+        return len(self.steps) + self.refused
+
+    @property
     def off_mm(self) -> NDArray[np.float64]:
-        """From the true relation, of each step."""
-        return 1000 * np.array([step.off_m for step in self.steps])
+        """From the true relation, of each step; where someone interferes, of its last attempt,
+        if it was not rightly given up."""
+        steps = self.steps
+        if self.row.is_disturbed:
+            steps = [step for each in self.ended for step in _last(each)]
+        return 1000 * np.array([step.off_m for step in steps])
 
     @property
     def seconds(self) -> NDArray[np.float64]:
@@ -78,6 +99,14 @@ class Line:
         )
 
 
+def _last(ended: Ended) -> list[Verdict]:
+    """The last attempt at each step but the one at which was rightly given up."""
+    last = {step.step: step for step in ended.steps}
+    if ended.end == "succeeded" and ended.why and ended.steps:
+        del last[ended.steps[-1].step]
+    return [last[step] for step in sorted(last)]
+
+
 def _quantile(values: NDArray[np.float64], share: float) -> float:
     return float(np.quantile(values, share)) if len(values) else float("nan")
 
@@ -89,7 +118,7 @@ def counted(rows: Sequence[Row], ended: Sequence[Ended]) -> list[Line]:
 
 def text(lines: Sequence[Line]) -> str:
     """For a person: a table in Markdown, and why what did not succeed did not."""
-    disturbed = any(line.row.is_disturbed for line in lines)
+    disturbed = _has_disturbed(lines)
     columns = ["", "episodes", "done as said", "goal", "refused", "failed", "off, p50", "p95"]
     columns.append("seconds a step")
     if disturbed:
@@ -119,44 +148,80 @@ def _columns(texts: Sequence[str]) -> str:
 
 def _beside(lines: Sequence[Line]) -> list[str]:
     """What is told of all rows together."""
-    ended = [each for line in lines for each in line.ended]
-    steps = [step for line in lines for step in line.steps]
-    kinds = Counter(each.kind for each in ended if each.kind)
-    asked = len(steps) + sum(kinds.values())
-    refused = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "none"
-    touched = sum(
-        bool(step.touched) for line in lines if not line.row.is_disturbed for step in line.steps
-    )
-    corrected_mm = 1000 * np.array([by for each in ended for by in each.corrected_m])
-    again = sum(tries > 1 for each in ended for tries in each.tries)
-    return [
-        f"- Of {asked} sub-goals refused: {refused} ({_percent(sum(kinds.values()), asked)}).",
-        f"- Steps in which the arm or its block touched what it should not have: {touched}.",
-        f"- Sub-goals that were put right against what is seen under them: "
-        f"{_percent(int((corrected_mm > CORRECTED_MM).sum()), len(corrected_mm))} by more than "
-        f"{CORRECTED_MM} mm, {_quantile(corrected_mm, 0.5):.1f} mm in the middle, "
-        f"{_quantile(corrected_mm, 1.0):.1f} at most.",
-        f"- Sub-goals that took more than one try: {again}.",
-    ]
+    told = []
+    # The others are given true poses and sub-goals, or have no loop.
+    if by_model := [line for line in lines if line.row.goal and not line.row.is_control]:
+        ended = [each for line in by_model for each in line.ended]
+        kinds = Counter(each.kind for each in ended if each.kind)
+        asked, count = sum(line.asked for line in by_model), sum(kinds.values())
+        refused = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "none"
+        corrected_mm = 1000 * np.array([by for each in ended for by in each.corrected_m])
+        told = [
+            f"- Of {asked} sub-goals of the model refused: {refused} ({_percent(count, asked)}).",
+            f"- Sub-goals of the model that were put right against what is seen under them: "
+            f"{_percent(int((corrected_mm > CORRECTED_MM).sum()), len(corrected_mm))} by more than "
+            f"{CORRECTED_MM} mm, {_quantile(corrected_mm, 0.5):.1f} mm in the middle, "
+            f"{_quantile(corrected_mm, 1.0):.1f} at most.",
+        ]
+    if undisturbed := [line for line in lines if not line.row.is_disturbed]:
+        touched = sum(bool(step.touched) for line in undisturbed for step in line.steps)
+        told.append(
+            f"- Steps in which the arm or its block touched what it should not have: {touched}."
+        )
+    if _has_disturbed(lines):
+        told.append(
+            "- Off, where someone interferes: each step at its last attempt, without those at "
+            "which was rightly given up."
+        )
+    again = sum(tries > 1 for line in lines for each in line.ended for tries in each.tries)
+    return [*told, f"- Sub-goals that took more than one try: {again}."]
+
+
+def _has_disturbed(lines: Sequence[Line]) -> bool:
+    return any(line.row.is_disturbed for line in lines)
 
 
 def missed(lines: Sequence[Line]) -> list[str]:
-    """What can't be by chance: rows that do worse than an arm that reaches their goals would
-    once in `1 / CHANCE` times, and contacts that nothing had foreseen where nobody interferes."""
+    """Rows that do worse than chance allows of an arm that reaches their goals. Where nobody
+    interferes, also contacts that nothing had foreseen, and in rows of `ENOUGH` episodes sub-goals
+    that were refused, and steps that were too far off or too slow in simulated time."""
     found = []
     for line in lines:
         episodes, succeeded = len(line.ended), line.ends["succeeded"]
-        if binom.cdf(succeeded, episodes, line.row.goal) < CHANCE:
+        if is_worse(succeeded, episodes, line.row.goal):
             found.append(
                 f"{line.row.title}: {succeeded} of {episodes} done as said, "
                 f"{100 * line.row.goal:.1f} % is the goal"
             )
+        if line.row.is_disturbed:
+            continue
+        if episodes >= ENOUGH:
+            found += [f"{line.row.title}: {what}" for what in _too_much(line)]
         touched = [pair for step in line.steps for pair in step.touched]
-        if touched and not line.row.is_disturbed:
+        if touched:
             found.append(
                 f"{line.row.title}: not foreseen: {', '.join(sorted(set(touched)))} touched"
             )
     return found
+
+
+def _too_much(line: Line) -> list[str]:
+    """What is beyond the goals that all rows have."""
+    p95_mm = CONTROL_P95_MM if line.row.is_control else OFF_P95_MM
+    told = [
+        f"{value:.2f} {what}, {most} is the goal"
+        for value, most, what in (
+            (_quantile(line.off_mm, 0.5), OFF_P50_MM, "mm off in the middle"),
+            (_quantile(line.off_mm, 0.95), p95_mm, "mm off at 95 %"),
+            (_quantile(line.seconds, 0.5), SECONDS_P50, "seconds a step in the middle"),
+        )
+        if value > most
+    ]
+    if line.refused > REFUSED * line.asked:
+        told.append(
+            f"{line.refused} of {line.asked} sub-goals refused, {100 * REFUSED:.0f} % is the goal"
+        )
+    return told
 
 
 def _percent(count: int, whole: int) -> str:
@@ -186,10 +251,12 @@ def _off_m(ended: Ended) -> float:
 
 def write_csv(lines: Sequence[Line], path: Path) -> None:
     """A line a row."""
+    disturbed = _has_disturbed(lines)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(FIELDS)
-        writer.writerows(line.values() for line in lines)
+        writer.writerow((*FIELDS, GIVEN_UP) if disturbed else FIELDS)
+        for line in lines:
+            writer.writerow((*line.values(), line.given_up) if disturbed else line.values())
 
 
 def draw(lines: Sequence[Line], path: Path) -> None:

@@ -4,6 +4,7 @@ not done again."""
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm_trials import trial
+from nsrm_harness.arm_trials import made_by, trial
 from nsrm_harness.arm_trials.disturbed import DisturbedRow, run_disturbed
 from nsrm_harness.arm_trials.episode import Ended
 from nsrm_harness.arm_trials.judge import Verdict
@@ -19,6 +20,11 @@ from nsrm_harness.arm_trials.rows import Row
 from nsrm_harness.domain import Domain
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.workers import Workers
+
+FILMED = ("film.gif", "strip.png")
+"""What there is in a folder of `films`,"""
+FILMS = re.compile(r"(succeeded|refused|failed)-\w+-\d+")
+"""and what such folders are called."""
 
 
 class TrialsError(HarnessError):
@@ -30,9 +36,10 @@ def run(
 ) -> list[Ended]:
     """The first `episodes` episodes of each row.
 
-    * `path`: of the file of one line an episode, behind a first one that says which seed
+    * `path`: of the file of one line an episode, behind a first one that says which seed, and by
+      which code and model
 
-    Raises `TrialsError` for a file of another seed.
+    Raises `TrialsError` for a file of another seed, code or model.
     """
     kept = {(each.row, each.index): each for each in _kept(path, seed)}
     domain = domains.load()
@@ -64,18 +71,14 @@ def episode(row: Row, seed: int, index: int, films: Path | None, domain: Domain)
 def films(
     shown: Sequence[Ended], rows: Sequence[Row], seed: int, workers: Workers, folder: Path
 ) -> None:
-    """Carries these episodes out again, each filmed into a folder of its own."""
+    """Carries these episodes out again, each filmed into a folder of its own; what was filmed
+    there before is removed."""
+    _remove_films(folder)
     by_name, domain = {row.name: row for row in rows}, domains.load()
     tasks = (
         (
             each,
-            (
-                by_name[each.row],
-                seed,
-                each.index,
-                folder / f"{each.end}-{each.row}-{each.index}",
-                domain,
-            ),
+            (by_name[each.row], seed, each.index, folder / _folder_of(each), domain),
         )
         for each in shown
     )
@@ -83,21 +86,44 @@ def films(
         pass
 
 
+def _folder_of(ended: Ended) -> str:
+    return f"{ended.end}-{ended.row}-{ended.index}"
+
+
+def _remove_films(folder: Path) -> None:
+    """Those of `films`, and nothing that someone else has put there."""
+    for each in folder.glob("*"):
+        if not (each.is_dir() and FILMS.fullmatch(each.name)):
+            continue
+        for name in FILMED:
+            (each / name).unlink(missing_ok=True)
+        if not any(each.iterdir()):
+            each.rmdir()
+
+
 def _kept(path: Path, seed: int) -> Iterator[Ended]:
     """What a run that was broken off has left; its last line may be half written."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     first, _, rest = text.partition("\n")
+    made = made_by.digest()
     if not rest and not text.endswith("\n"):
-        path.write_text(json.dumps({"seed": seed}) + "\n", encoding="utf-8")
+        head = json.dumps({"seed": seed, "made_by": made})
+        path.write_text(f"{head}\n", encoding="utf-8")
         return
     whole = text[: text.rfind("\n") + 1]
     if whole != text:
         path.write_text(whole, encoding="utf-8")
         rest = whole.partition("\n")[2]
     try:
-        if json.loads(first)["seed"] != seed:
-            raise TrialsError(f"{path}: trials of seed {json.loads(first)['seed']}: another --out")
+        head = json.loads(first)
+        if head["seed"] != seed:
+            raise TrialsError(f"{path}: trials of seed {head['seed']}: another --out")
+        if head.get("made_by") != made:
+            raise TrialsError(
+                f"{path}: trials by another state of the code or the model: another --out, or "
+                "remove it"
+            )
         for line in rest.splitlines():
             fields = json.loads(line)
             steps = (Verdict(**step) for step in fields["steps"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -23,7 +24,8 @@ def command(variations: int, seed: int, jobs: int, ray: str | None, quiet: bool,
     """Have the arm carry the sentences of the paper's figures 2 to 5 out, in random scenes.
 
     The model plans from what camera and detector see; the truth of the simulator judges each step
-    when it is done.
+    when it is done. Exit code 1 if a figure does worse than chance allows, or something is touched
+    that was not foreseen.
     """
     from nsrm_harness import domain as domains
     from nsrm_harness.figures import report
@@ -54,3 +56,6 @@ def command(variations: int, seed: int, jobs: int, ray: str | None, quiet: bool,
     report.write_jsonl(every, out / "figures.jsonl")
     click.echo(report.text(every))
     click.echo(f"pictures: {' '.join(str(path) for path in pictures.values())}")
+    if missed := report.missed(every):
+        click.echo(f"harness: {'; '.join(missed)}", err=True)
+        sys.exit(1)

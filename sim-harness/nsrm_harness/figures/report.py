@@ -9,10 +9,13 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from nsrm_harness.arm_trials.chance import is_worse
 from nsrm_harness.figures.scenes import FIGURES
 from nsrm_harness.figures.show import Ended
 
 ENDS = ("succeeded", "refused", "failed")
+GOAL = 0.98
+"""Share of a figure's variations that is to succeed."""
 
 
 def text(ended: Sequence[Ended]) -> str:
@@ -24,14 +27,33 @@ def text(ended: Sequence[Ended]) -> str:
     sentences = {figure.number: figure.sentence for figure in FIGURES}
     for number, *counts in _rows(ended):
         lines.append(f"| {number} | {sentences[number]} | {' | '.join(map(str, counts))} |")
+    touched = sum(bool(done.verdict.touched) for each in ended for done in each.steps)
+    lines += [
+        "",
+        f"- Steps in which the arm or its block touched what it should not have: {touched}.",
+    ]
     others = [each for each in ended if each.end != "succeeded"]
-    if others:
-        lines.append("")
     lines += [
         f"- figure {each.figure}, variation {each.variation}: {each.end}: {each.why}"
         for each in others
     ]
     return "\n".join(lines)
+
+
+def missed(ended: Sequence[Ended]) -> list[str]:
+    """Figures that do worse than chance allows of an arm that reaches `GOAL`, and contacts that
+    nothing had foreseen."""
+    found = []
+    for number, variations, succeeded, *_ in _rows(ended):
+        if is_worse(succeeded, variations, GOAL):
+            found.append(
+                f"figure {number}: {succeeded} of {variations} done as said, "
+                f"{100 * GOAL:.1f} % is the goal"
+            )
+        done = [done for each in ended if each.figure == number for done in each.steps]
+        if touched := sorted({pair for each in done for pair in each.verdict.touched}):
+            found.append(f"figure {number}: not foreseen: {', '.join(touched)} touched")
+    return found
 
 
 def write_csv(ended: Sequence[Ended], path: Path) -> None:

@@ -4,7 +4,7 @@ and each attempt at a step is judged."""
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import nsrm
@@ -140,11 +140,13 @@ class _Episode:
         self._sight = sight
 
     def _begin(self, index: int) -> None:
+        # A sentence of which more steps were understood later is judged by its last one.
+        index = min(index, len(self._moves) - 1)
         self._number = index + 1
         self._truth = self._judge.begin(self._moves[index])
 
-    def _reached(self, index: int, performed: Performed) -> None:
-        verdict = self._judge.end(performed.aside)
-        goal_off_m = sub_goal(self._steps[index]).distance_m(self._truth)
+    def _reached(self, _index: int, performed: Performed) -> None:
+        verdict = replace(self._judge.end(performed.aside), step=self._number - 1)
+        goal_off_m = sub_goal(self._steps[self._number - 1]).distance_m(self._truth)
         self.done.append(Done(verdict, goal_off_m, performed.corrected_m, performed.tries))
         self.sheet.add_step(self._number, self._sight, f"{1000 * verdict.off_m:.1f} mm off")
