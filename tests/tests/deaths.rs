@@ -12,7 +12,7 @@ use nsrm_core::{Model, RawScene};
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::{Limits, Mode};
 use nsrm_ipc::message::{
-    Feedback, Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage, SubGoal,
+    Feedback, Heartbeat, Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage, SubGoal,
 };
 use nsrm_ipc::node::{AskError, Asker, Line, PlannerNode, Watcher};
 use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender, ServiceError};
@@ -94,7 +94,7 @@ struct Scene<'m> {
     heard: Receiver<Feedback>,
     _client: PlanClient,
     pending: Pending,
-    _robot: Robot,
+    robot: Robot,
 }
 
 impl<'m> Scene<'m> {
@@ -112,7 +112,7 @@ impl<'m> Scene<'m> {
             heard,
             pending: client.send_copy(request).unwrap(),
             _client: client,
-            _robot: robot,
+            robot,
         }
     }
 
@@ -224,9 +224,15 @@ fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
     let model = parts.model();
     for gives_up in [true, false] {
         let corner = Corner::new(&format!("held-up-{gives_up}"));
-        let mut controller = Other::start("controller", &corner);
-        controller.silence("-STOP");
         let mut it = Scene::new(&model, Limits::default(), &corner);
+        // Its place in the planner's queue is as sure as in this one, which is younger.
+        let heartbeats: Receiver<Heartbeat> = it.robot.receiver().unwrap();
+        let mut controller = Other::start("controller", &corner);
+        while !matches!(heartbeats.receive(), Ok(Some(beat)) if beat.role == Role::Controller as u32)
+        {
+            std::thread::yield_now();
+        }
+        controller.silence("-STOP");
         // Where the planner is never polled again, as one that has died, the command's
         // time alone tells; here it has gone before it is sent.
         let mut now = if gives_up {
