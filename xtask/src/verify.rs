@@ -1,12 +1,13 @@
 //! `cargo verify`: every check, one after the other, and a table at the end.
 //!
-//! A check that fails prints all of its output and the others still run, so that
-//! one run shows everything that is wrong. What a check printed is kept in
+//! A check that fails, or does not end, prints all of its output and the others still
+//! run, so that one run shows everything that is wrong. What a check printed is kept in
 //! `target/verify/NAME.log`.
 
 mod checks;
 mod count;
 mod fuzz;
+mod limit;
 mod packages;
 mod report;
 mod tools;
@@ -26,6 +27,7 @@ use crate::project::{Project, without_cargo_variables};
 use crate::{BAD_INPUT, USAGE};
 use checks::{CHECKS, Check, Context, Step};
 use count::Counts;
+use limit::LIMIT;
 use report::{Outcome, Report};
 
 const HELP: &str = "\
@@ -222,9 +224,10 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
         .stdin(Stdio::null())
         .stdout(file.try_clone()?)
         .stderr(file);
-    let status = without_cargo_variables(&mut command)
-        .status()
+    let child = without_cargo_variables(&mut command)
+        .spawn()
         .with_context(|| format!("{shown}: could not be started"))?;
+    let status = limit::wait(child, LIMIT).with_context(|| shown.clone())?;
     let written = fs::read(log).with_context(|| format!("reading {}", log.display()))?;
     let printed = String::from_utf8_lossy(&written[before..]);
     let counts = step.tests.map_or(Ok(Counts::default()), |kind| {
