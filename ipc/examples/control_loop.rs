@@ -117,6 +117,22 @@ fn become_realtime() -> bool {
     set_thread_priority_and_policy(thread_native_id(), priority, policy).is_ok()
 }
 
+/// A line for each power of two: how many ticks took up to so many microseconds, and longer
+/// than those of the line before; ten times as many have a bar that is two signs longer.
+fn print_bars(what: &str, histogram: &Histogram<u64>) {
+    for line in histogram
+        .iter_log(1000, 2.0)
+        .skip_while(|line| line.count_since_last_iteration() == 0)
+    {
+        let count = line.count_since_last_iteration();
+        let signs = count
+            .checked_ilog10()
+            .map_or(0, |tens| 1 + 2 * tens as usize);
+        let (bar, most) = ("#".repeat(signs), line.value_iterated_to() / 1000 + 1);
+        println!("  {what:>10} ≤ {most:>7} {count:>8} {bar}");
+    }
+}
+
 /// What a loop has seen of its ticks.
 struct Ticks {
     /// How long after its time each began, nanoseconds.
@@ -180,6 +196,9 @@ impl Ticks {
                 );
             }
             println!("{:>10.1}", histogram.max() as f64 / 1000.0);
+        }
+        for (what, histogram) in [("late by", &self.lateness), ("work", &self.work)] {
+            print_bars(what, histogram);
         }
     }
 }

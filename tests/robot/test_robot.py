@@ -68,6 +68,38 @@ def test_a_sentence_is_carried_out(seed: str, options: Sequence[str]) -> None:
     assert left_behind() <= before
 
 
+def test_a_planner_in_a_control_loop_carries_a_sentence_out_and_prints_its_ticks() -> None:
+    for build in (
+        ["--package=nsrm"],
+        ["--package=nsrm-ipc", "--example=control_loop"],
+    ):
+        command = ["cargo", "build", "--quiet", "--release", "--locked", *build]
+        subprocess.run(command, cwd=ROOT, check=True)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    nsrm, loop = str(built / "nsrm"), str(built / "examples" / "control_loop")
+    told = ["--robot", f"loop-{os.getpid()}"]
+    with Processes() as processes:
+        world = [sys.executable, "-m", "nsrm_harness.cli", "world", "--seed=4", "--no-arm", *told]
+        line = processes.start("world", world, "try: ")
+        processes.start("perception", [nsrm, "perceive", *told], "perceiving")
+        with subprocess.Popen(
+            [loop, *told, "--seconds", "20"], stdout=subprocess.PIPE, text=True
+        ) as planning:
+            assert planning.stdout is not None
+            next(said for said in planning.stdout if said.startswith("planning"))
+            assert processes.run([nsrm, "say", *told, line.partition("try: ")[2]]) == 0
+            printed = planning.stdout.read()
+            assert planning.wait() == 0
+    assert "planner's loop, microseconds" in printed
+    assert "empty loop beside it, microseconds" in printed
+    ticks = next(said for said in printed.splitlines() if said.startswith("missed: "))
+    assert " of 20000 ticks by work longer than a period" in ticks
+    # Every tick is in the histogram of its work.
+    loops = printed.split("empty loop beside it")[0].splitlines()
+    bars = [said.split("≤")[1].split() for said in loops if "work ≤" in said]
+    assert sum(int(bar[1]) for bar in bars) == 20000
+
+
 def test_text_tells_what_happens() -> None:
     done = robot("--seed", "4")
     assert done.returncode == 0, done.stderr
