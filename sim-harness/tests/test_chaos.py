@@ -157,14 +157,6 @@ def test_time_in_which_the_onlooker_did_not_run_is_not_the_nodes() -> None:
     assert judge(lines).faults == ()
 
 
-def test_connections_that_iceoryx2_leaves_are_counted_apart() -> None:
-    lines = journal()
-    but("left", names=["a_1_2.connection"])(lines)
-    verdict = judge(lines)
-    assert verdict.faults == ()
-    assert verdict.counts["connections that iceoryx2 has left"] == 1
-
-
 def test_a_plan_of_which_nobody_was_told_must_be_of_one_who_was_killed() -> None:
     lines = journal()
     without("said", 4)(lines)

@@ -218,6 +218,49 @@ fn a_segment_that_was_begun_and_given_up_is_removed() {
     assert!(!new.exists());
 }
 
+/// As it stands now and then when both of its ports' processes were killed.
+#[test]
+fn a_connection_that_is_nobodys_is_removed() {
+    let corner = Corner::new("connections");
+    let segment = |name: &str| {
+        let path = Path::new("/dev/shm").join(format!("{}{name}.connection", corner.prefix()));
+        std::fs::write(&path, "between two ports").unwrap();
+        path
+    };
+    let (nobodys, used, young) = (segment("1_2"), segment("3_4"), segment("5_6"));
+    // What another process has in its memory: of another robot's folder, for all we know.
+    let mut user = Command::new("python3")
+        .args(["-c", MAPS, used.to_str().unwrap()])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(user.stdout.take().unwrap()).lines();
+    assert_eq!(said.next().unwrap().unwrap(), "mapped");
+    let other = join(Role::Planner, &corner);
+    for old in [&nobodys, &used] {
+        age(old, Duration::from_secs(60));
+    }
+    // While others are there it may be theirs.
+    let second = join(Role::Controller, &corner);
+    assert!(nobodys.exists());
+    drop((other, second));
+    drop(join(Role::Planner, &corner));
+    assert!(!nobodys.exists() && used.exists() && young.exists());
+    drop(user.stdin.take());
+    assert!(user.wait().unwrap().success());
+    drop(join(Role::Planner, &corner));
+    assert!(!used.exists() && young.exists());
+    std::fs::remove_file(young).unwrap();
+}
+
+/// A process that has a file in its memory until it is told to end.
+const MAPS: &str = "import mmap, sys
+with open(sys.argv[1], 'r+b') as file, mmap.mmap(file.fileno(), 0):
+    print('mapped', flush=True)
+    sys.stdin.read()
+";
+
 /// As it stands when a process is killed before it has noted that it made a socket.
 #[test]
 fn a_socket_that_is_nobodys_is_removed() {

@@ -2,9 +2,10 @@
 //! nobody hears of another robot, everyone sees the latest scene.
 
 use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{PlanReply, Role, SceneMessage, SubGoal};
-use nsrm_ipc::node::{PlannerNode, Watcher};
-use nsrm_ipc::service::{ONLOOKERS, Robot, ServiceError};
+use nsrm_ipc::node::{Asker, Life, Line, PlannerNode, Watcher};
+use nsrm_ipc::service::{ASKERS, ONLOOKERS, Robot, ServiceError};
 use nsrm_tests::by_hand::{Block, Parts, block, raw_scene};
 use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::world::{Pending, World, last_reason, patient};
@@ -165,4 +166,37 @@ fn who_finds_no_place_is_told_so_and_the_others_go_on() {
     assert!(other.receiver::<SceneMessage>().is_ok());
     drop(readers);
     assert!(publisher.receiver::<SceneMessage>().is_ok());
+}
+
+/// Beside all of the robot's own nodes, each of which has a heartbeat too.
+#[test]
+fn as_many_as_may_ask_find_a_place_and_one_more_is_told_so() {
+    let corner = Corner::new("askers");
+    let config = &corner.config;
+    let parts = Parts::new();
+    let model = parts.model();
+    let robot = join("north", Role::Planner, config);
+    let mut planner = PlannerNode::begin(robot, &model, patient()).unwrap();
+    let nodes = [Role::Controller, Role::Perception, Role::Watcher].map(|role| {
+        let robot = join("north", role, config);
+        (Life::begin(&robot, role, now_ns()).unwrap(), robot)
+    });
+    for line in [Line::Connection, Line::Broadcast] {
+        let begin = || Asker::begin(join("north", Role::Asker, config), line, u64::MAX);
+        let mut askers: Vec<_> = (0..ASKERS).map(|_| begin().unwrap()).collect();
+        let refused = begin().unwrap_err();
+        assert!(matches!(refused, ServiceError::Full { .. }), "{refused}");
+        // Each of them is answered.
+        for asker in &mut askers {
+            let mut asked = asker.ask("put the red block", Mode::PlanOnly).unwrap();
+            let reply = loop {
+                planner.poll(now_ns());
+                if let Some(reply) = asker.hear(&mut asked, now_ns()).unwrap() {
+                    break reply;
+                }
+            };
+            assert_eq!(last_reason(&[reply]), Some("incomplete_step"));
+        }
+    }
+    drop(nodes);
 }

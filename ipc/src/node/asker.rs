@@ -46,7 +46,10 @@ impl fmt::Display for AskError {
                 "reply {number} was lost, or what was asked; look at the robot, then ask again"
             ),
             Self::Request(error) => write!(f, "{error}"),
-            Self::Iceoryx(says) => write!(f, "asking: {says}"),
+            Self::Iceoryx(says) => write!(
+                f,
+                "asking: {says}; see that there is room in /dev/shm, then ask again"
+            ),
         }
     }
 }

@@ -1,13 +1,13 @@
 //! What was half made when its maker was killed, which iceoryx2 leaves for ever: services,
 //! which then nobody can open or make any more, segments of shared memory, at which others
-//! wait for ever, sockets and nodes, whose files stay.
+//! wait for ever, sockets, nodes and connections, whose files stay.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt as _;
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView as _};
@@ -38,25 +38,69 @@ const OWNER_READ: u32 = 0o400;
 /// Anyone may put files there. Those of others than this user and who owns the folder in which
 /// the processes meet are none of a robot's.
 pub(super) fn remove_segments(config: &Config) -> bool {
-    let prefix = config.global.prefix.to_string();
-    let user = rustix::process::geteuid().as_raw();
-    let meeting = folder(config).metadata().map_or(user, |it| it.uid());
     let mut being_made = false;
-    for entry in std::fs::read_dir(SEGMENTS).into_iter().flatten().flatten() {
-        if !entry.file_name().to_string_lossy().starts_with(&prefix) {
-            continue;
-        }
-        // What has gone meanwhile is not half made.
-        let is_half_made = entry.metadata().is_ok_and(|segment| {
-            let is_ours = [user, meeting].contains(&segment.uid());
-            is_ours && (segment.len() == 0 || segment.mode() & OWNER_READ == 0)
-        });
-        if is_half_made {
-            let is_gone = was_given_up(&entry.path()) && std::fs::remove_file(entry.path()).is_ok();
+    for (path, segment) in segments(config) {
+        if segment.len() == 0 || segment.mode() & OWNER_READ == 0 {
+            let is_gone = was_given_up(&path) && std::fs::remove_file(path).is_ok();
             being_made |= !is_gone;
         }
     }
     being_made
+}
+
+/// Removes segments between two ports of processes that were both killed, which iceoryx2
+/// leaves now and then; nothing in them tells whose they were.
+///
+/// They are nobody's where this node is the only one that there is, they are older than that,
+/// and no process has them in its memory: another folder of nodes may use the same names.
+pub(super) fn remove_connections(node: &Node<ipc::Service>) {
+    let config = node.config();
+    let suffix = config.global.service.connection_suffix.to_string();
+    let now = SystemTime::now();
+    if !is_alone(node) {
+        return;
+    }
+    for (path, segment) in segments(config) {
+        let is_old = segment.modified().is_ok_and(|made| is_given_up(made, now));
+        if is_old && path.to_string_lossy().ends_with(&suffix) && !is_mapped(&path) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// Segments of shared memory that a robot's processes may have made, with what the system
+/// tells of them; without those that have gone meanwhile.
+fn segments(config: &Config) -> impl Iterator<Item = (PathBuf, Metadata)> {
+    let prefix = config.global.prefix.to_string();
+    let user = rustix::process::geteuid().as_raw();
+    let meeting = folder(config).metadata().map_or(user, |it| it.uid());
+    let entries = std::fs::read_dir(SEGMENTS).into_iter().flatten().flatten();
+    entries.filter_map(move |entry| {
+        let is_named_so = entry.file_name().to_string_lossy().starts_with(&prefix);
+        let segment = is_named_so.then(|| entry.metadata().ok()).flatten()?;
+        let is_ours = [user, meeting].contains(&segment.uid());
+        is_ours.then(|| (entry.path(), segment))
+    })
+}
+
+/// Whether there is no other node, dead ones included.
+fn is_alone(node: &Node<ipc::Service>) -> bool {
+    let mut others = false;
+    let listed = Node::<ipc::Service>::list(node.config(), |state| {
+        others |= !matches!(&state, NodeState::Alive(view) if view.id() == node.id());
+        CallbackProgression::Continue
+    });
+    listed.is_ok() && !others
+}
+
+/// Whether a process has a segment in its memory, of those that this one may look into.
+fn is_mapped(segment: &Path) -> bool {
+    let segment = segment.to_string_lossy();
+    let mut processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    processes.any(|process| {
+        let maps = std::fs::read_to_string(process.path().join("maps"));
+        maps.is_ok_and(|maps| maps.lines().any(|line| line.ends_with(&*segment)))
+    })
 }
 
 /// Removes a service that was begun and given up; whether it was one.
@@ -174,10 +218,12 @@ fn file_name(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> 
 
 fn was_given_up(file: &Path) -> bool {
     let begun = file.metadata().and_then(|it| it.modified());
-    begun
-        .ok()
-        .and_then(|begun| begun.elapsed().ok())
-        .is_some_and(|age| age > GIVEN_UP)
+    begun.is_ok_and(|begun| is_given_up(begun, SystemTime::now()))
+}
+
+/// Whether what was begun then is given up by now.
+fn is_given_up(begun: SystemTime, now: SystemTime) -> bool {
+    now.duration_since(begun).is_ok_and(|age| age > GIVEN_UP)
 }
 
 fn is_usable(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> bool {

@@ -33,7 +33,7 @@ pub use name::{MAX_NAME, RobotName, RobotNameError};
 pub use place::settle;
 pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
 pub use quality::{
-    CAMERA, CAMERA_QUALITY, Carried, FRAMES_AT_ONCE, Hosts, ONLOOKERS, PLAN, Quality, ROOM,
+    ASKERS, CAMERA, CAMERA_QUALITY, Carried, FRAMES_AT_ONCE, Hosts, ONLOOKERS, PLAN, Quality, ROOM,
 };
 
 use core::fmt::Debug;
@@ -56,7 +56,7 @@ use crate::message::{CameraFrame, PlanReply, PlanRequest, Role};
 use cause::likely_cause;
 use fault::Fault;
 use memory::find_room;
-use quality::{ASKERS, REPLIES};
+use quality::REPLIES;
 
 /// How long a service that is just being made or removed is waited for; long enough to
 /// find that its maker has given it up.
@@ -126,6 +126,7 @@ impl Robot {
         while !robot.bury() && begun.elapsed() < IN_FLUX {
             std::thread::sleep(BETWEEN_TRIES);
         }
+        half_made::remove_connections(&robot.node);
         Ok(robot)
     }
 

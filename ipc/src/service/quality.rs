@@ -144,9 +144,10 @@ pub const CAMERA_QUALITY: Quality = Quality {
 
 /// The service of requests and replies.
 pub const PLAN: &str = "plan";
-/// How many may ask at once; one is answered, the others are told that it is busy.
-pub(super) const ASKERS: usize = 16;
-/// How many replies wait for an asker at most. Eight steps without a retry have 25, and
-/// each retry at most four more for each step that it goes back; who takes none of 128
-/// does not listen.
-pub(super) const REPLIES: usize = 128;
+/// How many may ask at once; one is answered, the others are told that it is busy. Each has
+/// a heartbeat, beside those of the robot's own nodes.
+pub const ASKERS: usize = 8;
+/// How many replies wait for an asker at most. Eight steps without a retry have 33 at most,
+/// and each retry five more for each step that it goes back; who takes none of 160 does
+/// not listen.
+pub(super) const REPLIES: usize = 160;

@@ -31,10 +31,6 @@ PLANNER_LOST = "died or hangs"
 TOLD_OF_LOSS = re.compile(rf"{PLANNER_LOST}|reply \d+ was lost")
 """Words to those who may never have heard of their plan."""
 
-CONNECTION = ".connection"
-"""What a segment between two ports is called. iceoryx2 0.10 leaves one now and then when both are
-killed; nothing tells whose it is, so it is counted here and no fault of a node's."""
-
 Command = tuple[int, int]
 """Plan and number."""
 
@@ -120,9 +116,6 @@ def judge(lines: Iterable[Line]) -> Verdict:
         "stopped": len(of["stopped"]),
         "came too late": len(of[TOO_LATE]),
         "nodes that ended by themselves": len(_early_ends(of)),
-        "connections that iceoryx2 has left": sum(
-            name.endswith(CONNECTION) for line in of["left"] for name in line["names"]
-        ),
     }
     times = tuple(after_ns / 1e6 for after_ns in noticed)
     return Verdict(tuple(faults), counts, times, tuple(_told_ms(of, asks)))
@@ -259,8 +252,8 @@ def _of_the_end(of: Mapping[str, list[Line]]) -> Iterable[str]:
     if not of["left"]:
         yield "nobody looked what was left behind"
     for line in of["left"]:
-        if names := [name for name in line["names"] if not name.endswith(CONNECTION)]:
-            yield f"left behind: {names}"
+        if line["names"]:
+            yield f"left behind: {line['names']}"
 
 
 def _told_ms(of: Mapping[str, list[Line]], asks: Mapping[int, _Ask]) -> Iterable[float]:
