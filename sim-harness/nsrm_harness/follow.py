@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 import nsrm
 
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Body, Done, Mark, unmarked, wait
+from nsrm_harness.arm.execute import Body, Done, Mark, unmarked
 from nsrm_harness.arm.perform import SHIFTED_M, FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.looking import BlindError, look_patiently
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.sight import Eyes, Sight, sub_goal
@@ -21,12 +22,6 @@ from nsrm_harness.world.pose import Pose
 
 MAX_ATTEMPTS = 3
 """At one step of a sentence; each has the tries of `perform`."""
-PATIENCE_S, PAUSE_S = 3.0, 0.1
-"""So long a camera that shows nothing new is waited for, and so long between two looks."""
-
-
-class BlindError(FailedError):
-    """There is no new picture in which anything can be seen."""
 
 
 class _OvertakenError(FailedError):
@@ -191,20 +186,18 @@ class Follower:
     def _look(self) -> Sight:
         """A picture that is taken now. Raises `BlindError` if there is none for `PATIENCE_S`."""
         begun_s = self.eyes.now_s
+
+        def look() -> Sight:
+            sight = self.eyes.look()
+            if sight.taken_s < begun_s:
+                age_s = self.eyes.now_s - sight.taken_s
+                raise PerceptionError(f"the camera's picture is {age_s:.1f} s old")
+            return sight
+
         self._sight = None
-        while True:
-            try:
-                sight = self.eyes.look()
-                if sight.taken_s >= begun_s:
-                    self._sight = sight
-                    self.looked(sight)
-                    return sight
-                why = f"the camera's picture is {self.eyes.now_s - sight.taken_s:.1f} s old"
-            except PerceptionError as error:
-                why = str(error)
-            if self.eyes.now_s - begun_s > PATIENCE_S:
-                raise BlindError(f"{why}; I stopped")
-            wait(self.body, PAUSE_S)
+        self._sight = sight = look_patiently(self.body, look, lambda: self.eyes.now_s)
+        self.looked(sight)
+        return sight
 
 
 def _poses(sight: Sight) -> dict[int, Pose]:

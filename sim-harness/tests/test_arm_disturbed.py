@@ -23,7 +23,7 @@ from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS, MOST_KINDS, Loop, 
 from nsrm_harness.arm_trials.episode import End
 from nsrm_harness.arm_trials.judge import Judge, Verdict
 from nsrm_harness.episodes.seeds import generator
-from nsrm_harness.follow import BlindError
+from nsrm_harness.looking import BlindError
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.pose import Pose

@@ -15,7 +15,8 @@ from nsrm_harness.arm.execute import StuckError
 from nsrm_harness.arm.perform import FailedError, Look, Performed
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.demo.outcome import Stopped, carry
-from nsrm_harness.follow import MAX_ATTEMPTS, PATIENCE_S, BlindError, Follower
+from nsrm_harness.follow import MAX_ATTEMPTS, Follower
+from nsrm_harness.looking import PATIENCE_S, BlindError
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.sight import DarkError, Sight
 from nsrm_harness.world.pose import Pose

@@ -15,7 +15,7 @@ from nsrm_harness.arm.panda import FINGERTIP_M, HAND_FRAME
 from nsrm_harness.arm.perform import FailedError
 from nsrm_harness.arm_trials.rows import Drawn
 from nsrm_harness.episodes.moves import Move, target
-from nsrm_harness.follow import BlindError
+from nsrm_harness.looking import BlindError
 from nsrm_harness.sight import Eyes
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.blocks import Block

@@ -10,6 +10,7 @@ from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
 from nsrm_harness.messages import CameraFrame, CameraMessage, Role, State, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.robot.config import RobotConfig
 from nsrm_harness.robot.controller import Controller, Mover, stops_first
 from nsrm_harness.robot.movers import Carries, SetsDown
@@ -92,7 +93,7 @@ class Stage:
             return
         if self._arm is not None:
             self._arm.tidy_up()
-        self.look()
+        self._look_on()
         if self._sequence % BURIAL_FRAMES == 0:
             self._robot.bury()
 
@@ -114,8 +115,17 @@ class Stage:
         seen = self._seen.get(number)
         return None if seen is None else seen.pose.position
 
+    def _look_on(self) -> None:
+        """Publishes a picture, if anything can be seen on it: without one the scenes grow old,
+        which the planner says."""
+        try:
+            self.look()
+        except PerceptionError as error:
+            self._life.reject("camera", str(error))
+
     def look(self) -> None:
-        """Publishes what the camera sees and the detector finds in it."""
+        """Publishes what the camera sees and the detector finds in it. Raises
+        `PerceptionError`."""
         taken_ns = now_ns()
         sight = self._eyes.look()
         self._seen = sight.cuboids
