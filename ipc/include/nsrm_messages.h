@@ -146,7 +146,7 @@ NSRM_ASSERT(offsetof(nsrm_scene_message, objects) == 88, "offset of objects");
 
 /** Asks for a sentence to be followed. */
 typedef struct nsrm_plan_request {
-    /** Who asks: a number that it has drawn at random. */
+    /** Who asks: a number that no other has. */
     uint64_t asker;
     /** Number of the request, the asker's own. */
     uint64_t sequence;
@@ -332,7 +332,8 @@ typedef struct nsrm_feedback {
     uint32_t command;
     /** How it went: the number of an `Outcome`. */
     uint32_t outcome;
-    /** Ids of up to two objects that stood in its way; 0 for none. */
+    /** Ids of up to two objects: those that stood in its way; those that are moved out
+     *  of it, of `Outcome::Clearing`; 0 for none. */
     uint32_t objects[2];
 } nsrm_feedback;
 #define NSRM_FEEDBACK_TYPE_NAME "nsrm.v1.Feedback.343e85d0c8daab6b"

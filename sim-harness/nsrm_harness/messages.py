@@ -60,6 +60,10 @@ class Outcome(IntEnum):
     TOO_LATE = 10
     WOULD_FALL = 11
     OUT_OF_REACH = 12
+    NOT_FOLLOWING = 13
+    COVERED = 14
+    CANNOT_HOLD = 15
+    CLEARING = 16
 
 
 class Role(IntEnum):
@@ -291,7 +295,7 @@ class PlanRequest(ctypes.Structure):
     """Asks for a sentence to be followed."""
 
     _fields_: ClassVar = [
-        # Who asks: a number that it has drawn at random.
+        # Who asks: a number that no other has.
         ("asker", ctypes.c_uint64),
         # Number of the request, the asker's own.
         ("sequence", ctypes.c_uint64),
@@ -517,7 +521,8 @@ class Feedback(ctypes.Structure):
         ("command", ctypes.c_uint32),
         # How it went: the number of an `Outcome`.
         ("outcome", ctypes.c_uint32),
-        # Ids of up to two objects that stood in its way; 0 for none.
+        # Ids of up to two objects: those that stood in its way; those that are moved out
+        # of it, of `Outcome::Clearing`; 0 for none.
         ("objects", ctypes.c_uint32 * 2),
     ]
     LAYOUT: ClassVar = (40, 8)

@@ -16,10 +16,12 @@ from nsrm_harness.arm_trials.disturb import DisturbedArm
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.robot.controller import MOVE, STOP, Answer, Controller
 from nsrm_harness.robot.movers import Carries
 from nsrm_harness.sight import Eyes, Sight, sub_goal
 from nsrm_harness.world.camera import default_camera
+from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Renderer
 
 SEED = 4
@@ -45,7 +47,9 @@ class Scene:
         plan = model.plan(self.sight.scene(model, default_camera()), scene.sentence)
         self.steps = list(plan.steps)
         self.said: list[Outcome] = []
+        self.dark_until_s = 0.0
         self.in_the_way: tuple[int, ...] = ()
+        self.told: list[tuple[Outcome, int]] = []
         self.waiting: list[SubGoal] = []
         self.while_working: Callable[[], None] = lambda: None
         self.arm = Carries(self.world, self.look, self._work, self._is_stopped)
@@ -57,6 +61,7 @@ class Scene:
     def _say(self, plan: int, command: int, answer: Answer) -> None:
         self.said.append(answer.outcome)
         self.in_the_way = answer.objects
+        self.told += [(answer.outcome, number) for number in answer.objects]
 
     def _reject(self, service: str, why: str) -> None:
         raise AssertionError(f"{service}: {why}")
@@ -65,6 +70,8 @@ class Scene:
         return self.controller.is_stopped_by(self.waiting)
 
     def look(self) -> Mapping[int, Cuboid]:
+        if self.world.time_s < self.dark_until_s:
+            raise PerceptionError("the camera's picture is dark")
         self.sight = self.eyes.look()
         return self.sight.cuboids
 
@@ -85,6 +92,7 @@ class Scene:
         command = self.command(step, number)
         for name, value in changed.items():
             setattr(command, name, value)
+        self.told.clear()
         self.controller.obey(command)
         for command in self.waiting:
             self.controller.obey(command)
@@ -173,15 +181,19 @@ def test_what_is_stopped_while_it_is_planned_moves_nothing(scene: Scene) -> None
 
 def test_what_stands_too_near_is_moved_aside(renderer: Renderer) -> None:
     with closing(Scene(renderer, CROWDED)) as scene:
-        before = scene.look()
+        before, told = scene.look(), set[int]()
         for step in range(len(scene.steps)):
-            assert scene.obey(step, step + 1) == [Outcome.ACCEPTED, Outcome.REACHED]
+            said = scene.obey(step, step + 1)
+            assert (said[0], said[-1]) == (Outcome.ACCEPTED, Outcome.REACHED)
+            told |= {number for outcome, number in scene.told if outcome is Outcome.CLEARING}
+            assert (Outcome.CLEARING in said) == bool(scene.told)
             assert scene.off_m(step) < 0.005
         after = scene.look()
         meant = {n for step in scene.steps for n in (step.object_id, step.reference_id)}
         others = [number for number in before if number not in meant]
-        shifts = [after[number].pose.distance_m(before[number].pose) for number in others]
-        assert max(shifts) > 0.01
+        moved = {n for n in others if after[n].pose.distance_m(before[n].pose) > 0.01}
+        # Each was said before.
+        assert moved and moved <= told
 
 
 def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
@@ -192,10 +204,10 @@ def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
             scene.world.stop()
 
     scene.while_working = hold
-    assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.STOPPED]
+    assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.NOT_FOLLOWING]
     scene.while_working = lambda: None
     joints, time_s = scene.world.joints(), scene.world.time_s
-    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.STOPPED]
+    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.NOT_FOLLOWING]
     scene.arm.tidy_up()
     assert scene.world.time_s == time_s
     np.testing.assert_array_equal(scene.world.joints(), joints)
@@ -224,5 +236,42 @@ def test_what_stands_on_an_object_is_in_its_way(renderer: Renderer) -> None:
         first = scene.steps[0]
         swapped = {"object_id": first.reference_id, "reference_id": first.object_id}
         said = scene.obey(0, 2, position=(0.4, -0.2, 0.03), **swapped)
-        assert said == [Outcome.ACCEPTED, Outcome.NO_PATH]
+        assert said == [Outcome.ACCEPTED, Outcome.COVERED]
         assert scene.in_the_way == (first.object_id,)
+
+
+def test_a_camera_that_is_dark_for_a_while_is_waited_for(scene: Scene) -> None:
+    scene.dark_until_s = scene.world.time_s + 1.0
+    assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.REACHED]
+    assert scene.world.time_s > scene.dark_until_s
+
+    def darken() -> None:
+        # From now on, and for longer than is waited for.
+        scene.dark_until_s = scene.world.time_s + 60.0
+
+    scene.while_working = darken
+    begun_s = scene.world.time_s
+    assert scene.obey(1, 2) == [Outcome.ACCEPTED, Outcome.IMPOSSIBLE]
+    assert begun_s < scene.world.time_s < begun_s + 10.0 and scene.is_home()
+
+
+def test_a_block_that_is_pushed_away_from_the_hand_is_not_grasped_and_can_be_told_again(
+    scene: Scene,
+) -> None:
+    number = scene.steps[0].object_id
+    block_id, _ = scene.world.nearest(scene.sight.cuboids[number].pose.position)
+    before = scene.world.pose(block_id)
+
+    def push() -> None:
+        if scene.world.joints()[1] > panda.READY_RAD[1] + 0.1:
+            x, y, z = before.position
+            scene.world.place(block_id, Pose((x - 0.03, y, z), before.orientation))
+            scene.while_working = lambda: None
+
+    scene.while_working = push
+    said = scene.obey(0, 1)
+    assert said[0] == Outcome.ACCEPTED
+    assert said[-1] in {Outcome.NOT_GRASPED, Outcome.MISPLACED, Outcome.DROPPED}
+    assert scene.is_home()
+    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.REACHED]
+    assert scene.off_m(0) < 0.005

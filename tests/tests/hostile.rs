@@ -143,7 +143,7 @@ const FRAMES: &[Break<CameraFrame>] = &[
 
 const REPLIES: &[Break<PlanReply>] = &[
     |it| it.status = 0,
-    |it| it.status = 7,
+    |it| it.status = 8,
     |it| (it.status, it.count) = (1, 0),
     |it| (it.status, it.count) = (1, 9),
     |it| (it.status, it.step) = (3, 8),

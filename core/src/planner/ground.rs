@@ -85,6 +85,11 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         task
     }
 
+    /// The scene that it is grounded in.
+    pub fn scene(&self) -> &Scene {
+        self.scene.borrow()
+    }
+
     /// Whether there will be no plan.
     pub(super) const fn is_refused(&self) -> bool {
         matches!(self.stage, Stage::Done(Some(_)))
@@ -299,10 +304,6 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             Translation3::from(centre.coords),
             rotation(&self.model.header.placed_orientation),
         )
-    }
-
-    fn scene(&self) -> &Scene {
-        self.scene.borrow()
     }
 
     fn symbols(&self, step: usize) -> Result<Step, Refusal> {

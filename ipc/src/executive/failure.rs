@@ -93,13 +93,14 @@ pub enum Failure {
         /// Ids of objects that stood in the way, as it says; 0 for none.
         objects: [u32; 2],
     },
-    /// The controller says that it did it, and the object is seen elsewhere.
+    /// The controller says that it did it, and the object, or what it was to be beside
+    /// or on, is seen elsewhere.
     NotThere {
         /// Which step.
         step: u8,
-        /// Id of the object.
+        /// Id of the object that is.
         object: u32,
-        /// How far it is from its sub-goal, metres.
+        /// How far from its sub-goal, or from where it was when the step was planned, metres.
         off_m: f32,
     },
     /// The controller says that it did it, and the object is not seen.
@@ -182,11 +183,15 @@ impl fmt::Display for Failure {
             } => {
                 write!(f, "step {}: {}", step(*at), outcome.words())?;
                 match objects {
-                    [0, 0] => Ok(()),
-                    [object, 0] | [0, object] => write!(f, ": object {object} is in the way"),
+                    [0, 0] => {}
+                    [object, 0] | [0, object] => write!(f, ": object {object} is in the way")?,
                     [one, other] => {
-                        write!(f, ": objects {one} and {other} are in the way")
+                        write!(f, ": objects {one} and {other} are in the way")?;
                     }
+                }
+                match outcome.advice() {
+                    "" => Ok(()),
+                    advice => write!(f, "; {advice}"),
                 }
             }
             Self::NotThere {
@@ -195,12 +200,18 @@ impl fmt::Display for Failure {
                 off_m,
             } => write!(
                 f,
-                "step {}: object {object} is seen {:.0} mm from where it should be",
+                "step {}: object {object} is seen {:.0} mm from where it should be; see whether \
+                 it was pushed or fell, and ask again",
                 step(*at),
                 1000.0 * off_m
             ),
             Self::NotSeen { step: at, object } => {
-                write!(f, "step {}: object {object} is no longer seen", step(*at))
+                write!(
+                    f,
+                    "step {}: object {object} is no longer seen; see whether it fell or is hidden, \
+                     and ask again",
+                    step(*at)
+                )
             }
             Self::Cancelled => f.write_str("cancelled"),
             Self::CancelledUnconfirmed => f.write_str(

@@ -23,6 +23,10 @@ pub(super) struct Job<'m> {
     step: usize,
     retries: u8,
     commands: u32,
+    /// Where the reference of the step that is next was seen when it was planned.
+    reference_at: Option<[f32; 3]>,
+    /// What is moved first for the command that is carried out, until it is told.
+    clearing: Option<[u32; 2]>,
     /// What each step so far has put where, as long as no other took it elsewhere.
     placed: [Option<Placed>; MAX_STEPS],
     /// Why it is to end, whatever it is at.
@@ -35,6 +39,8 @@ pub(super) struct Job<'m> {
 struct Placed {
     object: u32,
     position: [f32; 3],
+    /// What that is beside or on, and where it was then; unless it was moved since by a step.
+    reference: Option<(u32, [f32; 3])>,
 }
 
 /// What comes next.
@@ -113,6 +119,8 @@ impl<'m> Job<'m> {
             step: 0,
             retries: 0,
             commands: 0,
+            reference_at: None,
+            clearing: None,
             placed: [None; MAX_STEPS],
             end: None,
             stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
@@ -143,8 +151,15 @@ impl<'m> Job<'m> {
                     *heard = Heard::Accepted;
                     *since_ns = now_ns;
                 }
-                // Said again, it gives no more time and takes nothing back.
-                (Outcome::Accepted, _) => {}
+                (Outcome::Clearing, Heard::Nothing | Heard::Accepted) => {
+                    if matches!(heard, Heard::Nothing) {
+                        *heard = Heard::Accepted;
+                        *since_ns = now_ns;
+                    }
+                    self.clearing = Some(report.objects);
+                }
+                // Said again, or late, it gives no more time and takes nothing back.
+                (Outcome::Accepted | Outcome::Clearing, _) => {}
                 // What is said first counts; it may have been on its way when the
                 // controller was lost.
                 (_, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
@@ -166,8 +181,11 @@ impl<'m> Job<'m> {
                 begun,
                 ..
             } if *id == report.id => {
-                *begun |= matches!(report.outcome, Outcome::Accepted | Outcome::Reached);
-                *confirmed |= report.outcome != Outcome::Accepted;
+                *begun |= matches!(
+                    report.outcome,
+                    Outcome::Accepted | Outcome::Clearing | Outcome::Reached
+                );
+                *confirmed |= report.outcome.is_end();
             }
             _ => {}
         }
@@ -248,6 +266,9 @@ impl<'m> Job<'m> {
                     return Ok(Event::Working);
                 };
                 self.plan = plan.map_err(Failure::Refused)?;
+                let scene = task.scene();
+                let reference = self.plan.steps().first().map(|next| next.reference.object);
+                self.reference_at = reference.and_then(|it| position(&self.planner, scene, it));
                 if too_old(taken_ns, limits, now_ns).is_some() {
                     // By now: grounding took its time.
                     self.look(taken_ns, since_ns, Purpose::Ground);
@@ -276,6 +297,14 @@ impl<'m> Job<'m> {
                 ..
             } => {
                 let (step, waited_ns) = (command.step, now_ns.saturating_sub(since_ns));
+                if let Some(first) = self.clearing.take() {
+                    let object = command.planned.object.object;
+                    return Ok(Event::Clearing {
+                        step,
+                        object,
+                        first,
+                    });
+                }
                 match heard {
                     Heard::Nothing if waited_ns > limits.accept_wait_ns => {
                         self.stop(Failure::NotAccepted { step }, now_ns)
@@ -350,6 +379,7 @@ impl<'m> Job<'m> {
         // A plan has a step for each one left, and one was.
         let planned = planned.ok_or(Failure::Refused(Refusal::InvalidModel))?;
         self.commands = self.commands.saturating_add(1);
+        self.clearing = None;
         let command = Command {
             id: CommandId {
                 plan: self.number,
@@ -400,6 +430,9 @@ impl<'m> Job<'m> {
         self.place(Placed {
             object: sub_goal.object,
             position: sub_goal.pose.translation.vector.into(),
+            reference: self
+                .reference_at
+                .map(|at| (command.planned.reference.object, at)),
         });
         if self.mode == Mode::OpenLoop {
             self.advance_step(Stage::Send { seen: None });
@@ -410,11 +443,17 @@ impl<'m> Job<'m> {
         Ok(Event::Working)
     }
 
-    /// This step has put an object somewhere: no longer where others had put it.
+    /// This step has put an object somewhere: no longer where others had put it, or beside
+    /// or on which they had put theirs.
     fn place(&mut self, placed: Placed) {
         for other in &mut self.placed {
             if other.is_some_and(|other| other.object == placed.object) {
                 *other = None;
+            }
+            if let Some(other) = other
+                && other.reference.is_some_and(|(id, _)| id == placed.object)
+            {
+                other.reference = None;
             }
         }
         if let Some(place) = self.placed.get_mut(self.step) {
@@ -422,8 +461,8 @@ impl<'m> Job<'m> {
         }
     }
 
-    /// Whether all that was put somewhere is seen there; if not, goes back to the
-    /// first step for which that isn't so.
+    /// Whether all that was put somewhere is seen there, and what it was put beside or on
+    /// where that was; if not, goes back to the first step for which that isn't so.
     fn verify(
         &mut self,
         scene: &Scene,
@@ -433,23 +472,36 @@ impl<'m> Job<'m> {
     ) -> Result<Event, Failure> {
         let mut off_m = 0.0;
         for (step, placed) in (0..).zip(self.placed) {
-            let Some(Placed { object, position }) = placed else {
+            let Some(Placed {
+                object,
+                position,
+                reference,
+            }) = placed
+            else {
                 continue;
             };
-            let Some(distance_m) = self.distance_m(scene, object, &position) else {
+            let Some(object_off_m) = self.distance_m(scene, object, &position) else {
                 // An arm may hide it for a while.
                 let missing = Some((step, object));
                 let taken_ns = scene.header().timestamp_ns;
                 self.look(taken_ns, since_ns, Purpose::Verify { missing });
                 return Ok(Event::Working);
             };
+            // One that is hidden by what was put onto it has not been seen to move.
+            let reference_off = reference
+                .and_then(|(id, at)| Some((id, self.distance_m(scene, id, &at)?)))
+                .filter(|(_, off_m)| *off_m > limits.tolerance_m);
             // Neither is one that is not a number.
-            let is_there = distance_m <= limits.tolerance_m;
-            if !is_there {
+            let is_there = object_off_m <= limits.tolerance_m;
+            if !is_there || reference_off.is_some() {
+                let (object, off_m) = match reference_off {
+                    Some(off) if is_there => off,
+                    _ => (object, object_off_m),
+                };
                 let failure = Failure::NotThere {
                     step,
                     object,
-                    off_m: distance_m,
+                    off_m,
                 };
                 let event = self.again(failure, limits)?;
                 for later in self.placed.iter_mut().skip(usize::from(step)) {
@@ -459,7 +511,7 @@ impl<'m> Job<'m> {
                 self.look(after_ns, since_ns, Purpose::Ground);
                 return Ok(event);
             }
-            off_m = distance_m;
+            off_m = object_off_m;
         }
         // At most MAX_STEPS.
         let step = self.step as u8;
@@ -472,11 +524,9 @@ impl<'m> Job<'m> {
     }
 
     /// How far an object is seen from a position; `None` if it isn't seen.
-    fn distance_m(&self, scene: &Scene, object: u32, position: &[f32; 3]) -> Option<f32> {
-        let seen = scene.objects().iter().find(|seen| seen.id == object)?;
-        let map = self.planner.model().camera;
-        let centre = scene.camera().locate(map, &seen.location);
-        let offsets = centre.coords.iter().zip(position).map(|(a, b)| a - b);
+    fn distance_m(&self, scene: &Scene, object: u32, from: &[f32; 3]) -> Option<f32> {
+        let seen = position(&self.planner, scene, object)?;
+        let offsets = seen.iter().zip(from).map(|(a, b)| a - b);
         Some(offsets.map(|offset| offset * offset).sum::<f32>().sqrt())
     }
 
@@ -520,4 +570,13 @@ impl<'m> Job<'m> {
         };
         Ok(Event::Stop(id))
     }
+}
+
+/// Where an object's centre is seen, world frame, metres; `None` if it isn't seen.
+fn position(planner: &Planner<'_>, scene: &Scene, object: u32) -> Option<[f32; 3]> {
+    let seen = scene.objects().iter().find(|seen| seen.id == object)?;
+    let centre = scene
+        .camera()
+        .locate(planner.model().camera, &seen.location);
+    Some(centre.coords.into())
 }

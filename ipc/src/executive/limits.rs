@@ -21,8 +21,9 @@ pub struct Limits {
 
 impl Default for Limits {
     /// Scenes of half a second at most; three heartbeats lost, so that a death is
-    /// noticed within half a second; a centimetre, which is a quarter of the
-    /// smallest block and ten times what the camera is off.
+    /// noticed within half a second; 15 mm, which is more than an arm may correct a
+    /// sub-goal by what it sees of the support (8 mm across and 12 mm in height) and less
+    /// than half of the smallest block.
     fn default() -> Self {
         Self {
             scene_age_ns: 500_000_000,
@@ -30,7 +31,7 @@ impl Default for Limits {
             accept_wait_ns: 500_000_000,
             move_wait_ns: 60_000_000_000,
             silence_ns: 350_000_000,
-            tolerance_m: 0.01,
+            tolerance_m: 0.015,
             retries: 3,
         }
     }

@@ -77,6 +77,16 @@ pub enum Event {
     Command(Command),
     /// To be sent to the controller: this command is no longer wanted.
     Stop(CommandId),
+    /// Before a step's object is carried to its sub-goal, something else is.
+    Clearing {
+        /// Which, from 0.
+        step: u8,
+        /// Id of the step's object.
+        object: u32,
+        /// Ids of what is moved aside first; the step's own object, if it is set down on the
+        /// way; 0 for none.
+        first: [u32; 2],
+    },
     /// A step did what it should.
     Reached {
         /// Which, from 0.

@@ -21,7 +21,8 @@ message! {
         pub command: u32,
         /// How it went: the number of an [`Outcome`].
         pub outcome: u32,
-        /// Ids of up to two objects that stood in its way; 0 for none.
+        /// Ids of up to two objects: those that stood in its way; those that are moved out
+        /// of it, of [`Outcome::Clearing`]; 0 for none.
         pub objects: [u32; 2],
     }
 }
@@ -34,7 +35,7 @@ pub enum Outcome {
     Accepted = 1,
     /// The object stands where it should.
     Reached = 2,
-    /// No room or no way there without a collision, or something stands on the object.
+    /// No room or no way there without a collision.
     NoPath = 3,
     /// The gripper did not get hold of the object.
     NotGrasped = 4,
@@ -46,7 +47,7 @@ pub enum Outcome {
     Stopped = 7,
     /// Another command is being carried out; this one won't be.
     Busy = 8,
-    /// The command makes no sense, or its object isn't there; it won't be carried
+    /// The command makes no sense, or its object isn't seen; it won't be carried
     /// out.
     Impossible = 9,
     /// It was read after its time; it won't be carried out.
@@ -55,11 +56,20 @@ pub enum Outcome {
     WouldFall = 11,
     /// The object or its sub-goal is beyond the arm's reach.
     OutOfReach = 12,
+    /// The arm's joints do not follow; it stands still where it is.
+    NotFollowing = 13,
+    /// Something stands on the object.
+    Covered = 14,
+    /// The hand can't hold an object of its size.
+    CannotHold = 15,
+    /// Other objects are moved aside first, or the object itself is set down on the way;
+    /// another outcome follows.
+    Clearing = 16,
 }
 
 impl Outcome {
     /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 16] = [
         Self::Accepted,
         Self::Reached,
         Self::NoPath,
@@ -72,6 +82,10 @@ impl Outcome {
         Self::TooLate,
         Self::WouldFall,
         Self::OutOfReach,
+        Self::NotFollowing,
+        Self::Covered,
+        Self::CannotHold,
+        Self::Clearing,
     ];
 
     /// What happened, for a person.
@@ -85,11 +99,39 @@ impl Outcome {
             Self::Misplaced => "the object was set down, but not where it should stand",
             Self::Stopped => "the robot was stopped",
             Self::Busy => "the controller carries out another command",
-            Self::Impossible => "the controller can't carry it out",
+            Self::Impossible => "the controller does not see the object, or can't read the command",
             Self::TooLate => "the controller was held up and read it too late",
             Self::WouldFall => "the object would not stand there",
             Self::OutOfReach => "the arm does not reach that far",
+            Self::NotFollowing => "the arm does not go where it is told to, and stands still",
+            Self::Covered => "something stands on the object",
+            Self::CannotHold => "the hand can't hold an object of this size",
+            Self::Clearing => "something is moved out of the way first",
         }
+    }
+
+    /// What a person can do about it; empty where there is nothing to be done.
+    pub const fn advice(self) -> &'static str {
+        match self {
+            Self::Accepted | Self::Reached | Self::Clearing => "",
+            Self::NoPath => "make room, and ask again",
+            Self::NotGrasped => "look at the object and the gripper, and ask again",
+            Self::Dropped | Self::Misplaced => "look where the object is, and ask again",
+            Self::Stopped => "see that nobody is in danger, and ask again",
+            Self::Busy => "wait until that one is done, or stop it",
+            Self::Impossible => "see what the controller's log says",
+            Self::TooLate => "see what holds it up, and ask again",
+            Self::WouldFall => "ask for another place",
+            Self::OutOfReach => "move the object nearer, or ask for another place",
+            Self::NotFollowing => "look at the arm, and start its controller anew",
+            Self::Covered => "ask for what stands on it to be moved first",
+            Self::CannotHold => "ask for another object",
+        }
+    }
+
+    /// Whether nothing more will be said of the command.
+    pub const fn is_end(self) -> bool {
+        !matches!(self, Self::Accepted | Self::Clearing)
     }
 
     /// Whether it may go well when tried again.
@@ -105,7 +147,7 @@ pub struct Report {
     pub id: CommandId,
     /// How it went.
     pub outcome: Outcome,
-    /// Ids of objects that stood in its way; 0 for none.
+    /// Ids of objects that stood in its way, or are moved out of it; 0 for none.
     pub objects: [u32; 2],
     /// When it was so, nanoseconds on the sender's clock.
     pub timestamp_ns: u64,
@@ -177,7 +219,7 @@ mod tests {
             assert_eq!((report.outcome, report.timestamp_ns), (outcome, 2));
             assert_eq!(report.objects, [5, 0]);
         }
-        for number in [0, 13, u32::MAX] {
+        for number in [0, 17, u32::MAX] {
             let refused = feedback(3, number).read();
             assert_eq!(refused, Err(FeedbackError::Outcome(number)));
         }

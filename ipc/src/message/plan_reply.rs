@@ -139,6 +139,8 @@ pub enum Status {
     Done = 5,
     /// It won't be followed, or not further. The last reply.
     Failed = 6,
+    /// Before a step's object is carried, something else is moved out of its way.
+    Clearing = 7,
 }
 
 /// What a reply says, its parts still in place.
@@ -155,6 +157,13 @@ pub enum Reply<'a> {
     Commanded {
         /// Which, from 0.
         step: u32,
+    },
+    /// Before a step's object is carried, something else is moved out of its way.
+    Clearing {
+        /// Which, from 0.
+        step: u32,
+        /// For a person: what is moved.
+        message: &'a str,
     },
     /// A step did what it should.
     Reached {
@@ -272,6 +281,14 @@ impl PlanReply {
                 step: command.step.into(),
                 ..Self::new(to, Status::Commanded)
             },
+            &Event::Clearing {
+                step,
+                object,
+                first,
+            } => Self {
+                step: step.into(),
+                ..Self::new(to, Status::Clearing).saying(MovedFirst { object, first })
+            },
             &Event::Reached { step, off_m } => Self {
                 step: step.into(),
                 off_m,
@@ -368,6 +385,7 @@ impl PlanReply {
                 program: message,
             },
             2 => Reply::Commanded { step },
+            7 => Reply::Clearing { step, message },
             3 => Reply::Reached {
                 step,
                 off_m: self.off_m,
@@ -398,6 +416,39 @@ impl PlanReply {
             }
         }
         Ok(steps)
+    }
+}
+
+/// What is moved before a step's object is carried to its sub-goal, for a person.
+struct MovedFirst {
+    object: u32,
+    first: [u32; 2],
+}
+
+impl fmt::Display for MovedFirst {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let object = self.object;
+        match self.first {
+            [0, 0] => write!(
+                f,
+                "something is moved out of the way of object {object} first"
+            ),
+            [own, 0] | [0, own] if own == object => {
+                write!(
+                    f,
+                    "object {object} is set down on the way, to be held otherwise"
+                )
+            }
+            [other, 0] | [0, other] => write!(
+                f,
+                "object {other} stands in the way of object {object} and is moved aside first"
+            ),
+            [one, other] => write!(
+                f,
+                "objects {one} and {other} stand in the way of object {object} and are moved \
+                 aside first"
+            ),
+        }
     }
 }
 
@@ -510,8 +561,8 @@ mod tests {
             break_it(&mut broken.steps[1]);
             assert_eq!(broken.read(), Err(PlanReplyError::Broken { step: 1 }));
         }
-        let broken = PlanReply { status: 7, ..good };
-        assert_eq!(broken.read(), Err(PlanReplyError::Status(7)));
+        let broken = PlanReply { status: 8, ..good };
+        assert_eq!(broken.read(), Err(PlanReplyError::Status(8)));
         let broken = PlanReply { step: 8, ..good };
         assert_eq!(broken.read(), Err(PlanReplyError::Step(8)));
     }

@@ -13,7 +13,7 @@ message! {
     /// Asks for a sentence to be followed.
     "nsrm.v1.PlanRequest.49797f639851b5df"
     pub struct PlanRequest {
-        /// Who asks: a number that it has drawn at random.
+        /// Who asks: a number that no other has.
         pub asker: u64,
         /// Number of the request, the asker's own.
         pub sequence: u64,

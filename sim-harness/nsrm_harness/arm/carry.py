@@ -98,7 +98,7 @@ class Planner:
                 Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first", tuple(on_it)
             )
         if why := why_not_held(block):
-            raise RefusedError(Why.OUT_OF_REACH, f"the hand can't hold {name}: {why}")
+            raise RefusedError(Why.NO_GRASP, f"the hand can't hold {name}: {why}")
         try:
             put = placement(goal, block, others)
         except RefusedError as refusal:

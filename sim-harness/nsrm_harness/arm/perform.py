@@ -5,14 +5,14 @@ held otherwise is set down on the way."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.clear import Aside, clearing
 from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
-from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.stop import Stop, unstopped
 from nsrm_harness.arm.stopover import stopover
 from nsrm_harness.errors import HarnessError
@@ -30,17 +30,24 @@ SHIFTED_M = 0.003
 
 Look = Callable[[], Mapping[str, Cuboid]]
 """Takes a picture; gives all that is believed to stand there, by name."""
+Tell = Callable[[Sequence[str]], object]
+"""Is told the names of what is carried first, before it is: see `Performed.cleared`."""
+
+
+def untold(names: Sequence[str]) -> None:
+    """Tells nobody."""
 
 
 class FailedError(HarnessError):
     """Something has moved, but not as it was to; the arm is at rest in its ready pose.
 
     * `done`: how the last carrying ended; None if nothing more can be done as it looks now
+    * `why`: why it can't, then
     """
 
-    def __init__(self, message: str, done: Done | None = None) -> None:
+    def __init__(self, message: str, done: Done | None = None, why: Why | None = None) -> None:
         super().__init__(message)
-        self.done = done
+        self.done, self.why = done, why
 
 
 @dataclass(frozen=True)
@@ -108,6 +115,7 @@ def perform(
     keep: Collection[str] = (),
     tries: int = MAX_TRIES,
     stop: Stop = unstopped,
+    tell: Tell = untold,
 ) -> Performed:
     """Carries a block to its sub-goal; what only stands too near is moved aside first, or the block
     itself is set down on the way.
@@ -118,7 +126,7 @@ def perform(
     Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
     `FailedError` if it was tried and is not done; `StuckError` and `StoppedError` as `carry_out`.
     """
-    hands = _Hands(body, planner, look, mark, tries, stop)
+    hands = _Hands(body, planner, look, mark, tries, stop, tell)
 
     def before(objects: Mapping[str, Cuboid], refusal: RefusedError) -> tuple[Aside, ...]:
         begin = body.joints()
@@ -147,6 +155,7 @@ class _Hands:
     mark: Mark
     tries: int
     stop: Stop
+    tell: Tell
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, before: Before = _nothing
@@ -166,7 +175,7 @@ class _Hands:
                     raise
                 if not asides:
                     why = f"{name}: {done.value} at try {number - 1}, and now {refusal}"
-                    raise FailedError(_after(name, cleared, why)) from None
+                    raise FailedError(_after(name, cleared, why), why=refusal.why) from None
                 cleared += asides
                 first += self._clear(objects, name, asides)
                 objects = self.look()
@@ -202,6 +211,7 @@ class _Hands:
         self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Aside, ...]
     ) -> list[Performed]:
         """Carries away what stands in the way of a block. Raises `FailedError`."""
+        self.tell([blocker for blocker, _ in asides])
         self.mark("clearing")
         done = []
         for blocker, place in asides:
@@ -214,7 +224,7 @@ class _Hands:
                     else f"{blocker} stands in the way of {name} and was to be moved aside first"
                 )
                 last = error.done if isinstance(error, FailedError) else None
-                raise FailedError(f"{what}: {error}", last) from None
+                raise FailedError(f"{what}: {error}", last, error.why) from None
             objects = self.look()
         self.mark("cleared")
         return done
@@ -226,7 +236,7 @@ class _Hands:
         try:
             return self.planner.carry(objects, name, goal, self.body.joints())
         except RefusedError as refusal:
-            raise FailedError(_after(name, cleared, str(refusal))) from None
+            raise FailedError(_after(name, cleared, str(refusal)), why=refusal.why) from None
 
 
 def seen_turned_rad(seen: Cuboid, put: Cuboid) -> float:

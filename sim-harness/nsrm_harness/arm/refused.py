@@ -12,6 +12,7 @@ class Why(Enum):
 
     UNSEEN = "unseen"
     COVERED = "covered"
+    NO_GRASP = "no grasp"
     NO_SUPPORT = "no support"
     UNSTABLE = "unstable"
     NO_ROOM = "no room"

@@ -18,7 +18,7 @@ UNIT_TOLERANCE = 1e-3
 
 
 class Answer(NamedTuple):
-    """How a command goes; `objects`: what stood in its way."""
+    """How a command goes; `objects`: what stands in its way, or is moved out of it."""
 
     outcome: Outcome
     objects: tuple[int, ...] = ()
@@ -28,7 +28,9 @@ Say = Callable[[int, int, Answer], None]
 """Plan, command and how it goes."""
 Reject = Callable[[str, str], None]
 """Service and why what came through it is passed over."""
-Mover = Callable[[SubGoal], Answer]
+Tell = Callable[[Answer], None]
+"""Is told what goes on before the end."""
+Mover = Callable[[SubGoal, Tell], Answer]
 """Moves the object of a command to where it says."""
 
 
@@ -115,7 +117,7 @@ class Controller:
         elif command.kind == MOVE:
             self._say(plan, number, Answer(Outcome.ACCEPTED))
             self._current = plan, number
-            answer = self._mover(command)
+            answer = self._mover(command, lambda answer: self._say(plan, number, answer))
             self._current = None
         self._last = _Done(plan, number, answer)
         self._say(plan, number, answer)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Done, StuckError, go_back
 from nsrm_harness.arm.perform import FailedError, perform
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.stop import StoppedError, WayBack
+from nsrm_harness.looking import look_patiently
 from nsrm_harness.messages import Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.robot.controller import Answer
+from nsrm_harness.robot.controller import Answer, Tell
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.pose import Pose, Vector3
 from nsrm_harness.world.world import World
@@ -27,7 +28,6 @@ TICKS = 20
 _LOG = logging.getLogger(__name__)
 
 FAILURES = {
-    None: Outcome.NO_PATH,
     Done.PLACED: Outcome.MISPLACED,
     Done.NOT_GRASPED: Outcome.NOT_GRASPED,
     Done.SLIPPED: Outcome.DROPPED,
@@ -37,14 +37,15 @@ FAILURES = {
 go."""
 REFUSALS = {
     Why.UNSEEN: Outcome.IMPOSSIBLE,
-    Why.COVERED: Outcome.NO_PATH,
+    Why.COVERED: Outcome.COVERED,
+    Why.NO_GRASP: Outcome.CANNOT_HOLD,
     Why.NO_SUPPORT: Outcome.WOULD_FALL,
     Why.UNSTABLE: Outcome.WOULD_FALL,
     Why.NO_ROOM: Outcome.NO_PATH,
     Why.OUT_OF_REACH: Outcome.OUT_OF_REACH,
     Why.NO_WAY: Outcome.NO_PATH,
 }
-"""And of one that was not begun."""
+"""And of one that was not begun, or not begun again."""
 
 
 class SetsDown:
@@ -56,8 +57,8 @@ class SetsDown:
     def __init__(self, world: World, seen: Callable[[int], Vector3 | None]) -> None:
         self._world, self._seen = world, seen
 
-    def __call__(self, command: SubGoal) -> Answer:
-        """Moves an object."""
+    def __call__(self, command: SubGoal, tell: Tell) -> Answer:
+        """Moves an object; what it does besides, `tell` is told."""
         seen, goal = self._seen(command.object_id), goal_of(command)
         if seen is None:
             return Answer(Outcome.IMPOSSIBLE)
@@ -75,7 +76,8 @@ class Carries:
     """The arm carries a block from where it is seen to its sub-goal, once; what only stands too
     near is moved aside first.
 
-    * `look`: takes a picture; gives all that is believed to stand there, by number
+    * `look`: takes a picture; gives all that is believed to stand there, by number. Raises
+      `PerceptionError` where nothing can be seen on it, and is waited for then
     * `alive`: is called every few milliseconds while it plans and moves
     * `stop`: whether it is to stop, asked as often
     """
@@ -95,34 +97,43 @@ class Carries:
         self._plan, self._meant = 0, set[int]()
         world.on_tick = self._tick
 
-    def __call__(self, command: SubGoal) -> Answer:
-        """Moves an object."""
+    def __call__(self, command: SubGoal, tell: Tell) -> Answer:
+        """Moves an object; what is moved out of its way first, `tell` is told."""
         self.tidy_up()
         if self._stuck:
             _LOG.error("not begun: %s; look at the arm and start its controller anew", self._stuck)
-            return Answer(Outcome.STOPPED)
+            return Answer(Outcome.NOT_FOLLOWING)
         if command.plan != self._plan:
             self._plan, self._meant = command.plan, set()
         # What this plan has moved, or put something beside, stays where it is.
         self._meant |= {command.object_id, command.reference_id}
         self._stop = False
+
+        def clearing(names: Sequence[str]) -> None:
+            _LOG.info("first carried: %s", " and ".join(names))
+            tell(Answer(Outcome.CLEARING, tuple(map(_number, names))))
+
         try:
             performed = perform(
                 self._world,
                 self._planner,
-                lambda: {_name(number): cuboid for number, cuboid in self._look().items()},
+                self._seen,
                 _name(command.object_id),
                 goal_of(command),
                 keep={_name(number) for number in self._meant},
                 # Whether and how it is tried again is for who sends the commands.
                 tries=1,
                 stop=lambda: self._stop,
+                tell=clearing,
             )
         except RefusedError as refusal:
             _LOG.warning("not begun: %s", refusal)
             return Answer(REFUSALS[refusal.why], tuple(map(_number, refusal.in_the_way)))
         except FailedError as failure:
             _LOG.warning("%s", failure)
+            if failure.done is None:
+                # One that is not tried again has no other end without a reason.
+                return Answer(REFUSALS[failure.why or Why.UNSEEN])
             return Answer(FAILURES[failure.done])
         except _StoppedPlanningError:
             return Answer(Outcome.STOPPED)
@@ -133,9 +144,14 @@ class Carries:
         except StuckError as error:
             _LOG.error("%s", error)
             self._stuck = str(error)
-            return Answer(Outcome.STOPPED)
+            return Answer(Outcome.NOT_FOLLOWING)
         _LOG.info("%s", performed)
         return Answer(Outcome.REACHED)
+
+    def _seen(self) -> Mapping[str, Cuboid]:
+        """All that is believed to stand there, by name."""
+        seen = look_patiently(self._world, self._look, lambda: self._world.time_s)
+        return {_name(number): cuboid for number, cuboid in seen.items()}
 
     def tidy_up(self) -> None:
         """After a stop that has been answered: puts what it holds down where it was taken, and

@@ -122,6 +122,7 @@ fn event_text(said: &Reply<'_>) -> Option<String> {
             1000.0 * off_m
         ),
         Reply::Reached { step, .. } => format!("step {}: done, says the controller", step + 1),
+        Reply::Clearing { step, message } => format!("step {}: {message}", step + 1),
         Reply::Again { message, .. } => format!("{message}; trying again"),
         Reply::Done => "done".into(),
         Reply::Planned { .. } | Reply::Commanded { .. } | Reply::Failed { .. } => return None,
@@ -174,6 +175,9 @@ fn event_json(model: &Model<'_>, reply: &PlanReply, said: &Reply<'_>) -> Value {
             "step": step,
             "off_m": off_m.is_finite().then(|| json::decimal(*off_m)),
         }),
+        Reply::Clearing { step, message } => {
+            json!({"event": "clearing", "step": step, "message": message})
+        }
         Reply::Again {
             step,
             reason,

@@ -162,6 +162,7 @@ fn reply_text(reply: &PlanReply) -> String {
         Ok(Reply::Planned { steps, .. }) => format!("understood, {} steps", steps.len()),
         Ok(Reply::Commanded { step }) => format!("step {}: on its way", step + 1),
         Ok(Reply::Reached { step, .. }) => format!("step {}: done", step + 1),
+        Ok(Reply::Clearing { step, message }) => format!("step {}: {message}", step + 1),
         Ok(Reply::Again { message, .. }) => format!("{message}; trying again"),
         Ok(Reply::Done) => "done".into(),
         Ok(Reply::Failed { reason, message }) => format!("{reason}: {message}"),

@@ -183,7 +183,7 @@ pub fn plan_reply(bytes: &[u8]) {
                 }
             }
         }
-        Reply::Commanded { step } | Reply::Reached { step, .. } => {
+        Reply::Commanded { step } | Reply::Reached { step, .. } | Reply::Clearing { step, .. } => {
             assert!(step < MAX_STEPS as u32);
         }
         Reply::Again { reason, .. } | Reply::Failed { reason, .. } => {

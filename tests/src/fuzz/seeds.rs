@@ -181,6 +181,11 @@ fn events() -> Vec<Event> {
         .collect();
     let mut events = vec![
         Event::Planned(plan),
+        Event::Clearing {
+            step,
+            object,
+            first: [3, 0],
+        },
         Event::Reached { step, off_m: 0.002 },
         Event::Again {
             step,

@@ -11,7 +11,7 @@ use nsrm_ipc::message::{Outcome, SceneMessage};
 use nsrm_tests::by_hand::{Parts, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
-use crate::world::{MS, World, unsuccessful};
+use crate::world::{IN_THE_WAY, MS, World, unsuccessful};
 
 #[test]
 fn a_sentence_is_done_step_by_step_each_in_the_scene_after_the_one_before() {
@@ -146,13 +146,17 @@ fn what_went_wrong_is_tried_again_a_bounded_number_of_times() {
     let why = unsuccessful(0, Outcome::NoPath).to_string();
     assert_eq!(
         why,
-        "step 1: there is no way there without a collision: object 3 is in the way"
+        "step 1: there is no way there without a collision: object 3 is in the way; make room, \
+         and ask again"
     );
     // That can't get better by itself.
     for outcome in [
         Outcome::NoPath,
         Outcome::WouldFall,
         Outcome::OutOfReach,
+        Outcome::NotFollowing,
+        Outcome::Covered,
+        Outcome::CannotHold,
         Outcome::Stopped,
         Outcome::Busy,
         Outcome::Impossible,
@@ -181,6 +185,60 @@ fn a_step_that_is_seen_not_to_have_worked_is_done_again() {
     assert_eq!(result, Ok(()));
     assert_eq!(world.log[2], "again 0: not_there");
     assert_eq!(world.commands.len(), 2);
+}
+
+/// The blue block is pushed while the red one is carried to where it was.
+#[test]
+fn a_step_whose_reference_has_moved_meanwhile_is_done_again() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let result = world.run_with(|world, command| {
+        if command.id.command == 1 {
+            let reference = command.planned.reference.object;
+            let objects = &mut world.scene.objects;
+            let pushed = objects.iter_mut().find(|it| it.id == reference);
+            let location = &mut pushed.expect("it is seen").location;
+            location[0] += 0.05;
+            location[2] += 0.05;
+        }
+    });
+    assert_eq!(result, Ok(()));
+    assert_eq!(world.log[2], "again 0: not_there");
+    let [first, second] = &world.commands[..] else {
+        panic!("{:?}", world.log);
+    };
+    let [was, is] = [first, second].map(|it| it.planned.sub_goal.pose.translation.vector);
+    assert!((is - was).norm() > 0.02, "{was} {is}");
+}
+
+#[test]
+fn what_is_moved_first_is_told_and_changes_nothing_else() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    world.ask("put the red block on the blue block", Mode::ClosedLoop);
+    let command = world.until_command();
+    world.say(&command, Outcome::Clearing);
+    let event = world.executive.poll(world.now_ns);
+    let object = command.planned.object.object;
+    let first = IN_THE_WAY;
+    let told = Event::Clearing {
+        step: 0,
+        object,
+        first,
+    };
+    assert_eq!(event, told);
+    // It is as good as accepted, and told once.
+    world.now_ns += 2 * Limits::default().accept_wait_ns;
+    assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
+    world.carry_out(&command);
+    world.say(&command, Outcome::Reached);
+    assert_eq!(world.run(), Ok(()));
+    // After its end it means nothing.
+    world.say(&command, Outcome::Clearing);
+    assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
 }
 
 /// The red block falls as the green one is put onto it: both are put back.

@@ -11,7 +11,7 @@ use nsrm_tests::world::BLOCKS;
 pub(crate) const MS: u64 = 1_000_000;
 
 /// What the controller says of every command, whatever its outcome.
-const IN_THE_WAY: [u32; 2] = [3, 0];
+pub(crate) const IN_THE_WAY: [u32; 2] = [3, 0];
 
 /// What a sentence fails with then.
 pub(crate) const fn unsuccessful(step: u8, outcome: Outcome) -> Failure {
@@ -122,6 +122,7 @@ impl<'m> World<'m> {
                     self.say(&command, outcome);
                 }
                 Event::Stop(id) => self.log.push(format!("stop {}", id.command)),
+                Event::Clearing { step, .. } => self.log.push(format!("clearing {step}")),
                 Event::Reached { step, .. } => self.log.push(format!("reached {step}")),
                 Event::Again { step, why } => {
                     self.log.push(format!("again {step}: {}", why.kind()));

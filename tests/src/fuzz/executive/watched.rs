@@ -70,10 +70,10 @@ impl Watched {
         if !self.last.is_some_and(|(last, _)| last.id == report.id) {
             return;
         }
-        if report.outcome == Outcome::Accepted {
-            self.accepted_ns.get_or_insert(now_ns);
-        } else {
+        if report.outcome.is_end() {
             self.ended.get_or_insert(report.outcome);
+        } else {
+            self.accepted_ns.get_or_insert(now_ns);
         }
     }
 
@@ -102,6 +102,15 @@ impl Watched {
             }
             Event::Command(command) => self.command(command, now.limits, now.now_ns),
             &Event::Stop(id) => self.stop(id),
+            &Event::Clearing { step, object, .. } => {
+                // Of what it is at, and not before it was told to the loop.
+                let (command, _) = self.last.expect("something is carried out");
+                assert_eq!(
+                    (command.step, command.planned.object.object),
+                    (step, object)
+                );
+                assert!(self.accepted_ns.is_some() && !self.is_stopping, "{self:?}");
+            }
             &Event::Reached { step, off_m } => {
                 if self.mode == Mode::ClosedLoop {
                     let tolerance_m = now.limits.tolerance_m;
@@ -147,6 +156,13 @@ impl Watched {
                 grounded == plan.steps().len() && steps.len() == plan.program().steps().len()
             }
             (Event::Command(command), Reply::Commanded { step }) => step == u32::from(command.step),
+            (
+                Event::Clearing { step, .. },
+                Reply::Clearing {
+                    step: said,
+                    message,
+                },
+            ) => said == u32::from(*step) && !message.is_empty(),
             (Event::Reached { step, .. }, Reply::Reached { step: said, .. }) => {
                 said == u32::from(*step)
             }
