@@ -1,13 +1,14 @@
 //! One sentence on its way: from its words to its last step.
 
 use nsrm_core::language::{Parsed, ParsingTask};
-use nsrm_core::planner::GroundingTask;
 use nsrm_core::scene::Scene;
-use nsrm_core::{MAX_STEPS, Plan, Planner, Progress, Refusal};
+use nsrm_core::{Plan, Planner, Progress, Refusal};
 
 use super::failure::Failure;
 use super::limits::Limits;
 use super::looking::{AHEAD_NS, Looking, too_old};
+use super::placed::{Placed, Placements, Seen, position};
+use super::stage::{Heard, Purpose, Stage};
 use super::{Command, CommandId, Event, Mode, Sentence};
 use crate::message::{Outcome, Report};
 
@@ -27,85 +28,10 @@ pub(super) struct Job<'m> {
     reference_at: Option<[f32; 3]>,
     /// What is moved first for the command that is carried out, until it is told.
     clearing: Option<[u32; 2]>,
-    /// What each step so far has put where, as long as no other took it elsewhere.
-    placed: [Option<Placed>; MAX_STEPS],
+    placed: Placements,
     /// Why it is to end, whatever it is at.
     end: Option<Failure>,
     stage: Stage<'m>,
-}
-
-/// An object where a step has put it.
-#[derive(Debug, Clone, Copy)]
-struct Placed {
-    object: u32,
-    position: [f32; 3],
-    /// What that is beside or on, and where it was then; unless it was moved since by a step.
-    reference: Option<(u32, [f32; 3])>,
-}
-
-/// What comes next.
-#[derive(Debug)]
-// A job has one stage, and there is one job.
-#[allow(clippy::large_enum_variant)]
-enum Stage<'m> {
-    Parse(ParsingTask<'m, Sentence>),
-    /// A scene seen later than this is waited for.
-    Look {
-        after_ns: u64,
-        since_ns: u64,
-        purpose: Purpose,
-    },
-    Ground {
-        task: GroundingTask<'m, Scene, Parsed>,
-        taken_ns: u64,
-        since_ns: u64,
-    },
-    /// The next step of the plan is commanded.
-    Send {
-        /// When the scene was seen in which it was grounded, and since when one is waited for;
-        /// nobody looks with the loop open.
-        seen: Option<(u64, u64)>,
-    },
-    /// Its outcome is waited for.
-    Commanded {
-        command: Command,
-        sent_ns: u64,
-        /// When it was sent, or accepted.
-        since_ns: u64,
-        heard: Heard,
-    },
-    /// A stop was sent; then the sentence ends so.
-    Stopping {
-        id: CommandId,
-        since_ns: u64,
-        confirmed: bool,
-        /// Whether it is known meanwhile that it was begun.
-        begun: bool,
-        why: Failure,
-    },
-    Finished,
-}
-
-/// What a scene is waited for.
-#[derive(Debug, Clone, Copy)]
-enum Purpose {
-    /// To ground what is left.
-    Ground,
-    /// To see whether the steps so far did what they should; one of their objects
-    /// may have been missing in the scenes so far.
-    Verify { missing: Option<(u8, u32)> },
-}
-
-/// What was heard of a command.
-#[derive(Debug, Clone, Copy)]
-enum Heard {
-    Nothing,
-    Accepted,
-    Ended(Report),
-    /// No more of it: the controller died.
-    Lost,
-    /// It never got there.
-    Undelivered,
 }
 
 impl<'m> Job<'m> {
@@ -121,7 +47,7 @@ impl<'m> Job<'m> {
             commands: 0,
             reference_at: None,
             clearing: None,
-            placed: [None; MAX_STEPS],
+            placed: Placements::default(),
             end: None,
             stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
         }
@@ -266,9 +192,9 @@ impl<'m> Job<'m> {
                     return Ok(Event::Working);
                 };
                 self.plan = plan.map_err(Failure::Refused)?;
-                let scene = task.scene();
+                let (map, scene) = (self.planner.model().camera, task.scene());
                 let reference = self.plan.steps().first().map(|next| next.reference.object);
-                self.reference_at = reference.and_then(|it| position(&self.planner, scene, it));
+                self.reference_at = reference.and_then(|it| position(map, scene, it));
                 if too_old(taken_ns, limits, now_ns).is_some() {
                     // By now: grounding took its time.
                     self.look(taken_ns, since_ns, Purpose::Ground);
@@ -427,13 +353,13 @@ impl<'m> Job<'m> {
             return Ok(event);
         }
         let sub_goal = &command.planned.sub_goal;
-        self.place(Placed {
+        let reference = command.planned.reference.object;
+        let placed = Placed {
             object: sub_goal.object,
             position: sub_goal.pose.translation.vector.into(),
-            reference: self
-                .reference_at
-                .map(|at| (command.planned.reference.object, at)),
-        });
+            reference: self.reference_at.map(|at| (reference, at)),
+        };
+        self.placed.put(self.step, placed);
         if self.mode == Mode::OpenLoop {
             self.advance_step(Stage::Send { seen: None });
             let off_m = f32::NAN;
@@ -443,26 +369,8 @@ impl<'m> Job<'m> {
         Ok(Event::Working)
     }
 
-    /// This step has put an object somewhere: no longer where others had put it, or beside
-    /// or on which they had put theirs.
-    fn place(&mut self, placed: Placed) {
-        for other in &mut self.placed {
-            if other.is_some_and(|other| other.object == placed.object) {
-                *other = None;
-            }
-            if let Some(other) = other
-                && other.reference.is_some_and(|(id, _)| id == placed.object)
-            {
-                other.reference = None;
-            }
-        }
-        if let Some(place) = self.placed.get_mut(self.step) {
-            *place = Some(placed);
-        }
-    }
-
-    /// Whether all that was put somewhere is seen there, and what it was put beside or on
-    /// where that was; if not, goes back to the first step for which that isn't so.
+    /// Whether the steps so far have done what they should; if not, goes back to the first
+    /// for which that isn't so.
     fn verify(
         &mut self,
         scene: &Scene,
@@ -470,64 +378,42 @@ impl<'m> Job<'m> {
         since_ns: u64,
         limits: &Limits,
     ) -> Result<Event, Failure> {
-        let mut off_m = 0.0;
-        for (step, placed) in (0..).zip(self.placed) {
-            let Some(Placed {
-                object,
-                position,
-                reference,
-            }) = placed
-            else {
-                continue;
-            };
-            let Some(object_off_m) = self.distance_m(scene, object, &position) else {
+        let map = self.planner.model().camera;
+        match self.placed.look(map, scene, limits.tolerance_m) {
+            Seen::Missing { step, object } => {
                 // An arm may hide it for a while.
                 let missing = Some((step, object));
                 let taken_ns = scene.header().timestamp_ns;
                 self.look(taken_ns, since_ns, Purpose::Verify { missing });
-                return Ok(Event::Working);
-            };
-            // One that is hidden by what was put onto it has not been seen to move.
-            let reference_off = reference
-                .and_then(|(id, at)| Some((id, self.distance_m(scene, id, &at)?)))
-                .filter(|(_, off_m)| *off_m > limits.tolerance_m);
-            // Neither is one that is not a number.
-            let is_there = object_off_m <= limits.tolerance_m;
-            if !is_there || reference_off.is_some() {
-                let (object, off_m) = match reference_off {
-                    Some(off) if is_there => off,
-                    _ => (object, object_off_m),
-                };
+                Ok(Event::Working)
+            }
+            Seen::Elsewhere {
+                step,
+                object,
+                off_m,
+            } => {
                 let failure = Failure::NotThere {
                     step,
                     object,
                     off_m,
                 };
                 let event = self.again(failure, limits)?;
-                for later in self.placed.iter_mut().skip(usize::from(step)) {
-                    *later = None;
-                }
-                self.step = usize::from(step);
+                self.placed.forget_from(step);
+                self.step = step.into();
                 self.look(after_ns, since_ns, Purpose::Ground);
-                return Ok(event);
+                Ok(event)
             }
-            off_m = object_off_m;
+            Seen::There { off_m } => {
+                // At most MAX_STEPS.
+                let step = self.step as u8;
+                self.advance_step(Stage::Look {
+                    after_ns,
+                    since_ns,
+                    purpose: Purpose::Ground,
+                });
+                Ok(Event::Reached { step, off_m })
+            }
         }
-        // At most MAX_STEPS.
-        let step = self.step as u8;
-        self.advance_step(Stage::Look {
-            after_ns,
-            since_ns,
-            purpose: Purpose::Ground,
-        });
-        Ok(Event::Reached { step, off_m })
-    }
-
-    /// How far an object is seen from a position; `None` if it isn't seen.
-    fn distance_m(&self, scene: &Scene, object: u32, from: &[f32; 3]) -> Option<f32> {
-        let seen = position(&self.planner, scene, object)?;
-        let offsets = seen.iter().zip(from).map(|(a, b)| a - b);
-        Some(offsets.map(|offset| offset * offset).sum::<f32>().sqrt())
     }
 
     /// The step is done; this comes next, unless it was the last.
@@ -570,13 +456,4 @@ impl<'m> Job<'m> {
         };
         Ok(Event::Stop(id))
     }
-}
-
-/// Where an object's centre is seen, world frame, metres; `None` if it isn't seen.
-fn position(planner: &Planner<'_>, scene: &Scene, object: u32) -> Option<[f32; 3]> {
-    let seen = scene.objects().iter().find(|seen| seen.id == object)?;
-    let centre = scene
-        .camera()
-        .locate(planner.model().camera, &seen.location);
-    Some(centre.coords.into())
 }

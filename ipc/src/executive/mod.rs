@@ -10,6 +10,8 @@ mod failure;
 mod job;
 mod limits;
 mod looking;
+mod placed;
+mod stage;
 
 pub use failure::{Failure, SceneFault};
 pub use limits::{Limits, LimitsError};

@@ -9,6 +9,7 @@ mod number;
 mod plan_reply;
 mod plan_request;
 mod scene;
+mod step;
 mod sub_goal;
 mod text;
 
@@ -17,8 +18,9 @@ pub use feedback::{Feedback, FeedbackError, Outcome, Report};
 pub use heartbeat::{Heartbeat, HeartbeatError, Role, State};
 pub use layout::{Element, Field, Message, Type};
 pub use plan_reply::{
-    MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, REASONS, Reply, ReplyTo, Status, StepMessage,
+    MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, REASONS, Reply, ReplyTo, Status,
 };
 pub use plan_request::{Asked, PlanRequest, PlanRequestError};
 pub use scene::{CameraMessage, ObjectMessage, SceneMessage};
+pub use step::StepMessage;
 pub use sub_goal::{Order, SubGoal, SubGoalError};

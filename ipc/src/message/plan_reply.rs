@@ -4,53 +4,15 @@
 use core::fmt;
 
 use iceoryx2::prelude::ZeroCopySend;
-use nsrm_core::dsl::Description;
-use nsrm_core::planner::PlannedStep;
-use nsrm_core::{MAX_FILTERS, MAX_STEPS, Model, Plan};
+use nsrm_core::{MAX_STEPS, Model, Plan};
 
 use super::layout::message;
-use super::number::{all_finite, is_unit};
+use super::step::StepMessage;
 use super::text::{self, Clamped};
 use crate::executive::{Event, Failure};
 
 /// Bytes of a message for a person; a longer one is cut.
 pub const MAX_MESSAGE_BYTES: usize = 1024;
-
-message! {
-    /// A step as understood and, where it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.9da5fff08c49f54d"
-    pub struct StepMessage {
-        /// Index of the action in the model.
-        pub action: u32,
-        /// How many concepts describe the object to be moved.
-        pub object_count: u32,
-        /// Those concepts, by their index in the model; 0 behind the last.
-        pub object: [u8; MAX_FILTERS],
-        /// How many concepts describe the reference.
-        pub reference_count: u32,
-        /// Those concepts.
-        pub reference: [u8; MAX_FILTERS],
-        /// Id of the object to be moved; 0 where the step is not grounded, and
-        /// then all below is 0.
-        pub object_id: u32,
-        /// Id of the reference.
-        pub reference_id: u32,
-        /// How well the object fits its description, a cosine.
-        pub object_score: f32,
-        /// How well the reference fits.
-        pub reference_score: f32,
-        /// Probability of each choice: split, action, words of the object, words
-        /// of the reference, object, reference.
-        pub confidence: [f32; 6],
-        /// Where the object's centre is to be: world frame, metres.
-        pub position: [f32; 3],
-        /// How it is to be turned, world frame: x, y, z, w.
-        pub orientation: [f32; 4],
-        /// Where the camera will see it, as predicted: x1, y1, x2, y2 as
-        /// fractions of the image, mean depth in metres.
-        pub location: [f32; 5],
-    }
-}
 
 message! {
     /// What has become of a `PlanRequest`.
@@ -335,9 +297,7 @@ impl PlanReply {
         }
         .saying(plan.program().notation(model));
         for (place, step) in reply.steps.iter_mut().zip(program) {
-            place.action = step.action.into();
-            (place.object_count, place.object) = concepts(&step.object);
-            (place.reference_count, place.reference) = concepts(&step.reference);
+            *place = StepMessage::understood(step);
         }
         let left = reply.steps.iter_mut().skip(plan.first());
         for (place, planned) in left.zip(plan.steps()) {
@@ -452,168 +412,5 @@ impl fmt::Display for MovedFirst {
     }
 }
 
-/// How many concepts a description has, and which.
-fn concepts(description: &Description) -> (u32, [u8; MAX_FILTERS]) {
-    let mut places = [0; MAX_FILTERS];
-    for (place, &concept) in places.iter_mut().zip(description.concepts()) {
-        *place = concept;
-    }
-    // At most MAX_FILTERS.
-    (description.concepts().len() as u32, places)
-}
-
-impl StepMessage {
-    const EMPTY: Self = Self {
-        action: 0,
-        object_count: 0,
-        object: [0; MAX_FILTERS],
-        reference_count: 0,
-        reference: [0; MAX_FILTERS],
-        object_id: 0,
-        reference_id: 0,
-        object_score: 0.0,
-        reference_score: 0.0,
-        confidence: [0.0; 6],
-        position: [0.0; 3],
-        orientation: [0.0; 4],
-        location: [0.0; 5],
-    };
-
-    fn ground(&mut self, planned: &PlannedStep) {
-        let (object, reference) = (&planned.object, &planned.reference);
-        let confidence = &planned.confidence;
-        let pose = &planned.sub_goal.pose;
-        self.object_id = object.object;
-        self.reference_id = reference.object;
-        self.object_score = object.score;
-        self.reference_score = reference.score;
-        self.confidence = [
-            confidence.split,
-            confidence.action,
-            confidence.object,
-            confidence.reference,
-            confidence.object_unique,
-            confidence.reference_unique,
-        ];
-        self.position = pose.translation.vector.into();
-        self.orientation = pose.rotation.coords.into();
-        self.location = planned.location;
-    }
-
-    /// Whether it is still to be done.
-    pub const fn is_grounded(&self) -> bool {
-        self.object_id != 0
-    }
-
-    fn makes_sense(&self) -> bool {
-        let counts = [self.object_count, self.reference_count];
-        let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32);
-        let numbers: [&[f32]; 4] = [
-            &self.position,
-            &self.location,
-            &self.confidence,
-            &[self.object_score, self.reference_score],
-        ];
-        let finite = numbers.into_iter().all(all_finite);
-        described && finite && (!self.is_grounded() || is_unit(&self.orientation))
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use nsrm_core::Refusal;
-
-    const TO: ReplyTo = ReplyTo {
-        asker: 1,
-        request: 7,
-        plan: 9,
-        number: 2,
-    };
-
-    #[test]
-    fn a_program_is_checked_step_by_step() {
-        let mut good = PlanReply::new(TO, Status::Planned).saying("Action(…)");
-        good.count = 2;
-        good.steps[1].object_id = 4;
-        good.steps[1].orientation = [0.0, 0.0, 0.6, 0.8];
-        let program = "Action(…)";
-        let steps = &good.steps[..2];
-        assert_eq!(good.read(), Ok(Reply::Planned { steps, program }));
-        assert_eq!(
-            [false, true],
-            [0, 1].map(|step: usize| steps[step].is_grounded())
-        );
-        for count in [0, 9, u32::MAX] {
-            let broken = PlanReply { count, ..good };
-            assert_eq!(broken.read(), Err(PlanReplyError::Count(count)));
-        }
-        type Break = fn(&mut StepMessage);
-        let cases: [Break; 5] = [
-            |step| step.position[0] = f32::NAN,
-            |step| step.confidence[5] = f32::INFINITY,
-            |step| step.object_score = f32::NAN,
-            |step| step.orientation[2] = 0.0,
-            |step| step.reference_count = 5,
-        ];
-        for break_it in cases {
-            let mut broken = good;
-            break_it(&mut broken.steps[1]);
-            assert_eq!(broken.read(), Err(PlanReplyError::Broken { step: 1 }));
-        }
-        let broken = PlanReply { status: 8, ..good };
-        assert_eq!(broken.read(), Err(PlanReplyError::Status(8)));
-        let broken = PlanReply { step: 8, ..good };
-        assert_eq!(broken.read(), Err(PlanReplyError::Step(8)));
-    }
-
-    #[test]
-    fn a_reason_is_named_and_its_text_checked() {
-        let refused = PlanReply::refused(TO, "busy", "wait");
-        let (reason, message) = ("busy", "wait");
-        assert_eq!(refused.read(), Ok(Reply::Failed { reason, message }));
-        for reason in [0, 1000, u32::MAX] {
-            let broken = PlanReply { reason, ..refused };
-            assert_eq!(broken.read(), Err(PlanReplyError::Reason(reason)));
-        }
-        let broken = PlanReply {
-            message_length: 2000,
-            ..refused
-        };
-        assert_eq!(broken.read(), Err(PlanReplyError::Text));
-    }
-
-    #[test]
-    fn every_failure_has_a_number() {
-        let step = 0;
-        let object = 1;
-        for why in [
-            Failure::Refused(Refusal::NoWords),
-            Failure::NoScene { last: None },
-            Failure::NotAccepted { step },
-            Failure::Unanswered { step },
-            Failure::NoOutcome { step },
-            Failure::ControllerLost { step },
-            Failure::Unsuccessful {
-                step,
-                outcome: crate::message::Outcome::NoPath,
-                objects: [0; 2],
-            },
-            Failure::NotThere {
-                step,
-                object,
-                off_m: 0.1,
-            },
-            Failure::NotSeen { step, object },
-            Failure::Cancelled,
-            Failure::CancelledUnconfirmed,
-            Failure::ClockSetBack,
-        ] {
-            assert!(REASONS.contains(&why.kind()), "{why:?}");
-        }
-        let mut reasons = REASONS.to_vec();
-        reasons.sort_unstable();
-        reasons.dedup();
-        assert_eq!(reasons.len(), REASONS.len());
-    }
-}
+mod tests;

@@ -1,0 +1,74 @@
+//! What a sentence on its way waits for.
+
+use nsrm_core::language::{Parsed, ParsingTask};
+use nsrm_core::planner::GroundingTask;
+use nsrm_core::scene::Scene;
+
+use super::failure::Failure;
+use super::{Command, CommandId, Sentence};
+use crate::message::Report;
+
+/// What comes next.
+#[derive(Debug)]
+// A job has one stage, and there is one job.
+#[allow(clippy::large_enum_variant)]
+pub(super) enum Stage<'m> {
+    Parse(ParsingTask<'m, Sentence>),
+    /// A scene seen later than this is waited for.
+    Look {
+        after_ns: u64,
+        since_ns: u64,
+        purpose: Purpose,
+    },
+    Ground {
+        task: GroundingTask<'m, Scene, Parsed>,
+        taken_ns: u64,
+        since_ns: u64,
+    },
+    /// The next step of the plan is commanded.
+    Send {
+        /// When the scene was seen in which it was grounded, and since when one is waited for;
+        /// nobody looks with the loop open.
+        seen: Option<(u64, u64)>,
+    },
+    /// Its outcome is waited for.
+    Commanded {
+        command: Command,
+        sent_ns: u64,
+        /// When it was sent, or accepted.
+        since_ns: u64,
+        heard: Heard,
+    },
+    /// A stop was sent; then the sentence ends so.
+    Stopping {
+        id: CommandId,
+        since_ns: u64,
+        confirmed: bool,
+        /// Whether it is known meanwhile that it was begun.
+        begun: bool,
+        why: Failure,
+    },
+    Finished,
+}
+
+/// What a scene is waited for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Purpose {
+    /// To ground what is left.
+    Ground,
+    /// To see whether the steps so far did what they should; one of their objects
+    /// may have been missing in the scenes so far.
+    Verify { missing: Option<(u8, u32)> },
+}
+
+/// What was heard of a command.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Heard {
+    Nothing,
+    Accepted,
+    Ended(Report),
+    /// No more of it: the controller died.
+    Lost,
+    /// It never got there.
+    Undelivered,
+}
