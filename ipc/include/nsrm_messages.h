@@ -150,9 +150,8 @@ typedef struct nsrm_plan_request {
     uint64_t asker;
     /** Number of the request, the asker's own. */
     uint64_t sequence;
-    /** How far it is to be followed: 1 to say what would be done, 2 to do it
-     *  and look after each step, 3 to do it without looking; 4 to cancel the
-     *  request of this number. */
+    /** How far it is to be followed, or that it no longer is: the number of a
+     *  `Purpose`. */
     uint32_t purpose;
     /** Bytes of the sentence; 0 to cancel. */
     uint32_t sentence_length;
@@ -281,7 +280,7 @@ typedef struct nsrm_sub_goal {
     uint64_t until_ns;
     /** Counts the plan's commands from 1; a stop has that of what it stops. */
     uint32_t command;
-    /** 1: bring the object there; 2: stop, and all below is 0. */
+    /** The number of a `Kind`; of a stop all below is 0. */
     uint32_t kind;
     /** Place in the plan, from 0. */
     uint32_t step;
@@ -371,5 +370,137 @@ NSRM_ASSERT(offsetof(nsrm_heartbeat, started_ns) == 16, "offset of started_ns");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, rejected) == 24, "offset of rejected");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, role) == 32, "offset of role");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, state) == 36, "offset of state");
+
+/** Numbers of `PlanRequest.purpose`. */
+enum nsrm_purpose {
+    NSRM_PURPOSE_PLAN_ONLY = 1,
+    NSRM_PURPOSE_CLOSED_LOOP = 2,
+    NSRM_PURPOSE_OPEN_LOOP = 3,
+    NSRM_PURPOSE_CANCEL = 4,
+};
+
+/** Numbers of `PlanReply.status`. */
+enum nsrm_status {
+    NSRM_STATUS_PLANNED = 1,
+    NSRM_STATUS_COMMANDED = 2,
+    NSRM_STATUS_REACHED = 3,
+    NSRM_STATUS_AGAIN = 4,
+    NSRM_STATUS_DONE = 5,
+    NSRM_STATUS_FAILED = 6,
+    NSRM_STATUS_CLEARING = 7,
+};
+
+/** Numbers of `SubGoal.kind`. */
+enum nsrm_kind {
+    NSRM_KIND_MOVE = 1,
+    NSRM_KIND_STOP = 2,
+};
+
+/** Numbers of `Feedback.outcome`. */
+enum nsrm_outcome {
+    NSRM_OUTCOME_ACCEPTED = 1,
+    NSRM_OUTCOME_REACHED = 2,
+    NSRM_OUTCOME_NO_PATH = 3,
+    NSRM_OUTCOME_NOT_GRASPED = 4,
+    NSRM_OUTCOME_DROPPED = 5,
+    NSRM_OUTCOME_MISPLACED = 6,
+    NSRM_OUTCOME_STOPPED = 7,
+    NSRM_OUTCOME_BUSY = 8,
+    NSRM_OUTCOME_IMPOSSIBLE = 9,
+    NSRM_OUTCOME_TOO_LATE = 10,
+    NSRM_OUTCOME_WOULD_FALL = 11,
+    NSRM_OUTCOME_OUT_OF_REACH = 12,
+    NSRM_OUTCOME_NOT_FOLLOWING = 13,
+    NSRM_OUTCOME_COVERED = 14,
+    NSRM_OUTCOME_CANNOT_HOLD = 15,
+    NSRM_OUTCOME_CLEARING = 16,
+};
+
+/** Numbers of `Heartbeat.role`. */
+enum nsrm_role {
+    NSRM_ROLE_CAMERA = 1,
+    NSRM_ROLE_PERCEPTION = 2,
+    NSRM_ROLE_PLANNER = 3,
+    NSRM_ROLE_CONTROLLER = 4,
+    NSRM_ROLE_ASKER = 5,
+    NSRM_ROLE_WATCHER = 6,
+};
+
+/** Numbers of `Heartbeat.state`. */
+enum nsrm_state {
+    NSRM_STATE_STARTING = 1,
+    NSRM_STATE_IDLE = 2,
+    NSRM_STATE_BUSY = 3,
+    NSRM_STATE_FAILED = 4,
+};
+
+/** Numbers of `PlanReply.reason`. */
+enum nsrm_reason {
+    NSRM_REASON_NO_WORDS = 1,
+    NSRM_REASON_UNKNOWN_WORD = 2,
+    NSRM_REASON_SENTENCE_TOO_LONG = 3,
+    NSRM_REASON_TOO_MANY_CONCEPTS = 4,
+    NSRM_REASON_TOO_MANY_STEPS = 5,
+    NSRM_REASON_TOO_MANY_REFERENCES = 6,
+    NSRM_REASON_INCOMPLETE_STEP = 7,
+    NSRM_REASON_SAME_REFERENCE = 8,
+    NSRM_REASON_UNSURE = 9,
+    NSRM_REASON_NO_SUCH_OBJECT = 10,
+    NSRM_REASON_AMBIGUOUS = 11,
+    NSRM_REASON_SAME_OBJECT = 12,
+    NSRM_REASON_NOT_FINITE = 13,
+    NSRM_REASON_OUTSIDE_WORK_SPACE = 14,
+    NSRM_REASON_OTHER_MODEL = 15,
+    NSRM_REASON_INVALID_MODEL = 16,
+    NSRM_REASON_NO_SCENE = 17,
+    NSRM_REASON_NOT_ACCEPTED = 18,
+    NSRM_REASON_NO_OUTCOME = 19,
+    NSRM_REASON_CONTROLLER_LOST = 20,
+    NSRM_REASON_UNSUCCESSFUL = 21,
+    NSRM_REASON_NOT_THERE = 22,
+    NSRM_REASON_NOT_SEEN = 23,
+    NSRM_REASON_CANCELLED = 24,
+    NSRM_REASON_CANCELLED_UNCONFIRMED = 25,
+    NSRM_REASON_BUSY = 26,
+    NSRM_REASON_BAD_REQUEST = 27,
+    NSRM_REASON_NO_SUCH_REQUEST = 28,
+    NSRM_REASON_STOPPING = 29,
+    NSRM_REASON_UNANSWERED = 30,
+    NSRM_REASON_CLOCK_SET_BACK = 31,
+};
+
+/* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and with what they are to be opened:
+ * messages that wait for a subscriber, and that one who comes late is given; whether the oldest
+ * makes room for a new one; how many may publish and subscribe. */
+#define NSRM_CAMERA_SERVICE "camera"
+#define NSRM_CAMERA_BUFFER 1
+#define NSRM_CAMERA_HISTORY 1
+#define NSRM_CAMERA_OVERFLOW 1
+#define NSRM_CAMERA_PUBLISHERS 1
+#define NSRM_CAMERA_SUBSCRIBERS 16
+#define NSRM_SCENE_SERVICE "scene"
+#define NSRM_SCENE_BUFFER 1
+#define NSRM_SCENE_HISTORY 1
+#define NSRM_SCENE_OVERFLOW 1
+#define NSRM_SCENE_PUBLISHERS 1
+#define NSRM_SCENE_SUBSCRIBERS 16
+#define NSRM_SUB_GOAL_SERVICE "sub_goal"
+#define NSRM_SUB_GOAL_BUFFER 8
+#define NSRM_SUB_GOAL_HISTORY 0
+#define NSRM_SUB_GOAL_OVERFLOW 0
+#define NSRM_SUB_GOAL_PUBLISHERS 1
+#define NSRM_SUB_GOAL_SUBSCRIBERS 1
+#define NSRM_FEEDBACK_SERVICE "feedback"
+#define NSRM_FEEDBACK_BUFFER 64
+#define NSRM_FEEDBACK_HISTORY 0
+#define NSRM_FEEDBACK_OVERFLOW 1
+#define NSRM_FEEDBACK_PUBLISHERS 1
+#define NSRM_FEEDBACK_SUBSCRIBERS 16
+#define NSRM_HEARTBEAT_SERVICE "heartbeat"
+#define NSRM_HEARTBEAT_BUFFER 16
+#define NSRM_HEARTBEAT_HISTORY 0
+#define NSRM_HEARTBEAT_OVERFLOW 1
+#define NSRM_HEARTBEAT_PUBLISHERS 16
+#define NSRM_HEARTBEAT_SUBSCRIBERS 16
 
 #endif /* NSRM_MESSAGES_H */

@@ -4,10 +4,12 @@
 
 use std::fmt::Write;
 
+use nsrm_core::MAX_STEPS;
+
 use crate::message::{
-    CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Message, ObjectMessage,
-    Outcome, PlanReply, PlanRequest, REASONS, Role, SceneMessage, State, StepMessage, SubGoal,
-    Type,
+    CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Kind, Message,
+    ObjectMessage, Outcome, PlanReply, PlanRequest, Purpose, REASONS, Role, SceneMessage, State,
+    Status, StepMessage, SubGoal, Type,
 };
 use crate::service::{CAMERA, CAMERA_QUALITY, Carried, FRAMES_AT_ONCE, ONLOOKERS, Quality, ROOM};
 
@@ -139,15 +141,10 @@ pub fn python() -> String {
 
 /// Numbers by name, and what the services promise.
 fn python_constants(module: &mut String) {
-    let enums = [
-        ("Outcome", numbers(&Outcome::ALL, |one| *one as u32)),
-        ("Role", numbers(&Role::ALL, |one| *one as u32)),
-        ("State", numbers(&State::ALL, |one| *one as u32)),
-    ];
-    for (name, members) in enums {
+    for Numbers { name, of, members } in numbers() {
         let _ = write!(
             module,
-            "\n\nclass {name}(IntEnum):\n    \"\"\"As in Rust.\"\"\"\n\n"
+            "\n\nclass {name}(IntEnum):\n    \"\"\"Numbers of `{of}`.\"\"\"\n\n"
         );
         for (member, number) in members {
             let _ = writeln!(module, "    {member} = {number}");
@@ -158,14 +155,7 @@ fn python_constants(module: &mut String) {
          promises.\"\"\"\n\n    buffer: int\n    history: int\n    overflow: bool\n    publishers: \
          int\n    subscribers: int\n\n\nQUALITIES = {\n",
     );
-    let qualities = [
-        (CAMERA, CAMERA_QUALITY),
-        (SceneMessage::SERVICE, SceneMessage::QUALITY),
-        (SubGoal::SERVICE, SubGoal::QUALITY),
-        (Feedback::SERVICE, Feedback::QUALITY),
-        (Heartbeat::SERVICE, Heartbeat::QUALITY),
-    ];
-    for (service, quality) in qualities {
+    for (service, quality) in QUALITIES {
         let Quality {
             buffer,
             history,
@@ -185,14 +175,71 @@ fn python_constants(module: &mut String) {
         "}}\n\"\"\"By the end of the service's name.\"\"\"\nONLOOKERS = {ONLOOKERS}\n\"\"\"How many \
          may look on, beside those that a robot needs.\"\"\"\nROOM = {ROOM}\n\"\"\"Bytes of shared \
          memory that must be left for a process to begin.\"\"\"\nFRAMES_AT_ONCE = \
-         {FRAMES_AT_ONCE}\n\"\"\"Frames that have memory at once with one reader.\"\"\"\n"
+         {FRAMES_AT_ONCE}\n\"\"\"Frames that have memory at once with one reader.\"\"\"\nMAX_STEPS = \
+         {MAX_STEPS}\n\"\"\"A plan has no more steps.\"\"\"\n"
     );
 }
 
-/// Names as Python's constants have them, and their numbers.
-fn numbers<T: core::fmt::Debug>(all: &[T], number: impl Fn(&T) -> u32) -> Vec<(String, u32)> {
-    let name = |one: &T| snake(&format!("{one:?}")).to_uppercase();
-    all.iter().map(|one| (name(one), number(one))).collect()
+/// What the publish-subscribe services promise that a camera or a controller may open.
+const QUALITIES: [(&str, Quality); 5] = [
+    (CAMERA, CAMERA_QUALITY),
+    (SceneMessage::SERVICE, SceneMessage::QUALITY),
+    (SubGoal::SERVICE, SubGoal::QUALITY),
+    (Feedback::SERVICE, Feedback::QUALITY),
+    (Heartbeat::SERVICE, Heartbeat::QUALITY),
+];
+
+/// Names of the numbers that a field may hold.
+struct Numbers {
+    name: &'static str,
+    /// The field.
+    of: &'static str,
+    /// In capitals, with their numbers.
+    members: Vec<(String, u32)>,
+}
+
+/// All fields whose numbers have names.
+fn numbers() -> [Numbers; 6] {
+    fn members<T: core::fmt::Debug + Copy>(
+        all: &[T],
+        number: impl Fn(T) -> u32,
+    ) -> Vec<(String, u32)> {
+        let name = |one: T| snake(&format!("{one:?}")).to_uppercase();
+        all.iter().map(|&one| (name(one), number(one))).collect()
+    }
+    let named = |name, of, members| Numbers { name, of, members };
+    [
+        named(
+            "Purpose",
+            "PlanRequest.purpose",
+            members(&Purpose::ALL, |one| one as u32),
+        ),
+        named(
+            "Status",
+            "PlanReply.status",
+            members(&Status::ALL, |one| one as u32),
+        ),
+        named(
+            "Kind",
+            "SubGoal.kind",
+            members(&Kind::ALL, |one| one as u32),
+        ),
+        named(
+            "Outcome",
+            "Feedback.outcome",
+            members(&Outcome::ALL, |one| one as u32),
+        ),
+        named(
+            "Role",
+            "Heartbeat.role",
+            members(&Role::ALL, |one| one as u32),
+        ),
+        named(
+            "State",
+            "Heartbeat.state",
+            members(&State::ALL, |one| one as u32),
+        ),
+    ]
 }
 
 /// A C header, for C11 and C++11.
@@ -238,8 +285,55 @@ pub fn c_header() -> String {
             );
         }
     }
+    c_constants(&mut header);
     header.push_str("\n#endif /* NSRM_MESSAGES_H */\n");
     header
+}
+
+/// Numbers by name, and what the services promise.
+fn c_constants(header: &mut String) {
+    let reasons = (1..)
+        .zip(REASONS)
+        .map(|(number, reason)| (reason.to_uppercase(), number));
+    let reasons = Numbers {
+        name: "Reason",
+        of: "PlanReply.reason",
+        members: reasons.collect(),
+    };
+    for Numbers { name, of, members } in numbers().into_iter().chain([reasons]) {
+        let name = snake(name);
+        let _ = writeln!(header, "\n/** Numbers of `{of}`. */\nenum nsrm_{name} {{");
+        for (member, number) in members {
+            let upper = name.to_uppercase();
+            let _ = writeln!(header, "    NSRM_{upper}_{member} = {number},");
+        }
+        header.push_str("};\n");
+    }
+    header.push_str(
+        "\n/* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and with what they are to be \
+         opened:\n * messages that wait for a subscriber, and that one who comes late is given; whether \
+         the oldest\n * makes room for a new one; how many may publish and subscribe. */\n",
+    );
+    for (service, quality) in QUALITIES {
+        let upper = service.to_uppercase();
+        let Quality {
+            buffer,
+            history,
+            overflow,
+            publishers,
+            subscribers,
+        } = quality;
+        let _ = writeln!(
+            header,
+            "#define NSRM_{upper}_SERVICE \"{service}\"\n\
+             #define NSRM_{upper}_BUFFER {buffer}\n\
+             #define NSRM_{upper}_HISTORY {history}\n\
+             #define NSRM_{upper}_OVERFLOW {}\n\
+             #define NSRM_{upper}_PUBLISHERS {publishers}\n\
+             #define NSRM_{upper}_SUBSCRIBERS {subscribers}",
+            u8::from(overflow),
+        );
+    }
 }
 
 fn rust_type(element: &Type) -> String {

@@ -45,8 +45,36 @@ REASONS = (
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 
 
+class Purpose(IntEnum):
+    """Numbers of `PlanRequest.purpose`."""
+
+    PLAN_ONLY = 1
+    CLOSED_LOOP = 2
+    OPEN_LOOP = 3
+    CANCEL = 4
+
+
+class Status(IntEnum):
+    """Numbers of `PlanReply.status`."""
+
+    PLANNED = 1
+    COMMANDED = 2
+    REACHED = 3
+    AGAIN = 4
+    DONE = 5
+    FAILED = 6
+    CLEARING = 7
+
+
+class Kind(IntEnum):
+    """Numbers of `SubGoal.kind`."""
+
+    MOVE = 1
+    STOP = 2
+
+
 class Outcome(IntEnum):
-    """As in Rust."""
+    """Numbers of `Feedback.outcome`."""
 
     ACCEPTED = 1
     REACHED = 2
@@ -67,7 +95,7 @@ class Outcome(IntEnum):
 
 
 class Role(IntEnum):
-    """As in Rust."""
+    """Numbers of `Heartbeat.role`."""
 
     CAMERA = 1
     PERCEPTION = 2
@@ -78,7 +106,7 @@ class Role(IntEnum):
 
 
 class State(IntEnum):
-    """As in Rust."""
+    """Numbers of `Heartbeat.state`."""
 
     STARTING = 1
     IDLE = 2
@@ -110,6 +138,8 @@ ROOM = 1048576
 """Bytes of shared memory that must be left for a process to begin."""
 FRAMES_AT_ONCE = 4
 """Frames that have memory at once with one reader."""
+MAX_STEPS = 8
+"""A plan has no more steps."""
 
 
 class CameraMessage(ctypes.Structure):
@@ -299,9 +329,8 @@ class PlanRequest(ctypes.Structure):
         ("asker", ctypes.c_uint64),
         # Number of the request, the asker's own.
         ("sequence", ctypes.c_uint64),
-        # How far it is to be followed: 1 to say what would be done, 2 to do it
-        # and look after each step, 3 to do it without looking; 4 to cancel the
-        # request of this number.
+        # How far it is to be followed, or that it no longer is: the number of a
+        # `Purpose`.
         ("purpose", ctypes.c_uint32),
         # Bytes of the sentence; 0 to cancel.
         ("sentence_length", ctypes.c_uint32),
@@ -460,7 +489,7 @@ class SubGoal(ctypes.Structure):
         ("until_ns", ctypes.c_uint64),
         # Counts the plan's commands from 1; a stop has that of what it stops.
         ("command", ctypes.c_uint32),
-        # 1: bring the object there; 2: stop, and all below is 0.
+        # The number of a `Kind`; of a stop all below is 0.
         ("kind", ctypes.c_uint32),
         # Place in the plan, from 0.
         ("step", ctypes.c_uint32),

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
-from nsrm_harness.messages import Heartbeat, Outcome, Role, State, SubGoal
+from nsrm_harness.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfigError, read_config
-from nsrm_harness.robot.controller import MOVE, STOP, Answer, Controller, fault, stops_first
+from nsrm_harness.robot.controller import Answer, Controller, fault, stops_first
 from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
 from nsrm_harness.robot.movers import SetsDown
 from nsrm_harness.robot.ports import (
@@ -121,7 +121,7 @@ class Ear:
 
 
 def move(plan: int, number: int, object_id: int, position: tuple[float, float, float]) -> SubGoal:
-    command = SubGoal(plan=plan, command=number, kind=MOVE, object_id=object_id)
+    command = SubGoal(plan=plan, command=number, kind=Kind.MOVE, object_id=object_id)
     command.steps, command.reference_id, command.until_ns = 1, 99, NOW_NS
     command.position[:] = position
     command.orientation[:] = (0.0, 0.0, 0.0, 1.0)
@@ -141,7 +141,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
     moved = world.pose(1)
     assert moved.distance_m(pose) > 0.1
     controller.obey(there)
-    controller.obey(SubGoal(plan=5, command=1, kind=STOP))
+    controller.obey(SubGoal(plan=5, command=1, kind=Kind.STOP))
     assert ear.outcomes() == [Outcome.REACHED, Outcome.REACHED]
     assert world.pose(1) == moved
     # What is older than the last is not done any more.
@@ -149,7 +149,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
     assert ear.outcomes() == [Outcome.IMPOSSIBLE]
     assert world.pose(1) == moved
     # A stop that comes before what it stops.
-    controller.obey(SubGoal(plan=6, command=2, kind=STOP))
+    controller.obey(SubGoal(plan=6, command=2, kind=Kind.STOP))
     controller.obey(move(6, 2, 7, (0.62, 0.0, 0.021)))
     assert ear.outcomes() == [Outcome.STOPPED, Outcome.STOPPED]
     assert world.pose(1) == moved
@@ -230,7 +230,7 @@ def test_what_waited_too_long_or_was_given_up_moves_nothing(world: World) -> Non
     assert ear.rejected == ["3 ms after its time"]
     # In time, but its stop is there already when it is read.
     given_up = move(6, 1, 7, (0.62, 0.0, 0.021))
-    for command in stops_first([given_up, SubGoal(plan=6, command=1, kind=STOP)]):
+    for command in stops_first([given_up, SubGoal(plan=6, command=1, kind=Kind.STOP)]):
         controller.obey(command)
     assert ear.outcomes() == [Outcome.STOPPED, Outcome.STOPPED]
     assert world.poses() == before

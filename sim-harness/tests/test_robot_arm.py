@@ -14,10 +14,10 @@ from nsrm_harness.arm import panda
 from nsrm_harness.arm.execute import wait
 from nsrm_harness.arm_trials.disturb import DisturbedArm
 from nsrm_harness.demo.tabletop import tabletop
-from nsrm_harness.messages import Outcome, SubGoal
+from nsrm_harness.messages import Kind, Outcome, SubGoal
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.perception.relief import PerceptionError
-from nsrm_harness.robot.controller import MOVE, STOP, Answer, Controller
+from nsrm_harness.robot.controller import Answer, Controller
 from nsrm_harness.robot.movers import Carries
 from nsrm_harness.sight import Eyes, Sight, sub_goal
 from nsrm_harness.world.camera import default_camera
@@ -80,7 +80,7 @@ class Scene:
 
     def command(self, step: int, number: int) -> SubGoal:
         planned = self.steps[step]
-        command = SubGoal(plan=1, command=number, kind=MOVE, step=step, steps=len(self.steps))
+        command = SubGoal(plan=1, command=number, kind=Kind.MOVE, step=step, steps=len(self.steps))
         command.object_id, command.reference_id = planned.object_id, planned.reference_id
         command.position[:] = planned.position
         command.orientation[:] = planned.orientation
@@ -116,7 +116,7 @@ def scene(renderer: Renderer) -> Iterator[Scene]:
         yield made
 
 
-STOP_IT = SubGoal(plan=1, command=1, kind=STOP)
+STOP_IT = SubGoal(plan=1, command=1, kind=Kind.STOP)
 
 
 def test_what_is_stopped_is_answered_at_rest_then_tidied_up_and_can_be_told_again(
@@ -130,7 +130,7 @@ def test_what_is_stopped_is_answered_at_rest_then_tidied_up_and_can_be_told_agai
         heights.append(scene.world.pose(block_id).position[2])
         if heights[-1] > before[block_id].position[2] + 0.05 and not scene.waiting:
             # One for another command is not for this one.
-            scene.waiting.extend([SubGoal(plan=1, command=7, kind=STOP), STOP_IT])
+            scene.waiting.extend([SubGoal(plan=1, command=7, kind=Kind.STOP), STOP_IT])
 
     scene.while_working = stop_in_the_air
     scene.controller.obey(scene.command(0, 1))

@@ -20,7 +20,7 @@ pub use layout::{Element, Field, Message, Type};
 pub use plan_reply::{
     MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, REASONS, Reply, ReplyTo, Status,
 };
-pub use plan_request::{Asked, PlanRequest, PlanRequestError};
+pub use plan_request::{Asked, PlanRequest, PlanRequestError, Purpose};
 pub use scene::{CameraMessage, ObjectMessage, SceneMessage};
 pub use step::StepMessage;
-pub use sub_goal::{Order, SubGoal, SubGoalError};
+pub use sub_goal::{Kind, Order, SubGoal, SubGoalError};

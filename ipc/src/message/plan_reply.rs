@@ -105,6 +105,19 @@ pub enum Status {
     Clearing = 7,
 }
 
+impl Status {
+    /// All of them, in the order of their numbers, from 1.
+    pub const ALL: [Self; 7] = [
+        Self::Planned,
+        Self::Commanded,
+        Self::Reached,
+        Self::Again,
+        Self::Done,
+        Self::Failed,
+        Self::Clearing,
+    ];
+}
+
 /// What a reply says, its parts still in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reply<'a> {
@@ -339,28 +352,31 @@ impl PlanReply {
                 .ok_or(PlanReplyError::Reason(self.reason))
         };
         let step = self.step;
-        Ok(match self.status {
-            1 => Reply::Planned {
+        let status = Status::ALL
+            .into_iter()
+            .find(|status| *status as u32 == self.status)
+            .ok_or(PlanReplyError::Status(self.status))?;
+        Ok(match status {
+            Status::Planned => Reply::Planned {
                 steps: self.read_steps()?,
                 program: message,
             },
-            2 => Reply::Commanded { step },
-            7 => Reply::Clearing { step, message },
-            3 => Reply::Reached {
+            Status::Commanded => Reply::Commanded { step },
+            Status::Clearing => Reply::Clearing { step, message },
+            Status::Reached => Reply::Reached {
                 step,
                 off_m: self.off_m,
             },
-            4 => Reply::Again {
+            Status::Again => Reply::Again {
                 step,
                 reason: reason()?,
                 message,
             },
-            5 => Reply::Done,
-            6 => Reply::Failed {
+            Status::Done => Reply::Done,
+            Status::Failed => Reply::Failed {
                 reason: reason()?,
                 message,
             },
-            other => return Err(PlanReplyError::Status(other)),
         })
     }
 

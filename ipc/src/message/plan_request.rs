@@ -17,9 +17,8 @@ message! {
         pub asker: u64,
         /// Number of the request, the asker's own.
         pub sequence: u64,
-        /// How far it is to be followed: 1 to say what would be done, 2 to do it
-        /// and look after each step, 3 to do it without looking; 4 to cancel the
-        /// request of this number.
+        /// How far it is to be followed, or that it no longer is: the number of a
+        /// [`Purpose`].
         pub purpose: u32,
         /// Bytes of the sentence; 0 to cancel.
         pub sentence_length: u32,
@@ -77,13 +76,29 @@ impl fmt::Display for PlanRequestError {
 
 impl core::error::Error for PlanRequestError {}
 
-/// [`PlanRequest::purpose`]: cancel.
-const CANCEL: u32 = 4;
-const MODES: [(u32, Mode); 3] = [
-    (1, Mode::PlanOnly),
-    (2, Mode::ClosedLoop),
-    (3, Mode::OpenLoop),
-];
+/// What a request is for: [`PlanRequest::purpose`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Purpose {
+    /// To say what would be done.
+    PlanOnly = 1,
+    /// To do it, and look after each step.
+    ClosedLoop = 2,
+    /// To do it without looking.
+    OpenLoop = 3,
+    /// To cancel the request of this number.
+    Cancel = 4,
+}
+
+impl Purpose {
+    /// All of them, in the order of their numbers, from 1.
+    pub const ALL: [Self; 4] = [
+        Self::PlanOnly,
+        Self::ClosedLoop,
+        Self::OpenLoop,
+        Self::Cancel,
+    ];
+}
 
 impl PlanRequest {
     /// Asks for a sentence to be followed.
@@ -98,15 +113,15 @@ impl PlanRequest {
             return Err(PlanRequestError::TooLong { length });
         }
         let purpose = match mode {
-            Mode::PlanOnly => 1,
-            Mode::ClosedLoop => 2,
-            Mode::OpenLoop => 3,
+            Mode::PlanOnly => Purpose::PlanOnly,
+            Mode::ClosedLoop => Purpose::ClosedLoop,
+            Mode::OpenLoop => Purpose::OpenLoop,
         };
         let text = Clamped::new(sentence);
         Ok(Self {
             asker,
             sequence,
-            purpose,
+            purpose: purpose as u32,
             sentence_length: text.length,
             sentence: text.bytes,
         })
@@ -117,7 +132,7 @@ impl PlanRequest {
         Self {
             asker,
             sequence,
-            purpose: CANCEL,
+            purpose: Purpose::Cancel as u32,
             sentence_length: 0,
             sentence: [0; MAX_SENTENCE_BYTES],
         }
@@ -125,13 +140,16 @@ impl PlanRequest {
 
     /// What is asked for.
     pub fn read(&self) -> Result<Asked, PlanRequestError> {
-        if self.purpose == CANCEL {
-            return Ok(Asked::Cancel);
-        }
-        let mode = MODES
+        let purpose = Purpose::ALL
             .into_iter()
-            .find_map(|(number, mode)| (number == self.purpose).then_some(mode))
+            .find(|purpose| *purpose as u32 == self.purpose)
             .ok_or(PlanRequestError::Purpose(self.purpose))?;
+        let mode = match purpose {
+            Purpose::PlanOnly => Mode::PlanOnly,
+            Purpose::ClosedLoop => Mode::ClosedLoop,
+            Purpose::OpenLoop => Mode::OpenLoop,
+            Purpose::Cancel => return Ok(Asked::Cancel),
+        };
         let too_long = PlanRequestError::TooLong {
             length: self.sentence_length as usize,
         };

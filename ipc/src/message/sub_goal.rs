@@ -29,7 +29,7 @@ message! {
         pub until_ns: u64,
         /// Counts the plan's commands from 1; a stop has that of what it stops.
         pub command: u32,
-        /// 1: bring the object there; 2: stop, and all below is 0.
+        /// The number of a [`Kind`]; of a stop all below is 0.
         pub kind: u32,
         /// Place in the plan, from 0.
         pub step: u32,
@@ -53,10 +53,23 @@ message! {
     }
 }
 
-/// [`SubGoal::kind`]: bring the object there.
-const MOVE: u32 = 1;
-/// [`SubGoal::kind`]: stop.
-const STOP: u32 = 2;
+/// What a sub-goal tells a controller: [`SubGoal::kind`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Kind {
+    /// To bring the object there.
+    Move = 1,
+    /// To stop.
+    Stop = 2,
+}
+
+impl Kind {
+    /// All of them, in the order of their numbers, from 1.
+    pub const ALL: [Self; 2] = [Self::Move, Self::Stop];
+}
+
+const MOVE: u32 = Kind::Move as u32;
+const STOP: u32 = Kind::Stop as u32;
 
 /// What a controller is told, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]

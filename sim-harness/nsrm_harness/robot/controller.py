@@ -7,12 +7,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from nsrm_harness.messages import Outcome, SubGoal
+from nsrm_harness.messages import MAX_STEPS, Kind, Outcome, SubGoal
 
-MOVE, STOP = 1, 2
-"""Kinds of commands: `SubGoal.kind`."""
-MAX_STEPS = 8
-"""A plan has no more steps."""
 UNIT_TOLERANCE = 1e-3
 """How far from 1 the squared length of an orientation may be."""
 
@@ -45,9 +41,9 @@ def fault(command: SubGoal) -> str | None:
     """Why a command makes no sense, as `SubGoal::read` has it in Rust; None if it does."""
     if command.command == 0:
         return "command 0; commands count from 1"
-    if command.kind == STOP:
+    if command.kind == Kind.STOP:
         return None
-    if command.kind != MOVE:
+    if command.kind != Kind.MOVE:
         return f"{command.kind} is no kind"
     if command.step >= command.steps or command.steps > MAX_STEPS:
         return f"step {command.step} of {command.steps}"
@@ -68,7 +64,7 @@ def fault(command: SubGoal) -> str | None:
 def stops_first(commands: Iterable[SubGoal]) -> list[SubGoal]:
     """All that wait, in order, but stops before moves: a controller that was held up must
     not begin with what is no longer wanted."""
-    return sorted(commands, key=lambda command: command.kind != STOP)
+    return sorted(commands, key=lambda command: command.kind != Kind.STOP)
 
 
 class Controller:
@@ -88,7 +84,7 @@ class Controller:
     def is_stopped_by(self, commands: Iterable[SubGoal]) -> bool:
         """Whether one of these, which have not been obeyed yet, stops what is being done."""
         return any(
-            command.kind == STOP and (command.plan, command.command) == self._current
+            command.kind == Kind.STOP and (command.plan, command.command) == self._current
             for command in commands
         )
 
@@ -111,10 +107,10 @@ class Controller:
             return
         late_ns = self._clock() - command.until_ns
         answer = Answer(Outcome.STOPPED)
-        if command.kind == MOVE and late_ns > 0:
+        if command.kind == Kind.MOVE and late_ns > 0:
             self._reject("sub_goal", f"{late_ns // 1_000_000} ms after its time")
             answer = Answer(Outcome.TOO_LATE)
-        elif command.kind == MOVE:
+        elif command.kind == Kind.MOVE:
             self._say(plan, number, Answer(Outcome.ACCEPTED))
             self._current = plan, number
             answer = self._mover(command, lambda answer: self._say(plan, number, answer))
