@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.perception.cuboids import Cuboid, Cuboids
+from nsrm_harness.perception.cuboids import Cuboid, Cuboids, faces
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import PerceptionError, relief
 from nsrm_harness.perception.tracking import Tracker
@@ -98,8 +98,10 @@ class Eyes:
         if frame.rgb.mean() < DARK:
             raise DarkError("the camera's picture is dark")
         found = detect(frame.rgb, frame.depth, self.camera)
-        numbers = self._tracker.update(frame.rgb, found, self.camera)
-        cuboids = self._cuboids.update(numbers, found, relief(frame.rgb, frame.depth, self.camera))
+        heights = relief(frame.rgb, frame.depth, self.camera)
+        seen = faces(found, heights, self.camera)
+        numbers = self._tracker.update(frame.rgb, found, seen, self.camera)
+        cuboids = self._cuboids.update(dict(zip(numbers, seen, strict=True)), heights)
         rows = np.column_stack([found.boxes, found.depths])
         locations = dict(zip(numbers, rows, strict=True))
         sizes = np.bincount(found.labels.ravel(), minlength=len(found) + 1)[1:].tolist()

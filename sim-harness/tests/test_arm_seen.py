@@ -10,7 +10,7 @@ import pytest
 from world_scenes import DOMAIN, on_top, random_blocks
 
 from nsrm_harness import sight
-from nsrm_harness.perception.cuboids import Cuboid, Cuboids
+from nsrm_harness.perception.cuboids import Cuboid, Cuboids, faces
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
 from nsrm_harness.perception.tracking import Tracker
@@ -44,8 +44,10 @@ class Eyes:
     def look(self) -> dict[int, Cuboid]:
         frame = self._renderer.render(self._world, self._camera, Light())
         found = detect(frame.rgb, frame.depth, self._camera)
-        self.seen = self._tracker.update(frame.rgb, found, self._camera)
-        return self._cuboids.update(self.seen, found, relief(frame.rgb, frame.depth, self._camera))
+        heights = relief(frame.rgb, frame.depth, self._camera)
+        seen = faces(found, heights, self._camera)
+        self.seen = self._tracker.update(frame.rgb, found, seen, self._camera)
+        return self._cuboids.update(dict(zip(self.seen, seen, strict=True)), heights)
 
     def numbers(self) -> dict[int, int]:
         """Which number each block of the world has, by where both are in a new picture."""
@@ -356,3 +358,23 @@ def test_what_is_left_to_see_of_one_is_not_taken_for_another_that_was_moved(
     # The large one behind the tower is believed where it stands.
     check(world, 2, cuboids[named[2]])
     assert named[2] in eyes.seen
+
+
+@pytest.mark.parametrize(("x", "y"), [(0.36, -0.2), (0.6, 0.2), (0.45, 0.0)])
+def test_one_that_lies_where_another_of_its_colour_stood_is_not_what_is_left_to_see_of_it(
+    renderer: Renderer, world: World, x: float, y: float
+) -> None:
+    """A small block was to go onto a large one of its colour, which was snatched away under it."""
+    put(
+        world,
+        (large("yellow"), 0.5, 0.1, 0.0),
+        (large("white"), 0.5, 0.1, 0.05),
+        (small("white"), 0.42, -0.1, 0.0),
+    )
+    eyes = Eyes(renderer, world)
+    named = eyes.numbers()
+    world.place(2, Pose.upright(x, y, 0.025, YAW))
+    move(world, 3, onto(world, 3, 1))
+    assert eyes.numbers() == named
+    check(world, 2, eyes.look()[named[2]])
+    check(world, 3, eyes.look()[named[3]])

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 from nsrm_harness import domain as domains
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
+from nsrm_harness.perception.cuboids import faces
 from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.relief import relief
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import Answer, Controller, fault, stops_first
@@ -55,7 +57,9 @@ def look(tracker: Tracker, renderer: Renderer, world: World) -> dict[int, int]:
     """The tracker's number of each block, by whose centre is nearest to it."""
     camera = default_camera()
     frame = renderer.render(world, camera, Light())
-    numbers = tracker.update(frame.rgb, detect(frame.rgb, frame.depth, camera), camera)
+    found = detect(frame.rgb, frame.depth, camera)
+    seen = faces(found, relief(frame.rgb, frame.depth, camera), camera)
+    numbers = tracker.update(frame.rgb, found, seen, camera)
     named: dict[int, int] = {}
     for number in numbers:
         position = tracker.position(number)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -66,6 +66,30 @@ class Cuboid:
         return corners @ self.pose.rotation()[:2, :2].T + self.pose.position[:2]
 
 
+@dataclass(frozen=True, eq=False)
+class Face:
+    """An object by what one picture shows of it.
+
+    * `points`: `float32 [n, 3]`, all that is seen of it, world frame, metres
+    * `cuboid`: what is seen of its upper face, from there down to the table
+    """
+
+    points: NDArray[np.float32]
+    cuboid: Cuboid
+
+
+def faces(found: Detections, seen: Relief, camera: Camera) -> list[Face]:
+    """The upper face of each detection."""
+    seen_faces = []
+    for row in range(len(found)):
+        own = found.labels == row + 1
+        points = np.stack([seen.x[own], seen.y[own], seen.height[own]], axis=1)
+        # Not a number where nothing was measured.
+        points = points[np.isfinite(points[:, 2])]
+        seen_faces.append(Face(points, _from_top(points, camera)))
+    return seen_faces
+
+
 class Cuboids:
     """The objects as boxes, over pictures: what is hidden of one now was seen before.
 
@@ -78,20 +102,17 @@ class Cuboids:
         self._camera = camera
         self._known: dict[int, Cuboid] = {}
 
-    def update(self, numbers: Sequence[int], found: Detections, seen: Relief) -> dict[int, Cuboid]:
+    def update(self, objects: Mapping[int, Face], seen: Relief) -> dict[int, Cuboid]:
         """All objects that are believed to be there, by number.
 
-        * `numbers`: of the detections, as a `Tracker` gives them
+        * `objects`: those that are seen, by their numbers, as a `Tracker` gives them
         """
         tops = {}
-        for row, number in enumerate(numbers):
-            own = found.labels == row + 1
-            points = np.stack([seen.x[own], seen.y[own], seen.height[own]], axis=1)
-            # Not a number where nothing was measured.
-            points = points[np.isfinite(points[:, 2])]
-            now, before = _from_top(points, self._camera), self._known.get(number)
+        for number, face in objects.items():
+            now, before = face.cuboid, self._known.get(number)
             if before is not None and not _is_whole(now, before):
-                now = before if _within(points, before) else self._completed(now, before, seen)
+                is_there = _within(face.points, before)
+                now = before if is_there else self._completed(now, before, seen)
             tops[number] = now
         for number, before in self._known.items():
             if number not in tops and not self._is_seen_through(before, seen):

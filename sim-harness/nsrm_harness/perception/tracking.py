@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from nsrm_harness.perception.cuboids import Face
 from nsrm_harness.perception.detector import Detections
 from nsrm_harness.world.camera import Camera
 
@@ -27,10 +29,23 @@ SAME_SIZE = 0.25
 ANY_SIZE = 0.5
 """and none is ever wider by more: a cube that is seen over an edge is 1.4 times as wide."""
 
-HIDDEN, MOVED, TURNED, MOVED_BEHIND, SLIVER, NEW, NEVER = 1.0, 2.0, 3.0, 4.0, 5.0, 10.0, 1000.0
+LARGER_M = 0.005
+"""An object whose upper face is larger than that of one seen before by more, in either edge, is
+another one, or that one was not seen whole."""
+
+HIDDEN, MOVED, TURNED, MOVED_BEHIND, SLIVER, LARGER, NEW, NEVER = (
+    1.0,
+    2.0,
+    3.0,
+    4.0,
+    5.0,
+    6.0,
+    10.0,
+    1000.0,
+)
 """What it costs to believe that an object is hidden in part where it stands, was moved, was moved
 and shows another side, was moved to where it is hidden in part, shows so little of itself where
-it stands that its colour is mixed with another, or is new."""
+it stands that its colour is mixed with another, was never seen whole before, or is new."""
 NEAR_M = 0.05
 """What is left to see of an object lies nearer to its middle; another that stands in front of it
 does not."""
@@ -43,17 +58,27 @@ class Track:
     * `position`: of the middle of its box at its mean depth, world frame, metres
     * `chroma`: `[2]`, shares of red and green in its mean colour
     * `width_m`: of its box at its mean depth
+    * `edges_m`: of its upper face, the longer one first; the most that was seen of them
     * `box`: x1, y1, x2, y2 as fractions of the image
     """
 
     position: NDArray[np.float64]
     chroma: NDArray[np.float64]
     width_m: float
+    edges_m: tuple[float, float]
     box: NDArray[np.float32]
 
     def seen_again(self, before: Track) -> tuple[float, Track]:
         """What it costs to believe that this is an object that was there before, and what is
         known of it then."""
+        cost, known = self._looks_like(before)
+        own, its = self.edges_m, before.edges_m
+        if own[0] > its[0] + LARGER_M or own[1] > its[1] + LARGER_M:
+            cost = max(cost, LARGER)
+        return cost, replace(known, edges_m=(max(own[0], its[0]), max(own[1], its[1])))
+
+    def _looks_like(self, before: Track) -> tuple[float, Track]:
+        """The same by colour, place and width."""
         off = np.abs(self.chroma - before.chroma).max()
         distance_m = float(np.linalg.norm(self.position - before.position))
         if off >= SAME_CHROMA:
@@ -87,15 +112,21 @@ class Tracker:
         self._next = 1
 
     def update(
-        self, image: NDArray[np.uint8], found: Detections, camera: Camera
+        self,
+        image: NDArray[np.uint8],
+        found: Detections,
+        seen_faces: Sequence[Face],
+        camera: Camera,
     ) -> tuple[int, ...]:
         """The number of each object found; an object that is hidden keeps its own.
+
+        * `seen_faces`: of each
 
         All are matched at once, so that what has to be believed is as little as possible: that an
         object stays, that a part of it is hidden, that it was moved, in this order. Who can be
         none of those that were there is new.
         """
-        seen = [_track(image, found, row, camera) for row in range(len(found))]
+        seen = [_track(image, found, row, face, camera) for row, face in enumerate(seen_faces)]
         numbers = list(self._tracks)
         again = [[new.seen_again(self._tracks[number]) for number in numbers] for new in seen]
         costs = np.full((len(seen), len(numbers) + len(seen)), NEW)
@@ -118,14 +149,18 @@ class Tracker:
         return None if track is None else track.position
 
 
-def _track(image: NDArray[np.uint8], found: Detections, row: int, camera: Camera) -> Track:
+def _track(
+    image: NDArray[np.uint8], found: Detections, row: int, face: Face, camera: Camera
+) -> Track:
     x1, y1, x2, y2 = (float(value) for value in found.boxes[row])
     depth = float(found.depths[row])
     middle = ((x1 + x2) / 2 * camera.width, (y1 + y2) / 2 * camera.height, depth)
     color = image[found.labels == row + 1].mean(axis=0) + 1.0
+    a, b, _ = face.cuboid.edges_m
     return Track(
         camera.back_project(middle),
         color[:2] / color.sum(),
         (x2 - x1) * camera.width / camera.fx * depth,
+        (max(a, b), min(a, b)),
         found.boxes[row],
     )
