@@ -378,3 +378,26 @@ def test_one_that_lies_where_another_of_its_colour_stood_is_not_what_is_left_to_
     assert eyes.numbers() == named
     check(world, 2, eyes.look()[named[2]])
     check(world, 3, eyes.look()[named[3]])
+
+
+TOWER = (("green", 0.0), ("blue", 0.05), ("green", 0.1))
+
+
+def test_a_block_of_which_a_part_was_seen_first_keeps_its_number_when_it_comes_to_light(
+    renderer: Renderer, world: World
+) -> None:
+    put(
+        world,
+        (large("red"), 0.40, 0.0, 0.0),
+        *((large(color), 0.465, 0.045, foot) for color, foot in TOWER),
+        (small("red"), 0.45, -0.2, 0.0),
+    )
+    eyes = Eyes(renderer, world)
+    named = eyes.numbers()
+    first = eyes.look()[named[1]]
+    assert min(first.edges_m[:2]) < min(large("red").edges_m[:2]) - 0.006
+    for moved, y in ((4, -0.1), (3, 0.0), (2, 0.15)):
+        move(world, moved, Pose.upright(0.6, y, 0.025, YAW))
+        eyes.look()
+    assert eyes.numbers() == named
+    check(world, 1, eyes.look()[named[1]])
