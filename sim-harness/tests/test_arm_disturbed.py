@@ -47,6 +47,14 @@ def test_what_is_disturbed_ends_as_said_or_in_words(kind: str) -> None:
     assert ended.row == f"{kind}_closed" and ended.steps
 
 
+@pytest.mark.parametrize("index", [6, 20])
+def test_what_wedges_itself_into_the_hand_is_taken_back_with_what_is_held(index: int) -> None:
+    """The block in the hand is pressed onto another one, and both come along: the joints lag for a
+    while, and one tower is seen where they are put down."""
+    ended = run_disturbed("goal_taken", "closed", 2061, index)
+    assert ended.end == "succeeded", ended.why
+
+
 def test_what_is_never_seen_again_ends_in_words() -> None:
     ended = [run_disturbed("scene_frozen", "closed", SEED, index) for index in (3, 4)]
     assert [each.end for each in ended] == ["succeeded"] * 2

@@ -380,6 +380,21 @@ def test_one_that_lies_where_another_of_its_colour_stood_is_not_what_is_left_to_
     check(world, 3, eyes.look()[named[3]])
 
 
+@pytest.mark.parametrize(
+    ("yaw", "dx", "dy"), [(0.2, 0.006, 0.0), (0.6, 0.0, 0.008), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]
+)
+def test_a_block_keeps_its_height_where_little_is_seen_of_what_it_stands_on(
+    renderer: Renderer, world: World, yaw: float, dx: float, dy: float
+) -> None:
+    """Both were moved at once, as when the fingers take along what a block was lowered onto."""
+    put(world, (small("magenta"), 0.498, 0.148, 0.0), (small("cyan"), 0.561, 0.162, 0.0))
+    eyes = Eyes(renderer, world)
+    named = eyes.numbers()
+    world.place(2, Pose.upright(0.498, 0.148, 0.02, yaw))
+    move(world, 1, Pose.upright(0.498 + dx, 0.148 + dy, 0.06, yaw))
+    check(world, 1, eyes.look()[named[1]])
+
+
 TOWER = (("green", 0.0), ("blue", 0.05), ("green", 0.1))
 
 

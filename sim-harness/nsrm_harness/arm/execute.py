@@ -46,7 +46,8 @@ TOUCH_RAD = 0.0025
 """While the hand or a block is lowered, slowly, they are behind by 0.001; by more than that, it has
 met something before it was to."""
 ARRIVED_RAD = 0.002
-"""At the end of a motion they have stopped nearer than that, before the fingers are moved."""
+"""Where the fingers are moved next they have stopped nearer than that. Not between two motions:
+what was met may push for a while yet."""
 
 
 class StuckError(HarnessError):
@@ -236,7 +237,8 @@ def _follow(
             body.tick()
             _check_lag(body, joints, lag_rad)
             holds &= body.opening_m() >= least_m
-        _check_lag(body, moments.joints[-1], ARRIVED_RAD)
+    if ways:
+        _check_lag(body, ways[-1].end, ARRIVED_RAD)
     return holds
 
 

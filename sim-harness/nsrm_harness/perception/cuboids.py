@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from shapely import Polygon
 
 from nsrm_harness.perception.detector import Detections
 from nsrm_harness.perception.relief import Relief
@@ -118,7 +119,8 @@ class Cuboids:
             if number not in tops and not self._is_seen_through(before, seen):
                 tops[number] = before
         self._known = {
-            number: _standing(cuboid, [*tops.values()]) for number, cuboid in tops.items()
+            number: _standing(cuboid, [*tops.values()], self._known.get(number))
+            for number, cuboid in tops.items()
         }
         return dict(self._known)
 
@@ -206,13 +208,22 @@ def _within(points: NDArray[np.float32], cuboid: Cuboid) -> bool:
     return float(inside.mean()) >= WITHIN_SHARE
 
 
-def _standing(cuboid: Cuboid, others: Sequence[Cuboid]) -> Cuboid:
-    """Not from the table, but from the highest of the others that lies under its middle."""
+def _standing(cuboid: Cuboid, others: Sequence[Cuboid], before: Cuboid | None) -> Cuboid:
+    """Not from the table, but from the highest of the others that lies under its middle, or under
+    any part of it if it is as high above that as it was high before: of one that bears another
+    little may be seen."""
     x, y, _ = cuboid.pose.position
+    plan = Polygon(cuboid.corners())
+
+    def bears(other: Cuboid) -> bool:
+        if before is None or abs(cuboid.top_m - before.edges_m[2] - other.top_m) > TOP_M:
+            return False
+        return bool(plan.intersects(Polygon(other.corners())))
+
     under = [
         other.top_m
         for other in others
-        if other.top_m < cuboid.top_m - FLAT_M and _is_above(other, x, y)
+        if other.top_m < cuboid.top_m - FLAT_M and (_is_above(other, x, y) or bears(other))
     ]
     foot, top = max(under, default=0.0), cuboid.top_m
     pose = replace(cuboid.pose, position=(x, y, (foot + top) / 2))
