@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,15 @@ def test_a_failure_is_told_and_ends_the_others(tmp_path: Path) -> None:
     assert not (tmp_path / "late.txt").exists()
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C is heard, also where it is not for this process, as in a shell's background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_ends_every_process(tmp_path: Path) -> None:
     tasks = [
         Task("slow", time.sleep, (600,), tmp_path / "slow.txt"),
