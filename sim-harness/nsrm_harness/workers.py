@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.orphans import end_with_parent
 
 T = TypeVar("T")
 K = TypeVar("K")
@@ -62,8 +63,7 @@ class Processes:
         with ProcessPoolExecutor(
             self.count,
             mp_context=multiprocessing.get_context("spawn"),
-            initializer=signal.signal,
-            initargs=(signal.SIGINT, signal.SIG_IGN),
+            initializer=_begin,
         ) as pool:
             while True:
                 while len(running) < self.count and (task := next(waiting, None)) is not None:
@@ -74,6 +74,12 @@ class Processes:
                 finished, _ = wait(running, return_when=FIRST_COMPLETED)
                 for future in finished:
                     yield running.pop(future), future.result()
+
+
+def _begin() -> None:
+    # Ctrl-C reaches the whole terminal; the parent alone decides what it ends.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
 
 
 class RayCluster:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from tqdm import tqdm
 
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.orphans import end_with_parent
 
 
 class TaskError(HarnessError):
@@ -71,6 +72,7 @@ def run_all(
 
 
 def _run(task: Task, processor: int) -> None:
+    end_with_parent()
     task.log.parent.mkdir(parents=True, exist_ok=True)
     with task.log.open("a", encoding="utf-8") as log:
         os.dup2(log.fileno(), sys.stdout.fileno())
