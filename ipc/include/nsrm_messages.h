@@ -373,64 +373,105 @@ NSRM_ASSERT(offsetof(nsrm_heartbeat, state) == 36, "offset of state");
 
 /** Numbers of `PlanRequest.purpose`. */
 enum nsrm_purpose {
+    /** To say what would be done. */
     NSRM_PURPOSE_PLAN_ONLY = 1,
+    /** To do it, and look after each step. */
     NSRM_PURPOSE_CLOSED_LOOP = 2,
+    /** To do it without looking. */
     NSRM_PURPOSE_OPEN_LOOP = 3,
+    /** To cancel the request of this number. */
     NSRM_PURPOSE_CANCEL = 4,
 };
 
 /** Numbers of `PlanReply.status`. */
 enum nsrm_status {
+    /** It was understood and grounded; again before each step that is grounded anew. */
     NSRM_STATUS_PLANNED = 1,
+    /** A step was sent to the controller. */
     NSRM_STATUS_COMMANDED = 2,
+    /** A step did what it should. */
     NSRM_STATUS_REACHED = 3,
+    /** A step did not, and is tried again. */
     NSRM_STATUS_AGAIN = 4,
+    /** All is done. The last reply. */
     NSRM_STATUS_DONE = 5,
+    /** It won't be followed, or not further. The last reply. */
     NSRM_STATUS_FAILED = 6,
+    /** Before a step's object is carried, something else is moved out of its way. */
     NSRM_STATUS_CLEARING = 7,
 };
 
 /** Numbers of `SubGoal.kind`. */
 enum nsrm_kind {
+    /** To bring the object there. */
     NSRM_KIND_MOVE = 1,
+    /** To stop. */
     NSRM_KIND_STOP = 2,
 };
 
 /** Numbers of `Feedback.outcome`. */
 enum nsrm_outcome {
+    /** It will be carried out; another outcome follows. */
     NSRM_OUTCOME_ACCEPTED = 1,
+    /** The object stands where it should. */
     NSRM_OUTCOME_REACHED = 2,
+    /** No room or no way there without a collision. */
     NSRM_OUTCOME_NO_PATH = 3,
+    /** The gripper did not get hold of the object. */
     NSRM_OUTCOME_NOT_GRASPED = 4,
+    /** The object was lost on the way. */
     NSRM_OUTCOME_DROPPED = 5,
+    /** Set down, but not where it should stand. */
     NSRM_OUTCOME_MISPLACED = 6,
+    /** Stopped by a command, a person or a safety function. */
     NSRM_OUTCOME_STOPPED = 7,
+    /** Another command is being carried out; this one won't be. */
     NSRM_OUTCOME_BUSY = 8,
+    /** The command makes no sense, or its object isn't seen; it won't be carried
+     *  out. */
     NSRM_OUTCOME_IMPOSSIBLE = 9,
+    /** It was read after its time; it won't be carried out. */
     NSRM_OUTCOME_TOO_LATE = 10,
+    /** Nothing bears the object at its sub-goal, or it would fall there. */
     NSRM_OUTCOME_WOULD_FALL = 11,
+    /** The object or its sub-goal is beyond the arm's reach. */
     NSRM_OUTCOME_OUT_OF_REACH = 12,
+    /** The arm's joints do not follow; it stands still where it is. */
     NSRM_OUTCOME_NOT_FOLLOWING = 13,
+    /** Something stands on the object. */
     NSRM_OUTCOME_COVERED = 14,
+    /** The hand can't hold an object of its size. */
     NSRM_OUTCOME_CANNOT_HOLD = 15,
+    /** Other objects are moved aside first, or the object itself is set down on the way;
+     *  another outcome follows. */
     NSRM_OUTCOME_CLEARING = 16,
 };
 
 /** Numbers of `Heartbeat.role`. */
 enum nsrm_role {
+    /** Publishes camera frames. */
     NSRM_ROLE_CAMERA = 1,
+    /** Makes scenes of them. */
     NSRM_ROLE_PERCEPTION = 2,
+    /** Answers sentences with plans. */
     NSRM_ROLE_PLANNER = 3,
+    /** Carries sub-goals out. */
     NSRM_ROLE_CONTROLLER = 4,
+    /** Asks for sentences to be followed. */
     NSRM_ROLE_ASKER = 5,
+    /** Looks on. */
     NSRM_ROLE_WATCHER = 6,
 };
 
 /** Numbers of `Heartbeat.state`. */
 enum nsrm_state {
+    /** Not yet ready. */
     NSRM_STATE_STARTING = 1,
+    /** Ready, with nothing to do. */
     NSRM_STATE_IDLE = 2,
+    /** At work. */
     NSRM_STATE_BUSY = 3,
+    /** Alive, but unable to work; a person must look. */
     NSRM_STATE_FAILED = 4,
 };
 

@@ -48,69 +48,110 @@ REASONS = (
 class Purpose(IntEnum):
     """Numbers of `PlanRequest.purpose`."""
 
+    # To say what would be done.
     PLAN_ONLY = 1
+    # To do it, and look after each step.
     CLOSED_LOOP = 2
+    # To do it without looking.
     OPEN_LOOP = 3
+    # To cancel the request of this number.
     CANCEL = 4
 
 
 class Status(IntEnum):
     """Numbers of `PlanReply.status`."""
 
+    # It was understood and grounded; again before each step that is grounded anew.
     PLANNED = 1
+    # A step was sent to the controller.
     COMMANDED = 2
+    # A step did what it should.
     REACHED = 3
+    # A step did not, and is tried again.
     AGAIN = 4
+    # All is done. The last reply.
     DONE = 5
+    # It won't be followed, or not further. The last reply.
     FAILED = 6
+    # Before a step's object is carried, something else is moved out of its way.
     CLEARING = 7
 
 
 class Kind(IntEnum):
     """Numbers of `SubGoal.kind`."""
 
+    # To bring the object there.
     MOVE = 1
+    # To stop.
     STOP = 2
 
 
 class Outcome(IntEnum):
     """Numbers of `Feedback.outcome`."""
 
+    # It will be carried out; another outcome follows.
     ACCEPTED = 1
+    # The object stands where it should.
     REACHED = 2
+    # No room or no way there without a collision.
     NO_PATH = 3
+    # The gripper did not get hold of the object.
     NOT_GRASPED = 4
+    # The object was lost on the way.
     DROPPED = 5
+    # Set down, but not where it should stand.
     MISPLACED = 6
+    # Stopped by a command, a person or a safety function.
     STOPPED = 7
+    # Another command is being carried out; this one won't be.
     BUSY = 8
+    # The command makes no sense, or its object isn't seen; it won't be carried
+    # out.
     IMPOSSIBLE = 9
+    # It was read after its time; it won't be carried out.
     TOO_LATE = 10
+    # Nothing bears the object at its sub-goal, or it would fall there.
     WOULD_FALL = 11
+    # The object or its sub-goal is beyond the arm's reach.
     OUT_OF_REACH = 12
+    # The arm's joints do not follow; it stands still where it is.
     NOT_FOLLOWING = 13
+    # Something stands on the object.
     COVERED = 14
+    # The hand can't hold an object of its size.
     CANNOT_HOLD = 15
+    # Other objects are moved aside first, or the object itself is set down on the way;
+    # another outcome follows.
     CLEARING = 16
 
 
 class Role(IntEnum):
     """Numbers of `Heartbeat.role`."""
 
+    # Publishes camera frames.
     CAMERA = 1
+    # Makes scenes of them.
     PERCEPTION = 2
+    # Answers sentences with plans.
     PLANNER = 3
+    # Carries sub-goals out.
     CONTROLLER = 4
+    # Asks for sentences to be followed.
     ASKER = 5
+    # Looks on.
     WATCHER = 6
 
 
 class State(IntEnum):
     """Numbers of `Heartbeat.state`."""
 
+    # Not yet ready.
     STARTING = 1
+    # Ready, with nothing to do.
     IDLE = 2
+    # At work.
     BUSY = 3
+    # Alive, but unable to work; a person must look.
     FAILED = 4
 
 

@@ -5,6 +5,7 @@ use core::fmt;
 use iceoryx2::prelude::ZeroCopySend;
 
 use super::layout::message;
+use super::numbers::numbers;
 use crate::executive::CommandId;
 
 message! {
@@ -27,67 +28,48 @@ message! {
     }
 }
 
-/// How a command went.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Outcome {
-    /// It will be carried out; another outcome follows.
-    Accepted = 1,
-    /// The object stands where it should.
-    Reached = 2,
-    /// No room or no way there without a collision.
-    NoPath = 3,
-    /// The gripper did not get hold of the object.
-    NotGrasped = 4,
-    /// The object was lost on the way.
-    Dropped = 5,
-    /// Set down, but not where it should stand.
-    Misplaced = 6,
-    /// Stopped by a command, a person or a safety function.
-    Stopped = 7,
-    /// Another command is being carried out; this one won't be.
-    Busy = 8,
-    /// The command makes no sense, or its object isn't seen; it won't be carried
-    /// out.
-    Impossible = 9,
-    /// It was read after its time; it won't be carried out.
-    TooLate = 10,
-    /// Nothing bears the object at its sub-goal, or it would fall there.
-    WouldFall = 11,
-    /// The object or its sub-goal is beyond the arm's reach.
-    OutOfReach = 12,
-    /// The arm's joints do not follow; it stands still where it is.
-    NotFollowing = 13,
-    /// Something stands on the object.
-    Covered = 14,
-    /// The hand can't hold an object of its size.
-    CannotHold = 15,
-    /// Other objects are moved aside first, or the object itself is set down on the way;
-    /// another outcome follows.
-    Clearing = 16,
+numbers! {
+    /// How a command went.
+    "Feedback.outcome"
+    pub enum Outcome {
+        /// It will be carried out; another outcome follows.
+        Accepted = 1,
+        /// The object stands where it should.
+        Reached = 2,
+        /// No room or no way there without a collision.
+        NoPath = 3,
+        /// The gripper did not get hold of the object.
+        NotGrasped = 4,
+        /// The object was lost on the way.
+        Dropped = 5,
+        /// Set down, but not where it should stand.
+        Misplaced = 6,
+        /// Stopped by a command, a person or a safety function.
+        Stopped = 7,
+        /// Another command is being carried out; this one won't be.
+        Busy = 8,
+        /// The command makes no sense, or its object isn't seen; it won't be carried
+        /// out.
+        Impossible = 9,
+        /// It was read after its time; it won't be carried out.
+        TooLate = 10,
+        /// Nothing bears the object at its sub-goal, or it would fall there.
+        WouldFall = 11,
+        /// The object or its sub-goal is beyond the arm's reach.
+        OutOfReach = 12,
+        /// The arm's joints do not follow; it stands still where it is.
+        NotFollowing = 13,
+        /// Something stands on the object.
+        Covered = 14,
+        /// The hand can't hold an object of its size.
+        CannotHold = 15,
+        /// Other objects are moved aside first, or the object itself is set down on the way;
+        /// another outcome follows.
+        Clearing = 16,
+    }
 }
 
 impl Outcome {
-    /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 16] = [
-        Self::Accepted,
-        Self::Reached,
-        Self::NoPath,
-        Self::NotGrasped,
-        Self::Dropped,
-        Self::Misplaced,
-        Self::Stopped,
-        Self::Busy,
-        Self::Impossible,
-        Self::TooLate,
-        Self::WouldFall,
-        Self::OutOfReach,
-        Self::NotFollowing,
-        Self::Covered,
-        Self::CannotHold,
-        Self::Clearing,
-    ];
-
     /// What happened, for a person.
     pub const fn words(self) -> &'static str {
         match self {
@@ -179,10 +161,8 @@ impl Feedback {
         if self.command == 0 {
             return Err(FeedbackError::NoCommand);
         }
-        let outcome = Outcome::ALL
-            .into_iter()
-            .find(|outcome| *outcome as u32 == self.outcome)
-            .ok_or(FeedbackError::Outcome(self.outcome))?;
+        let outcome =
+            Outcome::from_number(self.outcome).ok_or(FeedbackError::Outcome(self.outcome))?;
         Ok(Report {
             id: CommandId {
                 plan: self.plan,

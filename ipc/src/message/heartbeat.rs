@@ -5,6 +5,7 @@ use core::fmt;
 use iceoryx2::prelude::ZeroCopySend;
 
 use super::layout::message;
+use super::numbers::numbers;
 
 message! {
     /// A sign of life.
@@ -26,35 +27,26 @@ message! {
     }
 }
 
-/// Which node it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Role {
-    /// Publishes camera frames.
-    Camera = 1,
-    /// Makes scenes of them.
-    Perception = 2,
-    /// Answers sentences with plans.
-    Planner = 3,
-    /// Carries sub-goals out.
-    Controller = 4,
-    /// Asks for sentences to be followed.
-    Asker = 5,
-    /// Looks on.
-    Watcher = 6,
+numbers! {
+    /// Which node it is.
+    "Heartbeat.role"
+    pub enum Role {
+        /// Publishes camera frames.
+        Camera = 1,
+        /// Makes scenes of them.
+        Perception = 2,
+        /// Answers sentences with plans.
+        Planner = 3,
+        /// Carries sub-goals out.
+        Controller = 4,
+        /// Asks for sentences to be followed.
+        Asker = 5,
+        /// Looks on.
+        Watcher = 6,
+    }
 }
 
 impl Role {
-    /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 6] = [
-        Self::Camera,
-        Self::Perception,
-        Self::Planner,
-        Self::Controller,
-        Self::Asker,
-        Self::Watcher,
-    ];
-
     /// In a word, as in a node's name.
     pub const fn word(self) -> &'static str {
         match self {
@@ -68,23 +60,19 @@ impl Role {
     }
 }
 
-/// What a node does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum State {
-    /// Not yet ready.
-    Starting = 1,
-    /// Ready, with nothing to do.
-    Idle = 2,
-    /// At work.
-    Busy = 3,
-    /// Alive, but unable to work; a person must look.
-    Failed = 4,
-}
-
-impl State {
-    /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 4] = [Self::Starting, Self::Idle, Self::Busy, Self::Failed];
+numbers! {
+    /// What a node does.
+    "Heartbeat.state"
+    pub enum State {
+        /// Not yet ready.
+        Starting = 1,
+        /// Ready, with nothing to do.
+        Idle = 2,
+        /// At work.
+        Busy = 3,
+        /// Alive, but unable to work; a person must look.
+        Failed = 4,
+    }
 }
 
 /// Why a heartbeat is none.
@@ -110,10 +98,8 @@ impl core::error::Error for HeartbeatError {}
 impl Heartbeat {
     /// The sender's role and state.
     pub fn read(&self) -> Result<(Role, State), HeartbeatError> {
-        let role = Role::ALL.into_iter().find(|one| *one as u32 == self.role);
-        let state = State::ALL.into_iter().find(|one| *one as u32 == self.state);
-        let role = role.ok_or(HeartbeatError::Role(self.role))?;
-        let state = state.ok_or(HeartbeatError::State(self.state))?;
+        let role = Role::from_number(self.role).ok_or(HeartbeatError::Role(self.role))?;
+        let state = State::from_number(self.state).ok_or(HeartbeatError::State(self.state))?;
         Ok((role, state))
     }
 }

@@ -1,11 +1,12 @@
 //! The messages, a file for each service; what of them must be the same on both
-//! sides is in `layout.rs`.
+//! sides is in `layout.rs`, what numbers of a field mean in `numbers.rs`.
 
 mod camera_frame;
+mod checks;
 mod feedback;
 mod heartbeat;
 pub(crate) mod layout;
-mod number;
+mod numbers;
 mod plan_reply;
 mod plan_request;
 mod scene;
@@ -17,6 +18,7 @@ pub use camera_frame::{CameraFrame, CameraFrameError, DetectedBox, Frame};
 pub use feedback::{Feedback, FeedbackError, Outcome, Report};
 pub use heartbeat::{Heartbeat, HeartbeatError, Role, State};
 pub use layout::{Element, Field, Message, Type};
+pub use numbers::{Member, Numbers};
 pub use plan_reply::{
     MAX_MESSAGE_BYTES, PlanReply, PlanReplyError, REASONS, Reply, ReplyTo, Status,
 };

@@ -7,6 +7,7 @@ use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::{MAX_STEPS, Model, Plan};
 
 use super::layout::message;
+use super::numbers::numbers;
 use super::step::StepMessage;
 use super::text::{self, Clamped};
 use crate::executive::{Event, Failure};
@@ -85,37 +86,25 @@ pub const REASONS: [&str; 31] = [
     "clock_set_back",
 ];
 
-/// What has become of a request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Status {
-    /// It was understood and grounded; again before each step that is grounded anew.
-    Planned = 1,
-    /// A step was sent to the controller.
-    Commanded = 2,
-    /// A step did what it should.
-    Reached = 3,
-    /// A step did not, and is tried again.
-    Again = 4,
-    /// All is done. The last reply.
-    Done = 5,
-    /// It won't be followed, or not further. The last reply.
-    Failed = 6,
-    /// Before a step's object is carried, something else is moved out of its way.
-    Clearing = 7,
-}
-
-impl Status {
-    /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 7] = [
-        Self::Planned,
-        Self::Commanded,
-        Self::Reached,
-        Self::Again,
-        Self::Done,
-        Self::Failed,
-        Self::Clearing,
-    ];
+numbers! {
+    /// What has become of a request.
+    "PlanReply.status"
+    pub enum Status {
+        /// It was understood and grounded; again before each step that is grounded anew.
+        Planned = 1,
+        /// A step was sent to the controller.
+        Commanded = 2,
+        /// A step did what it should.
+        Reached = 3,
+        /// A step did not, and is tried again.
+        Again = 4,
+        /// All is done. The last reply.
+        Done = 5,
+        /// It won't be followed, or not further. The last reply.
+        Failed = 6,
+        /// Before a step's object is carried, something else is moved out of its way.
+        Clearing = 7,
+    }
 }
 
 /// What a reply says, its parts still in place.
@@ -352,10 +341,7 @@ impl PlanReply {
                 .ok_or(PlanReplyError::Reason(self.reason))
         };
         let step = self.step;
-        let status = Status::ALL
-            .into_iter()
-            .find(|status| *status as u32 == self.status)
-            .ok_or(PlanReplyError::Status(self.status))?;
+        let status = Status::from_number(self.status).ok_or(PlanReplyError::Status(self.status))?;
         Ok(match status {
             Status::Planned => Reply::Planned {
                 steps: self.read_steps()?,

@@ -6,6 +6,7 @@ use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::MAX_SENTENCE_BYTES;
 
 use super::layout::message;
+use super::numbers::numbers;
 use super::text::{self, Clamped, TextFault};
 use crate::executive::{Mode, Sentence};
 
@@ -76,28 +77,19 @@ impl fmt::Display for PlanRequestError {
 
 impl core::error::Error for PlanRequestError {}
 
-/// What a request is for: [`PlanRequest::purpose`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Purpose {
-    /// To say what would be done.
-    PlanOnly = 1,
-    /// To do it, and look after each step.
-    ClosedLoop = 2,
-    /// To do it without looking.
-    OpenLoop = 3,
-    /// To cancel the request of this number.
-    Cancel = 4,
-}
-
-impl Purpose {
-    /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 4] = [
-        Self::PlanOnly,
-        Self::ClosedLoop,
-        Self::OpenLoop,
-        Self::Cancel,
-    ];
+numbers! {
+    /// What a request is for: [`PlanRequest::purpose`].
+    "PlanRequest.purpose"
+    pub enum Purpose {
+        /// To say what would be done.
+        PlanOnly = 1,
+        /// To do it, and look after each step.
+        ClosedLoop = 2,
+        /// To do it without looking.
+        OpenLoop = 3,
+        /// To cancel the request of this number.
+        Cancel = 4,
+    }
 }
 
 impl PlanRequest {
@@ -140,10 +132,8 @@ impl PlanRequest {
 
     /// What is asked for.
     pub fn read(&self) -> Result<Asked, PlanRequestError> {
-        let purpose = Purpose::ALL
-            .into_iter()
-            .find(|purpose| *purpose as u32 == self.purpose)
-            .ok_or(PlanRequestError::Purpose(self.purpose))?;
+        let purpose =
+            Purpose::from_number(self.purpose).ok_or(PlanRequestError::Purpose(self.purpose))?;
         let mode = match purpose {
             Purpose::PlanOnly => Mode::PlanOnly,
             Purpose::ClosedLoop => Mode::ClosedLoop,

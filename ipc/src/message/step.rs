@@ -5,8 +5,8 @@ use nsrm_core::MAX_FILTERS;
 use nsrm_core::dsl::{Description, Step};
 use nsrm_core::planner::PlannedStep;
 
+use super::checks::{all_finite, is_unit};
 use super::layout::message;
-use super::number::{all_finite, is_unit};
 
 message! {
     /// A step as understood and, where it is still to be done, as grounded.

@@ -6,8 +6,9 @@ use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use nsrm_core::MAX_STEPS;
 
+use super::checks::{all_finite, is_unit};
 use super::layout::message;
-use super::number::{all_finite, is_unit};
+use super::numbers::numbers;
 use crate::executive::{Command, CommandId};
 
 message! {
@@ -53,23 +54,16 @@ message! {
     }
 }
 
-/// What a sub-goal tells a controller: [`SubGoal::kind`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Kind {
-    /// To bring the object there.
-    Move = 1,
-    /// To stop.
-    Stop = 2,
+numbers! {
+    /// What a sub-goal tells a controller: [`SubGoal::kind`].
+    "SubGoal.kind"
+    pub enum Kind {
+        /// To bring the object there.
+        Move = 1,
+        /// To stop.
+        Stop = 2,
+    }
 }
-
-impl Kind {
-    /// All of them, in the order of their numbers, from 1.
-    pub const ALL: [Self; 2] = [Self::Move, Self::Stop];
-}
-
-const MOVE: u32 = Kind::Move as u32;
-const STOP: u32 = Kind::Stop as u32;
 
 /// What a controller is told, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -169,7 +163,7 @@ impl SubGoal {
         Self {
             plan: id.plan,
             command: id.command,
-            kind: STOP,
+            kind: Kind::Stop as u32,
             ..Self::EMPTY
         }
     }
@@ -190,10 +184,10 @@ impl SubGoal {
         if self.command == 0 {
             return Err(SubGoalError::NoCommand);
         }
-        match self.kind {
-            MOVE => self.read_move(now_ns),
-            STOP => Ok(Order::Stop),
-            kind => Err(SubGoalError::Kind(kind)),
+        match Kind::from_number(self.kind) {
+            Some(Kind::Move) => self.read_move(now_ns),
+            Some(Kind::Stop) => Ok(Order::Stop),
+            None => Err(SubGoalError::Kind(self.kind)),
         }
     }
 
@@ -244,7 +238,7 @@ impl From<&Command> for SubGoal {
             plan: id.plan,
             until_ns: *until_ns,
             command: id.command,
-            kind: MOVE,
+            kind: Kind::Move as u32,
             step: (*step).into(),
             steps: (*steps).into(),
             action: planned.action.into(),
@@ -260,7 +254,7 @@ impl From<&Command> for SubGoal {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::{CommandId, MOVE, Order, STOP, SubGoal, SubGoalError};
+    use super::{CommandId, Kind, Order, SubGoal, SubGoalError};
 
     /// A sub-goal that passes.
     pub(crate) fn sub_goal() -> SubGoal {
@@ -268,7 +262,7 @@ pub(crate) mod tests {
             plan: 7,
             until_ns: 9_000_000,
             command: 1,
-            kind: MOVE,
+            kind: Kind::Move as u32,
             step: 1,
             steps: 2,
             action: 0,
@@ -300,7 +294,7 @@ pub(crate) mod tests {
         let stop = SubGoal::stop(id);
         assert_eq!(
             (stop.id(), stop.kind, stop.read(u64::MAX)),
-            (id, STOP, Ok(Order::Stop))
+            (id, Kind::Stop as u32, Ok(Order::Stop))
         );
     }
 

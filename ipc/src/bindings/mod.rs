@@ -1,0 +1,160 @@
+//! The messages in other languages, written from the structs: Python (`ctypes`)
+//! and C, and a table for people. Each states size, alignment and every offset as
+//! Rust has them, for the other side to compare with its own.
+
+mod c;
+mod python;
+
+use std::fmt::Write;
+
+use crate::message::{
+    CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Kind, Member, Message,
+    Numbers, ObjectMessage, Outcome, PlanReply, PlanRequest, Purpose, Role, SceneMessage, State,
+    Status, StepMessage, SubGoal, Type,
+};
+use crate::service::{CAMERA, CAMERA_QUALITY, Carried, Quality};
+
+/// A message as bindings tell of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Description {
+    /// The struct's name.
+    pub name: &'static str,
+    /// What it is, in Markdown.
+    pub doc: &'static str,
+    /// What iceoryx2 compares.
+    pub type_name: &'static str,
+    /// Hash of the layout, the end of the type's name.
+    pub layout_hash: u64,
+    /// Bytes.
+    pub size: usize,
+    /// Bytes.
+    pub align: usize,
+    /// In memory order.
+    pub fields: &'static [Field],
+}
+
+const fn describe<T: Message>() -> Description {
+    Description {
+        name: T::NAME,
+        doc: T::DOC,
+        type_name: T::TYPE_NAME,
+        layout_hash: T::LAYOUT_HASH,
+        size: size_of::<T>(),
+        align: align_of::<T>(),
+        fields: T::FIELDS,
+    }
+}
+
+/// All messages; those that others are made of come before these.
+pub const MESSAGES: [Description; 11] = [
+    describe::<CameraMessage>(),
+    describe::<DetectedBox>(),
+    describe::<CameraFrame>(),
+    describe::<ObjectMessage>(),
+    describe::<SceneMessage>(),
+    describe::<PlanRequest>(),
+    describe::<StepMessage>(),
+    describe::<PlanReply>(),
+    describe::<SubGoal>(),
+    describe::<Feedback>(),
+    describe::<Heartbeat>(),
+];
+
+/// The numbers of a field, as bindings tell of them.
+struct Named {
+    /// The enum's name.
+    name: &'static str,
+    /// The message and its field.
+    field: &'static str,
+    /// In the order of their numbers.
+    members: &'static [Member],
+}
+
+const fn named<T: Numbers>() -> Named {
+    Named {
+        name: T::NAME,
+        field: T::FIELD,
+        members: T::MEMBERS,
+    }
+}
+
+/// All fields whose numbers have names, but for [`crate::message::REASONS`].
+const NUMBERS: [Named; 6] = [
+    named::<Purpose>(),
+    named::<Status>(),
+    named::<Kind>(),
+    named::<Outcome>(),
+    named::<Role>(),
+    named::<State>(),
+];
+
+/// What the publish-subscribe services promise that a camera or a controller may open.
+const QUALITIES: [(&str, Quality); 5] = [
+    (CAMERA, CAMERA_QUALITY),
+    (SceneMessage::SERVICE, SceneMessage::QUALITY),
+    (SubGoal::SERVICE, SubGoal::QUALITY),
+    (Feedback::SERVICE, Feedback::QUALITY),
+    (Heartbeat::SERVICE, Heartbeat::QUALITY),
+];
+
+const HOW: &str = "Written by `cargo run -p nsrm-ipc --bin nsrm-bindings`; do not edit.";
+
+/// What is committed, by its path from this package.
+pub fn files() -> [(&'static str, String); 3] {
+    [
+        ("layout.txt", table()),
+        ("include/nsrm_messages.h", c::header()),
+        ("../sim-harness/nsrm_harness/messages.py", python::module()),
+    ]
+}
+
+/// For people: what of the messages must be the same on both sides.
+fn table() -> String {
+    let mut table = format!(
+        "Layout of the messages: offset, size (bytes), name and type of each field.\n{HOW}\n\
+         A change is a new schema.\n"
+    );
+    for message in &MESSAGES {
+        let (name, size, align) = (message.type_name, message.size, message.align);
+        // Writing to a string does not fail.
+        let _ = writeln!(table, "\n{name}  size {size}  align {align}");
+        for field in message.fields {
+            let (offset, size, name) = (field.offset, field.size, field.name);
+            let written = rust_type(&field.element);
+            let _ = writeln!(table, "  {offset:>6} {size:>6}  {name}: {written}");
+        }
+    }
+    table
+}
+
+fn rust_type(element: &Type) -> String {
+    match element {
+        Type::U8 => "u8".into(),
+        Type::U32 => "u32".into(),
+        Type::U64 => "u64".into(),
+        Type::F32 => "f32".into(),
+        Type::Array(of, length) => format!("[{}; {length}]", rust_type(of)),
+        Type::Message(name) => (*name).into(),
+    }
+}
+
+fn snake(name: &str) -> String {
+    let mut snake = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !snake.is_empty() {
+            snake.push('_');
+        }
+        snake.extend(letter.to_lowercase());
+    }
+    snake
+}
+
+/// A doc comment without the links that only rustdoc follows.
+fn prose(doc: &str, line_end: &str) -> String {
+    let lines = doc.lines().map(str::trim);
+    let text = lines.collect::<Vec<_>>().join(line_end);
+    let text = text.replace("[`", "`").replace("`]", "`");
+    // Nor are there blanks at a line's end.
+    let lines = text.lines().map(str::trim_end);
+    lines.collect::<Vec<_>>().join("\n")
+}
