@@ -118,18 +118,17 @@ fn become_realtime() -> bool {
 }
 
 /// A line for each power of two: how many ticks took up to so many microseconds, and longer
-/// than those of the line before; ten times as many have a bar that is two signs longer.
+/// than those of the line before; twice as many have a bar that is one sign longer.
 fn print_bars(what: &str, histogram: &Histogram<u64>) {
     for line in histogram
         .iter_log(1000, 2.0)
         .skip_while(|line| line.count_since_last_iteration() == 0)
     {
         let count = line.count_since_last_iteration();
-        let signs = count
-            .checked_ilog10()
-            .map_or(0, |tens| 1 + 2 * tens as usize);
+        let signs = count.checked_ilog2().map_or(0, |twice| 1 + twice as usize);
         let (bar, most) = ("#".repeat(signs), line.value_iterated_to() / 1000 + 1);
-        println!("  {what:>10} ≤ {most:>7} {count:>8} {bar}");
+        let line = format!("  {what:>10} ≤ {most:>7} {count:>8} {bar}");
+        println!("{}", line.trim_end());
     }
 }
 
@@ -182,7 +181,7 @@ impl Ticks {
     }
 
     fn print(&self, name: &str) {
-        println!("{name}, microseconds");
+        println!("{name}, microseconds; how many ticks, # for each doubling");
         println!(
             "  {:>10}{:>10}{:>10}{:>10}{:>10}",
             "", "p50", "p99", "p99.99", "most"
