@@ -1,0 +1,179 @@
+//! A domain that can't be, and a vocabulary that is not the domain's.
+
+use nsrm_codegen::ModelError;
+use serde_json::{Value, json};
+
+use crate::common;
+use crate::{SpoilDomain, refused, refused_domain};
+
+#[test]
+fn empty_lists() {
+    let spoils: [SpoilDomain; 5] = [
+        |domain| domain["attribute"] = json!([]),
+        |domain| domain["action"] = json!([]),
+        |domain| domain["attribute"][1]["values"] = json!([]),
+        |domain| domain["attribute"][1]["values"][0]["words"] = json!([]),
+        |domain| domain["action"][1]["phrases"] = json!([]),
+    ];
+    for spoil in spoils {
+        let error = refused_domain(spoil, &["must not be empty", "train again"]);
+        assert!(matches!(error, ModelError::Empty { .. }), "{error:?}");
+    }
+}
+
+#[test]
+fn more_names_than_an_index_holds() {
+    let value = |n: usize| json!({"name": format!("v{n}"), "words": [format!("v{n}")]});
+    let action = |n: usize| json!({"name": format!("a{n}"), "phrases": ["onto"]});
+    let attribute =
+        |n: usize| json!({"name": format!("t{n}"), "view": "color", "values": [value(n)]});
+    let spoils: [(&str, &str, Vec<Value>); 3] = [
+        (
+            "concepts",
+            "/attribute/0/values",
+            (0..253).map(value).collect(),
+        ),
+        ("actions", "/action", (0..257).map(action).collect()),
+        (
+            "attribute types",
+            "/attribute",
+            (0..257).map(attribute).collect(),
+        ),
+    ];
+    for (what, place, list) in spoils {
+        let spoil = |domain: &mut Value| *domain.pointer_mut(place).expect("a list") = json!(list);
+        let error = refused_domain(spoil, &["at most 256", what, "got 257"]);
+        assert_eq!(
+            error,
+            ModelError::TooMany {
+                what,
+                limit: 256,
+                got: 257
+            }
+        );
+    }
+}
+
+#[test]
+fn more_words_than_an_index_holds() {
+    let nouns: Vec<String> = (0..70_000).map(|n| format!("n{n}")).collect();
+    let spoil = |domain: &mut Value| domain["grammar"]["nouns"] = json!(nouns);
+    let error = refused_domain(spoil, &["at most 65536 words"]);
+    assert!(matches!(
+        error,
+        ModelError::TooMany {
+            what: "words",
+            limit: 65_536,
+            ..
+        }
+    ));
+}
+
+#[test]
+fn names_that_stand_there_twice() {
+    let spoils: [(&str, &str, SpoilDomain); 5] = [
+        ("attribute type", "tint", |domain| {
+            domain["attribute"][1]["name"] = json!("tint")
+        }),
+        ("concept", "teal", |domain| {
+            domain["attribute"][1]["values"][0]["name"] = json!("teal");
+        }),
+        ("action", "Stack", |domain| {
+            domain["action"][1]["name"] = json!("Stack")
+        }),
+        ("word", "teal", |domain| {
+            domain["attribute"][1]["values"][0]["words"] = json!(["teal"]);
+        }),
+        ("word", "teal", |domain| {
+            domain["grammar"]["nouns"] = json!(["teal"])
+        }),
+    ];
+    for (what, name, spoil) in spoils {
+        let error = refused_domain(spoil, &[what, name, "twice"]);
+        assert_eq!(
+            error,
+            ModelError::Duplicate {
+                what,
+                name: name.into()
+            }
+        );
+    }
+}
+
+#[test]
+fn words_that_no_sentence_contains() {
+    for word in ["Jar", "", "two words", "jar.", "'jar", "a,b"] {
+        let spoil =
+            |domain: &mut Value| domain["attribute"][0]["values"][1]["words"] = json!([word]);
+        let error = refused_domain(spoil, &["no sentence can contain"]);
+        assert_eq!(error, ModelError::UnreadableWord { word: word.into() });
+    }
+    let error = refused_domain(
+        |domain| domain["grammar"]["nouns"] = json!(["Jar"]),
+        &["Jar"],
+    );
+    assert_eq!(error, ModelError::UnreadableWord { word: "Jar".into() });
+}
+
+#[test]
+fn no_group_token() {
+    for (vocabulary, got) in [(json!([]), ""), (json!(["the", "[[X]]"]), "the")] {
+        let error = refused(
+            |file| file.set("vocabulary", vocabulary),
+            &["[[X]]", "first entry"],
+        );
+        assert_eq!(error, ModelError::GroupToken { got: got.into() });
+    }
+}
+
+fn vocabulary(change: impl FnOnce(&mut Vec<&str>)) -> Value {
+    let mut words = vec!["[[X]]"];
+    words.extend(common::WORDS);
+    change(&mut words);
+    json!(words)
+}
+
+#[test]
+fn a_vocabulary_that_is_not_the_domains() {
+    let words = vocabulary(|words| words[3] = "mug");
+    let error = refused(
+        |file| file.set("vocabulary", words),
+        &["lacks \"jar\"", "has besides \"mug\"", "train again"],
+    );
+    let (missing, extra) = (vec!["jar".into()], vec!["mug".into()]);
+    assert_eq!(error, ModelError::Vocabulary { missing, extra });
+}
+
+#[test]
+fn a_long_difference_is_cut_short() {
+    let error = refused(
+        |file| file.set("vocabulary", json!(["[[X]]"])),
+        &["and 1 more"],
+    );
+    assert!(matches!(error, ModelError::Vocabulary { ref missing, .. } if missing.len() == 9));
+}
+
+#[test]
+fn a_word_twice_in_the_vocabulary() {
+    let words = vocabulary(|words| words.push("the"));
+    let error = refused(|file| file.set("vocabulary", words), &["\"the\"", "twice"]);
+    let what = "word of the vocabulary";
+    assert_eq!(
+        error,
+        ModelError::Duplicate {
+            what,
+            name: "the".into()
+        }
+    );
+}
+
+#[test]
+fn a_vocabulary_out_of_order() {
+    let words = vocabulary(|words| words.swap(2, 3));
+    let error = refused(
+        |file| file.set("vocabulary", words),
+        &["\"jar\" before \"beside\""],
+    );
+    let (first, second) = ("jar".into(), "beside".into());
+    assert_eq!(error, ModelError::VocabularyOrder { first, second });
+}
