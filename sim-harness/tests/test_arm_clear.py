@@ -59,8 +59,8 @@ BESIDE_NEAR = Pose.upright(0.6, 0.042, 0.02)
 BETWEEN = Pose.upright(0.591, 0.117, 0.02)
 NO_WAY = {
     "block": cube(0.594, -0.034),
-    "reference": cube(0.59, 0.192, yaw=-0.17, edges=LARGE),
-    "near": cube(0.534, 0.094),
+    "reference": cube(0.59, 0.186, yaw=-0.17, edges=LARGE),
+    "near": cube(0.534, 0.11),
 }
 """For `BETWEEN`: no room for the fingers beside two others."""
 
@@ -123,8 +123,8 @@ def no_way(world: ArmWorld) -> tuple[Pose, set[str], set[str]]:
     put(
         world,
         ("small", 0.594, -0.034, 0, -0.13),
-        ("lego", 0.59, 0.192, 0, -0.17),
-        ("small", 0.534, 0.094, 0, 0),
+        ("lego", 0.59, 0.186, 0, -0.17),
+        ("small", 0.534, 0.11, 0, 0),
     )
     return BETWEEN, {"3"}, {"3"}
 

@@ -10,7 +10,17 @@ from dataclasses import dataclass, replace
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.collision import HELD, Guard, Nearest
-from nsrm_harness.arm.grasp import LEANS_RAD, UPRIGHT, Grasp, grasps, why_not_held
+from nsrm_harness.arm.grasp import (
+    ASIDE,
+    CLEAR_M,
+    LEANS_RAD,
+    MIDDLE,
+    NARROW_M,
+    UPRIGHT,
+    Grasp,
+    grasps,
+    why_not_held,
+)
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
@@ -27,6 +37,9 @@ DROP_M = 0.0005
 """Above what it is put on, a block is let go."""
 SQUARE_M = 0.002
 """A block is square if its edges differ by no more."""
+HOLDS = ((MIDDLE, CLEAR_M), (ASIDE, CLEAR_M), ((*MIDDLE, *ASIDE), NARROW_M))
+"""Where on its faces a block is held, and how far off them the fingers are before: what comes first
+is tried first, by all grasps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +70,23 @@ class Carry:
         """Of its motions; the fingers need some time besides."""
         parts = (*self.reach, self.descend, self.lift, *self.transfer, self.lower, self.retreat)
         return sum(part.duration_s for part in (*parts, *self.home))
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What is the same for all ways to hold a block.
+
+    * `put`: where it is put, turned in one of the ways in which it looks the same
+    * `before`, `after`: the look at an empty hand, the block where it stands and where it is put
+    """
+
+    name: str
+    block: Cuboid
+    others: Mapping[str, Cuboid]
+    begin: Joints
+    put: Placement
+    before: Guard
+    after: Guard
 
 
 class Planner:
@@ -105,14 +135,29 @@ class Planner:
             raise RefusedError(
                 refusal.why, f"{name} can't stand there: {refusal}", refusal.in_the_way
             ) from None
+        before = self._guard(objects, ignored=_fingers_and(name))
+        tasks = [
+            _Task(
+                name,
+                block,
+                others,
+                begin,
+                replace(put, cuboid=there),
+                before,
+                self._guard({**others, name: there}, ignored=_fingers_and(name)),
+            )
+            for there in _looking_the_same(put.cuboid, block)
+        ]
         touches: list[Nearest] = []
-        ways = _least_turns_first(grasps(block, LEANS_RAD if leaning else UPRIGHT))
-        for there, grasp in itertools.product(_looking_the_same(put.cuboid, block), ways):
-            found = self._by(grasp, others, name, block, replace(put, cuboid=there), begin)
-            if isinstance(found, Carry):
-                return found
-            if found is not None:
-                touches.append(found)
+        leans_rad = LEANS_RAD if leaning else UPRIGHT
+        for places, clear_m in HOLDS:
+            ways = _least_turns_first(grasps(block, leans_rad, places, clear_m))
+            for task, grasp in itertools.product(tasks, ways):
+                found = self._by(grasp, task)
+                if isinstance(found, Carry):
+                    return found
+                if found is not None:
+                    touches.append(found)
         if touches:
             touches.sort(key=lambda touch: touch.distance_m, reverse=True)
             # Each once, in the order in which they come.
@@ -126,34 +171,31 @@ class Planner:
             Why.OUT_OF_REACH, f"the arm does not reach {name} or its sub-goal from above"
         )
 
-    def _by(
-        self,
-        grasp: Grasp,
-        others: Mapping[str, Cuboid],
-        name: str,
-        block: Cuboid,
-        put: Placement,
-        begin: Joints,
-    ) -> Carry | Nearest | None:
+    def _by(self, grasp: Grasp, task: _Task) -> Carry | Nearest | None:
         """All motions by one grasp; what would be touched, or None where it can't be reached."""
-        in_hand = Cuboid(grasp.hand.inverse() @ block.pose, block.edges_m)
-        there = put.cuboid.pose @ in_hand.pose.inverse()
-        up = line(self._kinematics, grasp.hand, _above(grasp.hand, RISE_M), begin, self._pace)
+        self._alive()
+        opening, put = grasp.opening_m, task.put
+        in_hand = Cuboid(grasp.hand.inverse() @ task.block.pose, task.block.edges_m)
+        let_go = _above(put.cuboid.pose @ in_hand.pose.inverse(), DROP_M)
+        # Most ways fail where fingers are about to close, or have just opened.
+        touch = self._touch(task.before, grasp.hand, task.begin, opening)
+        if touch is not None:
+            return touch
+        up = line(self._kinematics, grasp.hand, _above(grasp.hand, RISE_M), task.begin, self._pace)
         if up is None:
             return None
-        let_go = _above(there, DROP_M)
+        touch = self._touch(task.after, let_go, up.end, opening)
+        if touch is not None:
+            return touch
         away = line(self._kinematics, let_go, _above(let_go, RISE_M), up.end, self._pace)
         if away is None:
             return None
         down, lower = up.reversed(), away.reversed()
-        opening = grasp.opening_m
-        grasped = [(finger, name) for finger in panda.FINGERS]
-        before = self._guard({**others, name: block}, ignored=grasped)
-        after = self._guard({**others, name: put.cuboid}, ignored=grasped)
-        feet = [(HELD, foot) for foot in standing_on(block, others)]
-        lifting = self._guard(others, in_hand, feet)
-        carrying = self._guard(others, in_hand)
-        lowering = self._guard(others, in_hand, [(HELD, foot) for foot in put.support])
+        before, after = task.before, task.after
+        feet = [(HELD, foot) for foot in standing_on(task.block, task.others)]
+        lifting = self._guard(task.others, in_hand, feet)
+        carrying = self._guard(task.others, in_hand)
+        lowering = self._guard(task.others, in_hand, [(HELD, foot) for foot in put.support])
         for guard, way, wide in (
             (before, down, opening),
             (lifting, up, grasp.width_m),
@@ -163,7 +205,7 @@ class Planner:
             touch = guard.along(way, wide)
             if touch is not None:
                 return touch
-        reach = free(before, begin, down.begin, opening, self._pace)
+        reach = free(before, task.begin, down.begin, opening, self._pace)
         if isinstance(reach, Nearest):
             return reach
         transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
@@ -188,6 +230,11 @@ class Planner:
             tuple(back),
         )
 
+    def _touch(self, guard: Guard, hand: Pose, near: Joints, opening_m: float) -> Nearest | None:
+        """What is touched with the hand there; None also where it does not reach."""
+        joints = self._kinematics.joints(hand, near)
+        return None if joints is None else guard.touches(joints, opening_m)
+
     def _guard(
         self,
         objects: Mapping[str, Cuboid],
@@ -195,6 +242,11 @@ class Planner:
         ignored: Iterable[tuple[str, str]] = (),
     ) -> Guard:
         return Guard(self._kinematics, objects, held, ignored, self._alive)
+
+
+def _fingers_and(name: str) -> list[tuple[str, str]]:
+    """What may touch when a block is taken or let go."""
+    return [(finger, name) for finger in panda.FINGERS]
 
 
 def _above(hand: Pose, rise_m: float) -> Pose:

@@ -21,6 +21,12 @@ HELD_M = 0.010
 """So much of the fingers is on the block, at least."""
 CLEAR_M = 0.003
 """Between each finger and the block before they close."""
+NARROW_M = 0.002
+"""The same between neighbours that leave no more: as far as fingers keep off those."""
+MIDDLE = (0.0,)
+ASIDE = (1 / 6, -1 / 6, 1 / 4, -1 / 4)
+"""Where on the faces that it holds the hand is, from their middle, as shares of their width: aside
+where a neighbour stands before a part of a face alone."""
 WIDEST_M = panda.MAX_OPENING_M - CLEAR_M
 """A block that is held is no wider: the hand has to open somewhat farther."""
 LOWEST_M = 2 * (min(HEIGHTS_M) + HELD_M)
@@ -34,16 +40,18 @@ class Grasp:
     * `hand`: its frame in the world
     * `width_m`: between the fingers when they hold it
     * `lean_rad`: of the hand from pointing straight down
-    * `opening_m`: before they close, and after they let go
+    * `clear_m`: between each finger and the block before they close, and after they let go
+    * `opening_m`: between the fingers then
     """
 
     hand: Pose
     width_m: float
     lean_rad: float = 0.0
+    clear_m: float = CLEAR_M
 
     @property
     def opening_m(self) -> float:
-        return min(self.width_m + 2 * CLEAR_M, panda.MAX_OPENING_M)
+        return min(self.width_m + 2 * self.clear_m, panda.MAX_OPENING_M)
 
 
 def pointing_down(x: float, y: float, z: float, yaw_rad: float, lean_rad: float = 0.0) -> Pose:
@@ -56,22 +64,34 @@ def pointing_down(x: float, y: float, z: float, yaw_rad: float, lean_rad: float 
     return Pose((x, y, z), turn) @ lean @ Pose((0.0, 0.0, -panda.FINGERTIP_M))
 
 
-def grasps(block: Cuboid, leans_rad: Sequence[float] = LEANS_RAD) -> list[Grasp]:
-    """All ways that are tried, the best first: upright ones before those that lean, low ones
-    before high ones."""
+def grasps(
+    block: Cuboid,
+    leans_rad: Sequence[float] = LEANS_RAD,
+    places: Sequence[float] = MIDDLE,
+    clear_m: float = CLEAR_M,
+) -> list[Grasp]:
+    """Ways to hold a block: those leans, at those places on its faces, by each pair of them and at
+    each height."""
     x, y, z = block.pose.position
     found = []
     for lean_rad, height_m in itertools.product(leans_rad, HEIGHTS_M):
         if block.edges_m[2] / 2 - height_m < HELD_M:
             continue
-        for quarter in range(4):
+        for quarter, place in itertools.product(range(4), places):
             # Turned as the block, the hand closes along its y.
             width_m = block.edges_m[quarter % 2]
             if width_m > WIDEST_M:
                 continue
             yaw_rad = block.pose.yaw_rad() + (quarter - 1) * math.pi / 2
-            hand = pointing_down(x, y, z + height_m, yaw_rad, lean_rad)
-            found.append(Grasp(hand, width_m, lean_rad))
+            aside_m = place * block.edges_m[1 - quarter % 2]
+            hand = pointing_down(
+                x + aside_m * math.cos(yaw_rad),
+                y + aside_m * math.sin(yaw_rad),
+                z + height_m,
+                yaw_rad,
+                lean_rad,
+            )
+            found.append(Grasp(hand, width_m, lean_rad, clear_m))
     return found
 
 
