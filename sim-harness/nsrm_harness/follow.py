@@ -4,6 +4,7 @@ the planner does the same."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Body, Done, Mark, unmarked
 from nsrm_harness.arm.perform import SHIFTED_M, FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm.support import resting_on
 from nsrm_harness.looking import BlindError, look_patiently
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.perception.relief import PerceptionError
@@ -22,6 +24,9 @@ from nsrm_harness.world.pose import Pose
 
 MAX_ATTEMPTS = 3
 """At one step of a sentence; each has the tries of `perform`."""
+COVERED_M = 0.010
+"""So far off one may be seen that bears another, which hides a part of it, as long as that one has
+stayed where it was."""
 
 
 class _OvertakenError(FailedError):
@@ -56,11 +61,21 @@ class _Belief:
 
     def moved(self, sight: Sight) -> set[int]:
         """The objects that are seen elsewhere, or not at all."""
+        shifts_m = {
+            number: sight.cuboids[number].pose.distance_m(pose)
+            if number in sight.cuboids
+            else math.inf
+            for number, pose in self.poses.items()
+        }
+        stayed = {
+            number: sight.cuboids[number]
+            for number, shift_m in shifts_m.items()
+            if shift_m <= SHIFTED_M
+        }
         return {
             number
-            for number, pose in self.poses.items()
-            if number not in sight.cuboids
-            or sight.cuboids[number].pose.distance_m(pose) > SHIFTED_M
+            for number in shifts_m.keys() - stayed.keys()
+            if shifts_m[number] > COVERED_M or not resting_on(sight.cuboids[number], stayed)
         }
 
     def undo(self, moved: set[int]) -> None:

@@ -193,6 +193,26 @@ def test_nothing_more_is_carried_to_where_a_reference_was() -> None:
     assert scene.attempts == [0, 0] and scene.is_done()
 
 
+@pytest.mark.parametrize(
+    ("shift_m", "with_what_it_bears", "is_moved"),
+    [(0.004, False, False), (0.012, False, True), (0.004, True, True)],
+)
+def test_one_that_bears_another_is_seen_less_well(
+    shift_m: float, with_what_it_bears: bool, is_moved: bool
+) -> None:
+    def shift() -> None:
+        for number in (3, 4) if with_what_it_bears else (3,):
+            x, y, z = scene.poses[number].position
+            scene.poses[number] = Pose.upright(x + shift_m, y, z)
+
+    scene = Scene((1, 3))
+    x, y, _ = scene.poses[3].position
+    scene.poses[4] = Pose.upright(x, y, 0.06)
+    scene.happens[1] = shift
+    scene.follow()
+    assert scene.attempts == ([0, 0] if is_moved else [0])
+
+
 def test_a_block_that_nobody_spoke_of_may_be_moved() -> None:
     scene = Scene((1, 3))
     scene.happens[1] = scene.move(4)

@@ -10,17 +10,7 @@ from dataclasses import dataclass, replace
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.collision import HELD, Guard, Nearest
-from nsrm_harness.arm.grasp import (
-    ASIDE,
-    CLEAR_M,
-    LEANS_RAD,
-    MIDDLE,
-    NARROW_M,
-    UPRIGHT,
-    Grasp,
-    grasps,
-    why_not_held,
-)
+from nsrm_harness.arm.grasp import HOLDS, LEANS_RAD, UPRIGHT, Grasp, grasps, why_not_held
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
@@ -37,9 +27,6 @@ DROP_M = 0.0005
 """Above what it is put on, a block is let go."""
 SQUARE_M = 0.002
 """A block is square if its edges differ by no more."""
-HOLDS = ((MIDDLE, CLEAR_M), (ASIDE, CLEAR_M), ((*MIDDLE, *ASIDE), NARROW_M))
-"""Where on its faces a block is held, and how far off them the fingers are before: what comes first
-is tried first, by all grasps."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,6 +27,8 @@ MIDDLE = (0.0,)
 ASIDE = (1 / 6, -1 / 6, 1 / 4, -1 / 4)
 """Where on the faces that it holds the hand is, from their middle, as shares of their width: aside
 where a neighbour stands before a part of a face alone."""
+HOLDS = ((MIDDLE, CLEAR_M), (ASIDE, CLEAR_M), ((*MIDDLE, *ASIDE), NARROW_M))
+"""Places on the faces, and what is kept clear: one after the other, each with all other choices."""
 WIDEST_M = panda.MAX_OPENING_M - CLEAR_M
 """A block that is held is no wider: the hand has to open somewhat farther."""
 LOWEST_M = 2 * (min(HEIGHTS_M) + HELD_M)

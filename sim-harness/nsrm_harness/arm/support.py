@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from shapely.ops import nearest_points
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.pose import Pose
+
+K = TypeVar("K")
 
 TABLE = "table"
 
@@ -87,7 +90,7 @@ def supporting(wanted: Cuboid, others: Mapping[str, Cuboid]) -> dict[str, Cuboid
     }
 
 
-def resting_on(block: Cuboid, others: Mapping[str, Cuboid]) -> list[str]:
+def resting_on(block: Cuboid, others: Mapping[K, Cuboid]) -> list[K]:
     """The names of what stands on a block."""
     return [
         name
