@@ -362,60 +362,6 @@ fn each_case_is_refused_for_its_reason_and_says_so() {
 }
 
 #[test]
-fn what_may_have_been_meant_is_a_known_word_nearby() {
-    for (sentence, word, expected) in [
-        ("put the gren block on the red block", "gren", Some("green")),
-        (
-            "Put the GREEEN block on the red one",
-            "GREEEN",
-            Some("green"),
-        ),
-        (
-            "put the magneta block on the red block",
-            "magneta",
-            Some("magenta"),
-        ),
-        (
-            "put the whtie block on the red block",
-            "whtie",
-            Some("white"),
-        ),
-        ("put the red blok on the blue one", "blok", Some("block")),
-        (
-            "psition the red block on the blue one",
-            "psition",
-            Some("position"),
-        ),
-        ("put the red block on teh blue one", "teh", Some("the")),
-        ("put the red block under the blue block", "under", None),
-        ("put the red block behind the blue block", "behind", None),
-        ("put the red block beside the blue block", "beside", None),
-        ("put the purple block on the blue block", "purple", None),
-        ("don't put the red block on the blue block", "don't", None),
-    ] {
-        let model = &nsrm_core::pretrained::TABLETOP;
-        let refusal = Planner::new(model).parse(sentence).expect_err(sentence);
-        let Refusal::UnknownWord { span } = refusal else {
-            panic!("{sentence:?}: {refusal:?}");
-        };
-        assert_eq!(span.of(sentence), Some(word));
-        assert_eq!(
-            refusal.suggestion(model, sentence),
-            expected,
-            "{sentence:?}"
-        );
-        let message = refusal.in_context(model, sentence).to_string();
-        let offer = expected.map_or("use another one".into(), |known| {
-            format!("did you mean \"{known}\"?")
-        });
-        assert!(message.ends_with(&offer), "{message}");
-        assert!(!refusal.to_string().contains("did you mean"));
-    }
-    let other = Refusal::NoWords.suggestion(&nsrm_core::pretrained::TABLETOP, "");
-    assert_eq!(other, None);
-}
-
-#[test]
 fn a_scene_of_another_model_is_refused() {
     let parts = Parts::new();
     let model = parts.model();
