@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{HOW, MESSAGES, NUMBERS, Named, QUALITIES, prose, snake};
-use crate::message::{Member, REASONS, Type};
+use super::{HOW, MESSAGES, NUMBERS, QUALITIES, prose, snake};
+use crate::message::{Member, Numbers, REASONS, Type};
 use crate::service::Quality;
 
 /// A C header, for C11 and C++11.
@@ -56,7 +56,7 @@ pub(super) fn header() -> String {
 
 /// Numbers by name, and what the services promise.
 fn constants(header: &mut String) {
-    for Named {
+    for Numbers {
         name,
         field,
         members,

@@ -8,9 +8,9 @@ mod python;
 use std::fmt::Write;
 
 use crate::message::{
-    CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Kind, Member, Message,
-    Numbers, ObjectMessage, Outcome, PlanReply, PlanRequest, Purpose, Role, SceneMessage, State,
-    Status, StepMessage, SubGoal, Type,
+    CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Kind, Message, Numbers,
+    ObjectMessage, Outcome, PlanReply, PlanRequest, Purpose, Role, SceneMessage, State, Status,
+    StepMessage, SubGoal, Type,
 };
 use crate::service::{CAMERA, CAMERA_QUALITY, Carried, Quality};
 
@@ -60,32 +60,14 @@ pub const MESSAGES: [Description; 11] = [
     describe::<Heartbeat>(),
 ];
 
-/// The numbers of a field, as bindings tell of them.
-struct Named {
-    /// The enum's name.
-    name: &'static str,
-    /// The message and its field.
-    field: &'static str,
-    /// In the order of their numbers.
-    members: &'static [Member],
-}
-
-const fn named<T: Numbers>() -> Named {
-    Named {
-        name: T::NAME,
-        field: T::FIELD,
-        members: T::MEMBERS,
-    }
-}
-
 /// All fields whose numbers have names, but for [`crate::message::REASONS`].
-const NUMBERS: [Named; 6] = [
-    named::<Purpose>(),
-    named::<Status>(),
-    named::<Kind>(),
-    named::<Outcome>(),
-    named::<Role>(),
-    named::<State>(),
+const NUMBERS: [Numbers; 6] = [
+    Purpose::NUMBERS,
+    Status::NUMBERS,
+    Kind::NUMBERS,
+    Outcome::NUMBERS,
+    Role::NUMBERS,
+    State::NUMBERS,
 ];
 
 /// What the publish-subscribe services promise that a camera or a controller may open.

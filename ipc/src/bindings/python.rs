@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use nsrm_core::MAX_STEPS;
 
-use super::{HOW, MESSAGES, NUMBERS, Named, QUALITIES, prose, snake};
-use crate::message::{Member, REASONS, Type};
+use super::{HOW, MESSAGES, NUMBERS, QUALITIES, prose, snake};
+use crate::message::{Member, Numbers, REASONS, Type};
 use crate::service::{FRAMES_AT_ONCE, ONLOOKERS, Quality, ROOM};
 
 /// A Python module of `ctypes` structures.
@@ -58,7 +58,7 @@ pub(super) fn module() -> String {
 
 /// Numbers by name, and what the services promise.
 fn constants(module: &mut String) {
-    for Named {
+    for Numbers {
         name,
         field,
         members,

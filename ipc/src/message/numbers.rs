@@ -12,16 +12,15 @@ pub struct Member {
     pub number: u32,
 }
 
-/// An enum whose values a field holds by their numbers.
-///
-/// Implemented by this crate's `numbers!` alone.
-pub trait Numbers {
+/// The numbers of a field, as bindings tell of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Numbers {
     /// The enum's name.
-    const NAME: &'static str;
+    pub name: &'static str,
     /// The message and its field.
-    const FIELD: &'static str;
-    /// All of them, in the order of their numbers.
-    const MEMBERS: &'static [Member];
+    pub field: &'static str,
+    /// All of them, in their order.
+    pub members: &'static [Member],
 }
 
 /// Defines an enum whose values a field holds by their numbers: the enum, how it is got
@@ -45,6 +44,19 @@ macro_rules! numbers {
             /// All of them, in the order of their numbers.
             pub const ALL: [Self; [$($number),*].len()] = [$(Self::$member),*];
 
+            /// Their names and what they mean.
+            pub const NUMBERS: $crate::message::Numbers = $crate::message::Numbers {
+                name: stringify!($name),
+                field: $field,
+                members: &[
+                    $($crate::message::Member {
+                        name: stringify!($member),
+                        doc: concat!($($member_doc, "\n"),*),
+                        number: $number,
+                    },)*
+                ],
+            };
+
             /// The one of this number, if there is one.
             pub const fn from_number(number: u32) -> Option<Self> {
                 match number {
@@ -52,18 +64,6 @@ macro_rules! numbers {
                     _ => None,
                 }
             }
-        }
-
-        impl $crate::message::numbers::Numbers for $name {
-            const NAME: &'static str = stringify!($name);
-            const FIELD: &'static str = $field;
-            const MEMBERS: &'static [$crate::message::numbers::Member] = &[
-                $($crate::message::numbers::Member {
-                    name: stringify!($member),
-                    doc: concat!($($member_doc, "\n"),*),
-                    number: $number,
-                },)*
-            ];
         }
     };
 }
