@@ -25,7 +25,8 @@ from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Renderer
 
 SEED = 4
-CROWDED = 34
+CROWDED = (221, "put the white block to the left of the magenta block")
+"""A block stands where the fingers would have to go, whichever way the white one is held."""
 STACKED = 21
 """Its first step puts a block on another."""
 NOW_NS = 10**15
@@ -34,9 +35,9 @@ HOME_RAD = 0.01
 
 
 class Scene:
-    """A scene of the demo, its model's plan, and the arm as its controller."""
+    """A scene of the demo, the model's plan for its sentence or another, and the arm."""
 
-    def __init__(self, renderer: Renderer, seed: int) -> None:
+    def __init__(self, renderer: Renderer, seed: int, sentence: str | None = None) -> None:
         scene = tabletop(domains.load(), seed)
         self.world = DisturbedArm()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
@@ -44,7 +45,7 @@ class Scene:
         self.eyes = Eyes(renderer, self.world, default_camera())
         model = nsrm.Model.pretrained()
         self.sight: Sight = self.eyes.look()
-        plan = model.plan(self.sight.scene(model, default_camera()), scene.sentence)
+        plan = model.plan(self.sight.scene(model, default_camera()), sentence or scene.sentence)
         self.steps = list(plan.steps)
         self.said: list[Outcome] = []
         self.dark_until_s = 0.0
@@ -180,7 +181,7 @@ def test_what_is_stopped_while_it_is_planned_moves_nothing(scene: Scene) -> None
 
 
 def test_what_stands_too_near_is_moved_aside(renderer: Renderer) -> None:
-    with closing(Scene(renderer, CROWDED)) as scene:
+    with closing(Scene(renderer, *CROWDED)) as scene:
         before, told = scene.look(), set[int]()
         for step in range(len(scene.steps)):
             said = scene.obey(step, step + 1)

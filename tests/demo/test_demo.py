@@ -19,8 +19,8 @@ SEED = "3"
 PICTURES = ["initial.png", "predicted.png", "result.png", "overview.png"]
 #: What shows the arm at work.
 FILMS = ["film.gif", "strip.png"]
-#: A scene whose own sentence has no room for the fingers until another block is moved aside.
-CROWDED = "34"
+#: What has no room for the fingers until another block is moved aside, and where.
+CROWDED = ("put the white block to the left of the magenta block", "221")
 #: What can't be done, and where: its second step would have the arm move a block that bears one.
 BEARING = (
     "put the white block on the red block and put the red block to the left of the cyan block",
@@ -130,7 +130,8 @@ def test_a_sub_goal_that_the_arm_cannot_reach_is_refused(tmp_path: Path) -> None
 
 
 def test_what_stands_too_near_is_moved_aside_and_told(tmp_path: Path) -> None:
-    ran = cargo("demo", "--seed", CROWDED, "--out", str(tmp_path))
+    sentence, seed = CROWDED
+    ran = cargo("demo", sentence, "--seed", seed, "--out", str(tmp_path))
     assert ran.returncode == 0, ran.stderr
     assert "was moved aside first" in ran.stdout
     picture(tmp_path / "strip.png")
