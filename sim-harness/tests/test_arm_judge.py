@@ -90,6 +90,16 @@ def test_what_was_done_as_said_is_told_from_what_was_not(
     assert not judge.end([standing.pose(3)]).at_rest
 
 
+def test_the_world_may_go_on_before_the_first_step(domain: Domain, standing: ArmWorld) -> None:
+    judge, move = Judge(standing, [CUBE] * 3), on(domain)
+    standing.on_tick = judge.tick
+    wait(standing, 0.5)
+    standing.place(1, judge.begin(move))
+    wait(standing, 0.3)
+    verdict = judge.end()
+    assert verdict.is_as_said and verdict.seconds == 0.3
+
+
 @pytest.mark.parametrize(
     ("shift_m", "turn_deg", "push_m", "as_said"),
     [

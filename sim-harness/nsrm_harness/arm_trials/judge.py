@@ -88,9 +88,11 @@ class Judge:
 
     def __init__(self, world: ArmWorld, blocks: Sequence[Block]) -> None:
         self._world, self._blocks = world, blocks
+        self._has_begun = False
 
     def begin(self, move: Move) -> Pose:
         """A step begins; gives where its block is to be."""
+        self._has_begun = True
         self._move, self._before, self._ticks = move, self._poses(), 0
         self._seen: set[Contact] = set()
         self._holds: list[_Hold] = []
@@ -100,7 +102,9 @@ class Judge:
         return self._target
 
     def tick(self) -> None:
-        """To be called in each tick of the arm."""
+        """To be called in each tick of the arm; before the first step nothing is watched."""
+        if not self._has_begun:
+            return
         self._ticks += 1
         now = self._world.contacts(*{self._move.moved + 1, *self._held})
         self._seen |= now
