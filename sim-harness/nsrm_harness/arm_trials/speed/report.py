@@ -214,18 +214,19 @@ def draw(speed: Speed, path: Path) -> None:
     for each in speed.looks:
         style = "--" if each.holds else "-"
         color = "tab:blue" if each.where == speed.looks[0].where else "tab:orange"
-        held = "a block in the hand" if each.holds else "nothing"
-        _tail(looks, each.touches_s, f"{each.where}, {held}", style, color)
+        held = "a block in the hand" if each.holds else "nothing in the hand"
+        _tail(looks, each.touches_s, f"{each.where},\n{held}", style, color)
     looks.axvline(1000 * GOAL_S, c="black", lw=1, label="goal")
     looks.set(
         title=f"is anything too near, among {BLOCKS} blocks?",
         xlabel="milliseconds",
         ylabel="share that takes longer",
-        xscale="log",
         yscale="log",
     )
+    # From nothing to the goal: what lies between is the room that is left.
+    looks.set_xlim(left=0.0)
     looks.grid(alpha=0.3)
-    looks.legend(fontsize=7, loc="center right")
+    looks.legend(fontsize=7, loc="upper right", bbox_to_anchor=(0.94, 1.0))
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
