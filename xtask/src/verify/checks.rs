@@ -47,31 +47,31 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "rust-tests",
         title: "tests and doc tests of the crates",
-        about: "4 min",
+        about: "2 min",
         steps: rust_tests,
     },
     Check {
         name: "second-user",
         title: "a robot's processes refuse another user's memory, and too little (needs root)",
-        about: "10 s",
+        about: "30 s",
         steps: second_user,
     },
     Check {
         name: "generated",
         title: "core/src/pretrained.rs is what the generator writes from the model file",
-        about: "10 s",
+        about: "20 s",
         steps: generated,
     },
     Check {
         name: "golden",
         title: "golden vectors of the trainer: Rust statics, loaded model",
-        about: "1 min",
+        about: "30 s",
         steps: golden,
     },
     Check {
         name: "proofs",
         title: "no allocation, no panic, every refusal, any input",
-        about: "3 min",
+        about: "1 min",
         steps: proofs,
     },
     Check {
@@ -83,7 +83,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "docs",
         title: "rustdoc has no warning",
-        about: "1 min",
+        about: "15 s",
         steps: docs,
     },
     Check {
@@ -95,13 +95,13 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "python-lints",
         title: "ruff and pyright have no complaint",
-        about: "20 s",
+        about: "45 s",
         steps: python_lints,
     },
     Check {
         name: "python-tests",
         title: "tests of harness and Python module, golden vectors among them",
-        about: "5 min",
+        about: "11 min",
         steps: python_tests,
     },
     Check {
@@ -113,26 +113,26 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "demo",
         title: "cargo demo plans, refuses and draws",
-        about: "20 s",
+        about: "1 min",
         steps: demo,
     },
     Check {
         name: "robot",
         title: "cargo robot carries sentences out, through all processes",
-        about: "2 min",
+        about: "4 min",
         steps: robot,
     },
     Check {
         name: "trials",
         title: "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
                 trials in small",
-        about: "6 min",
+        about: "4 min",
         steps: trials,
     },
     Check {
         name: "hosts",
         title: "a robot on two hosts: a sentence from each, a narrow cable, none (needs root)",
-        about: "4 min",
+        about: "3 min",
         steps: hosts,
     },
 ];
@@ -408,8 +408,8 @@ fn python_tests(context: &Context) -> Result<Vec<Step>> {
 
 fn tables(context: &Context) -> Result<Vec<Step>> {
     Ok(vec![
-        pytest(context, "tests/tables")?,
-        pytest(context, "tests/domain")?,
+        pytest(context, "tests/tables")?.beside_others(),
+        pytest(context, "tests/domain")?.beside_others(),
     ])
 }
 
@@ -441,5 +441,6 @@ fn hosts(context: &Context) -> Result<Vec<Step>> {
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {
-    Ok(vec![pytest(context, "tests/demo")?])
+    let step = pytest(context, "tests/demo")?;
+    Ok(vec![step.argument("--numprocesses=2")])
 }
