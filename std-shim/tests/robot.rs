@@ -37,6 +37,7 @@ fn a_sentence_is_followed_through_all_processes() {
         "{said}"
     );
     assert_eq!(lines[4..], ["done"]);
+    stage.wait_for_log(&[" done ", SENTENCE]);
 }
 
 /// Without a connection, as between hosts.
@@ -92,6 +93,9 @@ fn what_is_refused_is_told_with_exit_code_2() {
     assert_eq!(events[0]["reason"], "unknown_word");
     let said = stage.say(&["put the green block on the blue block"]);
     refused(&said, &["step 1", "\"green\" fits no object"]);
+    // The planner's log says so, too.
+    stage.wait_for_log(&[" refused ", "the purple block", "\"purple\" is not a word"]);
+    stage.wait_for_log(&[" refused ", "the green block", "\"green\" fits no object"]);
 }
 
 #[test]

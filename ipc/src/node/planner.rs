@@ -289,8 +289,6 @@ impl<'m> PlannerNode<'m> {
             Event::Command(command) => self.send(&SubGoal::from(command)),
             Event::Stop(id) => self.send(&SubGoal::stop(*id)),
             Event::Again { step, why } => warn!(step, %why, "tried again"),
-            Event::Ended(Err(Failure::Refused(_))) => {}
-            Event::Ended(Err(why)) => warn!(%why, "not done"),
             _ => {}
         }
     }
@@ -309,8 +307,15 @@ impl<'m> PlannerNode<'m> {
         match event {
             // Behind the command, for which the robot waits, as a log may be slow.
             Event::Planned(_) => info!(plan, sentence, "planned"),
-            Event::Ended(_) => {
-                info!(plan, sentence, "ended");
+            Event::Ended(outcome) => {
+                match outcome {
+                    Ok(()) => info!(plan, sentence, "done"),
+                    Err(Failure::Refused(refusal)) => {
+                        let why = refusal.in_context(model, sentence);
+                        info!(plan, sentence, %why, "refused");
+                    }
+                    Err(why) => warn!(plan, sentence, %why, "not done"),
+                }
                 self.current = None;
             }
             _ => {}

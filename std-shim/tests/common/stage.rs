@@ -4,8 +4,8 @@
 use std::io::{BufRead, BufReader, Lines};
 use std::path::PathBuf;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Output, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -122,6 +122,8 @@ pub(crate) struct Stage {
     stop: Arc<AtomicBool>,
     world: Option<JoinHandle<()>>,
     pub(crate) processes: Vec<Child>,
+    /// What all of them have logged since they were at work, as it comes.
+    pub(crate) logged: Arc<Mutex<String>>,
     pub(crate) bench: Bench,
     // Last, so that what is left behind is looked for when all have ended.
     pub(crate) corner: Corner,
@@ -154,6 +156,7 @@ impl Stage {
             stop,
             world: Some(world),
             processes: Vec::new(),
+            logged: Arc::default(),
             bench,
             corner,
             nsrm: env!("CARGO_BIN_EXE_nsrm").into(),
@@ -184,7 +187,8 @@ impl Stage {
             assert_ne!(lines.read_line(&mut line).unwrap(), 0, "{node} ended");
         }
         // What it says from now on is read, so that it never waits for a reader.
-        std::thread::spawn(move || drain(lines));
+        let logged = Arc::clone(&self.logged);
+        std::thread::spawn(move || drain(lines, &logged));
         self.processes.push(child);
         self.processes.len() - 1
     }
@@ -222,6 +226,19 @@ impl Stage {
         )
     }
 
+    /// Waits until a node has logged a line with all of `parts`; panics if none does.
+    pub(crate) fn wait_for_log(&self, parts: &[&str]) {
+        let has_all = |line: &str| parts.iter().all(|part| line.contains(part));
+        for _ in 0..2000 {
+            if self.logged.lock().unwrap().lines().any(has_all) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let logged = self.logged.lock().unwrap();
+        panic!("no line with {parts:?} in:\n{logged}");
+    }
+
     pub(crate) fn say(&self, arguments: &[&str]) -> Output {
         self.command(&[&["say"], arguments].concat())
             .output()
@@ -229,9 +246,12 @@ impl Stage {
     }
 }
 
-fn drain(lines: BufReader<ChildStderr>) {
+fn drain(lines: BufReader<ChildStderr>, logged: &Mutex<String>) {
     for line in lines.lines().map_while(Result::ok) {
         println!("{line}");
+        let mut logged = logged.lock().unwrap();
+        logged.push_str(&line);
+        logged.push('\n');
     }
 }
 
