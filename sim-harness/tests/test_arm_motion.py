@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,6 +74,41 @@ def test_all_of_the_work_space_is_reached_from_above() -> None:
 @pytest.mark.parametrize("x", [0.0, 1.2])
 def test_what_is_out_of_reach_has_no_joints(x: float) -> None:
     assert KINEMATICS.joints(pointing_down(x, 0.0, 0.1, 0.0), panda.READY_RAD) is None
+
+
+def test_where_joints_can_bring_the_hand_it_may_reach() -> None:
+    rng = np.random.default_rng(0)
+    for joints in rng.uniform(panda.LOWEST_RAD, panda.HIGHEST_RAD, (5000, panda.JOINTS)):
+        # Upper arm and forearm on one line.
+        joints[3] = rng.choice([joints[3], -0.467])
+        assert KINEMATICS.may_reach(KINEMATICS.hand(joints)), joints
+
+
+def test_beyond_the_stretched_arm_it_may_not() -> None:
+    # With the wrist as high as the shoulder: 0.3266 and 0.3928 m of arm, and 0.088 m to the
+    # axis of the hand.
+    hand = pointing_down(0.0, 0.0, 0.333 - 0.107 - panda.FINGERTIP_M, 0.3)
+    for turned in np.linspace(-3, 3, 7):
+        place = np.array([math.cos(turned), math.sin(turned), 0.0]) + hand.position
+        for far_m, may in ((0.8073, True), (0.8076, False)):
+            x, y, _ = far_m * place
+            there = replace(hand, position=(float(x), float(y), hand.position[2]))
+            assert KINEMATICS.may_reach(there) is may, (turned, far_m)
+            assert may or KINEMATICS.joints(there, panda.READY_RAD) is None
+
+
+def test_what_was_asked_before_changes_no_answer() -> None:
+    hands = [pointing_down(0.5, y, 0.1, 0.0) for y in (-0.1, 0.1)]
+    used, again = Kinematics(), Kinematics()
+    for hand in hands:
+        used.joints(hand, panda.READY_RAD)
+    for hand in reversed(hands):
+        one, other = (each.joints(hand, panda.READY_RAD) for each in (used, again))
+        assert one is not None and other is not None
+        np.testing.assert_array_equal(one, other)
+        # Else who asks next would get what this one has made of it.
+        with pytest.raises(ValueError, match="read-only"):
+            one[0] = 0.0
 
 
 def test_moves_keep_within_the_makers_limits_and_lines_are_straight() -> None:
