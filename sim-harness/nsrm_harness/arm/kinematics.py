@@ -38,9 +38,9 @@ SPREAD_RAD = 0.6
 """How far around it."""
 REMEMBERED = 1 << 14
 """Solutions: what one plan asks for, and asks for again for each way in which the block looks the
-same, for narrower fingers, and after a stopover. Some 10 MB."""
+same, for narrower fingers, and after a stopover. 12 MB."""
 _DAMPED = DAMPING**2 * np.eye(6)
-_ALL = np.eye(panda.JOINTS)
+_IDENTITY = np.eye(panda.JOINTS)
 
 
 class Kinematics:
@@ -118,7 +118,7 @@ class Kinematics:
             damped = jacobian @ jacobian.T + _DAMPED
             inverse = jacobian.T @ np.linalg.inv(damped)
             # What moves the elbow and not the hand.
-            free = _ALL - inverse @ jacobian
+            free = _IDENTITY - inverse @ jacobian
             ease = free @ (panda.READY_RAD - joints)
             is_there = np.linalg.norm(error[:3]) < POSITION_M
             is_there &= np.linalg.norm(error[3:]) < ANGLE_RAD
