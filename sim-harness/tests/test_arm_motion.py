@@ -14,6 +14,7 @@ from nsrm_harness.arm.grasp import pointing_down
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.timing import Along, Straight, Trajectory, moments_of, rest_to_rest
 from nsrm_harness.world.arm import rest_links
+from nsrm_harness.world.pose import Pose
 
 KINEMATICS = Kinematics()
 TICK_S = 2e-4
@@ -34,7 +35,7 @@ def within_limits(trajectory: Trajectory, begin: Joints, end: Joints) -> None:
     assert moments.joints.shape[1] == panda.JOINTS
     for given, first_or_last, row in ((begin, trajectory.begin, 0), (end, trajectory.end, -1)):
         np.testing.assert_allclose(first_or_last, given, atol=1e-12)
-        np.testing.assert_allclose(moments.joints[row], given, atol=1e-4)
+        np.testing.assert_allclose(moments.joints[row], given, atol=1e-12)
         np.testing.assert_allclose(moments.speeds[row], 0.0, atol=1e-4)
     speeds = np.diff(moments.joints, axis=0) / TICK_S
     told = moments.speeds
@@ -146,8 +147,32 @@ def test_a_line_on_which_the_arm_would_fold_over_is_none(monkeypatch: pytest.Mon
     begin, end = (pointing_down(0.45, y, 0.1, -3.0) for y in (0.45, -0.45))
     assert ways.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is None
     # All of its places can be reached.
-    monkeypatch.setattr(ways, "MAX_LEAP_RAD", math.inf)
+    monkeypatch.setattr(ways, "MAX_OFF_RAD", math.inf)
     assert ways.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is not None
+
+
+def test_a_line_on_which_the_elbow_swings_aside_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    x, y, z = 0.4653, 0.1689, 0.1319
+    leans = (0.696307, 0.696307, 0.123112, -0.123112)
+    near = np.array([-0.605, 0.6585, 0.3077, -1.7313, 0.2081, 2.2861, -1.124])
+    ends = Pose((x, y, z), leans), Pose((x, y, z + 0.08), leans)
+    assert ways.line(KINEMATICS, *ends, near, 1.0) is None
+    # No two of these are far from each other, but no smooth way leads through all.
+    monkeypatch.setattr(ways, "MAX_OFF_RAD", math.inf)
+    found = ways.line(KINEMATICS, *ends, near, 1.0)
+    assert found is not None and found.off_rad > 0.01
+
+
+def test_a_way_along_joints_begins_and_ends_with_them_and_tells_how_near_it_is() -> None:
+    bent = [
+        panda.READY_RAD + turn for turn in (0.0, 0.05, 0.3, 0.32, 0.31, 0.4, 0.41, 0.4, 0.5, 0.6)
+    ]
+    way = Along(bent)
+    reached = way.at(np.array([0.0, way.duration_s])).joints
+    np.testing.assert_allclose(reached, [bent[0], bent[-1]], atol=1e-12)
+    assert 0.005 < way.off_rad < 0.1
+    even = [panda.READY_RAD + turn for turn in np.linspace(0.0, 0.5, 10)]
+    assert Along(even).off_rad < 1e-12
 
 
 def test_before_it_begins_and_after_it_ends_a_trajectory_is_at_its_ends() -> None:
@@ -156,7 +181,7 @@ def test_before_it_begins_and_after_it_ends_a_trajectory_is_at_its_ends() -> Non
         lifted(0.5, 0.0, 0.0, panda.READY_RAD),
     ):
         moments = way.at(np.array([-1.0, way.duration_s + 1.0]))
-        np.testing.assert_allclose(moments.joints, [way.begin, way.end], atol=1e-4)
+        np.testing.assert_allclose(moments.joints, [way.begin, way.end], atol=1e-12)
         np.testing.assert_allclose(moments.speeds, 0.0, atol=1e-9)
 
 

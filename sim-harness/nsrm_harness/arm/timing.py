@@ -97,13 +97,20 @@ class Backwards:
 
 class Along:
     """Through joints that lie densely along a path, such as those of a straight line of the
-    hand."""
+    hand: through the first and the last one, and near to those between.
+
+    * `off_rad`: how near: the most that a joint is off one of them
+    """
 
     def __init__(self, joints: Sequence[Joints], pace: float = 1.0) -> None:
         self.begin, self.end = joints[0], joints[-1]
         self._joints, self._pace = joints, pace
         places = np.linspace(-1.0, 1.0, len(joints))
         path = chebyshev.chebfit(places, np.array(joints), min(DEGREE, len(joints) - 1))
+        # What comes before it ends there, and what follows begins there: no joint may leap.
+        off = np.array(joints) - chebyshev.chebval(places, path).T
+        path[:2] += (off[-1] + off[0]) / 2, (off[-1] - off[0]) / 2
+        self.off_rad = float(np.abs(np.array(joints) - chebyshev.chebval(places, path).T).max())
         # By the share of the way, from 0 to 1, which is half of Chebyshev's range.
         self._turns = [path] + [chebyshev.chebder(path, order, scl=2) for order in (1, 2, 3)]
         self._timed = self._slowest(pace)

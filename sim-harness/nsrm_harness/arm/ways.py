@@ -18,8 +18,9 @@ from nsrm_harness.world.pose import Pose
 
 PLACES = 15
 """Of a line, at which the joints are solved for."""
-MAX_LEAP_RAD = 0.35
-"""Of a joint between two places of a line: beyond it the arm would fold over."""
+MAX_OFF_RAD = 1e-3
+"""Of a joint from where a place of a line has it: no smooth motion leads through places between
+which the arm folds over, or its elbow swings aside."""
 RANGE_RAD = 0.6
 """The longest move that the planner tries at once (sum over joints, as the root of squares)."""
 MAX_LOOKS = 4000
@@ -43,10 +44,9 @@ def line(kinematics: Kinematics, begin: Pose, end: Pose, near: Joints, pace: flo
         joints = kinematics.joints(Pose((x, y, z), begin.orientation), found[-1] if found else near)
         if joints is None:
             return None
-        if found and float(np.abs(joints - found[-1]).max()) > MAX_LEAP_RAD:
-            return None
         found.append(joints)
-    return Along(found, pace)
+    along = Along(found, pace)
+    return along if along.off_rad <= MAX_OFF_RAD else None
 
 
 def free(
