@@ -12,6 +12,7 @@ import pytest
 from another_process import elsewhere
 from arm_scenes import (
     BESIDE,
+    KINEMATICS,
     ON_THE_LARGE_ONE,
     PLACED_M,
     STAYED_M,
@@ -126,6 +127,32 @@ def test_it_is_turned_as_little_as_the_sub_goal_allows(
         assert abs(turn_rad(goal, target.pose, same_rad)) < 1e-9
         turned = turn_rad(block.pose, target.pose, 2 * math.pi)
         assert abs(turned) <= same_rad / 2 + 1e-9
+
+
+def test_a_block_is_not_turned_the_long_way_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turned by 270° it would look as if by -90°."""
+    large, small = (0.06, 0.06, 0.05), (0.04, 0.04, 0.04)
+    objects = {
+        "white": Cuboid(Pose.upright(0.4833, 0.0868, 0.025, 0.0024), large),
+        "cyan on it": Cuboid(Pose.upright(0.4833, 0.0868, 0.075, -0.0024), large),
+        "red": Cuboid(Pose.upright(0.5642, 0.1730, 0.020, 0.0943), small),
+        "blue": Cuboid(Pose.upright(0.3971, -0.0284, 0.025, 0.1431), large),
+        "yellow": Cuboid(Pose.upright(0.6325, 0.2034, 0.025, -0.1154), large),
+    }
+    beside_blue = Pose((0.3971, 0.0465, 0.02))
+
+    def turned_rad() -> float:
+        carry = Planner().carry(objects, "red", beside_blue, panda.READY_RAD)
+        yaws = [
+            KINEMATICS.hand(joints).yaw_rad()
+            for way in carry.transfer
+            for joints in way.at(np.linspace(0.0, way.duration_s, 200)).joints
+        ]
+        return float(np.ptp(np.unwrap(yaws)))
+
+    assert turned_rad() < math.radians(120)
+    monkeypatch.setattr("nsrm_harness.arm.carry.MAX_TURN_RAD", math.inf)
+    assert turned_rad() > math.radians(270)
 
 
 def test_the_arm_is_driven_and_turns_within_the_makers_limits(world: ArmWorld) -> None:

@@ -15,7 +15,7 @@ from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
 from nsrm_harness.arm.timing import Trajectory
-from nsrm_harness.arm.ways import free, line
+from nsrm_harness.arm.ways import free, line, turned_rad
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.pose import Pose
 
@@ -27,6 +27,9 @@ DROP_M = 0.0005
 """Above what it is put on, a block is let go."""
 SQUARE_M = 0.002
 """A block is square if its edges differ by no more."""
+MAX_TURN_RAD = math.radians(120.0)
+"""Of a held block on its way. No sub-goal needs more than 90°; some joints that reach it take the
+long way round, 270°."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +162,8 @@ class Planner:
         )
 
     def _by(self, grasp: Grasp, task: _Task) -> Carry | Nearest | None:
-        """All motions by one grasp; what would be touched, or None where it can't be reached."""
+        """All motions by one grasp; what would be touched, or None where it can't be reached, or
+        only with the block turned by more than `MAX_TURN_RAD`."""
         self._alive()
         opening, put = grasp.opening_m, task.put
         in_hand = Cuboid(grasp.hand.inverse() @ task.block.pose, task.block.edges_m)
@@ -198,6 +202,8 @@ class Planner:
         transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
         if isinstance(transfer, Nearest):
             return transfer
+        if turned_rad(self._kinematics, transfer) > MAX_TURN_RAD:
+            return None
         home = free(after, away.end, panda.READY_RAD, opening, self._pace)
         if isinstance(home, Nearest):
             return home
