@@ -50,6 +50,10 @@ def test_each_event_that_is_shown_has_a_picture(
         assert 2 * shown.width < pictures.width < 3 * shown.width
 
 
-def test_nothing_is_written_of_nothing(world: ArmWorld, renderer: Renderer, tmp_path: Path) -> None:
-    assert Film(world, renderer).save(tmp_path) == []
-    assert [*tmp_path.iterdir()] == []
+def test_an_arm_that_never_began_has_a_picture_too(
+    world: ArmWorld, renderer: Renderer, tmp_path: Path
+) -> None:
+    film, strip = Film(world, renderer).save(tmp_path)
+    with Image.open(film) as shown, Image.open(strip) as picture:
+        assert getattr(shown, "n_frames", 1) == 1
+        assert picture.width > shown.width and picture.height > shown.height

@@ -27,7 +27,7 @@ COLUMNS = 4
 SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
 """What is done in the pictures."""
 LAST = "in the end"
-"""The one picture where none of that was done: the arm waited, or stopped on its way."""
+"""The one picture where none of that was done: the arm waited, stopped, or did nothing."""
 
 
 class Film:
@@ -65,17 +65,16 @@ class Film:
             self._shots.append((event, self._look()))
 
     def save(self, folder: Path) -> list[Path]:
-        """Writes `film.gif` and `strip.png`; nothing if nothing was filmed."""
-        if not self._frames:
-            return []
+        """Writes `film.gif` and `strip.png`: where nothing was done, of one picture each."""
         film, strip = folder / "film.gif", folder / "strip.png"
-        # One palette for all: what doesn't move has the same colours throughout.
-        some = self._frames[:: max(1, len(self._frames) // PALETTE_FRAMES)]
-        palette = Image.fromarray(np.vstack(some)).quantize(COLORS)
         last = self._look()
+        filmed = [*self._frames, last]
+        # One palette for all: what doesn't move has the same colours throughout.
+        some = filmed[:: max(1, len(filmed) // PALETTE_FRAMES)]
+        palette = Image.fromarray(np.vstack(some)).quantize(COLORS)
         frames = [
             Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-            for frame in (*self._frames, last)
+            for frame in filmed
         ]
         pause = [round(1000 * self._frame_s / SPEED)] * (len(frames) - 1) + [1500]
         frames[0].save(film, save_all=True, append_images=frames[1:], duration=pause, loop=0)
