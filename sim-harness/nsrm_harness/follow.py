@@ -80,11 +80,16 @@ class _Belief:
 
     def undo(self, moved: set[int]) -> None:
         """These objects are no longer as the steps left them that have to do with them."""
-        self.done = {
-            index
-            for index in self.done
-            if not moved & {self.steps[index].object_id, self.steps[index].reference_id}
-        }
+        self.done = {index for index in self.done if not moved & self._lasting(index)}
+
+    def _lasting(self, index: int) -> set[int]:
+        """The objects of a step that is done by which it is still told that it is: none if a later
+        one has moved its block on, and not its reference if one has moved that."""
+        step = self.steps[index]
+        later = {self.steps[other].object_id for other in self.done if other > index}
+        if step.object_id in later:
+            return set()
+        return {step.object_id, step.reference_id} - later
 
     def kept(self, step: nsrm.PlannedStep) -> set[int]:
         """What must stay where it is while a step is done."""

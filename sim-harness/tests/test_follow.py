@@ -162,6 +162,24 @@ def test_a_step_that_is_undone_is_done_again_and_only_that() -> None:
     assert scene.plans == [0] and scene.is_done()
 
 
+def test_what_a_later_step_has_moved_on_is_not_fetched_back() -> None:
+    scene = Scene((1, 3), (1, 4))
+    scene.happens[2] = scene.move(3)
+    scene.follow()
+    assert scene.attempts == [0, 1] and scene.poses[1] == beside(scene.poses[4])
+
+
+@pytest.mark.parametrize(("moved", "again"), [(1, 2), (2, 1)])
+def test_what_has_gone_to_one_that_was_moved_on_stays(moved: int, again: int) -> None:
+    """The second block is to be where the first one was, not where that is."""
+    scene = Scene((1, 3), (2, 1), (1, 4), (3, 4))
+    there = beside(beside(scene.poses[3]))
+    scene.happens[4] = scene.move(moved)
+    scene.follow()
+    assert scene.attempts == [0, 1, 2, 3, again] and scene.plans == [0]
+    assert scene.poses[2] == there and scene.poses[1] == beside(scene.poses[4])
+
+
 def test_what_the_next_goes_to_is_put_back_before_by_the_plan_there_is() -> None:
     scene = Scene((1, 3), (2, 1))
     scene.happens[2] = scene.move(1)
