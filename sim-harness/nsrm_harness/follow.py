@@ -83,8 +83,8 @@ class _Belief:
         self.done = {index for index in self.done if not moved & self._lasting(index)}
 
     def _lasting(self, index: int) -> set[int]:
-        """The objects of a step that is done by which it is still told that it is: none if a later
-        one has moved its block on, and not its reference if one has moved that."""
+        """The objects that are still as a step left them: neither if a later one has moved its
+        block on, and not its reference if one has moved that."""
         step = self.steps[index]
         later = {self.steps[other].object_id for other in self.done if other > index}
         if step.object_id in later:

@@ -28,8 +28,8 @@ DROP_M = 0.0005
 SQUARE_M = 0.002
 """A block is square if its edges differ by no more."""
 MAX_TURN_RAD = math.radians(120.0)
-"""Of a held block on its way. No sub-goal needs more than 90°; some joints that reach it take the
-long way round, 270°."""
+"""Of a held block on its way. No sub-goal needs more than 90°, and ways around something somewhat
+more; some joints that reach it take the long way round, 270° (docs/decisions/arm.md)."""
 
 
 @dataclass(frozen=True, eq=False)
