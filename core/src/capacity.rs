@@ -10,8 +10,9 @@ pub const MAX_TOKENS: usize = 128;
 pub const MAX_SENTENCE_BYTES: usize = 4096;
 /// Concepts that describe one object: `Filter`s in front of one `Unique`.
 pub const MAX_FILTERS: usize = 4;
-/// Groups of concept words in one step; a program needs two of them.
-pub const MAX_GROUPS: usize = 16;
+/// Groups of concept words in one step: what is moved, and where to. A third would say what
+/// no program has.
+pub const MAX_GROUPS: usize = 2;
 /// Candidates that an ambiguous description lists, the best first.
 pub const MAX_CANDIDATES: usize = 8;
 

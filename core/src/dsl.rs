@@ -142,7 +142,8 @@ impl Program {
     }
 }
 
-fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
+/// The name of a concept in the domain file; "?" for an index that the model does not have.
+pub(crate) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
     model
         .concepts
         .get(usize::from(concept))

@@ -32,12 +32,22 @@ pub enum Refusal {
         /// The most that one description holds.
         limit: u8,
     },
+    /// Two values of one attribute, such as two colours, next to each other.
+    ConflictingValues {
+        /// Where the description stands.
+        span: Span,
+        /// The value that was said first: index into [`crate::Model::concepts`].
+        first: u8,
+        /// The other value.
+        second: u8,
+    },
     /// More steps than a program holds.
     TooManySteps {
         /// The most that a program holds.
         limit: u8,
     },
-    /// More groups of concept words than one step holds.
+    /// More groups of concept words than the two that one step holds, as in "the red and blue
+    /// block", "the block that is red and small", or a relation inside a description.
     TooManyReferences {
         /// Which step.
         step: u8,
@@ -226,6 +236,7 @@ impl Refusal {
             Self::UnknownWord { .. } => "unknown_word",
             Self::SentenceTooLong { .. } => "sentence_too_long",
             Self::TooManyConcepts { .. } => "too_many_concepts",
+            Self::ConflictingValues { .. } => "conflicting_values",
             Self::TooManySteps { .. } => "too_many_steps",
             Self::TooManyReferences { .. } => "too_many_references",
             Self::IncompleteStep { .. } => "incomplete_step",

@@ -41,6 +41,7 @@ REASONS = (
     "stopping",
     "unanswered",
     "clock_set_back",
+    "conflicting_values",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 

@@ -74,6 +74,14 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             };
             json!({"limit": limit, "unit": unit})
         }
+        Refusal::ConflictingValues {
+            span,
+            first,
+            second,
+        } => {
+            let name = |concept: &u8| model.concepts.get(usize::from(*concept)).map(|c| c.name);
+            json!({"words": words(span), "first": name(first), "second": name(second)})
+        }
         Refusal::TooManyConcepts { span, limit } => json!({"words": words(span), "limit": limit}),
         Refusal::TooManySteps { limit } => json!({"limit": limit}),
         Refusal::TooManyReferences { step, span, limit } => {

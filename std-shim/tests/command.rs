@@ -124,13 +124,29 @@ fn refuses_sentences() {
     );
     let details = refusal(&bench, &"put ".repeat(200), "sentence_too_long", &["128"]);
     assert_eq!(details["unit"], "tokens");
-    let words = "red green blue small lego";
+    let words = "red red red small red";
     let details = refusal(&bench, words, "too_many_concepts", &[words, "4"]);
     assert_eq!(details["limit"], 4);
     let steps = "put the red block on the blue block then ".repeat(9);
     refusal(&bench, &steps, "too_many_steps", &["8 steps"]);
-    let many = "red block ".repeat(17);
-    refusal(&bench, &many, "too_many_references", &["16"]);
+    let details = refusal(
+        &bench,
+        "put the small red blue block on the green block",
+        "conflicting_values",
+        &["small red blue", "both red and blue"],
+    );
+    assert_eq!(
+        (&details["first"], &details["second"]),
+        (&json!("red"), &json!("blue"))
+    );
+    let many = "put the red block on the green block left of the blue block";
+    let details = refusal(
+        &bench,
+        many,
+        "too_many_references",
+        &["more than 2 objects"],
+    );
+    assert_eq!(details["limit"], 2);
     let details = refusal(
         &bench,
         "put the red block",

@@ -94,12 +94,20 @@ fn language_cases() -> Vec<Case> {
             "at most 128 words",
         ),
         said(
-            "put the small red blue green lego block on the blue block",
+            "put the red red red red red block on the blue block",
             |refusal| {
                 let limit = MAX_FILTERS as u8;
                 matches!(*refusal, Refusal::TooManyConcepts { span, limit: l } if l == limit && span.start == 8)
             },
             "too many words for one object: at most 4",
+        ),
+        said(
+            "put the small red block on the blue small green block",
+            |refusal| {
+                let span = span(31, 47);
+                matches!(*refusal, Refusal::ConflictingValues { span: s, .. } if s == span)
+            },
+            "\"blue small green\" describes one object as both blue and green",
         ),
         said(
             format!("{GOOD} then ").repeat(MAX_STEPS) + GOOD,
@@ -110,12 +118,12 @@ fn language_cases() -> Vec<Case> {
             "more than 8 steps",
         ),
         said(
-            "put red the ".repeat(MAX_GROUPS) + "on the blue block",
+            "put the red and small block on the blue block",
             |refusal| {
                 let limit = MAX_GROUPS as u8;
                 matches!(*refusal, Refusal::TooManyReferences { step: 0, limit: l, .. } if l == limit)
             },
-            "describes more than 16 objects",
+            "describes more than 2 objects",
         ),
         said(
             "put the small red block on the block",
@@ -397,10 +405,11 @@ const fn kind(refusal: &Refusal) -> usize {
         Refusal::InvalidModel => 14,
         // Its test is apart: it takes two models.
         Refusal::OtherModel { .. } => 15,
+        Refusal::ConflictingValues { .. } => 16,
     }
 }
 
-const KINDS: [&str; 16] = [
+const KINDS: [&str; 17] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -417,6 +426,7 @@ const KINDS: [&str; 16] = [
     "outside_work_space",
     "invalid_model",
     "other_model",
+    "conflicting_values",
 ];
 
 /// A kind that is not listed there would reach other processes as no reason.

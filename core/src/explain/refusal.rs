@@ -1,6 +1,6 @@
 use core::fmt;
 
-use crate::dsl::{Argument, Description};
+use crate::dsl::{Argument, Description, concept_name};
 use crate::language::{Span, nearest_word};
 use crate::model::Model;
 use crate::refusal::{Candidate, Decision, LengthUnit, Quantity, Refusal};
@@ -107,13 +107,33 @@ impl fmt::Display for Message<'_> {
                 "{} are too many words for one object: at most {limit} are read",
                 self.quoted(*span)
             ),
+            Refusal::ConflictingValues {
+                span,
+                first,
+                second,
+            } => {
+                let quoted = self.quoted(*span);
+                match self.context {
+                    Some((model, _)) => write!(
+                        f,
+                        "{quoted} describes one object as both {} and {}; name one of them",
+                        concept_name(model, *first),
+                        concept_name(model, *second)
+                    ),
+                    None => write!(
+                        f,
+                        "{quoted} gives one object two values of the same attribute; name one"
+                    ),
+                }
+            }
             Refusal::TooManySteps { limit } => write!(
                 f,
                 "the sentence has more than {limit} steps; give it in parts"
             ),
             Refusal::TooManyReferences { step, span, limit } => write!(
                 f,
-                "step {}, {}, describes more than {limit} objects; give it in parts",
+                "step {}, {}, describes more than {limit} objects; say one thing to move and one place, \
+                 and describe each by attribute words that stand together",
                 number(*step),
                 self.quoted(*span)
             ),

@@ -206,7 +206,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         let tokens = self.reader.tokens();
         let groups = self.segments.groups(step, tokens).count();
         let span = self.segments.span(step, tokens);
-        if groups < 2 {
+        if groups < MAX_GROUPS {
             return Err(Refusal::IncompleteStep {
                 step: step as u8,
                 references: groups as u8,

@@ -121,7 +121,7 @@ impl Reader {
         self.rest_from = usize::from(span.end);
         let text = if text == ";" { "," } else { text };
         if let Some(entry) = find(model.lexicon, text, |entry| entry.text) {
-            self.add_concept(entry.1.concept, span)?;
+            self.add_concept(model, entry.1.concept, span)?;
         } else if let Some((index, _)) = find(model.words, text, |word| word.text) {
             let index = u16::try_from(index).map_err(|_| Refusal::InvalidModel)?;
             self.add(TokenKind::Word(index), span)?;
@@ -136,14 +136,28 @@ impl Reader {
         &self.tokens
     }
 
-    /// A concept word joins the group before it or begins one.
-    fn add_concept(&mut self, concept: u8, span: Span) -> Result<(), Refusal> {
+    /// A concept word joins the group before it or begins one. Values of one attribute exclude
+    /// each other, so that no object has two.
+    fn add_concept(&mut self, model: &Model<'_>, concept: u8, span: Span) -> Result<(), Refusal> {
         if let Some(Token {
             kind: TokenKind::Group(description),
             span: group,
         }) = self.tokens.last_mut()
         {
             group.end = span.end;
+            let attribute_of = |concept: u8| {
+                let found = model.concepts.get(usize::from(concept));
+                found.map(|concept| concept.attribute)
+            };
+            let conflicts =
+                |&&other: &&u8| other != concept && attribute_of(other) == attribute_of(concept);
+            if let Some(&first) = description.concepts().iter().find(conflicts) {
+                return Err(Refusal::ConflictingValues {
+                    span: *group,
+                    first,
+                    second: concept,
+                });
+            }
             return description
                 .push(concept)
                 .map_err(|_| Refusal::TooManyConcepts {

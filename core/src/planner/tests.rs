@@ -223,9 +223,30 @@ fn what_is_no_sentence_is_refused() {
         }
     );
     assert_eq!(
-        message("put red red small RED lego on green"),
-        "\"red red small RED lego\" are too many words for one object: at most 4 are read"
+        message("put red red small RED red on green"),
+        "\"red red small RED red\" are too many words for one object: at most 4 are read"
     );
+}
+
+#[test]
+fn two_values_of_one_attribute_are_refused() {
+    let sentence = "put red on green small RED";
+    let refused = refusal(sentence);
+    assert!(matches!(
+        refused,
+        Refusal::ConflictingValues {
+            span: crate::language::Span { start: 11, end: 26 },
+            ..
+        }
+    ));
+    assert_eq!(refused.kind(), "conflicting_values");
+    assert_eq!(
+        message(sentence),
+        "\"green small RED\" describes one object as both green and red; name one of them"
+    );
+    // Said twice it is one value.
+    let model = fixture::model();
+    assert!(Planner::new(&model).parse("put red on green GREEN").is_ok());
 }
 
 #[test]
@@ -237,15 +258,20 @@ fn what_is_no_program_is_refused() {
     );
     let nine = std::vec!["put red on green"; MAX_STEPS + 1].join(" then ");
     assert_eq!(refusal(&nine), Refusal::TooManySteps { limit: 8 });
-    let groups = std::vec!["red"; MAX_GROUPS + 1].join(" the ");
+    let groups = "put red on small the green";
     assert!(matches!(
-        refusal(&groups),
+        refusal(groups),
         Refusal::TooManyReferences {
             step: 0,
-            limit: 16,
+            limit: 2,
             ..
         }
     ));
+    assert_eq!(
+        message(groups),
+        "step 1, \"put red on small the green\", describes more than 2 objects; say one thing to \
+         move and one place, and describe each by attribute words that stand together"
+    );
     // `on` stands on both sides of red and is taken back in front of green.
     assert_eq!(
         message("on small red on not green"),
@@ -276,11 +302,11 @@ fn what_the_parser_is_not_sure_of_is_refused() {
     );
     assert_eq!(unsure("put red near green"), (0, Decision::Action));
     assert_eq!(
-        unsure("put red the lego on green"),
+        unsure("put red the lego on"),
         (0, Decision::Argument(object))
     );
     assert_eq!(
-        unsure("put red on green then put red on lego the green"),
+        unsure("put red on green then on red on lego"),
         (1, Decision::Argument(reference))
     );
 }

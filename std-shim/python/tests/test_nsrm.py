@@ -187,9 +187,13 @@ def test_refusals_say_why(model: nsrm.Model, scene: nsrm.Scene) -> None:
         None,
     )
     with pytest.raises(nsrm.Refused) as caught:
-        model.parse("red green blue small lego")
+        model.parse("red red red small red")
     assert caught.value.kind == "too_many_concepts"
     assert caught.value.details["limit"] == 4
+    with pytest.raises(nsrm.Refused) as caught:
+        model.parse("put the red blue block on the green block")
+    assert caught.value.kind == "conflicting_values"
+    assert (caught.value.details["first"], caught.value.details["second"]) == ("red", "blue")
 
 
 def test_refusals_offer_the_word_that_may_have_been_meant(model: nsrm.Model) -> None:
