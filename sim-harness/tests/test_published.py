@@ -11,6 +11,7 @@ from statistics import mean
 
 import pytest
 
+from nsrm_harness.refusals.sentences import KINDS
 from nsrm_harness.tables import paper
 from nsrm_harness.tables.publish import MODEL, README, REPORT_FOLDER, with_figures
 from nsrm_harness.tables.report import REFUSALS, REPORT, TABLES, tables_of
@@ -78,9 +79,12 @@ def test_the_committed_report_reaches_the_goals() -> None:
 
 def test_the_committed_report_refuses_what_it_should() -> None:
     with (REPORT_PATH / REFUSALS).open(encoding="utf-8") as file:
-        kinds = [row for row in csv.DictReader(file) if row["set"] == "test"]
-    count, refused = (sum(int(row[name]) for row in kinds) for name in ("count", "refused"))
-    assert len(kinds) == 13 and count >= 2000 and refused >= 0.99 * count
+        rows = [row for row in csv.DictReader(file) if row["set"] == "test"]
+    assert len({row["seed"] for row in rows}) >= 3
+    assert {row["kind"] for row in rows} == set(KINDS)
+    for row in rows:
+        count, refused = int(row["count"]), int(row["refused"])
+        assert count >= 1000 and refused >= 0.998 * count, row
     text = (REPORT_PATH / REPORT).read_text(encoding="utf-8")
     _, on_test = text.split("### On test")
     (good, lost) = re.findall(r"Of (\d+) good sentences .* and ([\d.]+)% refused", on_test)[0]

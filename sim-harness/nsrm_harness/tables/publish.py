@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from nsrm_harness.errors import HarnessError
-from nsrm_harness.refusals.measure import COLUMNS
 from nsrm_harness.tables.lines import HEADINGS, TITLES
 from nsrm_harness.tables.paper import ROWS, TABLES
-from nsrm_harness.tables.report import REFUSALS
+from nsrm_harness.tables.report import REFUSAL_COLUMNS, REFUSALS
 from nsrm_harness.tables.report import TABLES as TABLES_FILE
 from nsrm_harness.tables.results import MEASURES, Row, read_rows, select, summarize
 from nsrm_harness.tables.study import JUDGED
@@ -72,6 +71,7 @@ def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
     seeds = len({row.seed for row in rows})
     least = min(row.episodes for row in rows)
     of_test = [row for row in refusals if row["set"] == "test"]
+    kinds = {row["kind"] for row in of_test}
     count, refused = (sum(int(row[name]) for row in of_test) for name in ("count", "refused"))
     return "\n".join(
         [
@@ -80,7 +80,8 @@ def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
             f"Percent, mean of {seeds} {'seed' if seeds == 1 else 'seeds'}, at least {least} "
             "episodes a row; a refusal counts as wrong; in brackets the paper's, on its own data.",
             _with_detector(rows),
-            f"Of {count} sentences that must be refused, of {len(of_test)} kinds, {refused} are.",
+            f"Of {count} sentences that must be refused, of {len(kinds)} kinds and by "
+            f"{seeds} {'model' if seeds == 1 else 'models'}, {refused} are.",
         ]
     )
 
@@ -106,6 +107,6 @@ def _cell(split: str, measure: str, rows: Sequence[Row]) -> str:
 def _refusals(path: Path) -> list[dict[str, Any]]:
     with path.open(encoding="utf-8", newline="") as file:
         reader = csv.DictReader(file)
-        if tuple(reader.fieldnames or ()) != COLUMNS:
-            raise PublishError(f"{path}: expected the columns {','.join(COLUMNS)}")
+        if tuple(reader.fieldnames or ()) != REFUSAL_COLUMNS:
+            raise PublishError(f"{path}: expected the columns {','.join(REFUSAL_COLUMNS)}")
         return list(reader)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Sequence
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import nsrm
 
 from nsrm_harness.domain import Domain
 from nsrm_harness.refusals.figure import draw_report
-from nsrm_harness.refusals.measure import COLUMNS, KindCount, Report
+from nsrm_harness.refusals.measure import COLUMNS
 from nsrm_harness.tables import paper
 from nsrm_harness.tables.actions import draw_actions
 from nsrm_harness.tables.compare import Comparison, Cost
@@ -22,13 +23,14 @@ from nsrm_harness.tables.figures import draw_comparison, draw_steps
 from nsrm_harness.tables.lines import TITLES, cells_of, header_of, line_of, number
 from nsrm_harness.tables.parts import comparison_sections
 from nsrm_harness.tables.results import MEASURES, Row, select, write_records, write_rows
-from nsrm_harness.tables.run import FIRST_MODELS, Outcome
+from nsrm_harness.tables.run import FIRST_MODELS, REFUSAL_SETS, Outcome, SeedReport
 from nsrm_harness.tables.study import FAMILIES, JUDGED, QUICK, Study
 from nsrm_harness.tables.times import Took
 
 REPORT = "README.md"
 TABLES = "tables.csv"
 REFUSALS = "refusals.csv"
+REFUSAL_COLUMNS = ("seed", *COLUMNS)
 COMPARISON = "comparison.csv"
 """Variants and disturbed scenes, with the columns of the tables."""
 COSTS = "costs.csv"
@@ -55,8 +57,9 @@ def write_report(
     draw_concepts(outcome.model, outcome.episodes, folder / "concepts.png")
     worst = worst_episodes(model, outcome.episodes)
     draw_failures(worst, outcome.episodes, folder / "failures.png")
-    for report in outcome.refusals:
-        draw_report(report, folder / f"refusals-{report.set}.png")
+    for of_seed in outcome.refusals:
+        if of_seed.seed == study.seeds[0]:
+            draw_report(of_seed.report, folder / f"refusals-{of_seed.report.set}.png")
     if comparison is not None:
         disturbed = [row for _, rows in comparison.disturbed for row in rows]
         write_rows(folder / COMPARISON, [*comparison.rows, *disturbed])
@@ -87,7 +90,7 @@ def markdown(outcome: Outcome, study: Study, comparison: Comparison | None = Non
         "world; the time is the median on one core.",
         table_of(outcome.detections),
         "## Refusals",
-        *(part for report in outcome.refusals for part in _refusals(report)),
+        *(part for name in REFUSAL_SETS for part in _refusals(name, outcome.refusals)),
         *(comparison_sections(comparison) if comparison is not None else []),
         "## What was learned",
         f"The model of seed {study.seeds[0]}. Each action, over a grid of references (grey): where "
@@ -164,25 +167,35 @@ def _table(rows: Sequence[Row], splits: Iterable[str], boxes: str) -> str:
     return "\n".join(lines)
 
 
-def _refusals(report: Report) -> list[str]:
-    lines = ["| what is wrong | sentences | refused | accepted |", "|---|---:|---:|---:|"]
-    for kind in report.kinds:
-        name = kind.kind.replace("_", " ")
-        lines.append(f"| {name} | {kind.count} | {kind.refused} | {kind.wrongly_accepted} |")
-    bad = sum(kind.count for kind in report.kinds)
-    refused = sum(kind.refused for kind in report.kinds)
-    good = sum(report.refused.values())
-    lines.append(f"| all | {bad} | {refused} | {bad - refused} |")
+def _refusals(which: str, every: Sequence[SeedReport]) -> list[str]:
+    """The section of a set: what each seed's model refuses, by kind."""
+    of_set = [each for each in every if each.report.set == which]
+    seeds = [f"seed {each.seed} refused" for each in of_set]
+    lines = [
+        f"| what is wrong | sentences | {' | '.join(seeds)} |",
+        "|---|" + "---:|" * (1 + len(of_set)),
+    ]
+    for rows in zip(*(each.report.kinds for each in of_set), strict=True):
+        name = rows[0].kind.replace("_", " ")
+        refused = " | ".join(str(row.refused) for row in rows)
+        lines.append(f"| {name} | {rows[0].count} | {refused} |")
+    reports = [each.report for each in of_set]
+    bad = sum(kind.count for report in reports for kind in report.kinds)
+    refused = sum(kind.refused for report in reports for kind in report.kinds)
+    good, right = (sum(getattr(report, name) for report in reports) for name in ("good", "right"))
+    lost = sum(sum(report.refused.values()) for report in reports)
     return [
-        f"### On {report.set}",
+        f"### On {which}",
         "\n".join(lines),
-        f"Of what must be refused {refused / bad:.2%} was. Of {report.good} good sentences "
-        f"{report.right / report.good:.2%} were planned rightly and {good / report.good:.2%} "
-        f"refused.",
-        f"![risk against coverage, and calibration](refusals-{report.set}.png)",
+        f"Of what must be refused {refused / bad:.2%} was. Of {good} good sentences "
+        f"{right / good:.2%} were planned rightly and {lost / good:.2%} refused.",
+        f"![risk against coverage, and calibration](refusals-{which}.png)",
     ]
 
 
-def _write_refusals(path: Path, reports: Sequence[Report]) -> None:
-    kinds: list[KindCount] = [kind for report in reports for kind in report.kinds]
-    write_records(path, COLUMNS, kinds)
+def _write_refusals(path: Path, every: Sequence[SeedReport]) -> None:
+    rows = [{"seed": each.seed} | asdict(kind) for each in every for kind in each.report.kinds]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, REFUSAL_COLUMNS, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)

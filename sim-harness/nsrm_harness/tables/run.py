@@ -47,12 +47,20 @@ class StudyError(HarnessError):
 
 
 @dataclass(frozen=True)
+class SeedReport:
+    """What the model of a seed refuses."""
+
+    seed: int
+    report: Report
+
+
+@dataclass(frozen=True)
 class Outcome:
     """All that the report tells."""
 
     rows: tuple[Row, ...]
-    refusals: tuple[Report, ...]
-    """Of the first seed's model: on validation, where thresholds are chosen, and on test."""
+    refusals: tuple[SeedReport, ...]
+    """Of each model: on validation, where thresholds are chosen, and on test."""
     detections: tuple[DetectorRow, ...]
     commits: tuple[str, ...]
     """States of the project at which it was made."""
@@ -92,7 +100,11 @@ class Tables:
         with self._times.of("judging"):
             rows = [row for rows in self.judge(self._judgings(), "judging") for row in rows]
         with self._times.of("refusals"):
-            refusals = tuple(self._refusals(name) for name in REFUSAL_SETS)
+            refusals = tuple(
+                SeedReport(seed, self._refusals(name, seed))
+                for name in REFUSAL_SETS
+                for seed in self.study.seeds
+            )
         with self._times.of("detector"):
             seen = detect_all(self._sightings(), self.folder / "figures", self.workers.count)
         return Outcome(
@@ -243,8 +255,8 @@ class Tables:
             Contender("baseline", seed, run / "baseline.safetensors") for seed, run in runs
         )
 
-    def _refusals(self, which: str) -> Report:
-        model = nsrm.Model.load(self.model(FAMILIES[0], self.study.seeds[0]))
+    def _refusals(self, which: str, seed: int) -> Report:
+        model = nsrm.Model.load(self.model(FAMILIES[0], seed))
         return measure(model, self.data(which), which, self.study.refusals)
 
 

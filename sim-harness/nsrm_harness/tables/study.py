@@ -93,7 +93,7 @@ def full_study(data_seed: int = 1) -> Study:
         calibration_scenes=400,
         config=TrainingConfig(),
         baseline=BaselineConfig(),
-        refusals=160,
+        refusals=1000,
     )
 
 
