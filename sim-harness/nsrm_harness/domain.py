@@ -87,6 +87,8 @@ class Grammar:
     #: Templates with ``{verb}``, ``{moved}``, ``{relation}``, ``{reference}``, each once.
     commands: tuple[str, ...]
     connectives: tuple[str, ...]
+    #: Openings of one word that mean something else anywhere but at the start of a sentence.
+    order_words: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -236,10 +238,14 @@ def _grammar(table: Table) -> Grammar:
         descriptions=table.templates("descriptions", required=("values",), optional=("noun",)),
         commands=_commands(table),
         connectives=table.phrases("connectives"),
+        order_words=table.optional_phrases("order_words"),
     )
     for key in ("verbs", "nouns"):
         if "" in getattr(grammar, key):
             raise table.error(key, "an empty word would let two descriptions run together")
+    for word in grammar.order_words:
+        if word not in grammar.openings or " " in word or not word:
+            raise table.error("order_words", f"expected openings of one word, got {word!r}")
     table.no_other_keys()
     return grammar
 

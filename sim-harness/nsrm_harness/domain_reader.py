@@ -114,6 +114,10 @@ class Table:
                     raise self.error(key, _not_words(text))
         return value
 
+    def optional_phrases(self, key: str) -> tuple[str, ...]:
+        """As :meth:`phrases`; empty where the key is absent."""
+        return () if self._optional(key) is None else self.phrases(key)
+
     def templates(
         self, key: str, required: tuple[str, ...], optional: tuple[str, ...]
     ) -> tuple[str, ...]:

@@ -227,7 +227,7 @@ def test_a_model_that_carries_out_nothing_is_not_polished(
 
 
 def test_only_steps_that_final_scenes_confirm_are_learned_from(
-    few: TrainingSet, whole: Result
+    domain: domains.Domain, few: TrainingSet, whole: Result
 ) -> None:
     similarities = decode.see_all(whole.model, few)
     every = decode.own_steps(whole.model, few, similarities, FEW_STEPS)
@@ -242,10 +242,12 @@ def test_only_steps_that_final_scenes_confirm_are_learned_from(
     strict = dataclasses.replace(FEW_STEPS, explained=0.0)
     for stage in ("perception", "parser"):
         with pytest.raises(TrainingError, match="no command that the model carries out right"):
-            make_stage(stage, whole.model, few, strict)
+            make_stage(stage, whole.model, few, strict, domain)
 
 
-def test_what_is_meant_is_learned_to_be_the_only_match(few: TrainingSet, whole: Result) -> None:
+def test_what_is_meant_is_learned_to_be_the_only_match(
+    domain: domains.Domain, few: TrainingSet, whole: Result
+) -> None:
     similarities = decode.see_all(whole.model, few)
     table = decode.own_references(whole.model, few, similarities, FEW_STEPS)
     spoken = [
@@ -268,7 +270,7 @@ def test_what_is_meant_is_learned_to_be_the_only_match(few: TrainingSet, whole: 
 
     longer = dataclasses.replace(BRIEF, epochs=20)
     stage = make_stage(
-        "perception", whole.model, few, dataclasses.replace(FEW_STEPS, perception=longer)
+        "perception", whole.model, few, dataclasses.replace(FEW_STEPS, perception=longer), domain
     )
     fit = Fit(stage, TRAINS["perception"], 0, list(TRAINS).index("perception"))
     state = fit.start(whole.model)
@@ -287,7 +289,7 @@ def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
     three steps are cut, of which there is none in the data."""
     longer = StageConfig(epochs=60, learning_rate=3e-3, batch=32)
     config = dataclasses.replace(FEW_STEPS, parser=longer)
-    stage = make_stage("parser", whole.model, few, config)
+    stage = make_stage("parser", whole.model, few, config, domain)
     fit = Fit(stage, TRAINS["parser"], 0, list(TRAINS).index("parser"))
     state = fit.start(whole.model)
     for epoch in range(longer.epochs):

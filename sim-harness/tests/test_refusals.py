@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import nsrm
@@ -16,6 +17,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.moves import Arrangement
 from nsrm_harness.episodes.programs import Descriptions, sample_blocks, sample_task
 from nsrm_harness.language.grammar import Grammar
+from nsrm_harness.language.patterns import is_reserved
 from nsrm_harness.language.program import Step
 from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
 from nsrm_harness.refusals import topics
@@ -25,6 +27,7 @@ from nsrm_harness.refusals.measure import COLUMNS, GOOD, Outcome, Report, report
 from nsrm_harness.refusals.reading import Reading
 from nsrm_harness.refusals.sentences import (
     KINDS,
+    OF_ORDER_WORDS,
     SETS,
     Item,
     RefusalSetError,
@@ -76,11 +79,17 @@ def test_each_kind_has_as_many_different_sentences_as_asked_for(domain: Domain) 
     assert items == make_items(domain, situations, "test", COUNT)
     assert items != make_items(domain, situations, "test", COUNT, seed=1)
     reads = Reading(domain)
+    # What good sentences are made of, and still say no command.
+    misused = {"relation_in_description", "two_relations", "two_values", *OF_ORDER_WORDS}
+    good_elsewhere = {"absent_object", "ambiguous", "too_many_steps", "same_object"}
     for kind in KINDS:
         own = [item for item in items if item.kind == kind]
+        if kind in OF_ORDER_WORDS and not domain.grammar.order_words:
+            assert own == []
+            continue
         assert len({tuple(split(item.sentence)) for item in own}) == len(own) == COUNT, kind
         assert all(0 <= item.scene < len(situations) for item in own)
-        if kind not in {"absent_object", "ambiguous", "too_many_steps", "same_object"}:
+        if kind not in misused | good_elsewhere:
             for item in own:
                 assert not reads(item.sentence), (kind, item.sentence)
 
@@ -140,6 +149,45 @@ def test_descriptions_are_wrong_in_the_scene_as_their_kind_says() -> None:
         assert Reading(TABLETOP)(item.sentence)
 
 
+def test_what_no_program_has_is_said_in_words_of_good_sentences() -> None:
+    lexicon, tokenizer = TABLETOP.lexicon(), Tokenizer(TABLETOP)
+    phrases = {phrase for action in TABLETOP.actions for phrase in action.phrases}
+    for kind in ("relation_in_description", "relation_behind_description"):
+        for item in of_kind(kind):
+            steps = len(SITUATIONS[item.scene].program)
+            described = kind == "relation_behind_description"
+            assert len(groups(item)) == 2 * steps + described, item.sentence
+            text = f" {' '.join(split(item.sentence))} "
+            assert sum(text.count(f" {phrase} ") for phrase in phrases) > steps, item.sentence
+    for item in of_kind("two_relations"):
+        assert len(groups(item)) == 2 * len(SITUATIONS[item.scene].program), item.sentence
+    for item in of_kind("ordinal"):
+        words = split(item.sentence)
+        assert ("first", True) in {(a, b in lexicon) for a, b in pairwise(words)}, item.sentence
+    for item in of_kind("order_of_time"):
+        words = split(item.sentence)
+        assert "first" in words[1:] and len(SITUATIONS[item.scene].program) > 1, item.sentence
+    for item in of_kind("two_values"):
+        found = [
+            TABLETOP.concepts[index].attribute
+            for group in tokenizer(item.sentence).groups
+            for index in group
+        ]
+        steps = len(SITUATIONS[item.scene].program)
+        assert len(groups(item)) > 2 * steps or len(found) > len(set(found)), item.sentence
+
+
+def test_patterns_that_training_hears_are_in_no_set() -> None:
+    """Of a command alone the sentence has no more tokens than the step that was looked at."""
+    tokenizer, seen = Tokenizer(TABLETOP), 0
+    for kind in ("relation_in_description", "two_relations", "ordinal"):
+        for item in of_kind(kind):
+            if len(SITUATIONS[item.scene].program) == 1:
+                assert is_reserved(tokenizer.rows(tokenizer(item.sentence))), item.sentence
+                seen += 1
+    assert seen > COUNT
+
+
 def test_actions_that_the_domain_has_are_not_missing() -> None:
     phrases = {phrase for action in WORKSHOP.actions for phrase in action.phrases}
     assert "in front of" in phrases & set(topics.RELATIONS)
@@ -157,7 +205,7 @@ def test_other_subjects_are_many_and_different() -> None:
     assert len(topics.SENTENCES) >= 100
     assert len({tuple(split(each)) for each in sentences}) == len(sentences)
     for which in SETS:
-        assert sum(set_of(each) == which for each in sentences) >= 150
+        assert sum(set_of(each) == which for each in sentences) >= 1000
 
 
 @pytest.mark.parametrize("domain", [TABLETOP, WORKSHOP], ids=["tabletop", "workshop"])

@@ -93,12 +93,13 @@ class TrainingConfig:
     perception: StageConfig = StageConfig(epochs=16, learning_rate=2e-3, batch=64)
     """(f) Perception alone, on the model's own choices as far as final scenes confirm them: they
     fit what is said and nothing else in the scene does."""
-    parser: StageConfig = StageConfig(epochs=32, learning_rate=2e-3, batch=256)
+    parser: StageConfig = StageConfig(epochs=64, learning_rate=2e-3, batch=256)
     """(g) Parser and splitter, on their own choices as far as final scenes confirm them: alone, put
-    together, with fillers, and on steps that say nothing. Half of a batch are steps that follow."""
+    together, with fillers, and on steps that say nothing or what no program has. Half of a batch
+    are steps that follow."""
     explained: float = 0.1
     """Greatest loss of a final scene that confirms the choices."""
-    nonsense_parser: float = 0.5
+    nonsense_parser: float = 1.0
     """`nonsense` there."""
 
     @property

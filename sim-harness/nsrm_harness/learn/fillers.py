@@ -1,12 +1,15 @@
-"""Words that may stand anywhere in a step and change nothing: "please", "now", a comma, "block".
+"""Words that may stand between the parts of a step and change nothing: "please", "now", a comma.
 
 Demonstrations show which: what is left of a step without such a word is said somewhere too, with
 the same outcome; and it is said with every action as often. In training they are put where no
 sentence has them, so that the parser does not take an order of words that it never heard for
-nonsense.
+nonsense. Between the parts only: "the block left of" and "the first red block" say more than "the
+left of" and "the red block".
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -29,8 +32,45 @@ MOST = 3
 """Fillers that are put into a step."""
 
 
-def fillers(table: StepTable, words: int) -> np.ndarray:
-    """Which words are fillers in the steps: bool `[V]`, for each row of the embedding.
+class Fillers(NamedTuple):
+    """What demonstrations show of words that change nothing; bool `[V]` each, for each row of the
+    embedding."""
+
+    free: Array
+    """May stand between any two parts."""
+    nouns: Array
+    """Stand right behind attribute values alone."""
+    starts: Array
+    """Were heard right behind a free filler: a part may begin with them."""
+
+
+def fillers(table: StepTable, order_words: np.ndarray) -> Fillers:
+    """The fillers of the steps.
+
+    `order_words`, bool `[V]`: words that look like fillers at the start of a sentence, where alone
+    demonstrations have them, and mean something elsewhere.
+    """
+    changes_nothing = omitted_without_change(table, len(order_words))
+    behind = np.zeros_like(changes_nothing)
+    before, elsewhere = behind.copy(), behind.copy()
+    pairs = set()
+    for tokens, length in zip(np.asarray(table.tokens), np.asarray(table.length), strict=True):
+        step = tokens[:length]
+        elsewhere[step[0]] = True
+        elsewhere[step[1:][step[:-1] != GROUP_TOKEN]] = True
+        behind[step[1:][step[:-1] == GROUP_TOKEN]] = True
+        before[step[:-1][step[1:] == GROUP_TOKEN]] = True
+        pairs |= set(zip(step[:-1].tolist(), step[1:].tolist(), strict=True))
+    nouns = changes_nothing & behind & ~elsewhere
+    free = changes_nothing & ~nouns & ~before & ~order_words
+    starts = np.zeros_like(free)
+    for word, next_word in pairs:
+        starts[next_word] |= free[word] & (next_word != GROUP_TOKEN)
+    return Fillers(jnp.asarray(free), jnp.asarray(nouns), jnp.asarray(starts))
+
+
+def omitted_without_change(table: StepTable, words: int) -> np.ndarray:
+    """Which words can be left out of the steps that have them: bool `[V]`.
 
     `words`: V.
     """
@@ -68,17 +108,20 @@ def fillers(table: StepTable, words: int) -> np.ndarray:
     return found
 
 
-def with_fillers(key: Array, step: StepTable, fillers: Array) -> StepTable:
-    """A step `[T]` with up to `MOST` of the `fillers` `[V]` put in before its last description,
-    half the time with none; the same meaning `[T + MOST]`."""
+def with_fillers(key: Array, step: StepTable, fillers: Fillers) -> StepTable:
+    """A step `[T]` with up to `MOST` free fillers put in between its parts, half the time with
+    none; the same meaning `[T + MOST]`."""
     half, number, which, where = jax.random.split(key, 4)
-    some = jax.random.bernoulli(half) & fillers.any()
-    count = jnp.where(some, jax.random.randint(number, (), 1, MOST + 1), 0)
-    chosen = jax.random.categorical(which, jnp.where(fillers, 0.0, MISSING), shape=(MOST,))
     position = jnp.arange(step.tokens.shape[0])
-    is_group = (step.tokens == GROUP_TOKEN) & (position < step.length)
-    last = jnp.max(jnp.where(is_group, position, 0))
-    before = jax.random.randint(where, (MOST,), 0, last + 1)
+    is_inside = position < step.length
+    # A part ends with attribute values, a noun or a filler, and begins as one does behind a filler.
+    ends = (step.tokens == GROUP_TOKEN) | (fillers.free | fillers.nouns)[step.tokens]
+    ends = jnp.concatenate([jnp.ones(1, bool), ends[:-1]])
+    between = is_inside & ends & fillers.starts[step.tokens]
+    some = jax.random.bernoulli(half) & fillers.free.any() & between.any()
+    count = jnp.where(some, jax.random.randint(number, (), 1, MOST + 1), 0)
+    chosen = jax.random.categorical(which, jnp.where(fillers.free, 0.0, MISSING), shape=(MOST,))
+    before = jax.random.categorical(where, jnp.where(between, 0.0, MISSING), shape=(MOST,))
     added = jnp.arange(MOST) < count
     places = jnp.concatenate([jnp.where(added, before - 0.5, jnp.inf), position])
     tokens = jnp.concatenate([chosen, step.tokens])[jnp.argsort(places)]

@@ -17,13 +17,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from nsrm_harness.language.patterns import HASH_BASE, RESERVED_SHIFT
 from nsrm_harness.learn.dataset import Sentences, doubled
 from nsrm_harness.learn.model import GROUP_TOKEN
 
 LEAST_SHUFFLED = 7
 """Tokens of a step that is shuffled, at least."""
 LEAST_EXCHANGED = 2
-HASH_BASE = 2_654_435_761
+LEAST_KNOWN = 256
+"""Places for hashes: more than there are last two words before descriptions, so that what is
+compiled for some data serves others."""
 
 
 def nonsense(
@@ -69,6 +72,11 @@ def gap_hash(tokens: Array, among: Array) -> Array:
     return jnp.sum(jnp.where(among, tokens.astype(jnp.uint32) * powers[order], 0), dtype=jnp.uint32)
 
 
+def is_reserved(tokens: Array, valid: Array) -> Array:
+    """Whether a step is kept from training: bool; see `language.patterns`."""
+    return gap_hash(tokens + 1, valid) >> RESERVED_SHIFT == 0
+
+
 def known_gaps(sentences: Sentences) -> Array:
     """What stands before descriptions in them: every `gap_hash`, sorted, uint32 `[K]`; the last is
     repeated until K is `doubled`."""
@@ -82,8 +90,15 @@ def known_gaps(sentences: Sentences) -> Array:
         return jnp.where(jnp.arange(count) < groups, hashes, 0)
 
     found = jax.vmap(one)(jnp.asarray(sentences.tokens), valid, jnp.asarray(sentences.group_count))
+    return unique_hashes(found)
+
+
+def unique_hashes(found: Array) -> Array:
+    """Each of them once, sorted; the last is repeated until their number is `doubled`, and at
+    least `LEAST_KNOWN`."""
     known = np.unique(found)
-    return jnp.asarray(np.pad(known, (0, doubled(len(known)) - len(known)), mode="edge"))
+    room = max(doubled(len(known)), LEAST_KNOWN) - len(known)
+    return jnp.asarray(np.pad(known, (0, room), mode="edge"))
 
 
 def _most(key: Array, among: Array) -> Array:

@@ -20,8 +20,9 @@ from nsrm_harness.learn.config import REINFORCE, StageConfig, TrainingConfig
 from nsrm_harness.learn.dataset import GROUPS_PER_STEP, TrainingSet, doubled, roomy
 from nsrm_harness.learn.decode import Choices, ReferenceTable, SplitTable, StepTable
 from nsrm_harness.learn.fillers import fillers, with_fillers
+from nsrm_harness.learn.misuse import Habits, habits, misuse
 from nsrm_harness.learn.model import GROUP_TOKEN, MISSING, Model, Splitter, filter_scene, unique
-from nsrm_harness.learn.nonsense import known_gaps, nonsense
+from nsrm_harness.learn.nonsense import is_reserved, known_gaps, nonsense
 from nsrm_harness.learn.objective import (
     Grounding,
     Scene,
@@ -432,43 +433,87 @@ def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTab
     return -end_log_probability(splitter, tokens, step.length + behind)[step.length - 1]
 
 
+def misuse_loss(key: Array, model: Model, step: StepTable, donor: StepTable, said: Said) -> Array:
+    """As `nonsense_loss`, of a step with something in it that no program has; see `misuse`."""
+    tokens, length = misuse(key, step, donor, said.habits)
+    valid = jnp.arange(tokens.shape[0]) < length
+    actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
+    return jnp.where(length > 0, -actions.mean() - jnp.log(actions.shape[0]), 0.0)
+
+
+def reordered_loss(
+    key: Array, splitter: Splitter, step: StepTable, other: StepTable, habits: Habits
+) -> Array:
+    """How far the splitter is from being unsure, in nats, that `step` ends where an order word
+    begins `other`: "put the red block on the blue one first put …" may mean either order.
+
+    0 for another that has a connective: the parser is unsure of that one itself.
+    """
+    width = step.tokens.shape[0]
+    position = jnp.arange(2 * width)
+    word = jax.random.categorical(key, jnp.where(habits.order_words, 0.0, MISSING))
+    behind = position - step.length - 1
+    tokens = jnp.where(behind == -1, word, other.tokens[jnp.clip(behind, 0, width - 1)])
+    tokens = jnp.where(behind < -1, step.tokens[jnp.clip(position, 0, width - 1)], tokens)
+    length = step.length + 1 + other.length
+    ends = end_log_probability(splitter, tokens, length)
+    # h and 1 - h of the hazard at the step's last token, given that none came before.
+    here = ends[step.length - 1]
+    later = jax.nn.logsumexp(jnp.where(position >= step.length, ends, MISSING))
+    before = jnp.logaddexp(here, later)
+    loss = before - (here + later) / 2 - jnp.log(2.0)
+    counts = ~other.follows & habits.order_words.any()
+    second = (position > step.length - 1) & (position < length)
+    counts &= ~is_reserved(jnp.where(second, tokens, 0), second)
+    return jnp.where(counts, loss, 0.0)
+
+
 class Said(NamedTuple):
     """What is said of all steps."""
 
-    fillers: Array
-    """Which words change nothing, bool `[V]`."""
+    habits: Habits
     known: Array
     """What stands before descriptions; see `nonsense`."""
 
 
-def parser_stage(config: TrainingConfig, data: TrainingSet, table: StepTable, words: int) -> Stage:
-    """(f): parser and splitter on steps whose meaning the final scene has confirmed.
+def parser_stage(
+    config: TrainingConfig, data: TrainingSet, table: StepTable, order_words: np.ndarray
+) -> Stage:
+    """(g): parser and splitter on steps whose meaning the final scene has confirmed.
 
-    Both hear them with fillers in between, the parser nonsense too, the splitter commands put
-    together from those steps. `words`: rows of the embedding.
+    Both hear them with fillers in between. The parser hears nonsense and misuse too, the splitter
+    commands put together from those steps. `order_words`: bool `[V]`, of the domain.
     """
-    said = Said(jnp.asarray(fillers(table, words)), known_gaps(data.sentences))
+    _some(np.asarray(table.length), "parser: no command that the model carries out right")
+    found = habits(table, fillers(table, order_words), jnp.asarray(order_words))
+    said = Said(found, known_gaps(data.sentences))
     following = jax.tree.map(lambda column: column[np.asarray(table.follows)], table)
-    _some(np.asarray(following.length), "parser: no command that the model carries out right")
+    _some(
+        np.asarray(following.length), "parser: no command of two that the model carries out right"
+    )
 
     def loss(model: Model, said: Said, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         steps, following = batch
+        others = jax.tree.map(lambda column: jnp.roll(column, 1, axis=0), steps)
 
-        def one(key: Array, step: StepTable, following: StepTable) -> Array:
-            filling, saying, joining = jax.random.split(key, 3)
+        def one(key: Array, step: StepTable, following: StepTable, other: StepTable) -> Array:
+            filling, saying, joining, misusing, reordering = jax.random.split(key, 5)
             heap = nonsense_loss(saying, model, step.tokens, step.length, said.known)
-            filled = with_fillers(filling, step, said.fillers)
+            heap += misuse_loss(misusing, model, step, other, said)
+            splitter = model.language.splitter
+            heap += reordered_loss(reordering, splitter, step, other, said.habits)
+            filled = with_fillers(filling, step, said.habits.fillers)
             valid = jnp.arange(filled.tokens.shape[0]) < filled.length
             parse = model.language.parse(filled.tokens, valid)
             meaning = sum(
                 -jax.nn.log_softmax(logits)[meant]
                 for logits, meant in zip(parse, filled.meant, strict=True)
             )
-            end = end_loss(joining, model.language.splitter, filled, following)
+            end = end_loss(joining, splitter, filled, following)
             return meaning + end + config.nonsense_parser * heap
 
         keys = jax.random.split(key, len(steps.length))
-        return jax.vmap(one)(keys, steps, following).mean()
+        return jax.vmap(one)(keys, steps, following, others).mean()
 
     return Stage("parser", config.parser, (table, following), said, loss)
 

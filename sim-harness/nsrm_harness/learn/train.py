@@ -121,7 +121,7 @@ def train(
         began = time.monotonic() - progress.seconds.get(name, 0.0)
         if progress.epoch == 0:
             checkpoints.begin(progress, model)
-        stage = make_stage(name, checkpoints.begun(progress, model), data, config)
+        stage = make_stage(name, checkpoints.begun(progress, model), data, config, domain)
         fit = Fit(stage, TRAINS[name], seed + NEXT_ATTEMPT * progress.attempt, progress.stage)
         state = state or fit.start(model)
         saved = time.monotonic()
@@ -162,7 +162,9 @@ def train(
     return Result(named, clear, progress)
 
 
-def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfig) -> Stage:
+def make_stage(
+    name: str, model: Model, data: TrainingSet, config: TrainingConfig, domain: Domain
+) -> Stage:
     """The stage of that name, from the model as it stands when the stage begins."""
     single = data.select(1, single_attribute=True)
     if name == "actions":
@@ -187,8 +189,8 @@ def make_stage(name: str, model: Model, data: TrainingSet, config: TrainingConfi
         return stages.perception_stage(config, data, references)
     if name == "parser":
         table = decode.own_steps(model, data, similarities, config)
-        words = model.language.embedding.weight.shape[0]
-        return stages.parser_stage(config, data, table, words)
+        order_words = np.isin(domain.vocabulary(), domain.grammar.order_words)
+        return stages.parser_stage(config, data, table, order_words)
     episodes, choices, _ = decode.own_choices(model, data, similarities)
     return stages.simulator_stage(config, data, episodes, choices)
 

@@ -2,12 +2,14 @@
 
 Each is made from a good sentence about the scene, in which one thing is spoilt. A sentence
 belongs to one set alone, whatever the scene, by its hash; the sets have their own random
-streams and their own episode files.
+streams and their own episode files. Kinds that the trainer makes steps of, too, have only
+patterns that are kept from it (`language.patterns`).
 """
 
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,8 +21,9 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.seeds import generator
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.language.grammar import Command, Grammar
+from nsrm_harness.language.patterns import is_reserved
 from nsrm_harness.language.program import Program, Step
-from nsrm_harness.language.tokens import split
+from nsrm_harness.language.tokens import Tokenizer, split
 from nsrm_harness.refusals import topics
 from nsrm_harness.refusals.reading import Reading
 
@@ -34,6 +37,10 @@ MAX_DRAWS = 100
 TOO_MANY_STEPS = (9, 12)
 #: How often a missing action is said in words that the domain knows, where it can be.
 FAMILIAR = 0.4
+#: What joins two relations or two values, where it joins them at all.
+JOINTS = ("and", ",", "")
+#: The fields of a command that describe objects.
+ARGUMENTS = ("moved", "reference")
 #: Fewer letters are no word that can be misspelt and still be told.
 LEAST_LETTERS = 3
 
@@ -72,13 +79,16 @@ class Item:
 def make_items(
     domain: Domain, situations: Sequence[Situation], which: str, count: int = COUNT, seed: int = 0
 ) -> list[Item]:
-    """`count` different sentences of each kind; the same for the same arguments.
+    """`count` different sentences of each kind that the domain has.
+
+    The same for the same arguments.
 
     Raises `RefusalSetError` where the scenes don't allow as many.
     """
     return [
         item
         for number, kind in enumerate(KINDS)
+        if domain.grammar.order_words or kind not in OF_ORDER_WORDS
         for item in _items_of(kind, number, domain, situations, which, count, seed)
     ]
 
@@ -137,6 +147,7 @@ class Spoiler:
         self._rng = rng
         self._grammar = Grammar(domain)
         self._reads = Reading(domain)
+        self._tokenizer = Tokenizer(domain)
         grammar = domain.grammar
         self._known = {*domain.lexicon(), *domain.vocabulary()}
         phrases = [phrase for action in domain.actions for phrase in action.phrases]
@@ -155,6 +166,13 @@ class Spoiler:
             )
             for word in words
         }
+        self._joints = [joint for joint in JOINTS if joint in self._known or not joint]
+        # Of how many actions a word tells.
+        self._relation_words = Counter(
+            word
+            for action in domain.actions
+            for word in {word for phrase in action.phrases for word in phrase.split()}
+        )
         relations = [phrase for phrase in topics.RELATIONS if phrase not in phrases]
         self._familiar = [p for p in relations if self._known.issuperset(p.split())]
         self._unfamiliar = [p for p in relations if p not in self._familiar]
@@ -225,9 +243,7 @@ class Spoiler:
         commands = self._commands(situation)
         if self._rng.random() < 0.75:
             unopened = {**commands[0].fields, "opening": self._choose(topics.PROHIBITIONS)}
-            template = commands[0].template
-            if "{opening}" not in template:
-                template = "{opening} " + template
+            template = _opened(commands[0].template)
             commands[0] = replace(commands[0], template=template, fields=unopened)
         else:
             place = self._any(len(commands))
@@ -294,10 +310,120 @@ class Spoiler:
         spoilt = replace(step, reference=other)
         return self._program(_replaced(situation.program, place, spoilt))
 
+    def relation_in_description(self, situation: Situation) -> Spoilt | None:
+        """An object told by where it is, with no other word for it: "the block left of the red
+        block". A good sentence with a relation too many."""
+        return self._described_by_relation(situation, described=False)
+
+    def relation_behind_description(self, situation: Situation) -> Spoilt | None:
+        """An object told by what it looks like and by where it is: "the green block left of the
+        red block"."""
+        return self._described_by_relation(situation, described=True)
+
+    def two_relations(self, situation: Situation) -> Spoilt | None:
+        """In two places at once: "above and to the left of", "to the top left of"."""
+        commands = self._commands(situation)
+        place = self._any(len(commands))
+        own, action = commands[place].fields["relation"], situation.program[place].action
+        other = self._relation(without=action)
+        words = own.split()
+        if set(words) <= set(other.split()):
+            # "On on the right of" is a stammer.
+            return None
+        if self._rng.random() < 0.5:
+            # The whole of another relation before or behind it.
+            joined = [own, self._choose(self._joints), other]
+            relation = joined if self._rng.random() < 0.5 else joined[::-1]
+        else:
+            # A word that only the other action has, at a place of its own in this relation.
+            foreign = [word for word in other.split() if self._relation_words[word] == 1]
+            if not foreign:
+                return None
+            at = self._any(len(words) + 1)
+            relation = [*words[:at], self._choose(foreign), *words[at:]]
+        fields = {**commands[place].fields, "relation": " ".join(" ".join(relation).split())}
+        commands[place] = replace(commands[place], fields=fields)
+        # "On" and "left of" are "on the left of" without an article.
+        return self._misused(commands, place) and self._unread(self._joined(commands))
+
+    def ordinal(self, situation: Situation) -> Spoilt | None:
+        """Which of several: "the first red block"."""
+        commands = self._commands(situation)
+        place = self._any(len(commands))
+        argument = self._choose(ARGUMENTS)
+        words = commands[place].fields[argument].split()
+        at = next(i for i, word in enumerate(words) if word in self._domain.lexicon())
+        words.insert(at, self._order_word())
+        fields = {**commands[place].fields, argument: " ".join(words)}
+        commands[place] = replace(commands[place], fields=fields)
+        return self._misused(commands, place)
+
+    def order_of_time(self, situation: Situation) -> Spoilt | None:
+        """A later command to be carried out before one that is said earlier."""
+        commands = self._commands(situation)
+        if len(commands) == 1:
+            return None
+        place = 1 + self._any(len(commands) - 1)
+        later = commands[place]
+        opened = {**later.fields, "opening": self._order_word()}
+        commands[place] = replace(later, template=_opened(later.template), fields=opened)
+        return self._misused(commands, place)
+
+    def two_values(self, situation: Situation) -> Spoilt | None:
+        """Two values of one attribute in a description: "the red blue block"."""
+        commands = self._commands(situation)
+        place = self._any(len(commands))
+        argument = self._choose(ARGUMENTS)
+        words = commands[place].fields[argument].split()
+        lexicon = self._domain.lexicon()
+        at = self._place(words, lambda word: word in lexicon)
+        value = self._domain.concepts[lexicon[words[at]]]
+        others = [
+            word
+            for each in self._domain.attribute(value.attribute).values
+            if each.name != value.name
+            for word in each.words
+        ]
+        both = [words[at], self._choose(self._joints), self._choose(others)]
+        words[at : at + 1] = both if self._rng.random() < 0.5 else both[::-1]
+        fields = {**commands[place].fields, argument: " ".join(" ".join(words).split())}
+        commands[place] = replace(commands[place], fields=fields)
+        return self._said(self._joined(commands))
+
     def word_salad(self, situation: Situation) -> Spoilt | None:
         """The words of a good sentence in an order that says nothing."""
         words = self._words(situation)
         return self._unread([words[index] for index in self._rng.permutation(len(words))])
+
+    def _described_by_relation(self, situation: Situation, described: bool) -> Spoilt | None:
+        commands = self._commands(situation)
+        place = self._any(len(commands))
+        argument = self._choose(ARGUMENTS)
+        anchor = commands[place].fields[argument]
+        article = self._choose(("the", "a")) if self._known.issuperset(("the", "a")) else ""
+        head = [article, self._choose(self._domain.grammar.nouns)]
+        if described:
+            other = self._description(situation, lambda fitting: len(fitting) == 1)
+            if other is None:
+                return None
+            head = [self._grammar.description(self._rng, other)]
+        words = [*head, self._relation(), anchor]
+        fields = {**commands[place].fields, argument: " ".join(" ".join(words).split())}
+        commands[place] = replace(commands[place], fields=fields)
+        return self._misused(commands, place)
+
+    def _relation(self, without: str | None = None) -> str:
+        """How one of the actions is said."""
+        actions = [action for action in self._domain.actions if action.name != without]
+        return self._choose(actions[self._any(len(actions))].phrases)
+
+    def _order_word(self) -> str:
+        return self._choose(self._domain.grammar.order_words)
+
+    def _misused(self, commands: Sequence[Command], place: int) -> Spoilt | None:
+        """None where training may have heard the step."""
+        rows = self._tokenizer.rows(self._tokenizer(" ".join(commands[place].words())))
+        return self._said(self._joined(commands)) if is_reserved(rows) else None
 
     def _commands(self, situation: Situation) -> list[Command]:
         return self._grammar.commands(self._rng, situation.program)
@@ -391,6 +517,11 @@ class Spoiler:
         return int(self._rng.integers(count))
 
 
+def _opened(template: str) -> str:
+    """The template with a place for an opening."""
+    return template if "{opening}" in template else "{opening} " + template
+
+
 def _replaced(program: Program, place: int, step: Step) -> Program:
     return (*program[:place], step, *program[place + 1 :])
 
@@ -412,5 +543,14 @@ KINDS: dict[str, Callable[[Spoiler, Situation], Spoilt | None]] = {
         Spoiler.too_many_steps,
         Spoiler.same_object,
         Spoiler.word_salad,
+        Spoiler.relation_in_description,
+        Spoiler.relation_behind_description,
+        Spoiler.two_relations,
+        Spoiler.ordinal,
+        Spoiler.order_of_time,
+        Spoiler.two_values,
     )
 }
+
+#: Kinds that a domain without order words does not have.
+OF_ORDER_WORDS = (Spoiler.ordinal.__name__, Spoiler.order_of_time.__name__)
