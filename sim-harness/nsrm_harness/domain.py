@@ -21,6 +21,7 @@ from typing import Any, Literal
 
 from nsrm_harness.domain_reader import Table
 from nsrm_harness.errors import DomainError
+from nsrm_harness.json_text import json_text
 
 #: The paper's domain.
 DEFAULT = Path(__file__).resolve().parent.parent / "domains" / "tabletop.toml"
@@ -176,7 +177,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
     held_out = _held_out(root.table("held_out"), actions) if "held_out" in document else None
     name = root.identifier("name")
     root.no_other_keys()
-    text = json.dumps(document, ensure_ascii=False)
+    text = json_text(document, ensure_ascii=False)
     domain = Domain(name, attributes, actions, grammar, held_out, text)
     _check_names(root, domain)
     _check_appearance(root, domain)

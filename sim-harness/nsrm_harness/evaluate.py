@@ -24,6 +24,7 @@ from nsrm_harness.judge import Judge, StepTruth, Truth
 from nsrm_harness.observing import Boxes, chunks, objects_of, observe_episode
 from nsrm_harness.perception.match import match
 from nsrm_harness.perception.relief import PerceptionError
+from nsrm_harness.telling import or_dash
 
 
 class EvaluationError(HarnessError):
@@ -97,8 +98,9 @@ class Metrics:
     reference: float
     iou_2d: float
     iou_3d: float
-    error_median_m: float
-    error_p95_m: float
+    error_median_m: float | None
+    """Over all steps whose moved object is right; None, as p95, where there is none."""
+    error_p95_m: float | None
     refused: dict[str, int]
     """Refusals by kind; "perception": the detector can't use the picture."""
 
@@ -108,12 +110,15 @@ class Metrics:
 
     def __str__(self) -> str:
         refused = ", ".join(f"{kind} {count}" for kind, count in self.refused.items()) or "none"
-        program = "-" if self.program is None else f"{self.program:.1%}"
+        median, p95 = (
+            or_dash(error_m, ".1f", times=1e3, unit=" mm")
+            for error_m in (self.error_median_m, self.error_p95_m)
+        )
         return (
-            f"{self.episodes} episodes: program {program}, O1 {self.object:.1%}, "
-            f"O2 {self.reference:.1%}, IoU-2D {self.iou_2d:.1%}, IoU-3D {self.iou_3d:.1%}, "
-            f"world error median {self.error_median_m * 1e3:.1f} mm, "
-            f"p95 {self.error_p95_m * 1e3:.1f} mm; refused: {refused}"
+            f"{self.episodes} episodes: program {or_dash(self.program, '.1%')}, "
+            f"O1 {self.object:.1%}, O2 {self.reference:.1%}, IoU-2D {self.iou_2d:.1%}, "
+            f"IoU-3D {self.iou_3d:.1%}, world error median {median}, p95 {p95}; "
+            f"refused: {refused}"
         )
 
 
@@ -310,7 +315,7 @@ def summarize(scores: Sequence[Score], refused: Counter[str]) -> Metrics:
     """Means over episodes; errors over all steps whose moved object is right."""
     if not scores:
         raise EvaluationError("there are no episodes to evaluate")
-    errors = [error for score in scores for error in score.errors_m] or [float("nan")]
+    errors = [error for score in scores for error in score.errors_m]
 
     def mean(values: Iterable[float]) -> float:
         return float(np.mean(list(values)))
@@ -322,8 +327,8 @@ def summarize(scores: Sequence[Score], refused: Counter[str]) -> Metrics:
         reference=mean(score.reference for score in scores),
         iou_2d=mean(score.iou_2d for score in scores),
         iou_3d=mean(score.iou_3d for score in scores),
-        error_median_m=float(np.median(errors)),
-        error_p95_m=float(np.quantile(errors, 0.95)),
+        error_median_m=float(np.median(errors)) if errors else None,
+        error_p95_m=float(np.quantile(errors, 0.95)) if errors else None,
         refused=dict(sorted((+refused).items())),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from dataclasses import dataclass, replace
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from nsrm_harness.evaluate import (
+    WRONG,
     Score,
     block_iou,
     box_iou,
@@ -102,3 +104,10 @@ def test_refusals_count_as_wrong() -> None:
     assert (metrics.program, metrics.iou_2d) == (0.5, 0.5)
     assert metrics.error_median_m == pytest.approx(0.002)
     assert metrics.refused == {"ambiguous": 1}
+
+
+def test_without_a_right_step_there_is_no_error_in_the_world() -> None:
+    metrics = summarize([WRONG, WRONG], Counter({"ambiguous": 2}))
+    assert (metrics.error_median_m, metrics.error_p95_m) == (None, None)
+    assert json.loads(json.dumps(metrics.as_json(), allow_nan=False))["error_median_m"] is None
+    assert "world error median -, p95 -; refused: ambiguous 2" in str(metrics)

@@ -4,17 +4,20 @@ another domain needs no change."""
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
 import equinox as eqx
 import jax
+import nsrm
 import numpy as np
 import pytest
 from jax.experimental.compilation_cache.compilation_cache import reset_cache
 from learn_toys import concatenate, make_toys
 
 from nsrm_harness import domain as domains
+from nsrm_harness.evaluate import WRONG, summarize
 from nsrm_harness.learn import decode, naming
 from nsrm_harness.learn.calibrate import fit_thresholds
 from nsrm_harness.learn.checkpoint import CheckpointError, Progress
@@ -27,6 +30,7 @@ from nsrm_harness.learn.export import (
     WorkSpace,
     model_bytes,
     read_model,
+    write_metrics,
     write_model,
 )
 from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, filter_scene, tensors, unique
@@ -352,6 +356,19 @@ def test_model_file_is_the_same_for_the_same_model_and_read_back(
         read_model(path)
 
 
+def test_the_core_loads_a_model_none_of_whose_plans_is_right(
+    domain: domains.Domain, tmp_path: Path
+) -> None:
+    model = Model(Dimensions.of(domain), jax.random.key(0))
+    space = WorkSpace((0.3, -0.2, 0.0), (0.6, 0.2, 0.2))
+    path = tmp_path / "model.safetensors"
+    write_model(path, ModelFile(model, domain, Thresholds(0.4, 0.6), space))
+    write_metrics(path, summarize([WRONG], Counter({"ambiguous": 1})).as_json())
+    loaded = nsrm.Model.load(path).info()["metrics"]
+    assert loaded == dict(read_model(path).metrics)
+    assert (loaded["program"], loaded["error_median_m"]) == (0.0, None)
+
+
 def test_a_simulator_without_residual_is_not_exported(domain: domains.Domain) -> None:
     """It says where a block comes to stand, whatever the reference; the core adds that."""
     model = Model(Dimensions.of(domain), jax.random.key(0), residual=False)
@@ -384,6 +401,8 @@ def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
         ('action_gradient = "soft"', "action_gradient: expected 'exact' or 'gumbel'"),
         ("joint = 3", "joint: expected a table"),
         ("temperature = -1", "temperature: -1 is too small"),
+        ("temperature = nan", "temperature: expected a finite number, got nan"),
+        ("[joint]\nlearning_rate = inf", "joint.learning_rate: expected a finite number, got inf"),
         ("split_samples = 1", "split_samples: 1 is too small"),
         ("split_gradient = 'best'", "split_gradient: expected 'exact' or 'reinforce', got 'best'"),
     ):

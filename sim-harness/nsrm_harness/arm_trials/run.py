@@ -19,6 +19,7 @@ from nsrm_harness.arm_trials.judge import Verdict
 from nsrm_harness.arm_trials.rows import Row
 from nsrm_harness.domain import Domain
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.workers import Workers
 
 FILMED = ("film.gif", "strip.png")
@@ -55,7 +56,7 @@ def run(
     ):
         for key, ended in workers.each(episode, missing):
             kept[key] = ended
-            file.write(json.dumps(asdict(ended)) + "\n")
+            file.write(json_text(asdict(ended)) + "\n")
             file.flush()
             bar.update()
     return [kept[row.name, index] for row in rows for index in range(episodes)]
@@ -108,7 +109,7 @@ def _kept(path: Path, seed: int) -> Iterator[Ended]:
     first, _, rest = text.partition("\n")
     made = made_by.digest()
     if not rest and not text.endswith("\n"):
-        head = json.dumps({"seed": seed, "made_by": made})
+        head = json_text({"seed": seed, "made_by": made})
         path.write_text(f"{head}\n", encoding="utf-8")
         return
     whole = text[: text.rfind("\n") + 1]

@@ -14,6 +14,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.baseline.model import Baseline
 from nsrm_harness.baseline.words import vocabulary
 from nsrm_harness.domain import Domain
+from nsrm_harness.json_text import json_text
 from nsrm_harness.learn.export import (
     arrays_of,
     filled,
@@ -46,8 +47,8 @@ def write_baseline(path: Path, file: BaselineFile) -> None:
         "schema": SCHEMA,
         "hash": tensor_hash(arrays),
         "domain": file.domain.as_json(),
-        "training": json.dumps(file.training),
-        "metrics": json.dumps(file.metrics),
+        "training": json_text(file.training),
+        "metrics": json_text(file.metrics),
     }
     write_whole(path, safetensors_bytes(arrays, metadata))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -16,6 +15,7 @@ from nsrm_harness.demo.onlooker import Onlooker
 from nsrm_harness.demo.outcome import Stopped
 from nsrm_harness.demo.show import show
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.world.render import open_renderer
 
 
@@ -64,7 +64,7 @@ def command(
     pictures = [str(path) for path in shown.pictures]
     if as_json:
         files = {"pictures": pictures} | ({} if record is None else {"recording": str(record)})
-        click.echo(json.dumps(shown.document | files, ensure_ascii=False))
+        click.echo(json_text(shown.document | files, ensure_ascii=False))
     else:
         click.echo(shown.text)
     if isinstance(shown.refusal, Stopped):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import click
 
 from nsrm_harness import domain as domains
 from nsrm_harness.commands.options import Span, domain_option, seed_option
+from nsrm_harness.json_text import json_text
 
 
 @click.command("detect")
@@ -72,6 +72,6 @@ def command(
     if out is not None:
         out.parent.mkdir(parents=True, exist_ok=True)
         draw(worst).save(out)
-    click.echo(json.dumps(figures.as_json(), indent=2) if as_json else str(figures))
+    click.echo(json_text(figures.as_json(), indent=2) if as_json else str(figures))
     if out is not None and not as_json:
         click.echo(out)

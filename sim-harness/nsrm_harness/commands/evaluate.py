@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from nsrm_harness.commands.options import model_option
+from nsrm_harness.json_text import json_text
 
 if TYPE_CHECKING:
     from nsrm_harness.observing import Boxes
@@ -37,4 +37,4 @@ def command(model_path: Path | None, data: Path, boxes: Boxes, as_json: bool) ->
 
     pace = Pace()
     metrics = evaluate(load_model(model_path), data, boxes, quiet=as_json, pace=pace)
-    click.echo(json.dumps(metrics.as_json(), indent=2) if as_json else f"{metrics}\n{pace}")
+    click.echo(json_text(metrics.as_json(), indent=2) if as_json else f"{metrics}\n{pace}")

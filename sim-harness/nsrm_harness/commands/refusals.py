@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from nsrm_harness.commands.options import model_option
+from nsrm_harness.json_text import json_text
 
 
 @click.command("refusals")
@@ -59,4 +59,4 @@ def command(
     out.mkdir(parents=True, exist_ok=True)
     report.write_csv(out / "refusals.csv")
     draw_report(report, out / "refusals.png")
-    click.echo(json.dumps(report.as_json(), indent=2) if as_json else str(report))
+    click.echo(json_text(report.as_json(), indent=2) if as_json else str(report))

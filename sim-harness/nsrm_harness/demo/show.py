@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from nsrm_harness.demo.outcome import Goal, Outcome, Stopped, carry, set_down
 from nsrm_harness.demo.prediction import cut_out, predicted_scene
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.domain import Domain
+from nsrm_harness.json_text import json_text
 from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
 from nsrm_harness.sight import Eyes, Names, Sight, names, sub_goal
 from nsrm_harness.world.arm_world import ArmWorld
@@ -200,7 +200,7 @@ def _write_scene(out: Path, sight: Sight, camera: Camera) -> None:
             for number, location in sight.locations.items()
         ],
     }
-    (out / "scene.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    (out / "scene.json").write_text(json_text(document, indent=1) + "\n", encoding="utf-8")
 
 
 def _save(out: Path, pictures: Mapping[str, Image.Image]) -> tuple[Path, ...]:

@@ -12,7 +12,6 @@ A file is HDF5; row k is one block in one scene:
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +27,7 @@ from nsrm_harness.episodes.moves import Arrangement, target
 from nsrm_harness.episodes.programs import sample_blocks
 from nsrm_harness.episodes.seeds import STREAMS, generator
 from nsrm_harness.errors import EpisodeFileError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.world.camera import Camera, default_camera, observe
 from nsrm_harness.world.layout import LayoutError, sample_layout
 from nsrm_harness.world.render import Light, open_renderer
@@ -111,7 +111,7 @@ def make_calibration(
             ("schema", SCHEMA),
             ("image", (camera.height, camera.width)),
             ("domain", domain.as_json()),
-            ("settings", json.dumps({"scenes": scenes, "seed": seed, "renderer": renderer})),
+            ("settings", json_text({"scenes": scenes, "seed": seed, "renderer": renderer})),
             ("stream", STREAMS["calibration"]),
             ("renderer", f"{drawing.name}: {drawing.description}"),
         ):

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from nsrm_harness import domain as domains
 from nsrm_harness.errors import EpisodeFileError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.world.camera import Camera
 
 SCHEMA = 2
@@ -139,7 +140,7 @@ class Demonstrations:
         ):
             digest.update(f"{array.dtype.str}{array.shape}".encode())
             digest.update(array.tobytes())
-        digest.update(json.dumps(self.sentences, ensure_ascii=False).encode())
+        digest.update(json_text(self.sentences, ensure_ascii=False).encode())
         for index in range(len(self)):
             digest.update(self.initial_image(index).tobytes())
             if (final := self.final_image(index)) is not None:

@@ -29,6 +29,7 @@ from nsrm_harness.episodes.programs import SHARES_OF, Descriptions
 from nsrm_harness.episodes.seeds import STREAMS, generator
 from nsrm_harness.episodes.writer import MAX_STEPS, EpisodeWriter
 from nsrm_harness.errors import EpisodeFileError, EpisodeSettingsError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.workers import Processes, Workers
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.render import KINDS, open_renderer
@@ -80,7 +81,7 @@ class Settings:
         ):
             if getattr(self, name) == default:
                 del content[name]
-        return json.dumps(content, sort_keys=True)
+        return json_text(content, sort_keys=True)
 
     def checked(self, domain: domains.Domain) -> Settings:
         """The same settings, descriptions bound to the domain's attribute types;
@@ -215,7 +216,7 @@ def make_shard(settings: Settings, domain_json: str, start: int) -> bytes:
             episode = demonstrator.episode(rng, _wanted(settings, start + row))
             writer.write(row, episode)
             rejected += episode.rejected
-        writer.attributes({"renderer": renderer, "rejected": json.dumps(rejected)})
+        writer.attributes({"renderer": renderer, "rejected": json_text(rejected)})
     return content.getvalue()
 
 
@@ -246,7 +247,7 @@ def _wanted(settings: Settings, index: int) -> Wanted:
 
 def _prepare(work: Path, settings: Settings, domain: domains.Domain) -> None:
     note = work / "settings.json"
-    content = json.dumps([SCHEMA, settings.as_json(), domain.as_json()])
+    content = json_text([SCHEMA, settings.as_json(), domain.as_json()])
     if note.exists():
         if note.read_text(encoding="utf-8") != content:
             raise EpisodeFileError(
@@ -303,7 +304,7 @@ def _join(settings: Settings, domain: domains.Domain, work: Path, path: Path) ->
                 "count": settings.count,
                 "settings": settings.as_json(),
                 "renderer": renderers.pop(),
-                "versions": json.dumps(_versions()),
+                "versions": json_text(_versions()),
             }
         )
     joined.replace(path)

@@ -16,7 +16,6 @@ Nothing in a file depends on when or in how many parts it was written.
 
 from __future__ import annotations
 
-import json
 import zlib
 from collections.abc import Mapping, Sequence
 from io import BytesIO
@@ -29,6 +28,7 @@ import numpy as np
 
 from nsrm_harness.episodes.demonstrator import Episode
 from nsrm_harness.episodes.file import camera_row, depth_units
+from nsrm_harness.json_text import json_text
 from nsrm_harness.world.camera import Located, Observation
 from nsrm_harness.world.pose import Pose
 
@@ -166,7 +166,7 @@ class EpisodeWriter:
             ("attributes", [block.values for block in episode.blocks]),
             ("rejected", dict(sorted(episode.rejected.items()))),
         ):
-            self._texts[f"evaluation/{name}"][row] = json.dumps(value, ensure_ascii=False)
+            self._texts[f"evaluation/{name}"][row] = json_text(value, ensure_ascii=False)
         count = len(episode.blocks)
         for name, rows in (
             ("initial_poses", _pose_rows(episode.initial_poses)),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -12,6 +11,7 @@ from pathlib import Path
 from nsrm_harness.arm_trials.chance import is_worse
 from nsrm_harness.figures.scenes import FIGURES
 from nsrm_harness.figures.show import Ended
+from nsrm_harness.json_text import json_text
 
 ENDS = ("succeeded", "refused", "failed")
 GOAL = 0.98
@@ -66,7 +66,7 @@ def write_csv(ended: Sequence[Ended], path: Path) -> None:
 
 def write_jsonl(ended: Sequence[Ended], path: Path) -> None:
     """A line an episode."""
-    lines = [json.dumps(asdict(each), ensure_ascii=False) + "\n" for each in ended]
+    lines = [json_text(asdict(each), ensure_ascii=False) + "\n" for each in ended]
     path.write_text("".join(lines), encoding="utf-8")
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+from nsrm_harness.json_text import json_text
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ Program = tuple[Step, ...]
 
 def canonical(steps: Iterable[Step]) -> str:
     """Equal text for programs that differ only in the order of filters."""
-    return json.dumps(
+    return json_text(
         [[step.action, sorted(step.object), sorted(step.reference)] for step in steps],
         ensure_ascii=False,
         separators=(",", ":"),

@@ -11,6 +11,7 @@ from typing import Any
 import equinox as eqx
 
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.json_text import json_text
 
 
 class CheckpointError(HarnessError):
@@ -49,7 +50,7 @@ class Checkpoints:
         eqx.tree_serialise_leaves(self._folder / name, state)
         partial = self._index.with_suffix(".part")
         content = {"run": self._run, "state": name, "progress": asdict(progress)}
-        partial.write_text(json.dumps(content), encoding="utf-8")
+        partial.write_text(json_text(content), encoding="utf-8")
         partial.replace(self._index)
         for old in self._folder.glob("checkpoint-*.eqx"):
             if old.name != name:

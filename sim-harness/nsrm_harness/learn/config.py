@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -146,6 +147,8 @@ def _filled(default: Any, values: dict[str, Any], where: str) -> Any:
         kinds = (int,) if isinstance(old, int) else (int, float)
         if not isinstance(value, kinds) or isinstance(value, bool):
             raise ConfigError(f"{where}{key}: expected a number like {old}, got {value!r}")
+        if not math.isfinite(value):
+            raise ConfigError(f"{where}{key}: expected a finite number, got {value}")
         least = LEAST.get(key, 1e-9)
         if value < least:
             raise ConfigError(f"{where}{key}: {value} is too small")

@@ -21,6 +21,7 @@ from safetensors import SafetensorError, safe_open
 from nsrm_harness import domain as domains
 from nsrm_harness.domain import Domain
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.learn import model as network
 from nsrm_harness.learn.model import Dimensions, Model, Network
 
@@ -109,13 +110,13 @@ def model_bytes(file: ModelFile) -> bytes:
         "schema": str(SCHEMA),
         "hash": tensor_hash(arrays),
         "domain": file.domain.as_json(),
-        "vocabulary": json.dumps(file.domain.vocabulary(), ensure_ascii=False),
-        "dimensions": json.dumps(sizes),
-        "thresholds": json.dumps(asdict(file.thresholds)),
-        "work_space": json.dumps(asdict(file.work_space)),
-        "placed_orientation": json.dumps(file.placed_orientation),
-        "training": json.dumps(file.training),
-        "metrics": json.dumps(file.metrics),
+        "vocabulary": json_text(file.domain.vocabulary(), ensure_ascii=False),
+        "dimensions": json_text(sizes),
+        "thresholds": json_text(asdict(file.thresholds)),
+        "work_space": json_text(asdict(file.work_space)),
+        "placed_orientation": json_text(file.placed_orientation),
+        "training": json_text(file.training),
+        "metrics": json_text(file.metrics),
     }
     return safetensors_bytes(arrays, metadata)
 
@@ -134,7 +135,7 @@ def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, s
             "shape": list(arrays[name].shape),
             "data_offsets": [start, len(content)],
         }
-    text = json.dumps(header, ensure_ascii=False).encode()
+    text = json_text(header, ensure_ascii=False).encode()
     text += b" " * (-len(text) % 8)
     return len(text).to_bytes(8, "little") + text + bytes(content)
 

@@ -6,7 +6,6 @@ else is computed by a model file. Scenes come from the validation data.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from nsrm_harness.episodes.file import Demonstrations
+from nsrm_harness.json_text import json_text
 from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn import reference
 from nsrm_harness.learn.export import ModelFile, arrays_of, safetensors_bytes, tensor_hash
@@ -64,7 +64,7 @@ def write_golden(file: ModelFile, data: Path, folder: Path) -> None:
     }
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "golden.safetensors").write_bytes(safetensors_bytes(arrays, {"seed": str(SEED)}))
-    text = json.dumps(cases, indent=1, ensure_ascii=False)
+    text = json_text(cases, indent=1, ensure_ascii=False)
     (folder / "cases.json").write_text(text + "\n", encoding="utf-8")
 
 

@@ -6,7 +6,6 @@ resumed ends with the same weights.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from dataclasses import asdict
@@ -22,6 +21,7 @@ from jax import Array
 from tqdm import tqdm
 
 from nsrm_harness.domain import Domain
+from nsrm_harness.json_text import json_text
 from nsrm_harness.learn import decode, stages
 from nsrm_harness.learn.checkpoint import Checkpoints, Progress
 from nsrm_harness.learn.config import TrainingConfig
@@ -104,7 +104,7 @@ def train(
     `after_stage` is told of a stage it may be told again after that; the progress that it is given
     stands behind the stage.
     """
-    run = json.dumps([asdict(config), seed, data.hash(), domain.as_json()])
+    run = json_text([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or Progress()
     model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual)

@@ -24,6 +24,7 @@ from nsrm_harness.judge import Judge, Truth
 from nsrm_harness.observing import chunks, objects_of, observe_episode
 from nsrm_harness.refusals.certainty import Bin, Curve, bins, calibration_error, risk_curve
 from nsrm_harness.refusals.sentences import COUNT, KINDS, Item, Situation, make_items
+from nsrm_harness.telling import or_dash
 
 COLUMNS = ("kind", "set", "count", "refused", "wrongly_accepted")
 THRESHOLDS = (0.0, 0.5, 0.8, 0.9, 0.95, 0.99, 0.999)
@@ -43,8 +44,8 @@ class Outcome:
     sentence: str
     #: Kind of the refusal; None: accepted.
     refusal: str | None
-    #: Of the plan; NaN where there is none.
-    confidence: float = float("nan")
+    #: Of the plan; None: there is none.
+    confidence: float | None = None
     #: What was understood; empty where it was refused.
     program: str = ""
     #: Whether it was to be accepted, and was understood.
@@ -112,11 +113,13 @@ class Report:
                 f"{kind.kind:<16}{kind.set:<12}{kind.count:>6}{kind.refused:>9}"
                 f"{kind.wrongly_accepted:>10}"
             )
-            lines += [f"    {each.confidence:.4f}  {each.sentence}" for each in kind.examples]
+            lines += [
+                f"    {or_dash(each.confidence, '.4f')}  {each.sentence}" for each in kind.examples
+            ]
         reasons = ", ".join(f"{kind} {count}" for kind, count in self.refused.items()) or "none"
         lines += [
             f"good sentences: {self.good}, {self.right} rightly planned, refused: {reasons}",
-            f"misspelt words for which the right one was offered: {self.suggested or 0.0:.1%}",
+            f"misspelt words for which the right one was offered: {or_dash(self.suggested, '.1%')}",
             f"calibration error, {len(self.good_bins)} bins of equal mass: plans for good "
             f"sentences {calibration_error(self.good_bins):.4f}, all plans "
             f"{calibration_error(self.mixed_bins):.4f}",
@@ -192,7 +195,8 @@ def report(outcomes: Sequence[Outcome], which: str, meant: dict[str, str | None]
         raise EvaluationError("there are no sentences to plan")
     weights = np.array([1 / len(good if each.kind == GOOD else bad) for each in outcomes])
     is_good = np.array([each.kind == GOOD for each in outcomes])
-    confidences = np.array([each.confidence for each in outcomes])
+    # NaN where there is no plan.
+    confidences = np.array([each.confidence for each in outcomes], np.float64)
     right = np.array([each.right for each in outcomes])
     planned = ~np.isnan(confidences)
 
@@ -217,7 +221,7 @@ def report(outcomes: Sequence[Outcome], which: str, meant: dict[str, str | None]
 def _count(kind: str, which: str, outcomes: Sequence[Outcome]) -> KindCount:
     own = [each for each in outcomes if each.kind == kind]
     accepted = [each for each in own if each.refusal is None]
-    accepted.sort(key=lambda each: -each.confidence)
+    accepted.sort(key=lambda each: -(each.confidence or 0.0))
     return KindCount(
         kind,
         which,

@@ -13,6 +13,7 @@ import numpy as np
 
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.evaluate import Metrics, PlainStep, evaluate, judge_plans
+from nsrm_harness.json_text import json_text
 from nsrm_harness.language.tokens import Tokenizer
 from nsrm_harness.learn import decode, reference
 from nsrm_harness.learn.dataset import training_set
@@ -122,7 +123,7 @@ def train_and_judge(
         "seconds": fitted.seconds,
         "named": fitted.named,
     }
-    write_whole(out / JUDGED_FILE, json.dumps(content, indent=1).encode())
+    write_whole(out / JUDGED_FILE, json_text(content, indent=1).encode())
 
 
 def _judge(name: str, file: ModelFile, path: Path, seed: int, tests: dict[str, Path]) -> list[Row]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.evaluate import Metrics
+from nsrm_harness.json_text import json_text
 
 MEASURES = ("program", "o1", "o2", "iou_2d", "iou_3d")
 DECIMALS = 2
@@ -109,7 +109,7 @@ def read_rows(path: Path) -> list[Row]:
 def write_json(path: Path, content: Any) -> None:
     """Write a file, all of it or nothing."""
     partial = path.with_name(path.name + ".part")
-    partial.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    partial.write_text(json_text(content, indent=1), encoding="utf-8")
     partial.replace(path)
 
 

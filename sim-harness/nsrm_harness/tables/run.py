@@ -21,6 +21,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.calibration import make_calibration
 from nsrm_harness.episodes.generate import Progress, Settings, generate
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.json_text import json_text
 from nsrm_harness.learn.run import Files
 from nsrm_harness.observing import Boxes
 from nsrm_harness.refusals.measure import Report, measure
@@ -124,7 +125,7 @@ class Tables:
 
     def _claim(self) -> tuple[str, ...]:
         content = {
-            "study": json.loads(json.dumps(asdict(self.study))),
+            "study": json.loads(json_text(asdict(self.study))),
             "domain": json.loads(self._domain.as_json()),
         }
         note = self.folder / "study.json"

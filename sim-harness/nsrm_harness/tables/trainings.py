@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import fields
 from pathlib import Path
@@ -13,6 +12,7 @@ import jax
 
 from nsrm_harness.baseline.run import run as run_baseline
 from nsrm_harness.baseline.train import BaselineConfig
+from nsrm_harness.json_text import json_text
 from nsrm_harness.learn.config import TrainingConfig
 from nsrm_harness.learn.export import write_whole
 from nsrm_harness.learn.run import Files, finish, fit
@@ -45,7 +45,7 @@ def train(training: Training) -> None:
         metrics = finish(fit(files, config, seed, out, resume=True), files.test, out)
     else:
         metrics = run_baseline(files, config, seed, out)
-    write_whole(out / DONE, json.dumps(metrics.as_json()).encode())
+    write_whole(out / DONE, json_text(metrics.as_json()).encode())
 
 
 def packed(training: Training) -> tuple[dict[str, bytes], Any, int]:
