@@ -166,6 +166,21 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     assert (tmp_path / "trials.png").stat().st_size > 10_000
 
 
+def test_a_row_without_a_step_has_no_figures_of_steps(tmp_path: Path) -> None:
+    row = BY_NAME["steps_1"]
+    refused = [
+        replace(ended("steps_1", index, "refused", kind="no way"), corrected_m=())
+        for index in range(100)
+    ]
+    lines = report.counted([row], refused)
+    report.write_csv(lines, tmp_path / "trials.csv")
+    assert (tmp_path / "trials.csv").read_text().splitlines()[1] == "steps_1,100,0,100,0,,,"
+    text = report.text(lines)
+    assert "| one step | 100 | 0.0 % | 99.0 % | 100 | 0 | – | – | – |" in text
+    assert "nan" not in text and "put right" not in text
+    assert [what for what in report.missed(lines) if "off" in what or "seconds" in what] == []
+
+
 def test_the_best_have_the_most_steps_and_are_the_least_off() -> None:
     off = replace(GOOD, off_m=0.002)
     all_ended = [

@@ -160,8 +160,24 @@ def test_noise_and_missing_depth(renderer: Renderer, world: World, noise_m: floa
     figures, _ = measure(with_noise(pictures, noise_m, 0.01, seed=1))
     assert figures.recall_50 == 1.0
     assert figures.precision_50 == 1.0
-    assert figures.mean_iou > (0.97 if noise_m else 0.99)
-    assert figures.depth_error_m < DEPTH_M
+    assert figures.mean_iou is not None and figures.mean_iou > (0.97 if noise_m else 0.99)
+    assert figures.depth_error_m is not None and figures.depth_error_m < DEPTH_M
+
+
+def test_figures_of_what_was_found_are_absent_where_nothing_was(renderer: Renderer) -> None:
+    with World() as empty:
+        seen = look(renderer, empty)
+    true = np.array([[0.4, 0.4, 0.5, 0.5]], np.float32)
+    picture = Picture(seen.rgb, seen.depth, CAMERA, true, np.ones(1, np.float32))
+    figures, _ = measure([picture])
+    assert (figures.objects, figures.recall_50) == (1, 0.0)
+    # No detection is wrong where there is none.
+    assert figures.precision_50 is None and figures.precision_75 is None
+    assert figures.mean_iou is None and figures.depth_error_m is None
+    assert figures.place_error_m is None and figures.place_error_p95_m is None
+    assert json.loads(json.dumps(figures.as_json(), allow_nan=False))["mean_iou"] is None
+    assert "recall 0.0000, precision -" in str(figures)
+    assert "mean IoU -, depth error -, place error - (p95 -)" in str(figures)
 
 
 @pytest.mark.parametrize("robot", [True, False])

@@ -79,9 +79,13 @@ def test_a_little_is_none() -> None:
     assert read_soak(journal(said_ms=15.0)).faults() == []
 
 
-def test_a_run_without_a_sentence_that_was_done_has_no_times_to_judge() -> None:
+def test_a_run_without_a_sentence_that_was_done_has_no_times_to_judge(tmp_path: Path) -> None:
     lines = [line for line in journal() if line["what"] == "sample"]
-    assert read_soak(lines).faults() == []
+    soak = read_soak(lines)
+    assert soak.faults() == []
+    assert "| a sentence, p50 of a minute, ms | - | - |" in soak.text()
+    draw(soak, tmp_path / "soak.png")
+    assert (tmp_path / "soak.png").stat().st_size > 10_000
 
 
 def test_too_short_a_run_is_refused() -> None:

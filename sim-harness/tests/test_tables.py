@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ from PIL import Image
 from nsrm_harness import domain as domains
 from nsrm_harness.evaluate import Metrics
 from nsrm_harness.tables.compare import BEFORE, Comparison, Cost
-from nsrm_harness.tables.detections import DetectorRow
+from nsrm_harness.tables.detections import COLUMNS, DetectorRow, table_of
 from nsrm_harness.tables.figures import draw_comparison
 from nsrm_harness.tables.lines import TITLES
 from nsrm_harness.tables.publish import (
@@ -30,6 +32,7 @@ from nsrm_harness.tables.results import (
     read_rows,
     select,
     summarize,
+    write_records,
     write_rows,
 )
 from nsrm_harness.tables.run import FIRST_MODELS, Outcome, StudyError, Tables
@@ -119,6 +122,17 @@ def test_the_report_tells_every_split_and_the_papers_figures() -> None:
     assert "at commits abc, def; seeds of the models 0, 1, 2, of the data 5" in text
     # A part of another part is not counted twice.
     assert f"| {FIRST_MODELS} | 11.0 |\n| all | 40.0 |" in text
+
+
+def test_the_detectors_table_has_a_dash_where_nothing_was_found(tmp_path: Path) -> None:
+    nothing = DetectorRow("test", 0.0, 5, 20, 0.0, None, 0.0, None, None, None, None, 16.0)
+    assert "| 20 | 0.0000, - | 0.0000, - | - | - | - | 16 ms |" in table_of([nothing])
+    write_records(tmp_path / "detector.csv", COLUMNS, [nothing])
+    assert (tmp_path / "detector.csv").read_text().splitlines()[
+        1
+    ] == "test,0.0,5,20,0.0,,0.0,,,,,16.0"
+    # As it is kept, and read again.
+    assert DetectorRow(**json.loads(json.dumps(asdict(nothing), allow_nan=False))) == nothing
 
 
 def a_comparison() -> Comparison:

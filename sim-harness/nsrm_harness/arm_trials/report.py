@@ -37,6 +37,8 @@ FIELDS = (
     "position_p95_mm",
     "seconds_p50",
 )
+NONE = "–"
+"""Stands for a person where a figure is of nothing."""
 GIVEN_UP = "given_up"
 """A last one of tables with disturbed rows: how many of those that succeeded."""
 
@@ -88,14 +90,14 @@ class Line:
         return np.array([step.seconds for step in self.steps])
 
     def values(self) -> tuple[str, ...]:
-        """As in the CSV."""
+        """As in the CSV; empty where there is no step."""
         ends = self.ends
         return (
             self.row.name,
             str(len(self.ended)),
             *(str(ends[end]) for end in ("succeeded", "refused", "failed")),
-            *(f"{_quantile(self.off_mm, share):.2f}" for share in (0.5, 0.95)),
-            f"{_quantile(self.seconds, 0.5):.2f}",
+            *(_decimals(_quantile(self.off_mm, share)) for share in (0.5, 0.95)),
+            _decimals(_quantile(self.seconds, 0.5)),
         )
 
 
@@ -107,8 +109,12 @@ def _last(ended: Ended) -> list[Verdict]:
     return [last[step] for step in sorted(last)]
 
 
-def _quantile(values: NDArray[np.float64], share: float) -> float:
-    return float(np.quantile(values, share)) if len(values) else float("nan")
+def _quantile(values: NDArray[np.float64], share: float) -> float | None:
+    return float(np.quantile(values, share)) if len(values) else None
+
+
+def _decimals(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f}"
 
 
 def counted(rows: Sequence[Row], ended: Sequence[Ended]) -> list[Line]:
@@ -129,8 +135,9 @@ def text(lines: Sequence[Line]) -> str:
         shares = [_percent(int(succeeded) - line.given_up, int(episodes))]
         if disturbed:
             shares.append(_percent(line.given_up, int(episodes)))
-        goal = f"{100 * line.row.goal:.1f} %" if line.row.goal else "–"
-        ends = [goal, refused, failed, f"{half} mm", f"{most} mm", seconds]
+        goal = f"{100 * line.row.goal:.1f} %" if line.row.goal else NONE
+        off = (f"{value} mm" if value else NONE for value in (half, most))
+        ends = [goal, refused, failed, *off, seconds or NONE]
         rows.append(_columns([line.row.title, episodes, *shares, *ends]))
     rows.extend(["", *_beside(lines), ""])
     rows.extend(
@@ -157,12 +164,15 @@ def _beside(lines: Sequence[Line]) -> list[str]:
         refused = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "none"
         corrected_mm = 1000 * np.array([by for each in ended for by in each.corrected_m])
         told = [
-            f"- Of {asked} sub-goals of the model refused: {refused} ({_percent(count, asked)}).",
-            f"- Sub-goals of the model that were put right against what is seen under them: "
-            f"{_percent(int((corrected_mm > CORRECTED_MM).sum()), len(corrected_mm))} by more than "
-            f"{CORRECTED_MM} mm, {_quantile(corrected_mm, 0.5):.1f} mm in the middle, "
-            f"{_quantile(corrected_mm, 1.0):.1f} at most.",
+            f"- Of {asked} sub-goals of the model refused: {refused} ({_percent(count, asked)})."
         ]
+        if len(corrected_mm):
+            much = _percent(int((corrected_mm > CORRECTED_MM).sum()), len(corrected_mm))
+            told.append(
+                f"- Sub-goals of the model that were put right against what is seen under them: "
+                f"{much} by more than {CORRECTED_MM} mm, {np.median(corrected_mm):.1f} mm in the "
+                f"middle, {corrected_mm.max():.1f} at most."
+            )
     if undisturbed := [line for line in lines if not line.row.is_disturbed]:
         touched = sum(bool(step.touched) for line in undisturbed for step in line.steps)
         told.append(
@@ -215,7 +225,7 @@ def _too_much(line: Line) -> list[str]:
             (_quantile(line.off_mm, 0.95), p95_mm, "mm off at 95 %"),
             (_quantile(line.seconds, 0.5), SECONDS_P50, "seconds a step in the middle"),
         )
-        if value > most
+        if value is not None and value > most
     ]
     if line.refused > REFUSED * line.asked:
         told.append(

@@ -17,6 +17,7 @@ from nsrm_harness.perception.match import match, overlaps
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.perception.scenes import Picture
 from nsrm_harness.pictures import BoxMark, annotate, side_by_side
+from nsrm_harness.telling import or_dash
 from nsrm_harness.world.camera import Camera
 
 IOU_LOOSE = 0.5
@@ -27,22 +28,23 @@ DRAWN = 3
 
 @dataclass(frozen=True)
 class Measure:
-    """Figures over all scenes; shares and overlaps in 0..1."""
+    """Figures over all scenes; shares and overlaps in 0..1. Those of nothing are None: recall
+    without objects, precision without detections, the rest without a detection matched at 0.5."""
 
     scenes: int
     objects: int
     detections: int
-    recall_50: float
-    precision_50: float
-    recall_75: float
-    precision_75: float
-    mean_iou: float
+    recall_50: float | None
+    precision_50: float | None
+    recall_75: float | None
+    precision_75: float | None
+    mean_iou: float | None
     """Of the detections matched at 0.5, as are the errors."""
-    depth_error_m: float
+    depth_error_m: float | None
     """Mean difference of the mean depths."""
-    place_error_m: float
+    place_error_m: float | None
     """Mean distance of the boxes' centres, back-projected at the mean depths."""
-    place_error_p95_m: float
+    place_error_p95_m: float | None
     scene_ms: float
     """Median processor time of a detection, on one core."""
 
@@ -51,12 +53,25 @@ class Measure:
         return asdict(self)
 
     def __str__(self) -> str:
+        recall_50, precision_50, recall_75, precision_75, mean_iou = (
+            or_dash(share, ".4f")
+            for share in (
+                self.recall_50,
+                self.precision_50,
+                self.recall_75,
+                self.precision_75,
+                self.mean_iou,
+            )
+        )
+        depth, place, place_p95 = (
+            or_dash(error_m, ".2f", times=1000, unit=" mm")
+            for error_m in (self.depth_error_m, self.place_error_m, self.place_error_p95_m)
+        )
         return (
             f"{self.scenes} scenes, {self.objects} objects, {self.detections} detections\n"
-            f"IoU 0.50: recall {self.recall_50:.4f}, precision {self.precision_50:.4f}\n"
-            f"IoU 0.75: recall {self.recall_75:.4f}, precision {self.precision_75:.4f}\n"
-            f"mean IoU {self.mean_iou:.4f}, depth error {1000 * self.depth_error_m:.2f} mm, place "
-            f"error {1000 * self.place_error_m:.2f} mm (p95 {1000 * self.place_error_p95_m:.2f})\n"
+            f"IoU 0.50: recall {recall_50}, precision {precision_50}\n"
+            f"IoU 0.75: recall {recall_75}, precision {precision_75}\n"
+            f"mean IoU {mean_iou}, depth error {depth}, place error {place} (p95 {place_p95})\n"
             f"{self.scene_ms:.1f} ms a scene"
         )
 
@@ -119,18 +134,22 @@ def _measure(pictures: Iterable[Picture]) -> tuple[Measure, list[Judged]]:
             scenes=len(seconds),
             objects=objects,
             detections=detections,
-            recall_50=len(ious) / max(objects, 1),
-            precision_50=len(ious) / max(detections, 1),
-            recall_75=strict / max(objects, 1),
-            precision_75=strict / max(detections, 1),
-            mean_iou=float(np.mean(ious or [0.0])),
-            depth_error_m=float(np.mean(depth_errors or [0.0])),
-            place_error_m=float(np.mean(place_errors or [0.0])),
-            place_error_p95_m=float(np.percentile(place_errors or [0.0], 95)),
+            recall_50=_share(len(ious), objects),
+            precision_50=_share(len(ious), detections),
+            recall_75=_share(strict, objects),
+            precision_75=_share(strict, detections),
+            mean_iou=float(np.mean(ious)) if ious else None,
+            depth_error_m=float(np.mean(depth_errors)) if ious else None,
+            place_error_m=float(np.mean(place_errors)) if ious else None,
+            place_error_p95_m=float(np.percentile(place_errors, 95)) if ious else None,
             scene_ms=1000 * float(np.median(seconds)),
         ),
         worst,
     )
+
+
+def _share(count: int, whole: int) -> float | None:
+    return count / whole if whole else None
 
 
 def _place(camera: Camera, box: NDArray[np.float32], depth_m: float) -> NDArray[np.float64]:

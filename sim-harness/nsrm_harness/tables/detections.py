@@ -13,6 +13,7 @@ from nsrm_harness.perception.measure import measure
 from nsrm_harness.perception.scenes import Picture, after_programs, of_file, with_noise
 from nsrm_harness.tables.kept import make_all
 from nsrm_harness.tables.lines import TITLES
+from nsrm_harness.telling import or_dash
 
 SCENES = 500
 """Scenes of a file that are looked at, at most."""
@@ -28,20 +29,20 @@ DROPOUT = 0.01
 
 @dataclass(frozen=True)
 class DetectorRow:
-    """Figures of the detector on one set of scenes; shares in 0..1."""
+    """Figures of the detector on one set of scenes; shares in 0..1. None as in `Measure`."""
 
     scenes: str
     """A split's name, or `after_3_5`: as programs of 3 to 5 steps leave scenes."""
     noise_mm: float
     count: int
     objects: int
-    recall_50: float
-    precision_50: float
-    recall_75: float
-    precision_75: float
-    mean_iou: float
-    depth_error_mm: float
-    place_p95_mm: float
+    recall_50: float | None
+    precision_50: float | None
+    recall_75: float | None
+    precision_75: float | None
+    mean_iou: float | None
+    depth_error_mm: float | None
+    place_p95_mm: float | None
     scene_ms: float
 
 
@@ -87,10 +88,14 @@ class Sighting(NamedTuple):
             found.recall_75,
             found.precision_75,
             found.mean_iou,
-            1000 * found.depth_error_m,
-            1000 * found.place_error_p95_m,
+            _mm(found.depth_error_m),
+            _mm(found.place_error_p95_m),
             found.scene_ms,
         )
+
+
+def _mm(length_m: float | None) -> float | None:
+    return None if length_m is None else 1000 * length_m
 
 
 def detect_all(sightings: Iterable[Sighting], folder: Path, jobs: int) -> tuple[DetectorRow, ...]:
@@ -112,10 +117,13 @@ def table_of(rows: Iterable[DetectorRow]) -> str:
     for row in rows:
         title = TITLES.get(row.scenes, "as programs of 3-5 steps leave them")
         noise = f"{row.noise_mm:g} mm" if row.noise_mm > 0.0 else "none"
+        shares = (row.recall_50, row.precision_50, row.recall_75, row.precision_75)
+        recall_50, precision_50, recall_75, precision_75 = (or_dash(s, ".4f") for s in shares)
+        depth = or_dash(row.depth_error_mm, ".2f", unit=" mm")
+        place = or_dash(row.place_p95_mm, ".1f", unit=" mm")
         lines.append(
             f"| {row.count}, {title} | {noise} | {row.objects} | "
-            f"{row.recall_50:.4f}, {row.precision_50:.4f} | "
-            f"{row.recall_75:.4f}, {row.precision_75:.4f} | {row.mean_iou:.3f} | "
-            f"{row.depth_error_mm:.2f} mm | {row.place_p95_mm:.1f} mm | {row.scene_ms:.0f} ms |"
+            f"{recall_50}, {precision_50} | {recall_75}, {precision_75} | "
+            f"{or_dash(row.mean_iou, '.3f')} | {depth} | {place} | {row.scene_ms:.0f} ms |"
         )
     return "\n".join(lines)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from nsrm_harness.tables.results import MEASURES, Row, summarize
+from nsrm_harness.telling import or_dash
 
 HEADINGS = ("program", "O1", "O2", "IoU-2D", "IoU-3D")
 TITLES = {
@@ -39,7 +40,7 @@ def cells_of(rows: Sequence[Row]) -> list[str]:
 
 def number(value: float | None) -> str:
     """A percentage, or a dash for none."""
-    return "-" if value is None else f"{value:.1f}"
+    return or_dash(value, ".1f")
 
 
 def header_of(first: str) -> str:

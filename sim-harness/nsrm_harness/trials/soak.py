@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
+from nsrm_harness.telling import or_dash
 from nsrm_harness.trials.journal import JournalError, Line
 
 SAMPLES = 8
@@ -88,8 +89,9 @@ class Soak:
             early, late = _quarters(values)
             lines.append(f"| shared: {_WORDS[what]} | {early:.0f} | {late:.0f} |")
         for column, what in enumerate(("p50", "p99")):
-            early, late = _quarters(self.said_ms[:, column])
-            lines.append(f"| a sentence, {what} of a minute, ms | {early:.0f} | {late:.0f} |")
+            of = _quarters(self.said_ms[:, column]) if len(self.minutes) > 0 else (None, None)
+            early, late = (or_dash(value, ".0f") for value in of)
+            lines.append(f"| a sentence, {what} of a minute, ms | {early} | {late} |")
         early, late = _quarters(self.scene_ms)
         lines.append(f"| from picture to scene, ms | {early:.1f} | {late:.1f} |")
         return "\n".join(lines)
@@ -152,7 +154,7 @@ def read_soak(lines: Sequence[Line]) -> Soak:
                 [*np.percentile(by_minute[minute], [50, 99]), max(by_minute[minute])]
                 for minute in minutes
             ]
-        ),
+        ).reshape(-1, 3),
         scene_ms=series("scenes", "latency_ns") / 1e6,
         sentences=(len(done), len(answered) - len(done)),
     )
