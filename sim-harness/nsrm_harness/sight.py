@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nsrm_harness.domain import Domain
 from nsrm_harness.perception.cuboids import Cuboid, Cuboids, faces
-from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.detector import objects_in
 from nsrm_harness.perception.relief import PerceptionError, relief
 from nsrm_harness.perception.tracking import Tracker
 from nsrm_harness.world.camera import Camera
@@ -97,8 +97,8 @@ class Eyes:
         frame, taken_s = self._take()
         if frame.rgb.mean() < DARK:
             raise DarkError("the camera's picture is dark")
-        found = detect(frame.rgb, frame.depth, self.camera)
         heights = relief(frame.rgb, frame.depth, self.camera)
+        found = objects_in(frame.rgb, heights)
         seen = faces(found, heights, self.camera)
         numbers = self._tracker.update(frame.rgb, found, seen, self.camera)
         cuboids = self._cuboids.update(dict(zip(numbers, seen, strict=True)), heights)

@@ -19,7 +19,9 @@ from nsrm_harness.errors import HarnessError
 from nsrm_harness.perception import Detections, PerceptionError, detect, match
 from nsrm_harness.perception.match import overlaps
 from nsrm_harness.perception.measure import measure
+from nsrm_harness.perception.relief import Relief, relief
 from nsrm_harness.perception.scenes import Picture, with_noise
+from nsrm_harness.sight import Eyes
 from nsrm_harness.world.blocks import block_from_attributes
 from nsrm_harness.world.camera import Observation, default_camera, observe
 from nsrm_harness.world.pose import Pose
@@ -162,6 +164,43 @@ def test_noise_and_missing_depth(renderer: Renderer, world: World, noise_m: floa
     assert figures.precision_50 == 1.0
     assert figures.mean_iou is not None and figures.mean_iou > (0.97 if noise_m else 0.99)
     assert figures.depth_error_m is not None and figures.depth_error_m < DEPTH_M
+
+
+@pytest.mark.parametrize("nothing", [np.nan, np.inf, -np.inf, -1.0])
+def test_what_was_not_measured_is_the_same_whatever_stands_there(
+    renderer: Renderer, world: World, nothing: float
+) -> None:
+    """Neighbouring infinities made the noise NaN, and rough depth was not smoothed."""
+    build_scene(world, 2)
+    seen = look(renderer, world)
+    rng = np.random.default_rng(5)
+    depth = (seen.depth + rng.normal(0.0, 0.003, seen.depth.shape)).astype(np.float32)
+    # Most of a band as far sensors leave it, and single pixels everywhere.
+    holes = rng.random(depth.shape) < 0.02
+    holes[:120] |= rng.random((120, depth.shape[1])) < 0.9
+    expected = detect(seen.rgb, np.where(holes, np.float32(0.0), depth), CAMERA)
+    found = detect(seen.rgb, np.where(holes, np.float32(nothing), depth), CAMERA)
+    np.testing.assert_array_equal(found.labels, expected.labels)
+    np.testing.assert_array_equal(found.boxes, expected.boxes)
+    np.testing.assert_array_equal(found.depths, expected.depths)
+
+
+def test_the_heights_of_a_picture_are_taken_once_a_look(
+    renderer: Renderer, world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_scene(world, 2)
+    taken: list[Relief] = []
+
+    def counted(*arguments: Any) -> Relief:
+        taken.append(relief(*arguments))
+        return taken[-1]
+
+    for module in ("nsrm_harness.sight", "nsrm_harness.perception.detector"):
+        monkeypatch.setattr(f"{module}.relief", counted)
+    eyes = Eyes(renderer, world, CAMERA)
+    for looks in (1, 2):
+        eyes.look()
+        assert len(taken) == looks
 
 
 def test_figures_of_what_was_found_are_absent_where_nothing_was(renderer: Renderer) -> None:

@@ -28,7 +28,7 @@ from nsrm_harness.recording.episode import Recording
 from nsrm_harness.recording.file import RecordingError, recorded
 from nsrm_harness.recording.motion import SAMPLE_S
 from nsrm_harness.recording.timeline import TIMELINE
-from nsrm_harness.recording.view import DEPTH_UNITS
+from nsrm_harness.recording.view import DEPTH_UNITS, depth_units
 from nsrm_harness.sight import Names, Sight
 from nsrm_harness.world.arm_world import ArmWorld
 from nsrm_harness.world.camera import FAR_M, default_camera
@@ -323,3 +323,5 @@ def test_without_the_package_it_is_told_what_to_do(tmp_path: Path) -> None:
 
 def test_depths_fit_into_16_bits() -> None:
     assert FAR_M * DEPTH_UNITS < 2**16
+    depth = np.array([[np.nan, np.inf, -np.inf, -1.0], [0.0, 0.5, FAR_M, 40.0]], np.float32)
+    assert depth_units(depth).tolist() == [[0] * 4, [0, 5000, FAR_M * DEPTH_UNITS, 65535]]

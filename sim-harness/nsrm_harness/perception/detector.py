@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from nsrm_harness.perception.cuts import slabs
 from nsrm_harness.perception.edges import MAX_LABELS, sharpened, without_strays
-from nsrm_harness.perception.relief import PerceptionError, relief
+from nsrm_harness.perception.relief import PerceptionError, Relief, relief
 from nsrm_harness.perception.towers import joined, towers
 from nsrm_harness.world.camera import MIN_VISIBLE_PX, Camera
 
@@ -36,18 +36,19 @@ class Detections:
 
 
 def detect(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> Detections:
-    """Finds what stands on the table.
+    """Finds what stands on the table. Arguments and errors are those of `relief` and of
+    `objects_in`."""
+    return objects_in(image, relief(image, depth, camera))
 
-    * `image`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical
-      axis, 0 or not finite where nothing was measured
-    * `camera`: whose pictures they are, in the world whose z = 0 is about the table
 
-    Raises `PerceptionError` for arrays of other shapes or types, if no table is in
-    view, and for more than `MAX_OBJECTS` objects.
+def objects_in(image: NDArray[np.uint8], seen: Relief) -> Detections:
+    """Finds what stands on the table of a picture whose heights are known.
+
+    * `image`: `uint8 [H, W, 3]`
+
+    Raises `PerceptionError` for more than `MAX_OBJECTS` objects.
     """
-    _check(image, depth, camera)
-    seen = relief(image, depth, camera)
-    labels = np.zeros(depth.shape, dtype=np.int32)
+    labels = np.zeros(seen.depth.shape, dtype=np.int32)
     count = 0
     for tower in joined(towers(seen), image, seen):
         colors = image[tower.rows, tower.columns].astype(np.float32) + 1.0
@@ -60,7 +61,7 @@ def detect(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera)
     _check_room(count, MAX_LABELS)
     # Pixels that colour adds lie across the rough edge of the depth image, where the
     # depth may be that of what is behind.
-    measured = np.where((labels > 0) & np.isfinite(depth), depth, np.float32(0.0))
+    measured = np.where(labels > 0, seen.measured, np.float32(0.0))
     return _detections(without_strays(sharpened(image, labels)), measured)
 
 
@@ -98,15 +99,3 @@ def _check_room(objects: int, room: int) -> None:
         raise PerceptionError(
             f"{objects} objects in view, there is room for {MAX_OBJECTS}: clear the table"
         )
-
-
-def _check(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> None:
-    for name, array, shape, kind in (
-        ("image", image, (camera.height, camera.width, 3), np.uint8),
-        ("depth", depth, (camera.height, camera.width), np.float32),
-    ):
-        if array.shape != shape or array.dtype != kind:
-            raise PerceptionError(
-                f"{name}: expected {np.dtype(kind).name} {list(shape)}, the camera's, "
-                f"got {array.dtype.name} {list(array.shape)}"
-            )

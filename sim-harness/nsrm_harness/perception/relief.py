@@ -39,6 +39,7 @@ class Relief:
     * `x`, `y`: `float32 [H, W]`, world, metres
     * `height`: `float32 [H, W]`, above the fitted table, metres; NaN without depth
     * `depth`: `float32 [H, W]`, metres along the optical axis, holes filled
+    * `measured`: `float32 [H, W]`, the same as it was measured, 0 where it was not
     * `noise_m`: standard deviation of `height`, on the table
     * `noisy`: whether depth had to be smoothed, so that edges are rough
     """
@@ -47,19 +48,27 @@ class Relief:
     y: NDArray[np.float32]
     height: NDArray[np.float32]
     depth: NDArray[np.float32]
+    measured: NDArray[np.float32]
     noise_m: float
     noisy: bool
 
 
 def relief(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> Relief:
-    """Heights of a depth image `[H, W]`; a value that is not above 0 is no measurement.
-    The colours `[H, W, 3]` say which neighbour stands in for it.
+    """Heights of a depth image.
 
-    Raises `PerceptionError` if less than `MIN_TABLE_SHARE` of it is table.
+    * `image`: `uint8 [H, W, 3]`; where depth was not measured, its colours say which neighbour
+      stands in for it
+    * `depth`: `float32 [H, W]`, metres along the optical axis; a value that is not finite, or not
+      above 0, is no measurement
+    * `camera`: whose pictures they are, in the world whose z = 0 is about the table
+
+    Raises `PerceptionError` for arrays of other shapes or types, and if less than
+    `MIN_TABLE_SHARE` of the picture is table.
     """
-    noise_m = _depth_noise_m(depth)
-    filled = _filled(image, depth)
-    noisy = noise_m > SMOOTHED_FROM_M
+    _check(image, depth, camera)
+    measured = measurements(depth)
+    filled = _filled(image, measured)
+    noisy = _depth_noise_m(measured) > SMOOTHED_FROM_M
     if noisy:
         filled = cv2.medianBlur(filled, 5).astype(np.float32, copy=False)
     rays = _rays(camera)
@@ -68,7 +77,24 @@ def relief(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera)
     a, b, c, residual_m = _table(x, y, z)
     height = z - (a + b * x + c * y)
     height[filled <= 0] = np.nan
-    return Relief(x, y, height, filled, residual_m, noisy)
+    return Relief(x, y, height, filled, measured, residual_m, noisy)
+
+
+def measurements(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Depth with 0 wherever nothing was measured, whatever stood there."""
+    return np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(0.0))
+
+
+def _check(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> None:
+    for name, array, shape, kind in (
+        ("image", image, (camera.height, camera.width, 3), np.uint8),
+        ("depth", depth, (camera.height, camera.width), np.float32),
+    ):
+        if array.shape != shape or array.dtype != kind:
+            raise PerceptionError(
+                f"{name}: expected {np.dtype(kind).name} {list(shape)}, the camera's, "
+                f"got {array.dtype.name} {list(array.shape)}"
+            )
 
 
 @lru_cache(maxsize=4)
@@ -87,7 +113,8 @@ def _rays(camera: Camera) -> NDArray[np.float32]:
 
 
 def _depth_noise_m(depth: NDArray[np.float32]) -> float:
-    """Standard deviation of white noise: second differences vanish on planes, nearly."""
+    """Standard deviation of white noise in `measurements`: second differences vanish on planes,
+    nearly."""
     rows = depth[::_STRIDE]
     left, middle, right = rows[:, :-2], rows[:, 1:-1], rows[:, 2:]
     second = left - 2 * middle + right
@@ -97,17 +124,14 @@ def _depth_noise_m(depth: NDArray[np.float32]) -> float:
     return float(1.4826 * np.median(np.abs(second[known])) / np.sqrt(6.0))
 
 
-def _filled(image: NDArray[np.uint8], depth: NDArray[np.float32]) -> NDArray[np.float32]:
+def _filled(image: NDArray[np.uint8], measured: NDArray[np.float32]) -> NDArray[np.float32]:
     """Where nothing was measured, the depth of that one of the eight neighbours whose
     colour is nearest; 0 where there is none."""
-    valid = np.isfinite(depth) & (depth > 0)
-    if valid.all():
-        return depth
-    known = cv2.copyMakeBorder(
-        np.where(valid, depth, np.float32(0.0)), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0
-    )
+    rows, columns = np.nonzero(measured == 0)
+    if len(rows) == 0:
+        return measured
+    known = cv2.copyMakeBorder(measured, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     colors = cv2.copyMakeBorder(image, 1, 1, 1, 1, cv2.BORDER_REPLICATE)
-    rows, columns = np.nonzero(~valid)
     own = image[rows, columns].astype(np.int32)
     best = np.full(len(rows), np.iinfo(np.int32).max)
     values = np.zeros(len(rows), dtype=np.float32)

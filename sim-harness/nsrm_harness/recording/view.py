@@ -10,6 +10,7 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
+from nsrm_harness.perception.relief import measurements
 from nsrm_harness.recording.scene import Scene
 from nsrm_harness.recording.shapes import RGB, boxes, frame
 from nsrm_harness.recording.timeline import Log
@@ -30,6 +31,13 @@ MOVED_RGB: RGB = (1.0, 0.85, 0.0)
 """Of what any step moves,"""
 REFERENCE_RGB: RGB = (0.0, 0.85, 1.0)
 """and of what steps only refer to."""
+
+
+def depth_units(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """A depth image in `DEPTH_UNITS`; 0 where nothing was measured, the most where it is
+    farther."""
+    units = measurements(depth) * DEPTH_UNITS
+    return np.minimum(units.round(), np.iinfo(np.uint16).max).astype(np.uint16)
 
 
 class View:
@@ -54,11 +62,10 @@ class View:
         """A picture, its depths and the boxes of what is found in it."""
         rgb = _png(np.ascontiguousarray(sight.rgb[..., ::-1]))
         self._log.now(PICTURE, rr.EncodedImage(contents=rgb, media_type=PNG))
-        depth = np.nan_to_num(sight.depth, posinf=0.0) * DEPTH_UNITS
         self._log.now(
             DEPTH,
             rr.EncodedDepthImage(
-                _png(depth.round().astype(np.uint16)),
+                _png(depth_units(sight.depth)),
                 media_type=PNG,
                 meter=DEPTH_UNITS,
                 depth_range=(NEAR_M * DEPTH_UNITS, FAR_M * DEPTH_UNITS),
