@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from nsrm_harness.errors import DomainError
+from nsrm_harness.language.letters import lower_case
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-# A token of a sentence: lower-case text without white space, upper-case letters
-# or the punctuation that the tokenizer takes off; or the comma.
-_WORD = re.compile(r"""[^\sA-Z,.!?;:"'{}\[\]]+|,""")
+# A token of a sentence, of letters in lower case: text without white space and the
+# punctuation that the tokenizer takes off; or the comma.
+_WORD = re.compile(r"""[^\s,.!?;:"'{}\[\]]+|,""")
 
 
 class Table:
@@ -110,7 +111,7 @@ class Table:
         value = self._texts(key)
         for text in value:
             for word in text.split(" ") if text else ():
-                if not _WORD.fullmatch(word):
+                if not _is_word(word):
                     raise self.error(key, _not_words(text))
         return value
 
@@ -132,7 +133,7 @@ class Table:
             for word in words:
                 if word in fields and words.count(word) == 1:
                     continue
-                if not _WORD.fullmatch(word):
+                if not _is_word(word):
                     raise self.error(key, f"{_not_words(text)}, or fields {sorted(fields)}")
         return value
 
@@ -158,6 +159,10 @@ class Table:
         if value is None:
             raise self.error(key, "is missing")
         return value
+
+
+def _is_word(word: str) -> bool:
+    return bool(_WORD.fullmatch(word)) and lower_case(word) == word
 
 
 def _not_words(text: str) -> str:

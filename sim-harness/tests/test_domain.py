@@ -79,6 +79,7 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("attribute.0.values.1.rgb", None, "color.green: rgb is missing"),
         ("attribute.0.values.1.words", ["light green"], "single words"),
         ("attribute.0.values.1.words", ["Green"], "lower-case words"),
+        ("attribute.0.values.1.words", ["Émeraude"], "lower-case words"),
         ("attribute.0.values.1.words", ["red"], "'red' already names 'red'"),
         ("attribute.0.values.1.words", ["block"], "'block' names the concept 'green'"),
         ("attribute.0.values.1.name", "red", "the name 'red' is given twice"),

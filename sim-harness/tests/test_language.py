@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +14,17 @@ from nsrm_harness import domain as domains
 from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.errors import DomainError
 from nsrm_harness.language.grammar import Grammar, Style
+from nsrm_harness.language.letters import lower_case, upper_case
 from nsrm_harness.language.program import Program, Step, canonical
 from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
 
 WORKSHOP = Path(__file__).parent / "domains" / "workshop.toml"
+LETTERS = Path(__file__).parent / "domains" / "letters.toml"
 
 
-@pytest.fixture(params=[domains.DEFAULT, WORKSHOP], ids=["tabletop", "workshop"])
+@pytest.fixture(
+    params=[domains.DEFAULT, WORKSHOP, LETTERS], ids=["tabletop", "workshop", "letters"]
+)
 def domain(request: pytest.FixtureRequest) -> Domain:
     return domains.load(request.param)
 
@@ -79,7 +84,7 @@ def test_sentences_are_natural_text(domain: Domain) -> None:
         assert re.fullmatch(nouns, found), found
     assert any(sentence.endswith(".") for sentence in sentences)
     assert any(sentence[0].isupper() and not sentence.isupper() for sentence in sentences)
-    assert any(sentence.isupper() for sentence in sentences)
+    assert any(sentence == upper_case(sentence) for sentence in sentences)
 
 
 def test_openings_stand_at_the_beginning_only() -> None:
@@ -152,10 +157,44 @@ def test_a_domain_without_held_out_wordings_says_so() -> None:
         ("it's a.b", ["it's", "a.b"]),
         ("red, , blue", ["red", ",", ",", "blue"]),
         (" . ", []),
+        ("red\u2003blue\x85on", ["red", "blue", "on"]),
+        # Separators of files and records are no white space.
+        ("red\x1cblue on\x1f", ["red\x1cblue", "on\x1f"]),
+        ("WEIẞ, Weiß; WEISS", ["weiß", ",", "weiß", ",", "weiss"]),
+        ("ΛΕΥΚΟΣ. ΛΕΥΚΟΣ", ["λευκοσ", ".", "λευκοσ"]),
+        ("Kırmızı KIRMIZI İ", ["kırmızı", "kirmizi", "i\u0307"]),
     ],
 )
 def test_splitting(sentence: str, pieces: list[str]) -> None:
     assert split(sentence) == pieces
+
+
+def test_upper_case_reads_back_whatever_the_letter() -> None:
+    letters = [chr(code) for code in range(sys.maxunicode + 1) if not 0xD800 <= code < 0xE000]
+    for letter in letters:
+        if lower_case(letter) == letter:
+            spelt = upper_case(letter)
+            assert len(spelt) == 1 and lower_case(spelt) == letter, letter
+    assert upper_case("größer, ça kırmızı λευκός ŉ") == "GRÖßER, ÇA KıRMıZı ΛΕΥΚΌς ŉ"
+
+
+@pytest.mark.parametrize(
+    "style",
+    [Style(capital=1), Style(capital=0, shouted=1), Style(capital=0, shouted=0, mixed=1)],
+    ids=["capital", "shouted", "mixed"],
+)
+def test_a_spelling_is_as_long_as_the_words_and_reads_as_they_do(style: Style) -> None:
+    domain = domains.load(LETTERS)
+    tokenizer, plain = Tokenizer(domain), Style(capital=0, shouted=0, mixed=0)
+    for seed in range(300):
+        program = random_program(np.random.default_rng(seed), domain)
+        said, lower = (
+            Grammar(domain, each).sentence(np.random.default_rng(seed), program)
+            for each in (style, plain)
+        )
+        assert said.ends == lower.ends
+        assert tokenizer(said.text) == tokenizer(lower.text), said.text
+        assert len(said.text.rstrip(".")) == len(lower.text.rstrip("."))
 
 
 def test_groups_hold_neighbours_only() -> None:

@@ -66,10 +66,12 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 
 /// Reads a sentence word by word.
 ///
-/// Words are parted by white space and compared in lower case. `,` is a word of
-/// its own and `;` is read as one; the marks `. ! ? : " '` are cut off at both
-/// ends of a word and, being no words of the model, refused, except that `. ! ?`
-/// at the very end of the sentence are dropped.
+/// Words are parted by white space and compared in lower case, letter by letter
+/// ([`char::to_lowercase`]), whatever stands beside it: `Σ` is `σ` at the end of a
+/// word too, and `WEISS` is not `weiß`. `,` is a word of its own and `;` is read as
+/// one; the marks `. ! ? : " '` are cut off at both ends of a word and, being no
+/// words of the model, refused, except that `. ! ?` at the very end of the sentence
+/// are dropped.
 ///
 /// It keeps no sentence, so that a task may own both: every call is given the same.
 #[derive(Debug, Clone)]
@@ -249,6 +251,24 @@ mod tests {
         assert_eq!(words("\"red\" don't."), ["\"", "red", "\"", "don't", "."]);
         assert_eq!(words("größe 1.5!?"), ["größe", "1.5", "!", "?"]);
         assert_eq!(words(" \n"), [""; 0]);
+    }
+
+    #[test]
+    fn case_is_folded_letter_by_letter() {
+        let known = ["kırmızı", "weiß", "λευκός"];
+        for (word, expected) in [
+            ("WEIß", Some(1)),
+            ("WEIẞ", Some(1)),
+            ("WEISS", None),
+            ("KıRMıZı", Some(0)),
+            ("KIRMIZI", None),
+            ("KİRMİZİ", None),
+            ("ΛΕΥΚΌς", Some(2)),
+            ("ΛΕΥΚΌΣ", None),
+        ] {
+            let found = find(&known, word, |text| text).map(|(index, _)| index);
+            assert_eq!(found, expected, "{word}");
+        }
     }
 
     fn read(sentence: &str) -> std::vec::Vec<Token> {

@@ -14,12 +14,14 @@ import numpy as np
 
 from nsrm_harness.domain import Domain
 from nsrm_harness.errors import DomainError
+from nsrm_harness.language.letters import upper_case
 from nsrm_harness.language.program import Program, Step
 
 
 @dataclass(frozen=True)
 class Style:
-    """How sentences are spelt; probabilities in 0..1. What remains is lower case."""
+    """How sentences are spelt; probabilities in 0..1. What remains is lower case. A letter whose
+    upper case does not read back is in lower case everywhere."""
 
     #: First letter in upper case.
     capital: float = 0.4
@@ -156,13 +158,13 @@ class Grammar:
         draw = rng.random()
         style = self._style
         if draw < style.capital:
-            text = text[0].upper() + text[1:]
+            text = upper_case(text[0]) + text[1:]
         elif draw < style.capital + style.shouted:
-            text = text.upper()
+            text = upper_case(text)
         elif draw < style.capital + style.shouted + style.mixed:
             upper = rng.random(len(text)) < 0.5
             text = "".join(
-                letter.upper() if up else letter for letter, up in zip(text, upper, strict=True)
+                upper_case(letter) if up else letter for letter, up in zip(text, upper, strict=True)
             )
         return text + "." if rng.random() < style.full_stop else text
 

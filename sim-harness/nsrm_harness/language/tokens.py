@@ -1,6 +1,7 @@
 """How a sentence falls into tokens: the reference for the trainer and the core.
 
-1. The sentence is split at white space and read in lower case.
+1. The sentence is split at white space and read in lower case, letter by letter: see
+   `letters`.
 2. ``,`` and ``;`` are the token ``,``, wherever they stand.
 3. ``. ! ?`` at the very end of the sentence are dropped. Any of ``. ! ? : " '`` at
    a word's start or end otherwise is a token of its own, which no vocabulary has.
@@ -16,8 +17,12 @@ from dataclasses import dataclass
 
 from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.errors import HarnessError
+from nsrm_harness.language.letters import SPACE, lower_case
 
-_PIECES = re.compile(r"""[,;]|[.!?:"']+(?=[\s,;]|$)|(?:(?<=[\s,;])|^)[.!?:"']+""")
+_BETWEEN = rf"(?:[,;]|{SPACE})"
+_PIECES = re.compile(rf"""[,;]|[.!?:"']+(?={_BETWEEN}|\Z)|(?:(?<={_BETWEEN})|^)[.!?:"']+""")
+_END = re.compile(rf"(?:[.!?]|{SPACE})+\Z")
+_SPACES = re.compile(rf"{SPACE}+")
 
 
 class UnknownWordError(HarnessError):
@@ -73,6 +78,6 @@ class Tokenizer:
 
 def split(sentence: str) -> list[str]:
     """Rules 1 to 3: lower-case words and punctuation, before anything is looked up."""
-    text = re.sub(r"[.!?\s]+$", "", sentence.lower())
+    text = _END.sub("", lower_case(sentence))
     spaced = _PIECES.sub(lambda match: f" {' '.join(match.group())} ", text)
-    return ["," if piece == ";" else piece for piece in spaced.split()]
+    return ["," if piece == ";" else piece for piece in _SPACES.split(spaced) if piece]

@@ -16,7 +16,7 @@ import numpy as np
 
 from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.json_text import json_text
-from nsrm_harness.language.tokens import Tokenizer
+from nsrm_harness.language.tokens import Tokenizer, split
 from nsrm_harness.learn import reference
 from nsrm_harness.learn.export import ModelFile, arrays_of, safetensors_bytes, tensor_hash
 from nsrm_harness.learn.model import Conv, run_gru
@@ -199,7 +199,7 @@ def longest_sentence(tokenizer: Tokenizer, sentences: list[str]) -> str:
     filler = next(word for word in tokenizer.row if word.isalpha())
     words: list[str] = []
     for sentence in sentences:
-        more = sentence.lower().rstrip(".").replace(",", " ,").split()
+        more = split(sentence)
         if len(tokenizer(" ".join([*words, *more])).words) > MAX_TOKENS:
             break
         words += more
