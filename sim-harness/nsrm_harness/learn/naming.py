@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from scipy.optimize import linear_sum_assignment
 
 from nsrm_harness.domain import Domain
 from nsrm_harness.language.grammar import Grammar, Style
@@ -58,8 +59,8 @@ def name_actions(model: Model, domain: Domain) -> tuple[Model, bool]:
     """
     counts = learned_actions(model, domain)
     count = len(domain.actions)
-    orders = np.array(list(itertools.permutations(range(count))))
-    order = orders[np.argmax(counts[np.arange(count), orders].sum(axis=1))]
+    # Each learned action gets one name so that the most sentences agree.
+    _, order = linear_sum_assignment(counts, maximize=True)
     clear = bool((counts[np.arange(count), order] >= AGREEMENT * SENTENCES).all())
     decoder, first = model.language.action_decoder, model.action.simulator.input
     assert decoder.bias is not None, "the decoder is made with a bias"
