@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, replace
 
 import nsrm
@@ -92,15 +92,21 @@ class Eyes:
         """By the clock that tells when pictures are taken."""
         return self._world.time_s
 
-    def look(self) -> Sight:
-        """Takes a picture. Raises `DarkError` or another `PerceptionError`."""
+    def look(self, held: Collection[int] = ()) -> Sight:
+        """Takes a picture. Raises `DarkError` or another `PerceptionError`.
+
+        * `held`: the numbers of what the hand may hold, which is looked for in vain
+        """
         frame, taken_s = self._take()
         if frame.rgb.mean() < DARK:
             raise DarkError("the camera's picture is dark")
         heights = relief(frame.rgb, frame.depth, self.camera)
         found = objects_in(frame.rgb, heights)
         seen = faces(found, heights, self.camera)
-        numbers = self._tracker.update(frame.rgb, found, seen, self.camera)
+        numbers = self._tracker.update(frame.rgb, found, seen, heights, self.camera, held)
+        self._cuboids.forget(self._tracker.forgotten)
+        for number in self._tracker.forgotten:
+            self._wholes.pop(number, None)
         cuboids = self._cuboids.update(dict(zip(numbers, seen, strict=True)), heights)
         rows = np.column_stack([found.boxes, found.depths])
         locations = dict(zip(numbers, rows, strict=True))

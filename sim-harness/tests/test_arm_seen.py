@@ -46,7 +46,8 @@ class Eyes:
         found = detect(frame.rgb, frame.depth, self._camera)
         heights = relief(frame.rgb, frame.depth, self._camera)
         seen = faces(found, heights, self._camera)
-        self.seen = self._tracker.update(frame.rgb, found, seen, self._camera)
+        self.seen = self._tracker.update(frame.rgb, found, seen, heights, self._camera)
+        self._cuboids.forget(self._tracker.forgotten)
         return self._cuboids.update(dict(zip(self.seen, seen, strict=True)), heights)
 
     def numbers(self) -> dict[int, int]:

@@ -58,8 +58,9 @@ def look(tracker: Tracker, renderer: Renderer, world: World) -> dict[int, int]:
     camera = default_camera()
     frame = renderer.render(world, camera, Light())
     found = detect(frame.rgb, frame.depth, camera)
-    seen = faces(found, relief(frame.rgb, frame.depth, camera), camera)
-    numbers = tracker.update(frame.rgb, found, seen, camera)
+    heights = relief(frame.rgb, frame.depth, camera)
+    seen = faces(found, heights, camera)
+    numbers = tracker.update(frame.rgb, found, seen, heights, camera)
     named: dict[int, int] = {}
     for number in numbers:
         position = tracker.position(number)

@@ -137,6 +137,7 @@ def test_what_is_stopped_is_answered_at_rest_then_tidied_up_and_can_be_told_agai
     scene.controller.obey(scene.command(0, 1))
     assert scene.said == [Outcome.ACCEPTED, Outcome.STOPPED]
     assert not scene.is_home()
+    assert scene.arm.held == {scene.steps[0].object_id}
     held = scene.world.pose(block_id)
     assert held.position[2] > before[block_id].position[2] + 0.05
     wait(scene.world, 0.5)
@@ -148,7 +149,7 @@ def test_what_is_stopped_is_answered_at_rest_then_tidied_up_and_can_be_told_agai
     scene.waiting.clear()
     scene.said.clear()
     scene.arm.tidy_up()
-    assert scene.is_home()
+    assert scene.is_home() and scene.arm.held == frozenset()
     for number, pose in scene.world.poses().items():
         assert pose.distance_m(before[number]) < STAYED_M
     assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.REACHED]
@@ -211,6 +212,7 @@ def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
     assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.NOT_FOLLOWING]
     scene.arm.tidy_up()
     assert scene.world.time_s == time_s
+    assert scene.arm.held == {scene.steps[0].object_id}
     np.testing.assert_array_equal(scene.world.joints(), joints)
     assert "look at the arm and start its controller anew" in caplog.text
 

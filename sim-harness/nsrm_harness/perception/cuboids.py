@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -123,6 +123,11 @@ class Cuboids:
             for number, cuboid in tops.items()
         }
         return dict(self._known)
+
+    def forget(self, numbers: Iterable[int]) -> None:
+        """These are believed to be there no longer."""
+        for number in numbers:
+            self._known.pop(number, None)
 
     def _completed(self, now: Cuboid, before: Cuboid, seen: Relief) -> Cuboid:
         """What is seen of a block's upper face with the edges that it had: the rest of it lies

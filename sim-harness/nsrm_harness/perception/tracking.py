@@ -1,9 +1,13 @@
-"""Who is who across pictures: the detector numbers objects anew in each."""
+"""Who is who across pictures: the detector numbers objects anew in each.
+
+An object that is no longer seen, and could be, is forgotten after some pictures: what noise makes
+would stay for ever otherwise, and take the time of every later picture.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +16,7 @@ from scipy.optimize import linear_sum_assignment
 
 from nsrm_harness.perception.cuboids import Face
 from nsrm_harness.perception.detector import Detections
+from nsrm_harness.perception.relief import Relief
 from nsrm_harness.world.camera import Camera
 
 STAYED_M = 0.015
@@ -50,6 +55,19 @@ NEAR_M = 0.05
 """What is left to see of an object lies nearer to its middle; another that stands in front of it
 does not."""
 
+CONFIRMED = 3
+"""An object is confirmed once so many pictures have shown it."""
+UNCONFIRMED_PICTURES, UNSEEN_PICTURES = 5, 100
+"""One that is not is forgotten after so many pictures that should show it and don't, a confirmed
+one after so many: at the ten pictures a second of a robot's camera, 10 s."""
+MOST_TRACKS = 64
+"""So many objects are known at most. Beyond that, those are forgotten that are not confirmed, then
+those that should be seen and are not, then those that were not seen for the longest time."""
+SAMPLES = 64
+"""So many of an object's pixels, at most, say whether it is covered:"""
+COVERED_SHARE, COVERS_M = 0.5, 0.01
+"""if so many of them show something that is nearer to the camera by more, or nothing at all."""
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
@@ -60,6 +78,7 @@ class Track:
     * `width_m`: of its box at its mean depth
     * `edges_m`: of its upper face, the longer one first; the most that was seen of them
     * `box`: x1, y1, x2, y2 as fractions of the image
+    * `rows`, `columns`, `depths`: `[n]`, of some of the pixels that showed it
     """
 
     position: NDArray[np.float64]
@@ -67,6 +86,9 @@ class Track:
     width_m: float
     edges_m: tuple[float, float]
     box: NDArray[np.float32]
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    depths: NDArray[np.float32]
 
     def seen_again(self, before: Track) -> tuple[float, Track]:
         """What it costs to believe that this is an object that was there before, and what is
@@ -76,6 +98,11 @@ class Track:
         if own[0] > its[0] + LARGER_M or own[1] > its[1] + LARGER_M:
             cost = max(cost, LARGER)
         return cost, replace(known, edges_m=(max(own[0], its[0]), max(own[1], its[1])))
+
+    def is_covered(self, seen: Relief) -> bool:
+        """Whether something else is seen in a picture where this was."""
+        nearer = seen.depth[self.rows, self.columns] < self.depths - COVERS_M
+        return float(nearer.mean()) >= COVERED_SHARE
 
     def _looks_like(self, before: Track) -> tuple[float, Track]:
         """The same by colour, place and width."""
@@ -104,29 +131,78 @@ class Track:
         return bool(low.all() and high.all())
 
 
+@dataclass
+class _Life:
+    """How an object has been seen, in pictures.
+
+    * `shown`: those that have shown it
+    * `missed`: those since the last of them that should have
+    * `absent`: all since
+    """
+
+    shown: int = 0
+    missed: int = 0
+    absent: int = 0
+
+    def is_seen(self) -> None:
+        """A picture shows it."""
+        self.shown, self.missed, self.absent = self.shown + 1, 0, 0
+
+    @property
+    def is_confirmed(self) -> bool:
+        return self.shown >= CONFIRMED
+
+    @property
+    def is_over(self) -> bool:
+        """Whether too many pictures should have shown it."""
+        return self.missed >= (UNSEEN_PICTURES if self.is_confirmed else UNCONFIRMED_PICTURES)
+
+    @property
+    def doubt(self) -> tuple[bool, int, int]:
+        """The greater, the sooner it is forgotten."""
+        return (not self.is_confirmed, self.missed, self.absent)
+
+
 class Tracker:
-    """Gives each object one number for as long as it is there."""
+    """Gives each object one number for as long as it is there. No other object ever gets it.
+
+    Of one that is covered or held nothing is forgotten. Memory and the time of a picture are
+    bounded by `MOST_TRACKS`.
+    """
 
     def __init__(self) -> None:
         self._tracks: dict[int, Track] = {}
+        self._lives: dict[int, _Life] = {}
         self._next = 1
+        self.forgotten: frozenset[int] = frozenset()
+        """What was forgotten with the last picture."""
+
+    def __len__(self) -> int:
+        """How many objects are known."""
+        return len(self._tracks)
 
     def update(
         self,
         image: NDArray[np.uint8],
         found: Detections,
         seen_faces: Sequence[Face],
+        heights: Relief,
         camera: Camera,
+        held: Collection[int] = (),
     ) -> tuple[int, ...]:
         """The number of each object found; an object that is hidden keeps its own.
 
         * `seen_faces`: of each
+        * `heights`: of the picture
+        * `held`: the objects that a hand may hold, so that they are not where they were
 
         All are matched at once, so that what has to be believed is as little as possible: that an
         object stays, that a part of it is hidden, that it was moved, in this order. Who can be
         none of those that were there is new.
         """
-        seen = [_track(image, found, row, face, camera) for row, face in enumerate(seen_faces)]
+        seen = [
+            _track(image, found, row, face, heights, camera) for row, face in enumerate(seen_faces)
+        ]
         numbers = list(self._tracks)
         again = [[new.seen_again(self._tracks[number]) for number in numbers] for new in seen]
         costs = np.full((len(seen), len(numbers) + len(seen)), NEW)
@@ -139,28 +215,61 @@ class Tracker:
                 self._tracks[names[-1]] = again[row][column][1]
             else:
                 names.append(self._next)
-                self._tracks[names[-1]] = seen[row]
+                self._tracks[names[-1]], self._lives[names[-1]] = seen[row], _Life()
                 self._next += 1
+        self._forget(names, heights, held)
         return tuple(names)
 
+    def _forget(self, names: Collection[int], heights: Relief, held: Collection[int]) -> None:
+        """What a picture shows of these objects alone."""
+        unseen = []
+        for number, life in self._lives.items():
+            if number in names:
+                life.is_seen()
+                continue
+            life.absent += 1
+            if number in held:
+                continue
+            unseen.append(number)
+            life.missed += not self._tracks[number].is_covered(heights)
+        unseen.sort(key=lambda number: self._lives[number].doubt, reverse=True)
+        over = [number for number in unseen if self._lives[number].is_over]
+        rest = [number for number in unseen if not self._lives[number].is_over]
+        too_many = max(len(self._lives) - len(over) - MOST_TRACKS, 0)
+        self.forgotten = frozenset([*over, *rest[:too_many]])
+        for number in self.forgotten:
+            del self._tracks[number], self._lives[number]
+
     def position(self, number: int) -> NDArray[np.float64] | None:
-        """Where an object was seen last, world frame, metres; None if it never was."""
+        """Where an object was seen last, world frame, metres; None if it never was, or is
+        forgotten."""
         track = self._tracks.get(number)
         return None if track is None else track.position
 
 
 def _track(
-    image: NDArray[np.uint8], found: Detections, row: int, face: Face, camera: Camera
+    image: NDArray[np.uint8],
+    found: Detections,
+    row: int,
+    face: Face,
+    heights: Relief,
+    camera: Camera,
 ) -> Track:
     x1, y1, x2, y2 = (float(value) for value in found.boxes[row])
     depth = float(found.depths[row])
     middle = ((x1 + x2) / 2 * camera.width, (y1 + y2) / 2 * camera.height, depth)
-    color = image[found.labels == row + 1].mean(axis=0) + 1.0
+    rows, columns = np.nonzero(found.labels == row + 1)
+    color = image[rows, columns].mean(axis=0) + 1.0
     a, b, _ = face.cuboid.edges_m
+    some = np.linspace(0, len(rows) - 1, min(len(rows), SAMPLES)).astype(np.int64)
+    rows, columns = rows[some], columns[some]
     return Track(
         camera.back_project(middle),
         color[:2] / color.sum(),
         (x2 - x1) * camera.width / camera.fx * depth,
         (max(a, b), min(a, b)),
         found.boxes[row],
+        rows,
+        columns,
+        heights.depth[rows, columns],
     )

@@ -95,7 +95,14 @@ class Carries:
         self._back: WayBack | None = None
         self._stuck = ""
         self._plan, self._meant = 0, set[int]()
+        self._carried: frozenset[int] = frozenset()
         world.on_tick = self._tick
+
+    @property
+    def held(self) -> frozenset[int]:
+        """The objects of which the hand may hold one: until what was stopped is put down, and
+        for ever where the joints don't follow."""
+        return self._carried if self._stuck or self._back else frozenset()
 
     def __call__(self, command: SubGoal, tell: Tell) -> Answer:
         """Moves an object; what is moved out of its way first, `tell` is told."""
@@ -107,11 +114,14 @@ class Carries:
             self._plan, self._meant = command.plan, set()
         # What this plan has moved, or put something beside, stays where it is.
         self._meant |= {command.object_id, command.reference_id}
+        self._carried = frozenset([command.object_id])
         self._stop = False
 
         def clearing(names: Sequence[str]) -> None:
             _LOG.info("first carried: %s", " and ".join(names))
-            tell(Answer(Outcome.CLEARING, tuple(map(_number, names))))
+            numbers = tuple(map(_number, names))
+            self._carried |= set(numbers)
+            tell(Answer(Outcome.CLEARING, numbers))
 
         try:
             performed = perform(

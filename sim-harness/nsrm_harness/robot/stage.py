@@ -127,7 +127,7 @@ class Stage:
         """Publishes what the camera sees and the detector finds in it. Raises
         `PerceptionError`."""
         taken_ns = now_ns()
-        sight = self._eyes.look()
+        sight = self._eyes.look(self._arm.held if self._arm is not None else ())
         self._seen = sight.cuboids
         self._sequence += 1
         header = CameraFrame(
