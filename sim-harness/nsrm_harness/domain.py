@@ -24,7 +24,7 @@ from nsrm_harness.errors import DomainError
 from nsrm_harness.json_text import json_text
 
 #: The paper's domain.
-DEFAULT = Path(__file__).resolve().parent.parent / "domains" / "tabletop.toml"
+DEFAULT = Path(__file__).resolve().parent / "domains" / "tabletop.toml"
 #: Stands for a run of concept words, ``[[X]]`` in section IV-B; row 0 of embeddings.
 GROUP_TOKEN = "[[X]]"
 #: Most concepts that may describe one object, a capacity of the core: a domain

@@ -11,9 +11,9 @@ import nsrm_harness
 
 
 def digest() -> str:
-    """Of this package's sources, and of the core module: the model is built into it."""
+    """Of this package's sources and domains, and of the core module: the model is built into it."""
     harness, core = (Path(str(each.__file__)).parent for each in (nsrm_harness, nsrm))
-    return _of((harness, "*.py"), (core, "*.py"), (core, "*.so"))
+    return _of((harness, "*.py"), (harness, "*.toml"), (core, "*.py"), (core, "*.so"))
 
 
 def _of(*parts: tuple[Path, str]) -> str:

@@ -9,8 +9,6 @@ import click
 
 from nsrm_harness.commands.options import seed_option
 
-QUICK = Path(__file__).resolve().parent.parent / "learn" / "quick.toml"
-
 
 @click.command("train")
 @click.option(
@@ -41,12 +39,12 @@ def command(
 
     After Ctrl-C the same command with --resume gives the same model as one run.
     """
-    from nsrm_harness.learn.config import ConfigError, read_config
+    from nsrm_harness.learn.config import QUICK_CONFIG, ConfigError, read_config
     from nsrm_harness.learn.run import Files, finish, fit
 
     if quick and config is not None:
         raise ConfigError("--quick and --config exclude each other: --quick is a config file")
-    settings = read_config(QUICK if quick else config)
+    settings = read_config(QUICK_CONFIG if quick else config)
     folder = out or Path("runs") / f"{data.name}-{seed}"
     files = Files.of(data)
     try:

@@ -19,6 +19,10 @@ LEAST = {"epochs": 0, "square": 0, "overlap": 0, "split_spread": 0, "split_sampl
 """Least values of numbers; all others are above 0. One sample has no other to be compared with."""
 
 
+QUICK_CONFIG = Path(__file__).resolve().parent / "quick.toml"
+"""Of a miniature training."""
+
+
 class ConfigError(HarnessError):
     """A configuration that can't be read or does not make sense."""
 

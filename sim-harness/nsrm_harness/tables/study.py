@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from nsrm_harness.baseline.train import BaselineConfig
 from nsrm_harness.episodes.generate import SPLITS, Settings
-from nsrm_harness.learn.config import StageConfig, TrainingConfig, read_config
+from nsrm_harness.learn.config import QUICK_CONFIG, StageConfig, TrainingConfig, read_config
 
 FULL, QUICK = "full", "quick"
-QUICK_CONFIG = Path(__file__).resolve().parent.parent / "learn" / "quick.toml"
 
 
 @dataclass(frozen=True)
