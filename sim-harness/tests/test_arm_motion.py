@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from nsrm_harness.arm import panda, ways
-from nsrm_harness.arm.grasp import pointing_down
-from nsrm_harness.arm.kinematics import Joints, Kinematics
+from nsrm_harness.arm.grasp import LEANS_RAD, pointing_down
+from nsrm_harness.arm.kinematics import LIMIT_MARGIN_RAD, Joints, Kinematics
 from nsrm_harness.arm.timing import Along, Straight, Trajectory, moments_of, rest_to_rest
 from nsrm_harness.world.arm import rest_links
 from nsrm_harness.world.pose import Pose
@@ -70,6 +70,67 @@ def test_all_of_the_work_space_is_reached_from_above() -> None:
         assert (joints >= panda.LOWEST_RAD).all() and (joints <= panda.HIGHEST_RAD).all()
         reached = KINEMATICS.hand(joints)
         assert reached.distance_m(hand) < 2e-5 and reached.angle_rad(hand) < 2e-4
+
+
+def downward(count: int, most_rad: float) -> list[Joints]:
+    """Joints drawn from within the maker's limits that have the hand point down, or lean by so much
+    at most."""
+    rng = np.random.default_rng(0)
+    inside_rad = 0.1
+    found: list[Joints] = []
+    while len(found) < count:
+        joints = rng.uniform(panda.LOWEST_RAD + inside_rad, panda.HIGHEST_RAD - inside_rad)
+        if -KINEMATICS.hand(joints).rotation()[2, 2] >= math.cos(most_rad):
+            found.append(joints)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("leans_rad", "most_refused"), [(0.05, 0.1), (max(LEANS_RAD), 0.02)], ids=["upright", "leaning"]
+)
+def test_where_joints_have_brought_the_hand_joints_are_found(
+    leans_rad: float, most_refused: float
+) -> None:
+    poses = downward(150, leans_rad)
+    refused = 0
+    for own in poses:
+        hand = KINEMATICS.hand(own)
+        for near in (own, panda.READY_RAD):
+            joints = KINEMATICS.joints(hand, near)
+            if joints is None:
+                # Anywhere, also behind the arm: from the ready pose not all of it is found.
+                assert near is panda.READY_RAD, own
+                refused += 1
+                continue
+            assert (joints > panda.LOWEST_RAD).all() and (joints < panda.HIGHEST_RAD).all()
+            reached = KINEMATICS.hand(joints)
+            assert reached.distance_m(hand) < 2e-5 and reached.angle_rad(hand) < 2e-4
+    assert refused <= most_refused * len(poses)
+
+
+def test_the_elbow_is_as_near_to_the_ready_pose_as_the_hand_allows() -> None:
+    hand = pointing_down(0.5, 0.1, 0.1, 0.3)
+    near = panda.READY_RAD + np.array([0.6, 0.0, -0.6, 0.0, 0.4, 0.0, 0.0])
+    one, other = (KINEMATICS.joints(hand, each) for each in (panda.READY_RAD, near))
+    assert one is not None and other is not None
+    # From wherever it is looked for.
+    np.testing.assert_allclose(one, other, atol=2e-3)
+
+
+def test_lines_keep_within_the_makers_limits_where_places_of_them_are_at_the_limits() -> None:
+    at_limits = 0
+    for own in downward(400, max(LEANS_RAD)):
+        hand = KINEMATICS.hand(own)
+        x, y, z = hand.position
+        above = replace(hand, position=(x, y, z + 0.08))
+        along = ways.line(KINEMATICS, hand, above, own, 1.0)
+        if along is None:
+            continue
+        joints = along.at(np.linspace(0.0, along.duration_s, 500)).joints
+        inside_rad = np.minimum(joints - panda.LOWEST_RAD, panda.HIGHEST_RAD - joints).min()
+        assert inside_rad > 0.0, own
+        at_limits += inside_rad < 1.1 * LIMIT_MARGIN_RAD
+    assert at_limits
 
 
 @pytest.mark.parametrize("x", [0.0, 1.2])

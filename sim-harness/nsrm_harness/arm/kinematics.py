@@ -29,7 +29,13 @@ DAMPING = 1e-3
 EASE = 0.5
 """How much of the way to the ready pose the elbow is turned in one round."""
 AT_EASE_RAD = 1e-4
-"""A joint's turn towards it that would still leave the hand where it is."""
+"""The elbow is there when what is left of its way would turn no joint by more."""
+EASED_ROUNDS = MAX_ROUNDS // 2
+"""After them the elbow's preference gives way to the hand's pose: near a joint's limit the two pull
+against each other, and the hand would never get there."""
+LIMIT_MARGIN_RAD = 1e-3
+"""Kept from the maker's limits: the motion along a line is off the joints found here by as much
+(`ways.MAX_OFF_RAD`), and must not pass the limits either."""
 MAX_TURN_RAD = 0.3
 """Of any joint in one round: far from its goal the hand does not move on a line."""
 BEGINNINGS = 8
@@ -41,6 +47,8 @@ REMEMBERED = 1 << 14
 same, for narrower fingers, and after a stopover. 12 MB."""
 _DAMPED = DAMPING**2 * np.eye(6)
 _IDENTITY = np.eye(panda.JOINTS)
+_LOWEST_RAD = panda.LOWEST_RAD + LIMIT_MARGIN_RAD
+_HIGHEST_RAD = panda.HIGHEST_RAD - LIMIT_MARGIN_RAD
 
 
 class Kinematics:
@@ -105,9 +113,11 @@ class Kinematics:
         return None
 
     def _descend(self, goal: Any, joints: Joints) -> Joints | None:
-        """Damped least squares (Levenberg-Marquardt), held within the limits."""
-        joints = np.clip(joints, panda.LOWEST_RAD, panda.HIGHEST_RAD)
-        for _ in range(MAX_ROUNDS):
+        """Damped least squares (Levenberg-Marquardt), held within the limits. The hand's pose
+        decides; the elbow comes as near to the ready pose as it gets without moving the hand."""
+        found = None
+        joints = np.clip(joints, _LOWEST_RAD, _HIGHEST_RAD)
+        for number in range(MAX_ROUNDS):
             pinocchio.forwardKinematics(self._model, self._data, joints)
             at = pinocchio.updateFramePlacement(self._model, self._data, self._hand)
             # In the hand's own frame: metres, then radians.
@@ -120,14 +130,17 @@ class Kinematics:
             # What moves the elbow and not the hand.
             free = _IDENTITY - inverse @ jacobian
             ease = free @ (panda.READY_RAD - joints)
+            eases = number < EASED_ROUNDS
             is_there = np.linalg.norm(error[:3]) < POSITION_M
             is_there &= np.linalg.norm(error[3:]) < ANGLE_RAD
-            if is_there and float(np.abs(ease).max()) < AT_EASE_RAD:
-                return joints
-            turn = inverse @ error + EASE * ease
+            if is_there:
+                found = joints
+                if not eases or float(np.abs(ease).max()) < AT_EASE_RAD:
+                    break
+            turn = inverse @ error + (EASE * ease if eases else 0.0)
             turn *= min(1.0, MAX_TURN_RAD / max(float(np.abs(turn).max()), 1e-12))
-            joints = np.clip(joints + turn, panda.LOWEST_RAD, panda.HIGHEST_RAD)
-        return None
+            joints = np.clip(joints + turn, _LOWEST_RAD, _HIGHEST_RAD)
+        return found
 
 
 class _Reach:
