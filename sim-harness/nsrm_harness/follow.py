@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 
 import nsrm
 
+from nsrm_harness.arm.body import Body
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Body, Done, Mark, unmarked
+from nsrm_harness.arm.execute import Done, Mark, unmarked
 from nsrm_harness.arm.perform import SHIFTED_M, FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.arm.support import resting_on

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from nsrm_harness.arm.execute import Body, wait
+from nsrm_harness.arm.body import Body, wait
 from nsrm_harness.arm.perform import FailedError
 from nsrm_harness.perception.relief import PerceptionError
 

@@ -13,8 +13,9 @@ from another_process import elsewhere
 from world_scenes import DOMAIN
 
 from nsrm_harness.arm import panda
+from nsrm_harness.arm.body import StuckError, wait
 from nsrm_harness.arm.carry import Carry, Planner
-from nsrm_harness.arm.execute import Done, StuckError, carry_out, wait
+from nsrm_harness.arm.execute import Done, carry_out
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm_trials import disturbed

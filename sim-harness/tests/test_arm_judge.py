@@ -13,7 +13,7 @@ from arm_scenes import above
 
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
-from nsrm_harness.arm.execute import wait
+from nsrm_harness.arm.body import wait
 from nsrm_harness.arm_trials.judge import Judge, turned_rad
 from nsrm_harness.domain import Domain
 from nsrm_harness.episodes.moves import Move, target

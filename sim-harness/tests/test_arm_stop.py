@@ -11,8 +11,9 @@ from arm_scenes import KINEMATICS
 from world_scenes import DOMAIN
 
 from nsrm_harness.arm import panda
+from nsrm_harness.arm.body import wait
 from nsrm_harness.arm.carry import Carry, Planner
-from nsrm_harness.arm.execute import carry_out, go_back, wait
+from nsrm_harness.arm.execute import carry_out, go_back
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.stop import BACK_RAD, Braking, Part, StoppedError, back_along
 from nsrm_harness.arm.timing import Backwards, Trajectory

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nsrm_harness import follow
-from nsrm_harness.arm.execute import StuckError
+from nsrm_harness.arm.body import StuckError
 from nsrm_harness.arm.perform import FailedError, Look, Performed
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.demo.outcome import Stopped, carry

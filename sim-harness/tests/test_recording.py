@@ -20,8 +20,8 @@ from PIL import Image
 from rerun.chunk import RrdReader
 
 from nsrm_harness.arm import panda
+from nsrm_harness.arm.body import wait
 from nsrm_harness.arm.collision import link_hulls
-from nsrm_harness.arm.execute import wait
 from nsrm_harness.cli import main
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.recording.episode import Recording

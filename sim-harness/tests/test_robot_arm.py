@@ -11,7 +11,7 @@ import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
-from nsrm_harness.arm.execute import wait
+from nsrm_harness.arm.body import wait
 from nsrm_harness.arm_trials.disturb import DisturbedArm
 from nsrm_harness.demo.tabletop import tabletop
 from nsrm_harness.messages import Kind, Outcome, SubGoal

@@ -7,10 +7,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Protocol
 
 import numpy as np
 
+from nsrm_harness.arm.body import Body, StuckError, wait
 from nsrm_harness.arm.carry import Carry
 from nsrm_harness.arm.grasp import Grasp
 from nsrm_harness.arm.kinematics import Joints
@@ -26,7 +26,6 @@ from nsrm_harness.arm.stop import (
     unstopped,
 )
 from nsrm_harness.arm.timing import Backwards, Moments, Trajectory
-from nsrm_harness.errors import HarnessError
 
 WIDTH_M = 0.004
 """The fingers hold a block when they are open as far as it is wide, within that."""
@@ -48,40 +47,6 @@ met something before it was to."""
 ARRIVED_RAD = 0.002
 """Where the fingers are moved next they have stopped nearer than that. Not between two motions:
 what was met may push for a while yet."""
-
-
-class StuckError(HarnessError):
-    """The joints do not follow. The arm is told to stay where it is, with its fingers as they
-    are: what they hold would fall."""
-
-
-class Body(Protocol):
-    """An arm with a hand, as its controller has it: a simulated or a real one."""
-
-    @property
-    def tick_s(self) -> float:
-        """Between two ticks."""
-        ...
-
-    def drive(self, joints: Joints, speeds: Joints) -> None:
-        """What the joints follow, rad and rad/s, from the next tick on."""
-        ...
-
-    def grip(self, opening_m: float, force_n: float) -> None:
-        """Where the fingers go with at most this force, from the next tick on."""
-        ...
-
-    def joints(self) -> Joints:
-        """Where the joints are."""
-        ...
-
-    def opening_m(self) -> float:
-        """Between the fingers."""
-        ...
-
-    def tick(self) -> None:
-        """Waits for the next tick."""
-        ...
 
 
 Mark = Callable[[str], None]
@@ -265,12 +230,6 @@ def _check_lag(body: Body, told: Joints, most_rad: float) -> None:
             f"the arm's joints are {lag_rad:.3f} rad from where they were told to be; it stands "
             "still there with its fingers as they are"
         )
-
-
-def wait(body: Body, time_s: float) -> None:
-    """Lets so much time go by."""
-    for _ in range(round(time_s / body.tick_s)):
-        body.tick()
 
 
 def _until_still(body: Body, longest_s: float) -> None:

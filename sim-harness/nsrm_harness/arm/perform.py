@@ -9,9 +9,10 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nsrm_harness.arm.body import Body
 from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.clear import Aside, clearing
-from nsrm_harness.arm.execute import Body, Done, Mark, carry_out, unmarked
+from nsrm_harness.arm.execute import Done, Mark, carry_out, unmarked
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.stop import Stop, unstopped
 from nsrm_harness.arm.stopover import stopover

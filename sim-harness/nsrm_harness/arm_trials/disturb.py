@@ -9,7 +9,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from nsrm_harness.arm.execute import Done, StuckError
+from nsrm_harness.arm.body import StuckError
+from nsrm_harness.arm.execute import Done
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.panda import FINGERTIP_M, HAND_FRAME
 from nsrm_harness.arm.perform import FailedError

@@ -11,7 +11,7 @@ import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.arm import panda
-from nsrm_harness.arm.execute import StuckError, wait
+from nsrm_harness.arm.body import StuckError, wait
 from nsrm_harness.arm_trials.disturb import (
     BEGUN,
     DISTURBANCES,

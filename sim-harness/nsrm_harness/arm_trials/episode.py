@@ -11,8 +11,9 @@ from pathlib import Path
 
 import nsrm
 
+from nsrm_harness.arm.body import StuckError
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import StuckError, unmarked
+from nsrm_harness.arm.execute import unmarked
 from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.arm_trials.judge import Judge, Verdict

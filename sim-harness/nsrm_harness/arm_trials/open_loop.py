@@ -7,8 +7,9 @@ from collections.abc import Callable
 
 import nsrm
 
+from nsrm_harness.arm.body import Body
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Body, Mark, carry_out
+from nsrm_harness.arm.execute import Mark, carry_out
 from nsrm_harness.follow import numbered
 from nsrm_harness.sight import Eyes, sub_goal
 

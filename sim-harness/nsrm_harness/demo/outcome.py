@@ -9,8 +9,9 @@ from typing import Any, Protocol
 
 import nsrm
 
+from nsrm_harness.arm.body import Body, StuckError
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Body, Mark, StuckError
+from nsrm_harness.arm.execute import Mark
 from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.follow import Follower

@@ -10,7 +10,7 @@ from pathlib import Path
 import nsrm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm.execute import StuckError
+from nsrm_harness.arm.body import StuckError
 from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm.refused import RefusedError
 from nsrm_harness.arm_trials.episode import lasting, model, planner, renderer

@@ -5,8 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 
+from nsrm_harness.arm.body import StuckError
 from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Done, StuckError, go_back
+from nsrm_harness.arm.execute import Done, go_back
 from nsrm_harness.arm.perform import FailedError, perform
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.stop import StoppedError, WayBack
