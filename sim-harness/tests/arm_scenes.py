@@ -149,14 +149,21 @@ class Still(Through):
 
 
 class Numb(Through):
-    """Its fingers never close, from and to events."""
+    """Its fingers open as they are told to, but hardly close, from and to events."""
+
+    CLOSED_BY_M = 0.0015
 
     def __init__(self, world: ArmWorld, until: str = "", since: str = "") -> None:
         super().__init__(world)
         self._until, self._since, self.is_numb = until, since, not since
+        self._open_m = panda.MAX_OPENING_M
 
     def mark(self, event: str) -> None:
         self.is_numb = (self.is_numb or event == self._since) and event != self._until
 
     def grip(self, opening_m: float, force_n: float) -> None:
-        super().grip(max(opening_m, 0.055) if self.is_numb else opening_m, force_n)
+        if opening_m > 0.0:
+            self._open_m = opening_m
+        elif self.is_numb:
+            opening_m = self._open_m - self.CLOSED_BY_M
+        super().grip(opening_m, force_n)

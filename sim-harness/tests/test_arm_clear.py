@@ -307,6 +307,9 @@ class MovedError(Exception):
 class Begins(Still):
     """Ends where it would be moved first."""
 
+    def drive(self, joints: Joints, speeds: Joints) -> None:
+        raise MovedError
+
     def grip(self, opening_m: float, force_n: float) -> None:
         raise MovedError
 

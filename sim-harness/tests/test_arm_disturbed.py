@@ -16,10 +16,11 @@ from nsrm_harness.arm import panda
 from nsrm_harness.arm.body import StuckError, wait
 from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.execute import Done, carry_out
+from nsrm_harness.arm.fingers import GripperError
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.perform import FailedError, Performed
 from nsrm_harness.arm_trials import disturbed
-from nsrm_harness.arm_trials.disturb import DISTURBANCES, DisturbedArm, SceneFrozen
+from nsrm_harness.arm_trials.disturb import DISTURBANCES, DisturbedArm, GraspFails, SceneFrozen
 from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS, MOST_KINDS, Loop, run_disturbed
 from nsrm_harness.arm_trials.episode import End
 from nsrm_harness.arm_trials.judge import Judge, Verdict
@@ -141,7 +142,9 @@ def begun(arm: DisturbedArm, kind: str, steps: int = 2) -> disturbed._Disturbed:
         ("grasp_fails", FailedError("red was tried 3 times", Done.TAKEN_BACK), False),
         ("grasp_fails", BlindError("the picture is old"), False),
         ("grasp_fails", StuckError("the joints"), False),
+        ("grasp_fails", GripperError("the fingers"), True),
         ("controller_stops", StuckError("the joints"), True),
+        ("controller_stops", GripperError("the fingers"), False),
         ("controller_stops", FailedError("red was tried 3 times", Done.SLIPPED), False),
         ("scene_frozen", BlindError("the picture is old"), True),
         ("scene_frozen", FailedError("red was tried 3 times", Done.SLIPPED), False),
@@ -156,11 +159,21 @@ def test_what_is_given_up_is_given_up_for_what_was_disturbed(
     episode = begun(arm, kind)
     if isinstance(episode._disturbance, SceneFrozen):
         episode._disturbance._is_for_ever = True
+    if isinstance(episode._disturbance, GraspFails):
+        episode._disturbance._is_jam = True
     told = End("failed", str(error))
     assert episode._stopped(told, error).end == ("succeeded" if is_right else "failed")
     assert episode._stopped(End("refused", "no room", "no room"), error).end == "refused"
     episode._disturbance.has_acted = False
     assert episode._stopped(told, error).end == "failed"
+
+
+def test_fingers_that_slip_are_no_reason_for_fingers_that_do_not_move(arm: DisturbedArm) -> None:
+    episode = begun(arm, "grasp_fails")
+    assert isinstance(episode._disturbance, GraspFails)
+    episode._disturbance._is_jam = False
+    error = GripperError("the fingers")
+    assert episode._stopped(End("failed", str(error)), error).end == "failed"
 
 
 def test_a_scene_that_is_frozen_for_a_second_is_not_given_up(arm: DisturbedArm) -> None:

@@ -217,6 +217,17 @@ def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
     assert "look at the arm and start its controller anew" in caplog.text
 
 
+def test_an_arm_whose_fingers_do_not_close_begins_nothing_more(
+    scene: Scene, caplog: pytest.LogCaptureFixture
+) -> None:
+    scene.world.is_jammed = True
+    assert scene.obey(0, 1) == [Outcome.ACCEPTED, Outcome.NOT_FOLLOWING]
+    assert "look at its hand" in caplog.text
+    time_s = scene.world.time_s
+    assert scene.obey(0, 2) == [Outcome.ACCEPTED, Outcome.NOT_FOLLOWING]
+    assert scene.world.time_s == time_s
+
+
 def test_what_is_not_begun_is_said_with_what_is_in_the_way(scene: Scene) -> None:
     begun_s = scene.world.time_s
     x, y, z = scene.steps[0].position

@@ -9,8 +9,8 @@ from nsrm_harness.errors import HarnessError
 
 
 class StuckError(HarnessError):
-    """The joints do not follow. The arm is told to stay where it is, with its fingers as they
-    are: what they hold would fall."""
+    """The joints do not follow, or the fingers (`GripperError`). The arm is told to stay where it
+    is, with its fingers as they are: what they hold would fall."""
 
 
 class Body(Protocol):
@@ -34,7 +34,7 @@ class Body(Protocol):
         ...
 
     def opening_m(self) -> float:
-        """Between the fingers."""
+        """Between the fingers: measured anew in each `fingers.LOOK_S`, if late."""
         ...
 
     def tick(self) -> None:
@@ -43,6 +43,6 @@ class Body(Protocol):
 
 
 def wait(body: Body, time_s: float) -> None:
-    """Lets so much time go by."""
-    for _ in range(round(time_s / body.tick_s)):
+    """Lets so much time go by, and a tick at least: else what is waited for would seem to stand."""
+    for _ in range(max(1, round(time_s / body.tick_s))):
         body.tick()

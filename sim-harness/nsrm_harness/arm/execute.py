@@ -12,9 +12,9 @@ import numpy as np
 
 from nsrm_harness.arm.body import Body, StuckError, wait
 from nsrm_harness.arm.carry import Carry
+from nsrm_harness.arm.fingers import close_fingers, open_fingers
 from nsrm_harness.arm.grasp import Grasp
 from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm.panda import GRIP_N
 from nsrm_harness.arm.stop import (
     Braking,
     Stop,
@@ -31,12 +31,6 @@ WIDTH_M = 0.004
 """The fingers hold a block when they are open as far as it is wide, within that."""
 SLIP_M = 0.002
 """What they hold is lost when they close by more than that."""
-STILL_M = 1e-5
-"""The fingers have stopped when they move less than that in `LOOK_S`."""
-LOOK_S = 0.02
-CLOSING_S = 1.5
-OPENING_S = 0.5
-"""At most."""
 CALM_S = 0.1
 """Before the fingers open, so that nothing swings."""
 LAG_RAD = 0.02
@@ -69,15 +63,14 @@ class Done(Enum):
 def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unstopped) -> Done:
     """Does all that was planned, and ends in the ready pose whatever happens to the block.
 
-    Bounded: motions by their durations, fingers by `CLOSING_S` and `OPENING_S`. Raises
-    `StuckError`; `StoppedError` where it was told to stop.
+    Bounded: motions by their durations, fingers as in `open_fingers`. Raises `StuckError`, of the
+    fingers `GripperError`; `StoppedError` where it was told to stop.
     """
     grasp = carry.grasp
     # First, while the arm stands: what was looked at is the arm with its fingers so.
     begin = carry.reach[0].begin
-    body.grip(grasp.opening_m, GRIP_N)
     body.drive(begin, np.zeros_like(begin))
-    _until_still(body, OPENING_S)
+    open_fingers(body, grasp.opening_m)
     _follow(body, carry.reach, _Halt(stop, back_from, WayBack()))
     from_here = WayBack(ways=tuple(Backwards(way) for way in carry.reach[::-1]))
     try:
@@ -88,12 +81,10 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unst
         mark("not grasped")
         return Done.NOT_GRASPED
     mark("reached")
-    body.grip(0.0, GRIP_N)
-    _until_still(body, CLOSING_S)
+    held_m = close_fingers(body)
     away = WayBack(grasp=grasp, home=(carry.lift, *carry.back))
-    held_m = body.opening_m()
     if abs(held_m - grasp.width_m) > WIDTH_M:
-        _let_go(body, grasp)
+        open_fingers(body, grasp.opening_m)
         _follow(body, away.home, _Halt(stop, on_from, WayBack()))
         mark("not grasped")
         return Done.NOT_GRASPED
@@ -113,7 +104,7 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unst
     except StuckError:
         return _take_back(body, carry, mark, stop)
     wait(body, CALM_S)
-    _let_go(body, grasp)
+    open_fingers(body, grasp.opening_m)
     mark("let go")
     _follow(body, (carry.retreat, *carry.home), _Halt(stop, on_from, WayBack()))
     mark("home")
@@ -128,7 +119,7 @@ def go_back(body: Body, back: WayBack, stop: Stop = unstopped) -> None:
     _follow(body, back.ways, _Halt(stop, on_from, replace(back, ways=())))
     if back.grasp is not None:
         wait(body, CALM_S)
-        _let_go(body, back.grasp)
+        open_fingers(body, back.grasp.opening_m)
     _follow(body, back.home, _Halt(stop, on_from, WayBack()))
 
 
@@ -136,7 +127,7 @@ def _without_it(
     body: Body, grasp: Grasp, home: tuple[Trajectory, ...], mark: Mark, stop: Stop
 ) -> Done:
     """The block is lost: goes home high above the others and puts nothing down."""
-    _let_go(body, grasp)
+    open_fingers(body, grasp.opening_m)
     _follow(body, home, _Halt(stop, on_from, WayBack()))
     mark("slipped")
     return Done.SLIPPED
@@ -161,11 +152,6 @@ def _take_back(body: Body, carry: Carry, mark: Mark, stop: Stop) -> Done:
     go_back(body, away, stop)
     mark("taken back")
     return Done.TAKEN_BACK
-
-
-def _let_go(body: Body, grasp: Grasp) -> None:
-    body.grip(grasp.opening_m, GRIP_N)
-    _until_still(body, OPENING_S)
 
 
 @dataclass(frozen=True)
@@ -230,13 +216,3 @@ def _check_lag(body: Body, told: Joints, most_rad: float) -> None:
             f"the arm's joints are {lag_rad:.3f} rad from where they were told to be; it stands "
             "still there with its fingers as they are"
         )
-
-
-def _until_still(body: Body, longest_s: float) -> None:
-    before_m = math.inf
-    for _ in range(round(longest_s / LOOK_S)):
-        wait(body, LOOK_S)
-        now_m = body.opening_m()
-        if abs(before_m - now_m) < STILL_M:
-            return
-        before_m = now_m

@@ -11,6 +11,7 @@ import numpy as np
 
 from nsrm_harness.arm.body import StuckError
 from nsrm_harness.arm.execute import Done
+from nsrm_harness.arm.fingers import GripperError
 from nsrm_harness.arm.kinematics import Joints
 from nsrm_harness.arm.panda import FINGERTIP_M, HAND_FRAME
 from nsrm_harness.arm.perform import FailedError
@@ -287,7 +288,7 @@ class ControllerStops(Disturbance):
 
     def explains(self, error: Exception) -> bool:
         """See `Disturbance`."""
-        return isinstance(error, StuckError)
+        return isinstance(error, StuckError) and not isinstance(error, GripperError)
 
     def _act(self) -> None:
         self._arm.stop()
@@ -304,6 +305,8 @@ class GraspFails(Disturbance):
 
     def explains(self, error: Exception) -> bool:
         """See `Disturbance`."""
+        if isinstance(error, GripperError):
+            return self._is_jam
         if not isinstance(error, FailedError):
             return False
         if error.done is not None:
