@@ -7,6 +7,8 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
+from typing import NamedTuple
 
 from nsrm_harness.arm import panda
 from nsrm_harness.arm.collision import HELD, Guard, Nearest
@@ -14,7 +16,7 @@ from nsrm_harness.arm.grasp import HOLDS, LEANS_RAD, UPRIGHT, Grasp, grasps, why
 from nsrm_harness.arm.kinematics import Joints, Kinematics
 from nsrm_harness.arm.refused import RefusedError, Why
 from nsrm_harness.arm.support import Placement, placement, resting_on, standing_on
-from nsrm_harness.arm.timing import Trajectory
+from nsrm_harness.arm.timing import Along, Straight, Trajectory
 from nsrm_harness.arm.ways import free, line, turned_rad
 from nsrm_harness.perception.cuboids import Cuboid
 from nsrm_harness.world.pose import Pose
@@ -78,6 +80,44 @@ class _Task:
     before: Guard
     after: Guard
 
+    def held_by(self, grasp: Grasp) -> tuple[Cuboid, Pose]:
+        """The block in the hand's frame, and where the hand lets it go."""
+        in_hand = Cuboid(grasp.hand.inverse() @ self.block.pose, self.block.edges_m)
+        return in_hand, _above(self.put.cuboid.pose @ in_hand.pose.inverse(), DROP_M)
+
+
+class _OutOfReach(Enum):
+    """Where the arm can't lift the hand straight up with a hold."""
+
+    BLOCK = "block"
+    GOAL = "sub-goal"
+
+
+@dataclass(frozen=True)
+class _TurnsTooFar:
+    """All motions until the block is let go are free, but it would be turned too far on its way.
+
+    * `around`: what it would touch on the straight way, if anything
+    """
+
+    turn_rad: float
+    around: Nearest | None
+
+    def __str__(self) -> str:
+        text = (
+            f"the way there turns it by {math.degrees(self.turn_rad):.0f}°, and "
+            f"{math.degrees(MAX_TURN_RAD):.0f}° are allowed"
+        )
+        return text if self.around is None else f"{text}; straight there, {self.around}"
+
+
+class _Failed(NamedTuple):
+    """A way to hold a block that does not do, and why."""
+
+    grasp: Grasp
+    task: _Task
+    why: Nearest | _TurnsTooFar | _OutOfReach
+
 
 class Planner:
     """Plans how things are carried. One for each thread.
@@ -138,7 +178,7 @@ class Planner:
             )
             for there in _looking_the_same(put.cuboid, block)
         ]
-        touches: list[Nearest] = []
+        failed: list[_Failed] = []
         leans_rad = LEANS_RAD if leaning else UPRIGHT
         for places, clear_m in HOLDS:
             ways = _least_turns_first(grasps(block, leans_rad, places, clear_m))
@@ -146,41 +186,27 @@ class Planner:
                 found = self._by(grasp, task)
                 if isinstance(found, Carry):
                     return found
-                if found is not None:
-                    touches.append(found)
-        if touches:
-            touches.sort(key=lambda touch: touch.distance_m, reverse=True)
-            # Each once, in the order in which they come.
-            touched = dict.fromkeys(key for touch in touches for key in sorted(touch.pair))
-            raise RefusedError(
-                Why.NO_WAY,
-                f"{name} can't be carried there: {touches[0]}",
-                tuple(key for key in touched if key in others),
-            )
-        raise RefusedError(
-            Why.OUT_OF_REACH, f"the arm does not reach {name} or its sub-goal from above"
-        )
+                failed.append(_Failed(grasp, task, found))
+        raise self._refusal(name, others, failed)
 
-    def _by(self, grasp: Grasp, task: _Task) -> Carry | Nearest | None:
-        """All motions by one grasp; what would be touched, or None where it can't be reached, or
-        only with the block turned by more than `MAX_TURN_RAD`."""
+    def _by(self, grasp: Grasp, task: _Task) -> Carry | Nearest | _TurnsTooFar | _OutOfReach:
+        """All motions by one grasp, or what is against it."""
         self._alive()
         opening, put = grasp.opening_m, task.put
-        in_hand = Cuboid(grasp.hand.inverse() @ task.block.pose, task.block.edges_m)
-        let_go = _above(put.cuboid.pose @ in_hand.pose.inverse(), DROP_M)
+        in_hand, let_go = task.held_by(grasp)
         # Most ways fail where fingers are about to close, or have just opened.
         touch = self._touch(task.before, grasp.hand, task.begin, opening)
         if touch is not None:
             return touch
-        up = line(self._kinematics, grasp.hand, _above(grasp.hand, RISE_M), task.begin, self._pace)
+        up = self._up_from(grasp.hand, task.begin)
         if up is None:
-            return None
+            return _OutOfReach.BLOCK
         touch = self._touch(task.after, let_go, up.end, opening)
         if touch is not None:
             return touch
-        away = line(self._kinematics, let_go, _above(let_go, RISE_M), up.end, self._pace)
+        away = self._up_from(let_go, up.end)
         if away is None:
-            return None
+            return _OutOfReach.GOAL
         down, lower = up.reversed(), away.reversed()
         before, after = task.before, task.after
         feet = [(HELD, foot) for foot in standing_on(task.block, task.others)]
@@ -202,8 +228,10 @@ class Planner:
         transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
         if isinstance(transfer, Nearest):
             return transfer
-        if turned_rad(self._kinematics, transfer) > MAX_TURN_RAD:
-            return None
+        turn_rad = turned_rad(self._kinematics, transfer)
+        if turn_rad > MAX_TURN_RAD:
+            straight = Straight(up.end, lower.begin, self._pace)
+            return _TurnsTooFar(turn_rad, carrying.along(straight, grasp.width_m))
         home = free(after, away.end, panda.READY_RAD, opening, self._pace)
         if isinstance(home, Nearest):
             return home
@@ -222,6 +250,45 @@ class Planner:
             tuple(home),
             tuple(back),
         )
+
+    def _refusal(
+        self, name: str, others: Mapping[str, Cuboid], failed: Sequence[_Failed]
+    ) -> RefusedError:
+        """Why no way to hold a block will do, by the one that comes farthest: what only turns too
+        far touches nothing, and what touches something is within reach."""
+        turns = [each.why for each in failed if isinstance(each.why, _TurnsTooFar)]
+        turns.sort(key=lambda turn: turn.turn_rad)
+        touches = [each.why for each in failed if isinstance(each.why, Nearest)]
+        touches.sort(key=lambda touch: touch.distance_m, reverse=True)
+        if turns or touches:
+            around = [turn.around for turn in turns if turn.around is not None]
+            # Each once, in the order in which they come.
+            touched = dict.fromkeys(
+                key for touch in (*around, *touches) for key in sorted(touch.pair)
+            )
+            return RefusedError(
+                Why.NO_WAY,
+                f"{name} can't be carried there: {turns[0] if turns else touches[0]}",
+                tuple(key for key in touched if key in others),
+            )
+        if all(each.why is _OutOfReach.BLOCK for each in failed):
+            return RefusedError(
+                Why.OUT_OF_REACH, f"the arm does not reach {name} from above: move it nearer"
+            )
+        elsewhere = (each for each in failed if each.why is _OutOfReach.BLOCK)
+        if any(self._up_from(task.held_by(grasp)[1], task.begin) for grasp, task, _ in elsewhere):
+            return RefusedError(
+                Why.NO_WAY,
+                f"{name} can't be carried there: no way to hold it reaches both where it stands "
+                "and where it goes",
+            )
+        return RefusedError(
+            Why.OUT_OF_REACH, f"the arm does not reach the sub-goal of {name} from above"
+        )
+
+    def _up_from(self, hand: Pose, near: Joints) -> Along | None:
+        """The line of the hand straight up from there; None if the arm can't follow it."""
+        return line(self._kinematics, hand, _above(hand, RISE_M), near, self._pace)
 
     def _touch(self, guard: Guard, hand: Pose, near: Joints, opening_m: float) -> Nearest | None:
         """What is touched with the hand there; None also where it does not reach."""
