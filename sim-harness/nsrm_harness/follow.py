@@ -14,8 +14,9 @@ import nsrm
 from nsrm_harness.arm.body import Body
 from nsrm_harness.arm.carry import Planner
 from nsrm_harness.arm.execute import Done, Mark, unmarked
-from nsrm_harness.arm.perform import SHIFTED_M, FailedError, Performed, perform
+from nsrm_harness.arm.perform import FailedError, Performed, perform
 from nsrm_harness.arm.refused import RefusedError
+from nsrm_harness.arm.shifts import SHIFTED_M
 from nsrm_harness.arm.support import resting_on
 from nsrm_harness.looking import BlindError, look_patiently
 from nsrm_harness.perception.cuboids import Cuboid

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from nsrm_harness.arm.body import Body
@@ -14,6 +14,7 @@ from nsrm_harness.arm.carry import Carry, Planner
 from nsrm_harness.arm.clear import Aside, clearing
 from nsrm_harness.arm.execute import Done, Mark, carry_out, unmarked
 from nsrm_harness.arm.refused import RefusedError, Why
+from nsrm_harness.arm.shifts import Shifted, Shifts, in_words
 from nsrm_harness.arm.stop import Stop, unstopped
 from nsrm_harness.arm.stopover import stopover
 from nsrm_harness.errors import HarnessError
@@ -26,8 +27,6 @@ PLACED_M = 0.005
 TURNED_RAD = math.radians(8.0)
 """And so much turned, where it is seen whole: 5° are as said, and a picture of a block that is
 partly covered and yet seems whole may be off by 3°. In 152 steps none was seen beyond 2.3°."""
-SHIFTED_M = 0.003
-"""Another block that is seen farther from where it was has been moved."""
 
 Look = Callable[[], Mapping[str, Cuboid]]
 """Takes a picture; gives all that is believed to stand there, by name."""
@@ -42,13 +41,21 @@ def untold(names: Sequence[str]) -> None:
 class FailedError(HarnessError):
     """Something has moved, but not as it was to; the arm is at rest in its ready pose.
 
+    * `what`: what went wrong
     * `done`: how the last carrying ended; None if nothing more can be done as it looks now
     * `why`: why it can't, then
+    * `shifted`: what else has moved, in all tries
     """
 
-    def __init__(self, message: str, done: Done | None = None, why: Why | None = None) -> None:
-        super().__init__(message)
-        self.done, self.why = done, why
+    def __init__(
+        self,
+        what: str,
+        done: Done | None = None,
+        why: Why | None = None,
+        shifted: Shifted = (),
+    ) -> None:
+        super().__init__(what + in_words(shifted))
+        self.what, self.done, self.why, self.shifted = what, done, why, shifted
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class Performed:
 
     * `corrected_m`: between the model's sub-goal and where the block was meant to go
     * `miss_m`: between that and where it is
-    * `shifted`: what else has moved, and how far, metres
+    * `shifted`: what else has moved, in all tries
     * `motion_s`: of the arm, in all tries
     * `cleared`: what was moved aside before a try, or the block itself, and where it was put;
       `tries` is without it
@@ -67,7 +74,7 @@ class Performed:
     tries: int
     corrected_m: float
     miss_m: float
-    shifted: tuple[tuple[str, float], ...]
+    shifted: Shifted
     motion_s: float
     cleared: tuple[Aside, ...] = ()
 
@@ -86,18 +93,18 @@ class Performed:
             text += f"; at try {self.tries}"
         if self.cleared:
             text += f"; {_first(self.name, self.cleared)}"
-        for name, shift_m in self.shifted:
-            text += f"; {name} was pushed by {1000 * shift_m:.1f} mm"
-        return text
+        return text + in_words(self.shifted)
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """The same for programs; None for how far something has moved that is no longer seen."""
         return {
             "tries": self.tries,
             "corrected_m": self.corrected_m,
             "miss_m": self.miss_m,
             "motion_s": self.motion_s,
-            "shifted_m": dict(self.shifted),
+            "shifted_m": {
+                name: shift_m if math.isfinite(shift_m) else None for name, shift_m in self.shifted
+            },
             "cleared": {
                 name: {"position": pose.position, "orientation": pose.orientation}
                 for name, pose in self.cleared
@@ -122,11 +129,13 @@ def perform(
     itself is set down on the way.
 
     * `keep`: the names of what is not moved aside
-    * `tries`: of anything that is carried, at most
+    * `tries`: of anything that is carried, at most; 1 or more
 
     Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
     `FailedError` if it was tried and is not done; `StuckError` and `StoppedError` as `carry_out`.
     """
+    if tries < 1:
+        raise ValueError(f"tries: expected 1 or more, got {tries}")
     hands = _Hands(body, planner, look, mark, tries, stop, tell)
 
     def before(objects: Mapping[str, Cuboid], refusal: RefusedError) -> tuple[Aside, ...]:
@@ -135,7 +144,7 @@ def perform(
             planner, objects, name, goal, begin, refusal
         )
 
-    return hands.carry(look(), name, goal, before)
+    return hands.carry(hands.see(), name, goal, before)
 
 
 Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Aside, ...]]
@@ -157,6 +166,16 @@ class _Hands:
     tries: int
     stop: Stop
     tell: Tell
+    shifts: Shifts = field(default_factory=Shifts)
+
+    def see(self, carried: str | None = None) -> Mapping[str, Cuboid]:
+        """All that is believed to stand there.
+
+        * `carried`: what was to move since the look before
+        """
+        objects = self.look()
+        self.shifts.see(objects, carried)
+        return objects
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, before: Before = _nothing
@@ -176,14 +195,14 @@ class _Hands:
                     raise
                 if not asides:
                     why = f"{name}: {done.value} at try {number - 1}, and now {refusal}"
-                    raise FailedError(_after(name, cleared, why), why=refusal.why) from None
+                    raise self._failed(name, cleared, why, why=refusal.why) from None
                 cleared += asides
                 first += self._clear(objects, name, asides)
-                objects = self.look()
+                objects = self.see()
                 carry = self._carry_after(cleared, objects, name, goal)
             done = carry_out(self.body, carry, self.mark, self.stop)
             motion_s += carry.duration_s
-            seen, objects = objects, self.look()
+            objects = self.see(name)
             target = carry.placement.cuboid.pose
             miss_m, turned_rad = float("inf"), 0.0
             if name in objects:
@@ -195,7 +214,7 @@ class _Hands:
                     number,
                     carry.placement.corrected_m,
                     miss_m,
-                    _farthest(_shifted(seen, objects, name), *(part.shifted for part in first)),
+                    self.shifts.besides(name),
                     motion_s + sum(part.motion_s for part in first),
                     cleared,
                 )
@@ -206,7 +225,7 @@ class _Hands:
             where += f", turned by {math.degrees(turned_rad):.0f}°"
         times = "once" if self.tries == 1 else f"{self.tries} times"
         why = f"{name} was tried {times} and is {where} ({done.value}); I stopped"
-        raise FailedError(_after(name, cleared, why), done)
+        raise self._failed(name, cleared, why, done)
 
     def _clear(
         self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Aside, ...]
@@ -224,9 +243,10 @@ class _Hands:
                     if blocker == name
                     else f"{blocker} stands in the way of {name} and was to be moved aside first"
                 )
-                last = error.done if isinstance(error, FailedError) else None
-                raise FailedError(f"{what}: {error}", last, error.why) from None
-            objects = self.look()
+                has_failed = isinstance(error, FailedError)
+                how, last = (error.what, error.done) if has_failed else (str(error), None)
+                raise self._failed(name, (), f"{what}: {how}", last, error.why) from None
+            objects = self.see()
         self.mark("cleared")
         return done
 
@@ -237,7 +257,19 @@ class _Hands:
         try:
             return self.planner.carry(objects, name, goal, self.body.joints())
         except RefusedError as refusal:
-            raise FailedError(_after(name, cleared, str(refusal)), why=refusal.why) from None
+            raise self._failed(name, cleared, str(refusal), why=refusal.why) from None
+
+    def _failed(
+        self,
+        name: str,
+        asides: tuple[Aside, ...],
+        what: str,
+        done: Done | None = None,
+        why: Why | None = None,
+    ) -> FailedError:
+        """What went wrong, behind what was done before it, with what else has moved."""
+        what = f"{_first(name, asides)}; then: {what}" if asides else what
+        return FailedError(what, done, why, self.shifts.besides(name))
 
 
 def seen_turned_rad(seen: Cuboid, put: Cuboid) -> float:
@@ -265,31 +297,6 @@ def _long_yaw_rad(cuboid: Cuboid) -> float:
     """Where its longer edge points."""
     a, b, _ = cuboid.edges_m
     return cuboid.pose.yaw_rad() + (math.pi / 2 if b > a else 0.0)
-
-
-def _shifted(
-    before: Mapping[str, Cuboid], after: Mapping[str, Cuboid], name: str
-) -> tuple[tuple[str, float], ...]:
-    shifts = (
-        (other, after[other].pose.distance_m(cuboid.pose))
-        for other, cuboid in before.items()
-        if other != name and other in after
-    )
-    return tuple((other, shift_m) for other, shift_m in shifts if shift_m > SHIFTED_M)
-
-
-def _farthest(*parts: tuple[tuple[str, float], ...]) -> tuple[tuple[str, float], ...]:
-    """What was moved besides in any part, and how far at most."""
-    shifts: dict[str, float] = {}
-    for part in parts:
-        for name, shift_m in part:
-            shifts[name] = max(shift_m, shifts.get(name, 0.0))
-    return tuple(shifts.items())
-
-
-def _after(name: str, asides: tuple[Aside, ...], what: str) -> str:
-    """What went wrong, behind what was done before it."""
-    return f"{_first(name, asides)}; then: {what}" if asides else what
 
 
 def _first(name: str, asides: tuple[Aside, ...]) -> str:
