@@ -50,6 +50,11 @@ impl Controller {
         }
     }
 
+    /// What it has said of the newest command.
+    pub fn outcome(&self) -> Option<Outcome> {
+        self.last.map(|(_, outcome)| outcome)
+    }
+
     /// Lives, and does what it is told.
     ///
     /// * `carry_out`: brings a command's object to its place

@@ -6,7 +6,7 @@ use nsrm_core::Model;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Mode;
-use nsrm_ipc::message::{PlanReply, PlanRequest, Reply, Role, SceneMessage};
+use nsrm_ipc::message::{Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage};
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
 use nsrm_tests::corner::{Corner, join};
@@ -218,6 +218,28 @@ fn a_controller_that_was_started_anew_ends_the_sentence() {
     world.controller.started_ns = 2;
     let replies = world.follow(&mut planner, &pending, now_ns);
     assert_eq!(last_reason(&replies), Some("controller_lost"));
+}
+
+/// In a loop of one's own, at whose end nothing else does.
+#[test]
+fn a_planner_that_is_dropped_stops_what_moves() {
+    let corner = Corner::new("dropped");
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner = planner(&model, &corner.config);
+    let mut world = World::new("left", &model, &corner.config);
+    world.controller.works = false;
+    let pending = world.ask(1, SENTENCE);
+    while world.controller.taken == 0 {
+        world.turn(now_ns());
+        planner.poll(now_ns());
+    }
+    drop(planner);
+    world.turn(now_ns());
+    assert_eq!(world.controller.taken, 2);
+    assert_eq!(world.controller.outcome(), Some(Outcome::Stopped));
+    let replies = std::iter::from_fn(|| pending.receive().unwrap().map(|reply| *reply));
+    assert_eq!(last_reason(&replies.collect::<Vec<_>>()), Some("stopping"));
 }
 
 #[test]

@@ -73,12 +73,13 @@ impl<'m> Job<'m> {
                 since_ns,
                 heard,
             } if command.id == report.id => match (report.outcome, &heard) {
-                (Outcome::Accepted, Heard::Nothing) => {
+                // It got there, whatever came of sending it.
+                (Outcome::Accepted, Heard::Nothing | Heard::Undelivered) => {
                     *heard = Heard::Accepted;
                     *since_ns = now_ns;
                 }
-                (Outcome::Clearing, Heard::Nothing | Heard::Accepted) => {
-                    if matches!(heard, Heard::Nothing) {
+                (Outcome::Clearing, Heard::Nothing | Heard::Undelivered | Heard::Accepted) => {
+                    if !matches!(heard, Heard::Accepted) {
                         *heard = Heard::Accepted;
                         *since_ns = now_ns;
                     }
@@ -88,7 +89,7 @@ impl<'m> Job<'m> {
                 (Outcome::Accepted | Outcome::Clearing, _) => {}
                 // What is said first counts; it may have been on its way when the
                 // controller was lost.
-                (_, Heard::Nothing | Heard::Accepted | Heard::Lost) => {
+                (_, Heard::Nothing | Heard::Accepted | Heard::Lost | Heard::Undelivered) => {
                     // Not before the command, whatever the controller's clock says: a
                     // scene from before it shows nothing of what came of it. Nor farther
                     // ahead than a scene may be, or none would ever be later.
@@ -99,7 +100,7 @@ impl<'m> Job<'m> {
                         ..*report
                     });
                 }
-                (_, Heard::Ended(_) | Heard::Undelivered) => {}
+                (_, Heard::Ended(_)) => {}
             },
             Stage::Stopping {
                 id,
@@ -135,7 +136,7 @@ impl<'m> Job<'m> {
 
     pub(super) fn poll(&mut self, looking: &mut Looking, limits: &Limits, now_ns: u64) -> Event {
         self.advance(looking, limits, now_ns)
-            .unwrap_or_else(|failure| Event::Ended(Err(failure)))
+            .unwrap_or_else(|why| self.give_up(why, now_ns))
     }
 
     fn advance(
@@ -147,7 +148,7 @@ impl<'m> Job<'m> {
         if let Some(why) = self.end
             && !matches!(self.stage, Stage::Stopping { .. })
         {
-            return self.stop(why, now_ns);
+            return Err(why);
         }
         match &mut self.stage {
             Stage::Parse(task) => {
@@ -233,37 +234,29 @@ impl<'m> Job<'m> {
                 }
                 match heard {
                     Heard::Nothing if waited_ns > limits.accept_wait_ns => {
-                        self.stop(Failure::NotAccepted { step }, now_ns)
+                        Err(Failure::NotAccepted { step })
                     }
                     Heard::Accepted if waited_ns > limits.move_wait_ns => {
-                        self.stop(Failure::NoOutcome { step }, now_ns)
+                        Err(Failure::NoOutcome { step })
                     }
                     Heard::Nothing | Heard::Accepted => Ok(Event::Waiting),
-                    Heard::Lost => {
-                        // Nobody is waited for; but one that was held up must not
-                        // begin, or go on, with what has been given up.
-                        self.stage = Stage::Stopping {
-                            id: command.id,
-                            since_ns: now_ns,
-                            confirmed: true,
-                            begun: false,
-                            why: Failure::ControllerLost { step },
-                        };
-                        Ok(Event::Stop(command.id))
-                    }
+                    Heard::Lost => Err(Failure::ControllerLost { step }),
                     Heard::Undelivered => Err(Failure::NotAccepted { step }),
                     Heard::Ended(report) => self.end_command(&command, &report, limits, now_ns),
                 }
             }
             &mut Stage::Stopping {
                 since_ns,
+                is_lost,
                 confirmed,
                 begun,
                 why,
                 ..
             } => {
                 let waited_ns = now_ns.saturating_sub(since_ns);
-                if !confirmed && waited_ns <= limits.accept_wait_ns {
+                // What another one says that was started in its place confirms nothing.
+                let confirmed = confirmed && !is_lost;
+                if !confirmed && !is_lost && waited_ns <= limits.accept_wait_ns {
                     return Ok(Event::Waiting);
                 }
                 Err(match why {
@@ -437,23 +430,25 @@ impl<'m> Job<'m> {
         Ok(Event::Again { step, why })
     }
 
-    /// Ends so, once the controller has stopped, if it is at work.
-    fn stop(&mut self, why: Failure, now_ns: u64) -> Result<Event, Failure> {
-        let id = match &self.stage {
-            Stage::Commanded {
-                command,
-                heard: Heard::Nothing | Heard::Accepted,
-                ..
-            } => command.id,
-            _ => return Err(why),
+    /// Ends so. Whatever it fails with, a command that may still be accepted or carried out is
+    /// stopped first: nothing else ends a sentence before its last step is done.
+    fn give_up(&mut self, why: Failure, now_ns: u64) -> Event {
+        let Stage::Commanded {
+            command: Command { id, .. },
+            heard: heard @ (Heard::Nothing | Heard::Accepted | Heard::Lost),
+            ..
+        } = self.stage
+        else {
+            return Event::Ended(Err(why));
         };
         self.stage = Stage::Stopping {
             id,
             since_ns: now_ns,
+            is_lost: matches!(heard, Heard::Lost),
             confirmed: false,
             begun: false,
             why,
         };
-        Ok(Event::Stop(id))
+        Event::Stop(id)
     }
 }

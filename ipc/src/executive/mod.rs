@@ -5,6 +5,9 @@
 //! An [`Executive`] knows no process and no clock: it is told scenes, feedback and
 //! the time, and says what to do by [`Executive::poll`], a bounded piece of work a
 //! call. It never allocates.
+//!
+//! A sentence ends with [`Event::Ended`]. If its last command may still be accepted or carried
+//! out then, [`Event::Stop`] has come before.
 
 mod failure;
 mod job;

@@ -43,6 +43,9 @@ pub(super) enum Stage<'m> {
     Stopping {
         id: CommandId,
         since_ns: u64,
+        /// Whether the controller was lost: one that was held up must not begin, or go on, with
+        /// what has been given up; but its answer is not waited for.
+        is_lost: bool,
         confirmed: bool,
         /// Whether it is known meanwhile that it was begun.
         begun: bool,
@@ -69,6 +72,6 @@ pub(super) enum Heard {
     Ended(Report),
     /// No more of it: the controller died.
     Lost,
-    /// It never got there.
+    /// It could not be sent.
     Undelivered,
 }

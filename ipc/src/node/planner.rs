@@ -93,6 +93,12 @@ impl<'m> PlannerNode<'m> {
     /// Answers until it is told to stop; then it stops what moves. Sleeps while there is
     /// nothing to do.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
+        let ended = self.work_until(stop);
+        self.give_up(now_ns());
+        ended
+    }
+
+    fn work_until(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
         let ears = self.robot.listen([
             PLAN,
             PlanRequest::SERVICE,
@@ -110,12 +116,21 @@ impl<'m> PlannerNode<'m> {
             ears.wait(NAP)
                 .map_err(|error| self.robot.fault(PLAN, &error))?;
         }
+        Ok(())
+    }
+
+    /// Stops what moves, and tells who asked that the planner was stopped. Dropping the node does
+    /// the same.
+    pub fn give_up(&mut self, now_ns: u64) {
         self.executive.cancel();
-        if let Event::Stop(id) = self.executive.poll(now_ns()) {
+        if let Event::Stop(id) = self.executive.poll(now_ns) {
             self.send(&SubGoal::stop(id));
         }
-        self.refuse_current("stopping", "the planner was stopped");
-        Ok(())
+        self.planned = None;
+        if let Some(current) = self.current.take() {
+            let said = PlanReply::refused(current.to, "stopping", "the planner was stopped");
+            reply(&self.answers, current.active.as_ref(), &said);
+        }
     }
 
     /// Takes in what has arrived and does one piece of work
@@ -332,12 +347,12 @@ impl<'m> PlannerNode<'m> {
             }
         }
     }
+}
 
-    fn refuse_current(&mut self, reason: &str, message: &str) {
-        if let Some(current) = self.current.take() {
-            let said = PlanReply::refused(current.to, reason, message);
-            reply(&self.answers, current.active.as_ref(), &said);
-        }
+/// Whatever ends the planner's work, an error or a panic among it, the robot does not go on alone.
+impl Drop for PlannerNode<'_> {
+    fn drop(&mut self) {
+        self.give_up(now_ns());
     }
 }
 

@@ -228,13 +228,18 @@ impl World {
                 }
             }
             Op::Lose => {
-                if script.byte().is_multiple_of(2) {
+                let is_lost = script.byte().is_multiple_of(2);
+                if is_lost {
                     self.executive.lose_controller();
                 } else {
                     self.executive.miss_controller();
                 }
                 if let Some(watched) = &mut self.watched {
-                    watched.lose_controller();
+                    if is_lost {
+                        watched.lose_controller();
+                    } else {
+                        watched.miss_controller();
+                    }
                 }
             }
         }

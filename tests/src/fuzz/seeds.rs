@@ -267,7 +267,7 @@ fn scripts() -> Vec<Vec<u8>> {
         Accept, Ask, Babble, Cancel, Leap, Lose, Move, Obey, Poll, PollOn, Say, See, SeeBroken,
         SeeLate, Wait, WaitLong,
     };
-    let goes_on: [&[u8]; 11] = [
+    let goes_on: [&[u8]; 13] = [
         &[Cancel as u8, Poll as u8, 1],
         &[
             Obey as u8,
@@ -302,6 +302,16 @@ fn scripts() -> Vec<Vec<u8>> {
         ],
         &[Lose as u8, 0, PollOn as u8],
         &[Lose as u8, 1, PollOn as u8],
+        &[
+            Accept as u8,
+            Poll as u8,
+            3,
+            Lose as u8,
+            0,
+            Cancel as u8,
+            PollOn as u8,
+        ],
+        &[Lose as u8, 1, Accept as u8, PollOn as u8],
         &[
             Obey as u8,
             Move as u8,

@@ -25,6 +25,8 @@ pub(super) struct Watched {
     /// When it first said that it had accepted it.
     accepted_ns: Option<u64>,
     is_lost: bool,
+    /// Whether the last command could not be sent, and nothing has shown otherwise.
+    is_missed: bool,
     is_stopping: bool,
     cancelled_ns: Option<u64>,
     /// When the scene of the last plan had been taken, at the latest.
@@ -55,6 +57,7 @@ impl Watched {
             ended: None,
             accepted_ns: None,
             is_lost: false,
+            is_missed: false,
             is_stopping: false,
             cancelled_ns: None,
             planned_ns: 0,
@@ -70,6 +73,7 @@ impl Watched {
         if !self.last.is_some_and(|(last, _)| last.id == report.id) {
             return;
         }
+        self.is_missed = false;
         if report.outcome.is_end() {
             self.ended.get_or_insert(report.outcome);
         } else {
@@ -83,6 +87,16 @@ impl Watched {
 
     pub(super) fn lose_controller(&mut self) {
         self.is_lost = true;
+    }
+
+    pub(super) fn miss_controller(&mut self) {
+        let is_unheard = self.accepted_ns.is_none() && self.ended.is_none() && !self.is_lost;
+        self.is_missed |= self.last.is_some() && is_unheard;
+    }
+
+    /// Whether the controller may accept the last command yet, or is at it.
+    fn may_go_on(&self) -> bool {
+        self.last.is_some() && self.ended.is_none() && !self.is_missed
     }
 
     /// The loop tells of this: may it?
@@ -229,13 +243,13 @@ impl Watched {
         self.last = Some((*command, now_ns));
         self.ended = None;
         self.accepted_ns = None;
-        self.is_lost = false;
+        (self.is_lost, self.is_missed) = (false, false);
     }
 
     fn stop(&mut self, id: CommandId) {
         assert!(!self.is_stopping, "stopped twice: {self:?}");
         assert_eq!(self.last.map(|(command, _)| command.id), Some(id));
-        assert!(self.ended.is_none() || self.is_lost, "{self:?}");
+        assert!(self.may_go_on(), "{self:?}");
         self.is_stopping = true;
     }
 
@@ -248,8 +262,7 @@ impl Watched {
     /// What the controller said first is what counts.
     fn blame(&self, why: &Failure) {
         says(why);
-        // One that could not be reached is not listened to any more.
-        if matches!(why, Failure::NotAccepted { .. }) && !self.is_lost {
+        if matches!(why, Failure::NotAccepted { .. }) {
             assert!(self.accepted_ns.is_none(), "{self:?}");
             assert_ne!(self.ended, Some(Outcome::Reached), "{self:?}");
         }
@@ -260,6 +273,8 @@ impl Watched {
     }
 
     fn end(&self, result: &Result<(), Failure>) {
+        // Whatever ends it, and whatever came in the same turn.
+        assert!(self.is_stopping || !self.may_go_on(), "{self:?}");
         match result {
             Ok(()) if self.mode == Mode::PlanOnly => assert_eq!(self.commands, 0),
             Ok(()) => assert!(self.steps > 0 && self.reached[..self.steps].iter().all(|it| *it)),
