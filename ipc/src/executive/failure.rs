@@ -103,7 +103,8 @@ pub enum Failure {
         /// How far from its sub-goal, or from where it was when the step was planned, metres.
         off_m: f32,
     },
-    /// The controller says that it did it, and the object is not seen.
+    /// The controller says that it did it, and the object, or what it was to be beside or on, is
+    /// not seen, and nothing hides it that a step has put down.
     NotSeen {
         /// Which step.
         step: u8,

@@ -4,10 +4,11 @@ use nsrm_core::language::{Parsed, ParsingTask};
 use nsrm_core::scene::Scene;
 use nsrm_core::{Plan, Planner, Progress, Refusal};
 
+use super::belief::Belief;
 use super::failure::Failure;
 use super::limits::Limits;
 use super::looking::{AHEAD_NS, Looking, too_old};
-use super::placed::{Placed, Placements, Seen, position};
+use super::placed::{Amiss, Placed, Placements, position};
 use super::stage::{Heard, Purpose, Stage};
 use super::{Command, CommandId, Event, Mode, Sentence};
 use crate::message::{Outcome, Report};
@@ -29,6 +30,7 @@ pub(super) struct Job<'m> {
     /// What is moved first for the command that is carried out, until it is told.
     clearing: Option<[u32; 2]>,
     placed: Placements,
+    belief: Belief,
     /// Why it is to end, whatever it is at.
     end: Option<Failure>,
     stage: Stage<'m>,
@@ -48,6 +50,7 @@ impl<'m> Job<'m> {
             reference_at: None,
             clearing: None,
             placed: Placements::default(),
+            belief: Belief::default(),
             end: None,
             stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
         }
@@ -84,6 +87,9 @@ impl<'m> Job<'m> {
                         *since_ns = now_ns;
                     }
                     self.clearing = Some(report.objects);
+                    for id in report.objects {
+                        self.belief.carry(id);
+                    }
                 }
                 // Said again, or late, it gives no more time and takes nothing back.
                 (Outcome::Accepted | Outcome::Clearing, _) => {}
@@ -165,6 +171,7 @@ impl<'m> Job<'m> {
                 purpose,
             } => {
                 if let Some(scene) = looking.look(after_ns, limits, now_ns) {
+                    let scene = self.belief.complete(&scene, self.planner.model());
                     return match purpose {
                         Purpose::Ground => Ok(self.ground(scene, since_ns)),
                         Purpose::Verify { .. } => self.verify(&scene, after_ns, since_ns, limits),
@@ -181,6 +188,7 @@ impl<'m> Job<'m> {
                     return Err(Failure::NoScene { last });
                 };
                 let event = self.again(Failure::NotSeen { step, object }, limits)?;
+                self.go_back(step);
                 self.look(after_ns, now_ns, Purpose::Ground);
                 Ok(event)
             }
@@ -282,6 +290,7 @@ impl<'m> Job<'m> {
 
     fn ground(&mut self, scene: Scene, since_ns: u64) -> Event {
         let taken_ns = scene.header().timestamp_ns;
+        self.belief.update(&scene);
         let parsed = self.parsed.clone();
         let task = self.planner.begin_grounding(scene, parsed, self.step);
         self.stage = Stage::Ground {
@@ -299,6 +308,7 @@ impl<'m> Job<'m> {
         let planned = planned.ok_or(Failure::Refused(Refusal::InvalidModel))?;
         self.commands = self.commands.saturating_add(1);
         self.clearing = None;
+        self.belief.carry(planned.object.object);
         let command = Command {
             id: CommandId {
                 plan: self.number,
@@ -373,30 +383,29 @@ impl<'m> Job<'m> {
     ) -> Result<Event, Failure> {
         let map = self.planner.model().camera;
         match self.placed.look(map, scene, limits.tolerance_m) {
-            Seen::Missing { step, object } => {
+            Err(Amiss::Missing { step, object }) => {
                 // An arm may hide it for a while.
                 let missing = Some((step, object));
                 let taken_ns = scene.header().timestamp_ns;
                 self.look(taken_ns, since_ns, Purpose::Verify { missing });
                 Ok(Event::Working)
             }
-            Seen::Elsewhere {
+            Err(Amiss::Elsewhere {
                 step,
                 object,
                 off_m,
-            } => {
+            }) => {
                 let failure = Failure::NotThere {
                     step,
                     object,
                     off_m,
                 };
                 let event = self.again(failure, limits)?;
-                self.placed.forget_from(step);
-                self.step = step.into();
+                self.go_back(step);
                 self.look(after_ns, since_ns, Purpose::Ground);
                 Ok(event)
             }
-            Seen::There { off_m } => {
+            Ok(off_m) => {
                 // At most MAX_STEPS.
                 let step = self.step as u8;
                 self.advance_step(Stage::Look {
@@ -407,6 +416,12 @@ impl<'m> Job<'m> {
                 Ok(Event::Reached { step, off_m })
             }
         }
+    }
+
+    /// This step, and those after it, are to be done again.
+    fn go_back(&mut self, step: u8) {
+        self.placed.forget_from(step);
+        self.step = step.into();
     }
 
     /// The step is done; this comes next, unless it was the last.

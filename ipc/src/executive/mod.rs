@@ -9,6 +9,7 @@
 //! A sentence ends with [`Event::Ended`]. If its last command may still be accepted or carried
 //! out then, [`Event::Stop`] has come before.
 
+mod belief;
 mod failure;
 mod job;
 mod limits;
@@ -223,8 +224,8 @@ impl<'m> Executive<'m> {
         }
     }
 
-    /// Does one piece of work, at most [`nsrm_core::planner::UNIT_MULTIPLY_ADDS`]
-    /// and a copy of a scene.
+    /// Does one piece of work, at most [`nsrm_core::planner::UNIT_MULTIPLY_ADDS`], or takes in a
+    /// scene: a few copies of 4.5 KB, its checks, and each object compared with each other one.
     ///
     /// * `now_ns`: the time, on the clock of the scenes and of the feedback; when it is set back
     ///   by more than 5 ms, what is under way ends with [`Failure::ClockSetBack`]

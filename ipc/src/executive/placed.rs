@@ -17,14 +17,12 @@ pub(super) struct Placed {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Placements([Option<Placed>; MAX_STEPS]);
 
-/// What is seen of them. Steps count from 0.
+/// The first of them that is not as a step has left it. Steps count from 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Seen {
-    /// All are there; how far off the last one is, metres.
-    There { off_m: f32 },
+pub(super) enum Amiss {
     /// This object isn't seen.
     Missing { step: u8, object: u32 },
-    /// This is the first step for which something is elsewhere: this object, so far off.
+    /// This object is seen elsewhere, so far off.
     Elsewhere { step: u8, object: u32, off_m: f32 },
 }
 
@@ -54,41 +52,40 @@ impl Placements {
         }
     }
 
-    /// Whether all is seen where it was put, and what it was put beside or on where that was.
-    pub(super) fn look(&self, map: &PixelToCamera, scene: &Scene, tolerance_m: f32) -> Seen {
-        let mut last_off_m = 0.0;
-        for (step, placed) in (0..).zip(self.0) {
-            let Some(Placed {
-                object,
-                position,
-                reference,
-            }) = placed
-            else {
-                continue;
-            };
-            let Some(off_m) = distance_m(map, scene, object, &position) else {
-                return Seen::Missing { step, object };
-            };
+    /// Whether all is seen where it was put, and what it was put beside or on where that was: how
+    /// far off the object of the last step is, metres.
+    ///
+    /// * `scene`: with what is hidden
+    pub(super) fn look(
+        &self,
+        map: &PixelToCamera,
+        scene: &Scene,
+        tolerance_m: f32,
+    ) -> Result<f32, Amiss> {
+        let off_m = |step, object, at: &[f32; 3]| {
+            let seen = position(map, scene, object).ok_or(Amiss::Missing { step, object })?;
+            let off_m = distance_m(&seen, at);
             // Neither is one there whose distance is not a number.
-            let is_there = off_m <= tolerance_m;
-            // One that is hidden by what was put onto it has not been seen to move.
-            let reference_off = reference
-                .and_then(|(id, at)| Some((id, distance_m(map, scene, id, &at)?)))
-                .filter(|(_, off_m)| *off_m > tolerance_m);
-            let elsewhere = match reference_off {
-                _ if !is_there => Some((object, off_m)),
-                off => off,
-            };
-            if let Some((object, off_m)) = elsewhere {
-                return Seen::Elsewhere {
+            if off_m.is_nan() || off_m > tolerance_m {
+                return Err(Amiss::Elsewhere {
                     step,
                     object,
                     off_m,
-                };
+                });
             }
-            last_off_m = off_m;
+            Ok(off_m)
+        };
+        let mut last_off_m = 0.0;
+        for (step, placed) in (0..).zip(self.0) {
+            let Some(placed) = placed else {
+                continue;
+            };
+            last_off_m = off_m(step, placed.object, &placed.position)?;
+            if let Some((reference, at)) = placed.reference {
+                off_m(step, reference, &at)?;
+            }
         }
-        Seen::There { off_m: last_off_m }
+        Ok(last_off_m)
     }
 }
 
@@ -98,9 +95,7 @@ pub(super) fn position(map: &PixelToCamera, scene: &Scene, object: u32) -> Optio
     Some(scene.camera().locate(map, &seen.location).coords.into())
 }
 
-/// How far an object is seen from a position; `None` if it isn't seen.
-fn distance_m(map: &PixelToCamera, scene: &Scene, object: u32, from: &[f32; 3]) -> Option<f32> {
-    let seen = position(map, scene, object)?;
-    let offsets = seen.iter().zip(from).map(|(a, b)| a - b);
-    Some(offsets.map(|offset| offset * offset).sum::<f32>().sqrt())
+fn distance_m(one: &[f32; 3], other: &[f32; 3]) -> f32 {
+    let offsets = one.iter().zip(other).map(|(a, b)| a - b);
+    offsets.map(|offset| offset * offset).sum::<f32>().sqrt()
 }

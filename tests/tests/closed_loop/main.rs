@@ -3,6 +3,7 @@
 //! acts on a scene that it should not.
 
 mod controller;
+mod hidden;
 mod stops;
 mod world;
 

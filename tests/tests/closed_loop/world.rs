@@ -26,6 +26,8 @@ pub(crate) const fn unsuccessful(step: u8, outcome: Outcome) -> Failure {
 pub(crate) struct World<'m> {
     pub(crate) executive: Executive<'m>,
     pub(crate) scene: RawScene,
+    /// What the camera shows of it.
+    pub(crate) view: fn(&RawScene) -> RawScene,
     pub(crate) now_ns: u64,
     /// By how much the controller's clock is ahead.
     pub(crate) ahead_ns: u64,
@@ -43,6 +45,7 @@ impl<'m> World<'m> {
         Self {
             executive: Executive::new(model, limits, 100),
             scene: raw_scene(model, &BLOCKS),
+            view: |scene| *scene,
             now_ns: 10_000 * MS,
             ahead_ns: 0,
             sequence: 0,
@@ -58,7 +61,7 @@ impl<'m> World<'m> {
     }
 
     pub(crate) fn message(&self, taken_ns: u64) -> SceneMessage {
-        let mut raw = self.scene;
+        let mut raw = (self.view)(&self.scene);
         raw.header.sequence = self.sequence;
         raw.header.timestamp_ns = taken_ns;
         SceneMessage::from(&Scene::new(raw, self.executive.model()).unwrap())

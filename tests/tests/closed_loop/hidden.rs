@@ -1,0 +1,359 @@
+//! A camera that looks down from above: of a stack it shows the uppermost block alone.
+
+use nsrm_core::model::LOCATION;
+use nsrm_core::{RawScene, Refusal};
+use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode};
+use nsrm_ipc::message::Outcome;
+use nsrm_tests::by_hand::{Block, Parts, block, raw_scene};
+use nsrm_tests::world::{BLOCKS, SENTENCE};
+
+use crate::world::World;
+
+/// Edge of a block, metres.
+const EDGE_M: f32 = 0.04;
+/// By so much of the image's width one stands beside another.
+const BESIDE: f32 = 0.05;
+
+/// A model that puts one block onto another, 4 cm nearer to the camera, or to its right.
+fn parts() -> Parts {
+    let mut parts = Parts::new();
+    let simulator = &mut parts.simulator;
+    simulator.output.bias[4] = -EDGE_M;
+    // What only the second action sets: a unit of either layer.
+    parts.actions[1].simulator_bias[0] = 20.0;
+    simulator.hidden.weight[0][0] = 20.0;
+    simulator.output.weight[0] = [BESIDE, 0.0, 0.0, 0.0, EDGE_M];
+    parts
+}
+
+/// How much of a block's box lies in another one's that is nearer to the camera.
+fn hidden_share(of: &[f32; LOCATION], by: &[f32; LOCATION]) -> f32 {
+    if by[4] >= of[4] {
+        return 0.0;
+    }
+    let width = (of[2].min(by[2]) - of[0].max(by[0])).max(0.0);
+    let height = (of[3].min(by[3]) - of[1].max(by[1])).max(0.0);
+    width * height / ((of[2] - of[0]) * (of[3] - of[1]))
+}
+
+/// What the camera shows: nothing of what is hidden by 9 parts of 10.
+fn from_above(scene: &RawScene) -> RawScene {
+    let all = &scene.objects[..scene.count as usize];
+    let mut shown = *scene;
+    shown.count = 0;
+    for object in all {
+        let is_hidden = all
+            .iter()
+            .any(|other| hidden_share(&object.location, &other.location) > 0.9);
+        if !is_hidden {
+            shown.push(*object).unwrap();
+        }
+    }
+    shown
+}
+
+/// A world that is seen so, with these blocks.
+fn world<'m>(model: &'m nsrm_core::Model<'m>, blocks: &[Block], limits: Limits) -> World<'m> {
+    let mut world = World::new(model, limits);
+    world.scene = raw_scene(model, blocks);
+    world.view = from_above;
+    world
+}
+
+impl World<'_> {
+    fn location(&mut self, id: u32) -> &mut [f32; LOCATION] {
+        let mut objects = self.scene.objects.iter_mut();
+        &mut objects.find(|object| object.id == id).unwrap().location
+    }
+
+    /// Someone takes a block away.
+    fn take(&mut self, id: u32) {
+        let count = self.scene.count as usize;
+        let objects = &mut self.scene.objects[..count];
+        let place = objects.iter().position(|object| object.id == id).unwrap();
+        objects.swap(place, count - 1);
+        self.scene.count -= 1;
+    }
+
+    fn shows(&self, id: u32) -> bool {
+        let shown = from_above(&self.scene);
+        let mut shown = shown.objects.iter().take(shown.count as usize);
+        shown.any(|object| object.id == id)
+    }
+
+    fn steps(&self) -> Vec<u8> {
+        self.commands.iter().map(|command| command.step).collect()
+    }
+}
+
+fn is_no_such_object(result: &Result<(), Failure>, at: u8) -> bool {
+    matches!(result, Err(Failure::Refused(Refusal::NoSuchObject { step, .. })) if *step == at)
+}
+
+#[test]
+fn a_stack_of_three_seen_from_above_is_done() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, &BLOCKS, Limits::default());
+    world.ask(SENTENCE, Mode::ClosedLoop);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!([1, 2, 3].map(|id| world.shows(id)), [false, false, true]);
+    assert_eq!(
+        world.log,
+        [
+            "planned from 0",
+            "command 0",
+            "reached 0",
+            "planned from 1",
+            "command 1",
+            "reached 1"
+        ]
+    );
+}
+
+/// The blue block bears the stack, and is named again.
+#[test]
+fn what_is_left_is_planned_with_what_the_steps_have_hidden() {
+    let parts = parts();
+    let model = parts.model();
+    let blocks = [&BLOCKS[..], &[block("small", "green")]].concat();
+    let mut world = world(&model, &blocks, Limits::default());
+    let blue = *world.location(2);
+    world.ask(
+        "put the small red block on the blue block then put the lego green block on the small red \
+         block then put the small green block beside the blue block",
+        Mode::ClosedLoop,
+    );
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.steps(), [0, 1, 2]);
+    let beside = *world.location(4);
+    assert!((beside[0] - blue[0] - BESIDE).abs() < 1e-5, "{beside:?}");
+    assert!((beside[4] - blue[4]).abs() < 1e-5, "{beside:?}");
+}
+
+/// Someone takes the red block away as another step is done elsewhere.
+#[test]
+fn a_block_that_has_vanished_is_missed() {
+    let sentence = "put the small red block beside the blue block then put the green block on the \
+                    blue block";
+    let parts = parts();
+    let model = parts.model();
+    let limits = Limits {
+        retries: 0,
+        ..Limits::default()
+    };
+    // What a step has put down, and what that was put beside.
+    for (gone, at) in [(1, 1), (2, 0)] {
+        let mut world = world(&model, &BLOCKS, limits);
+        world.ask(sentence, Mode::ClosedLoop);
+        let result = world.run_with(|world, command| {
+            if command.step == at {
+                world.take(gone);
+            }
+        });
+        let (step, object) = (0, gone);
+        assert_eq!(result, Err(Failure::NotSeen { step, object }));
+    }
+    // With retries it is looked for once more, and nothing is moved meanwhile.
+    let mut world = world(&model, &BLOCKS, Limits::default());
+    world.ask(sentence, Mode::ClosedLoop);
+    let result = world.run_with(|world, command| {
+        if command.step == 1 {
+            world.take(1);
+        }
+    });
+    assert!(is_no_such_object(&result, 0), "{result:?}");
+    assert_eq!(world.log.last().unwrap(), "again 1: not_seen");
+    assert_eq!(world.steps(), [0, 1]);
+}
+
+/// The green block falls to where the red one was that bore it.
+#[test]
+fn a_block_that_has_vanished_from_under_another_is_missed() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, &BLOCKS, Limits::default());
+    world.ask(SENTENCE, Mode::ClosedLoop);
+    let result = world.run_with(|world, command| {
+        if command.step == 1 {
+            world.take(1);
+            world.location(3)[4] += EDGE_M;
+        }
+    });
+    assert!(
+        world.log.contains(&"again 1: not_seen".into()),
+        "{:?}",
+        world.log
+    );
+    assert!(is_no_such_object(&result, 0), "{result:?}");
+}
+
+/// Someone puts a block before the red one, while a step is done elsewhere.
+#[test]
+fn what_no_step_has_put_before_a_block_excuses_nothing() {
+    let parts = parts();
+    let model = parts.model();
+    let limits = Limits {
+        retries: 0,
+        ..Limits::default()
+    };
+    let blocks = [&BLOCKS[..], &[block("small", "green")]].concat();
+    let mut world = world(&model, &blocks, limits);
+    world.ask(
+        "put the small red block beside the blue block then put the lego green block on the blue \
+         block",
+        Mode::ClosedLoop,
+    );
+    let result = world.run_with(|world, command| {
+        if command.step == 1 {
+            let mut above = *world.location(1);
+            above[4] -= EDGE_M;
+            *world.location(4) = above;
+        }
+    });
+    assert!(!world.shows(1) && world.shows(4));
+    let (step, object) = (0, 1);
+    assert_eq!(result, Err(Failure::NotSeen { step, object }));
+}
+
+/// A camera that looks a little from the side shows a strip of what is hidden, the side of a block.
+fn a_strip(scene: &RawScene) -> RawScene {
+    let all = &scene.objects[..scene.count as usize];
+    let mut shown = *scene;
+    for object in &mut shown.objects[..all.len()] {
+        let is_hidden = all
+            .iter()
+            .any(|other| hidden_share(&object.location, &other.location) > 0.4);
+        if is_hidden {
+            let [x1, _, x2, _, depth_m] = &mut object.location;
+            *x2 = *x1 + 0.2 * (*x2 - *x1);
+            *depth_m += EDGE_M / 2.0;
+            // Nor does it look as it did.
+            object.embedding.fill(0.1);
+        }
+    }
+    shown
+}
+
+#[test]
+fn a_block_that_is_hidden_in_part_is_where_it_was() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, &BLOCKS, Limits::default());
+    world.view = a_strip;
+    world.ask(SENTENCE, Mode::ClosedLoop);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.steps(), [0, 1]);
+}
+
+#[test]
+fn a_block_that_has_moved_is_not_excused_by_what_hides_a_part_of_it_or_nothing() {
+    let parts = parts();
+    let model = parts.model();
+    let limits = Limits {
+        retries: 0,
+        ..Limits::default()
+    };
+    // The strip is seen beside where the block was; nothing hides any of it.
+    for (relation, axis, by) in [("on", 0, -0.008), ("beside", 4, EDGE_M / 2.0)] {
+        let mut world = world(&model, &BLOCKS, limits);
+        world.view = a_strip;
+        let sentence = format!("put the small red block {relation} the blue block");
+        world.ask(&sentence, Mode::ClosedLoop);
+        let result = world.run_with(|world, _| {
+            let blue = world.location(2);
+            blue[axis] += by;
+            if axis == 0 {
+                blue[2] += by;
+            }
+        });
+        assert!(
+            matches!(result, Err(Failure::NotThere { object: 2, .. })),
+            "{relation}: {result:?}"
+        );
+    }
+}
+
+/// The green block slips on the red one, which it hides still.
+#[test]
+fn what_hides_another_is_put_right_without_it() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, &BLOCKS, Limits::default());
+    world.ask(SENTENCE, Mode::ClosedLoop);
+    let result = world.run_with(|world, command| {
+        if command.id.command == 2 {
+            world.location(3)[4] -= EDGE_M / 2.0;
+        }
+    });
+    assert_eq!(result, Ok(()));
+    assert_eq!(world.steps(), [0, 1, 1]);
+}
+
+/// What follows is planned and done again, too, with what it has hidden before.
+#[test]
+fn an_earlier_step_is_done_again_beside_a_stack() {
+    let parts = parts();
+    let model = parts.model();
+    let blocks = [&BLOCKS[..], &[block("lego", "red"), block("small", "blue")]].concat();
+    let mut world = world(&model, &blocks, Limits::default());
+    world.ask(
+        "put the small blue block beside the lego red block then put the small red block on the \
+         lego blue block",
+        Mode::ClosedLoop,
+    );
+    let result = world.run_with(|world, command| {
+        if command.id.command == 2 {
+            world.location(5)[0] += 0.1;
+            world.location(5)[2] += 0.1;
+        }
+    });
+    assert_eq!(result, Ok(()));
+    assert_eq!(world.steps(), [0, 1, 0, 1]);
+}
+
+/// The controller moves the green block aside, out of the picture, and the red one to its place.
+#[test]
+fn what_was_moved_aside_is_not_believed_to_be_where_it_was() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, &BLOCKS, Limits::default());
+    world.ask(
+        "put the small red block on the blue block then put the green block on the small red block",
+        Mode::ClosedLoop,
+    );
+    *world.location(3) = *world.location(2);
+    world.location(3)[0] += 0.001;
+    let command = world.until_command();
+    world.say(&command, Outcome::Clearing);
+    assert!(matches!(
+        world.executive.poll(world.now_ns),
+        Event::Clearing { .. }
+    ));
+    world.carry_out(&command);
+    world.take(3);
+    world.say(&command, Outcome::Reached);
+    let result = world.run();
+    assert!(is_no_such_object(&result, 1), "{result:?}");
+    assert_eq!(world.log, ["reached 0"]);
+}
+
+/// Of an object that is carried away nothing is believed, whatever stands where it was.
+#[test]
+fn what_was_carried_must_be_seen_where_it_was_put() {
+    let parts = parts();
+    let model = parts.model();
+    let limits = Limits {
+        retries: 0,
+        ..Limits::default()
+    };
+    let mut world = world(&model, &BLOCKS, limits);
+    world.ask(SENTENCE, Mode::ClosedLoop);
+    let result = world.run_with(|world, command: &Command| {
+        if command.step == 1 {
+            world.take(3);
+        }
+    });
+    let (step, object) = (1, 3);
+    assert_eq!(result, Err(Failure::NotSeen { step, object }));
+}
