@@ -173,6 +173,42 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     assert!(world.controller.done.is_empty());
 }
 
+/// That a request to cancel was heard is nothing to them, and no end of the sentence.
+#[test]
+fn onlookers_are_told_once_how_a_cancelled_sentence_ended() {
+    let corner = Corner::new("onlooker");
+    let config = &corner.config;
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut planner = planner(&model, config);
+    let mut world = World::new("left", &model, config);
+    let onlooker = join("left", Role::Watcher, config);
+    let answers = onlooker.receiver::<PlanReply>().unwrap();
+    world.controller.works = false;
+    let pending = world.ask(1, SENTENCE);
+    for _ in 0..200 {
+        world.turn(now_ns());
+        planner.poll(now_ns());
+    }
+    let cancel = PlanRequest::cancel(3, 1);
+    let cancel = world.client.send_copy(cancel).unwrap();
+    assert_eq!(
+        last_reason(&world.follow(&mut planner, &cancel, now_ns)),
+        None
+    );
+    let told = world.follow(&mut planner, &pending, now_ns);
+    assert_eq!(last_reason(&told), Some("cancelled"));
+    let seen: Vec<_> = answers.waiting().map(|reply| *reply).collect();
+    let ends = seen.iter().filter_map(|reply| match reply.read().unwrap() {
+        Reply::Done => Some("done"),
+        Reply::Failed { reason, .. } => Some(reason),
+        _ => None,
+    });
+    assert_eq!(ends.collect::<Vec<_>>(), ["cancelled"]);
+    let numbers: Vec<_> = seen.iter().map(|reply| reply.number).collect();
+    assert_eq!(numbers, (1..=seen.len() as u32).collect::<Vec<_>>());
+}
+
 #[test]
 fn who_asked_and_left_has_cancelled() {
     let corner = Corner::new("left");

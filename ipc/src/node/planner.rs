@@ -261,12 +261,14 @@ impl<'m> PlannerNode<'m> {
                 });
                 if is_it {
                     self.executive.cancel();
-                    // To who asked without a connection it would look like the
-                    // sentence's own end, which follows.
-                    if active.is_none() {
-                        return;
+                    // That the request was heard is said by its own connection alone: to all
+                    // others it would look like the sentence's own end, which follows.
+                    let heard = Event::Ended(Ok(()));
+                    let heard = PlanReply::about(to, &heard, self.executive.model(), "");
+                    if let (Some(active), Some(heard)) = (active, heard) {
+                        answer(&active, &heard);
                     }
-                    PlanReply::about(to, &Event::Ended(Ok(())), self.executive.model(), "")
+                    return;
                 } else {
                     let message = "no request of this number is being followed";
                     Some(PlanReply::refused(to, "no_such_request", message))
@@ -361,11 +363,18 @@ impl Drop for PlannerNode<'_> {
 /// * `active`: the connection of who asked, if there is one. Who asked may be gone, or may
 ///   not take its replies; then it is cancelled, or has itself to blame
 fn reply(answers: &Sender<PlanReply>, active: Option<&Active>, said: &PlanReply) {
-    if let Some(Err(error)) = active.map(|active| active.send_copy(*said)) {
-        warn!(?error, "reply not sent");
+    if let Some(active) = active {
+        answer(active, said);
     }
     if let Err(failure) = answers.send(said) {
         warn!(%failure, "answer");
+    }
+}
+
+/// Sends a reply to who asked by a connection.
+fn answer(active: &Active, said: &PlanReply) {
+    if let Err(error) = active.send_copy(*said) {
+        warn!(?error, "reply not sent");
     }
 }
 
