@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,6 +23,7 @@ from nsrm_harness.perception.cuboids import faces
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
 from nsrm_harness.perception.tracking import Tracker
+from nsrm_harness.robot import ports
 from nsrm_harness.robot.config import RobotConfigError, read_config
 from nsrm_harness.robot.controller import Answer, Controller, fault, stops_first
 from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
@@ -35,6 +37,7 @@ from nsrm_harness.robot.ports import (
     PortError,
     Robot,
 )
+from nsrm_harness.robot.stage import FRAME_S, Stage
 from nsrm_harness.world.camera import default_camera
 from nsrm_harness.world.pose import Pose
 from nsrm_harness.world.render import Light, Renderer
@@ -338,6 +341,32 @@ def test_a_segment_of_other_users_keeps_nobody_waiting(
     assert remove_segments("mine_", begun.parent)
     os.utime(begun, (0.0, 0.0))
     assert not remove_segments("mine_", begun.parent) and not begun.exists()
+
+
+class _Turns:
+    """Is set after so many turns; keeps how long was waited behind each."""
+
+    def __init__(self, turns: int) -> None:
+        self.turns, self.rests_s = turns, list[float]()
+
+    def is_set(self) -> bool:
+        return len(self.rests_s) == self.turns
+
+    def wait(self, rest_s: float) -> None:
+        self.rests_s.append(rest_s)
+
+
+def test_a_clock_that_is_set_back_does_not_hold_up_the_camera(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # An hour each time that it is asked for the time.
+    times = iter(range(10**18, 0, -3600 * 10**9))
+    monkeypatch.setattr(ports, "_clock", lambda: next(times))
+    stage = Stage.__new__(Stage)
+    monkeypatch.setattr(stage, "turn", lambda: None)
+    stop = _Turns(2)
+    stage.run(cast(threading.Event, stop))
+    assert max(stop.rests_s) <= FRAME_S
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,43 @@ fn what_was_lost_on_the_way_is_missed_while_the_planner_lives() {
     }
 }
 
+/// By the wall clock, which several hosts go by.
+#[test]
+fn a_clock_that_is_set_back_loses_no_planner_that_lives_and_keeps_none_that_does_not() {
+    let corner = Corner::new("set-back");
+    let planner = join(Role::Planner, &corner);
+    let _deaf = planner.receiver::<PlanRequest>().unwrap();
+    let mut life = Life::begin(&planner, Role::Planner, now_ns()).unwrap();
+    let asker = join(Role::Asker, &corner);
+    let mut asker = Asker::begin(asker, Line::Broadcast, 350 * MS).unwrap();
+    let lost = AskError::PlannerLost("left".parse().unwrap());
+    for (state, beats, expected) in [
+        (State::Busy, 5, lost),
+        (State::Idle, 40, AskError::ReplyLost { number: 1 }),
+    ] {
+        let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+        let late_ns = now_ns() + 100_000 * MS;
+        life.beat(state, late_ns).unwrap();
+        assert_eq!(asker.hear(&mut conversation, late_ns), Ok(None));
+        // Before the planner has noticed it and said so.
+        let back_ns = late_ns - 50_000 * MS;
+        assert_eq!(asker.hear(&mut conversation, back_ns), Ok(None));
+        let (ticks, error) = (0..60)
+            .find_map(|tick| {
+                let now_ns = back_ns + tick * 100 * MS;
+                if tick < beats {
+                    life.beat(state, now_ns).unwrap();
+                }
+                let heard = asker.hear(&mut conversation, now_ns);
+                heard.err().map(|error| (tick, error))
+            })
+            .expect("it does not wait for ever");
+        assert_eq!(error, expected);
+        // Four ticks of silence after the last beat; two seconds of being idle.
+        assert_eq!(ticks, if state == State::Busy { 8 } else { 21 });
+    }
+}
+
 /// A planner without a controller whose heartbeats it would hear.
 struct Stage<'m> {
     planner: PlannerNode<'m>,

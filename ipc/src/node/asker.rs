@@ -231,6 +231,10 @@ impl Asker {
         conversation: &mut Conversation,
         now_ns: u64,
     ) -> Result<Option<PlanReply>, AskError> {
+        // What was counted from a later time was so on a clock that was set back since.
+        self.planner.not_after(now_ns);
+        conversation.began_ns = conversation.began_ns.min(now_ns);
+        conversation.idle_ns = conversation.idle_ns.map(|since_ns| since_ns.min(now_ns));
         let planner = &mut self.planner;
         let mut is_other = false;
         self.life.listen(now_ns, |role, state, heartbeat| {

@@ -3,6 +3,7 @@
 use core::fmt::Display;
 
 use super::rejected::Rejected;
+use crate::clock::is_due;
 use crate::message::{Heartbeat, Role, State};
 use crate::service::{Carried, Receiver, Robot, SendFailure, Sender, ServiceError};
 
@@ -40,9 +41,7 @@ impl Life {
 
     /// Says that the node lives, when it is time to; whether it was.
     pub fn beat(&mut self, state: State, now_ns: u64) -> Result<bool, SendFailure> {
-        // A longer wait than between two was made by a clock that was set back.
-        let waits_ns = self.next_ns.saturating_sub(now_ns);
-        if (1..=HEARTBEAT_NS).contains(&waits_ns) {
+        if !is_due(self.next_ns, now_ns, HEARTBEAT_NS) {
             return Ok(false);
         }
         self.next_ns = now_ns.saturating_add(HEARTBEAT_NS);
@@ -101,14 +100,27 @@ impl Peer {
     }
 
     /// Whether it may be alive: it was heard of, or is listened to if it never was, no longer
-    /// ago than it may be silent. A time that is yet to come is that of a clock that was set
-    /// back, and counts like one that has gone.
+    /// ago than it may be silent; see [`may_live`].
     ///
     /// * `since_ns`: when listening began
     pub fn may_live(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
         let heard_ns = self.known.map_or(since_ns, |(_, heard_ns)| heard_ns);
-        now_ns.abs_diff(heard_ns) <= silence_ns
+        may_live(heard_ns, silence_ns, now_ns)
     }
+
+    /// If it was heard later than now, the clock was set back since: it has as long again to be
+    /// heard.
+    pub(super) fn not_after(&mut self, now_ns: u64) {
+        if let Some((_, heard_ns)) = &mut self.known {
+            *heard_ns = now_ns.min(*heard_ns);
+        }
+    }
+}
+
+/// Whether who was heard then may be alive: no longer ago than it may be silent. A time that is
+/// yet to come is that of a clock that was set back, and counts like one that has gone.
+pub(super) const fn may_live(heard_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
+    now_ns.abs_diff(heard_ns) <= silence_ns
 }
 
 #[cfg(test)]
@@ -135,5 +147,11 @@ mod tests {
         let (mut heard, silent) = (peer, peer);
         heard.hear(&heartbeat(6), 2);
         assert!(heard.may_live(10_000, 5, 3) && !silent.may_live(10_000, 5, 3));
+        // Or it has as long again to be heard.
+        let mut silent = silent;
+        silent.not_after(3);
+        assert!(silent.may_live(10_000, 5, 8) && !silent.may_live(10_000, 5, 9));
+        silent.not_after(50);
+        assert!(!silent.may_live(10_000, 5, 50));
     }
 }

@@ -12,7 +12,7 @@ use tracing::warn;
 
 use super::life::{HEARTBEAT_NS, Life};
 use super::looks::Looks;
-use crate::clock::now_ns;
+use crate::clock::{is_due, now_ns};
 use crate::message::{CameraFrame, CameraFrameError, Role, SceneMessage, State};
 use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
 
@@ -74,7 +74,7 @@ impl<'m> PerceptionNode<'m> {
             // A camera without end must not keep it from stopping.
             while self.poll(now_ns()) && !stop.load(Ordering::Relaxed) {}
             // Behind the work: it takes some hundreds of microseconds.
-            if now_ns() >= burial_ns {
+            if is_due(burial_ns, now_ns(), HEARTBEAT_NS) {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }

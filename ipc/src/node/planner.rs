@@ -10,7 +10,7 @@ use nsrm_core::Model;
 use tracing::{debug, info, warn};
 
 use super::life::{HEARTBEAT_NS, Life, Peer};
-use crate::clock::now_ns;
+use crate::clock::{is_due, now_ns};
 use crate::executive::{Event, Executive, Failure, Limits, Sentence};
 use crate::message::{
     Asked, Feedback, PlanReply, PlanRequest, ReplyTo, Role, SceneMessage, State, SubGoal,
@@ -109,7 +109,7 @@ impl<'m> PlannerNode<'m> {
         while !stop.load(Ordering::Relaxed) {
             self.work(now_ns());
             // Behind the work: it takes some hundreds of microseconds.
-            if now_ns() >= burial_ns {
+            if is_due(burial_ns, now_ns(), HEARTBEAT_NS) {
                 self.robot.bury();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }

@@ -4,6 +4,8 @@ use core::fmt::Display;
 
 use tracing::warn;
 
+use crate::clock::is_due;
+
 /// The least time between two log lines of a node about what it passes over,
 /// nanoseconds: who sends nonsense without end must not fill the log too.
 const BETWEEN_LINES_NS: u64 = 1_000_000_000;
@@ -20,7 +22,7 @@ impl Rejected {
     /// One more; is logged unless another one just was. Never allocates by itself.
     pub(super) fn add(&mut self, service: &str, why: &dyn Display, now_ns: u64) {
         self.count = self.count.saturating_add(1);
-        if now_ns >= self.next_line_ns {
+        if is_due(self.next_line_ns, now_ns, BETWEEN_LINES_NS) {
             self.next_line_ns = now_ns.saturating_add(BETWEEN_LINES_NS);
             warn!(service, %why, rejected = self.count, "passed over");
         }
@@ -39,7 +41,8 @@ mod tests {
     #[test]
     fn all_are_counted_and_one_a_second_is_logged() {
         let mut rejected = Rejected::default();
-        let lines: Vec<_> = [0, 1, 999_999_999, 1_000_000_000, 1_000_000_001]
+        // Then the clock is set back.
+        let lines: Vec<_> = [0, 1, 999_999_999, 1_000_000_000, 1_000_000_001, 5, 6]
             .into_iter()
             .filter(|now_ns| {
                 let before_ns = rejected.next_line_ns;
@@ -47,7 +50,7 @@ mod tests {
                 rejected.next_line_ns != before_ns
             })
             .collect();
-        assert_eq!(lines, [0, 1_000_000_000]);
-        assert_eq!(rejected.count(), 5);
+        assert_eq!(lines, [0, 1_000_000_000, 5]);
+        assert_eq!(rejected.count(), 7);
     }
 }

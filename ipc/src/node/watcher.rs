@@ -4,6 +4,7 @@ use heapless::Deque;
 use nsrm_core::scene::SCENE_SCHEMA;
 use nsrm_core::{MAX_OBJECTS, SceneError};
 
+use super::life::may_live;
 use super::rejected::Rejected;
 use crate::message::{
     Feedback, FeedbackError, Heartbeat, HeartbeatError, PlanReply, PlanReplyError, Role,
@@ -47,17 +48,26 @@ pub struct Flow {
     pub made_ns: u64,
     /// How long it had been on its way when it was seen here, nanoseconds.
     pub latency_ns: u64,
+    /// When it was seen here, nanoseconds.
+    pub heard_ns: u64,
     sequence: u64,
 }
 
 impl NodeView {
-    /// Whether it may be alive: it was heard no longer ago than it may be silent.
+    /// Whether it may be alive: it was heard no longer ago than it may be silent. A time that is
+    /// yet to come counts like one that has gone.
     pub const fn lives(&self, silence_ns: u64, now_ns: u64) -> bool {
-        now_ns.saturating_sub(self.heard_ns) <= silence_ns
+        may_live(self.heard_ns, silence_ns, now_ns)
     }
 }
 
 impl Flow {
+    /// How long ago the last one was made, nanoseconds.
+    pub const fn age_ns(&self, now_ns: u64) -> u64 {
+        let heard_ns = now_ns.saturating_sub(self.heard_ns);
+        heard_ns.saturating_add(self.latency_ns)
+    }
+
     fn hear(&mut self, sequence: u64, made_ns: u64, now_ns: u64) {
         if self.count > 0 {
             let passed_s = made_ns.saturating_sub(self.made_ns) as f64 * 1e-9;
@@ -76,6 +86,7 @@ impl Flow {
         self.sequence = sequence;
         self.made_ns = made_ns;
         self.latency_ns = now_ns.saturating_sub(made_ns);
+        self.heard_ns = now_ns;
     }
 }
 
@@ -97,6 +108,17 @@ pub struct View {
 }
 
 impl View {
+    /// Whatever was heard later than now was so on a clock that was set back since: how long ago
+    /// that was is counted from now on, and each node has as long again to be heard.
+    fn not_after(&mut self, now_ns: u64) {
+        for node in self.nodes.iter_mut().flatten() {
+            node.heard_ns = node.heard_ns.min(now_ns);
+        }
+        for flow in [&mut self.scenes, &mut self.feedback] {
+            flow.heard_ns = flow.heard_ns.min(now_ns);
+        }
+    }
+
     /// A heartbeat has come.
     pub fn hear_heartbeat(
         &mut self,
@@ -185,6 +207,7 @@ impl Watcher {
     /// is read by the next call.
     pub fn look(&mut self, now_ns: u64) -> &View {
         let (view, rejected) = (&mut self.view, &mut self.rejected);
+        view.not_after(now_ns);
         for heartbeat in self.heartbeats.waiting() {
             if let Err(error) = view.hear_heartbeat(&heartbeat, now_ns) {
                 rejected.add(Heartbeat::SERVICE, &error, now_ns);
@@ -233,19 +256,42 @@ mod tests {
         assert_eq!((flow.count, flow.lost), (8, u64::MAX));
     }
 
+    fn heartbeat(started_ns: u64) -> Heartbeat {
+        Heartbeat {
+            sequence: 1,
+            timestamp_ns: 0,
+            started_ns,
+            rejected: 3,
+            role: Role::Planner as u32,
+            state: State::Idle as u32,
+        }
+    }
+
+    #[test]
+    fn a_node_that_died_before_the_clock_was_set_back_does_not_live_on() {
+        let mut view = View::default();
+        let (silence_ns, heard_ns) = (50, 10_000);
+        assert_eq!(view.hear_heartbeat(&heartbeat(5), heard_ns), Ok(()));
+        view.scenes.hear(1, heard_ns - 7, heard_ns);
+        let lives = |view: &View, now_ns| view.nodes[2].map(|it| it.lives(silence_ns, now_ns));
+        assert_eq!(lives(&view, heard_ns + 51), Some(false));
+        assert_eq!(lives(&view, 3000), Some(false));
+        // It has as long again to be heard.
+        view.not_after(3000);
+        assert_eq!(
+            [3050, 3051].map(|it| lives(&view, it)),
+            [Some(true), Some(false)]
+        );
+        assert_eq!(view.scenes.age_ns(3020), 27);
+        view.not_after(3051);
+        assert_eq!(lives(&view, 3051), Some(false));
+    }
+
     #[test]
     fn a_node_that_was_started_anew_is_counted() {
         let mut view = View::default();
         for (started_ns, restarts) in [(5, 0), (5, 0), (6, 1)] {
-            let heartbeat = Heartbeat {
-                sequence: 1,
-                timestamp_ns: 0,
-                started_ns,
-                rejected: 3,
-                role: Role::Planner as u32,
-                state: State::Idle as u32,
-            };
-            assert_eq!(view.hear_heartbeat(&heartbeat, 9), Ok(()));
+            assert_eq!(view.hear_heartbeat(&heartbeat(started_ns), 9), Ok(()));
             let seen = view.nodes[2].map(|node| (node.restarts, node.rejected));
             assert_eq!(seen, Some((restarts, 3)));
         }

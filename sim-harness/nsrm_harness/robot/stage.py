@@ -4,6 +4,7 @@ controller."""
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Mapping
 
 from nsrm_harness.demo.tabletop import tabletop
@@ -75,9 +76,9 @@ class Stage:
         """Looks and obeys until it is told to stop; then the arm stands still where it is."""
         self._ending = stop
         while not stop.is_set():
-            begun_ns = now_ns()
+            begun_s = time.monotonic()
             self.turn()
-            rest_s = FRAME_S - (now_ns() - begun_ns) / 1e9
+            rest_s = FRAME_S - (time.monotonic() - begun_s)
             if rest_s > 0:
                 stop.wait(rest_s)
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 use nsrm::json;
 use nsrm_core::Model;
 use nsrm_core::dsl::Description;
-use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::clock::{is_due, now_ns};
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{PlanReply, Reply, Role, StepMessage};
 use nsrm_ipc::node::{AskError, Asker};
@@ -38,13 +38,14 @@ pub(super) fn say(
         config.limits.silence_ns,
     )?;
     let mut conversation = asker.ask(sentence, mode)?;
-    let mut cancelled_ns = None;
+    // When a stop that was said is said again.
+    let mut again_ns = None;
     let mut told = Told::default();
     loop {
         let now_ns = now_ns();
-        let is_due = |said_ns: u64| now_ns.saturating_sub(said_ns) >= SAID_AGAIN_NS;
-        if stop.load(Ordering::Relaxed) && cancelled_ns.is_none_or(is_due) {
-            let is_first = cancelled_ns.replace(now_ns).is_none();
+        let is_due = |next_ns| is_due(next_ns, now_ns, SAID_AGAIN_NS);
+        if stop.load(Ordering::Relaxed) && again_ns.is_none_or(is_due) {
+            let is_first = again_ns.replace(now_ns + SAID_AGAIN_NS).is_none();
             let said = asker.cancel(&conversation);
             // What has become of the planner since the first is heard below.
             if is_first {

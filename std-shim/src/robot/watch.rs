@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use nsrm::json::decimal;
-use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::clock::{is_due, now_ns};
 use nsrm_ipc::message::{PlanReply, Reply, Role};
 use nsrm_ipc::node::{Flow, View, Watcher};
 use serde_json::{Value, json};
@@ -40,7 +40,7 @@ pub(super) fn watch(config: &Config, as_json: bool, once: bool) -> Result<(), Fa
             .map(|node| node.map(|node| node.lives(silence_ns, now_ns)));
         let someone_is_gone = nodes != living && nodes.contains(&Some(false));
         living = nodes;
-        if now_ns < next_ns && (!someone_is_gone || once) {
+        if !is_due(next_ns, now_ns, PICTURE_NS) && (!someone_is_gone || once) {
             continue;
         }
         next_ns = now_ns + PICTURE_NS;
@@ -153,7 +153,7 @@ fn flow_text(flow: &Flow, now_ns: u64) -> String {
             "-".into()
         },
         flow.latency_ns as f64 * 1e-6,
-        seconds(flow.made_ns, now_ns)
+        flow.age_ns(now_ns) as f64 * 1e-9
     )
 }
 
@@ -193,7 +193,7 @@ fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
             "lost": flow.lost,
             "rate_hz": rounded(flow.rate_hz),
             "latency_ms": rounded(flow.latency_ns as f64 * 1e-6),
-            "age_s": (flow.count > 0).then(|| rounded(seconds(flow.made_ns, now_ns))),
+            "age_s": (flow.count > 0).then(|| rounded(flow.age_ns(now_ns) as f64 * 1e-9)),
         })
     };
     let replies: Vec<Value> = view
