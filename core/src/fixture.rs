@@ -17,6 +17,8 @@ pub(crate) const GREEN: usize = 1;
 pub(crate) const LEGO: usize = 0;
 pub(crate) const SMALL: usize = 1;
 
+/// Edge length of all objects, metres.
+pub(crate) const EDGE_M: f32 = 0.0625;
 /// An update gate that is open or shut.
 const SHUT: f32 = -20.0;
 const OPEN: f32 = 20.0;
@@ -154,6 +156,7 @@ fn concept(name: &'static str, attribute: u8, direction: usize) -> Concept<'stat
         name,
         attribute,
         embedding,
+        edges_m: (attribute == 1).then_some([EDGE_M; 3]),
     }
 }
 

@@ -175,6 +175,9 @@ pub struct Concept<'a> {
     pub attribute: u8,
     /// Its embedding, of length 1.
     pub embedding: [f32; CONCEPT],
+    /// Edge lengths along x, y and z of the objects that have this value, metres; one
+    /// attribute type says the objects' sizes, all others don't.
+    pub edges_m: Option<[f32; 3]>,
 }
 
 /// An action.

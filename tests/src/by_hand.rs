@@ -22,6 +22,8 @@ use nsrm_core::{RawScene, Scene};
 
 use crate::picture;
 
+/// Edge lengths of all blocks, metres.
+pub const EDGES_M: [f32; 3] = [0.04, 0.015, 0.05];
 /// A gate or logit that is saturated.
 const SURE: f32 = 20.0;
 /// Unit of the forward encoder that says that `on` was read; the next one is
@@ -127,6 +129,7 @@ impl Parts {
                 name,
                 attribute,
                 embedding,
+                edges_m: (attribute == 1).then_some(EDGES_M),
             });
         }
         parts.lexicon.sort_by_key(|entry| entry.text);

@@ -16,8 +16,8 @@ pub const MAX_WORDS: usize = 65_536;
 /// What stands in for a group of concept words, row 0 of the vocabulary.
 pub const GROUP_TOKEN: &str = "[[X]]";
 
-/// The domain file, as far as the language and the names go; what the
-/// simulation alone reads (sizes, colours, placements) is left out.
+/// The domain file, as far as the language, the names and the objects' sizes go; what
+/// the simulation alone reads (colours, studs, placements) is left out.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Domain {
     /// Its name.
@@ -59,6 +59,9 @@ pub struct Value {
     pub name: String,
     /// The words that name it: the lexicon.
     pub words: Vec<String>,
+    /// Edge lengths along x, y and z of the objects that have this value, metres: given
+    /// for all values of one attribute type.
+    pub edges_m: Option<[f32; 3]>,
 }
 
 /// An action.
@@ -123,6 +126,7 @@ impl Domain {
         unique("attribute type", self.attribute.iter().map(|a| &*a.name))?;
         unique("concept", self.concepts().map(|(_, value)| &*value.name))?;
         unique("action", self.action.iter().map(|a| &*a.name))?;
+        self.check_edges()?;
         let words = self.words();
         not_empty("the list of words", words.len())?;
         at_most("words", MAX_WORDS, words.len())?;
@@ -140,6 +144,31 @@ impl Domain {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
             None => Ok(()),
         }
+    }
+
+    /// Checks that one attribute type says how large the objects are, all its values do,
+    /// and edges have a length.
+    fn check_edges(&self) -> Result<(), ModelError> {
+        let sized = |attribute: &&Attribute| {
+            let mut values = attribute.values.iter();
+            values.any(|value| value.edges_m.is_some())
+        };
+        let types: Vec<_> = self.attribute.iter().filter(sized).collect();
+        not_empty("the list of objects' edge lengths (edges_m)", types.len())?;
+        at_most("attribute types with edges_m", 1, types.len())?;
+        for value in types.iter().flat_map(|attribute| &attribute.values) {
+            let has_length = |edge_m: &f32| edge_m.is_finite() && *edge_m > 0.0;
+            if !value
+                .edges_m
+                .is_some_and(|edges| edges.iter().all(has_length))
+            {
+                return Err(ModelError::Edges {
+                    concept: value.name.clone(),
+                    got: value.edges_m,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Checks that a model file's vocabulary is the group token, then

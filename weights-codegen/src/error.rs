@@ -63,6 +63,14 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// A concept of the attribute type that says the objects' sizes has no edge lengths, or
+    /// one that is not greater than 0 and finite.
+    Edges {
+        /// The concept.
+        concept: String,
+        /// Its edge lengths, metres.
+        got: Option<[f32; 3]>,
+    },
     /// A word that no sentence can contain after it was cut into tokens.
     UnreadableWord {
         /// The word.
@@ -219,6 +227,17 @@ impl fmt::Display for ModelError {
                 f,
                 "domain: the {what} {name:?} stands there twice; rename one and train again"
             ),
+            Self::Edges { concept, got } => {
+                write!(
+                    f,
+                    "domain: edges_m of {concept:?}: expected three lengths in metres, got "
+                )?;
+                match got {
+                    Some(edges) => write!(f, "{edges:?}")?,
+                    None => f.write_str("none")?,
+                }
+                f.write_str("; correct the domain file and train again")
+            }
             Self::UnreadableWord { word } => write!(
                 f,
                 "domain: no sentence can contain the word {word:?}; expected lower case, no white space, no punctuation at its ends"

@@ -208,6 +208,7 @@ impl<'a> Parts<'a> {
                         name: &value.name,
                         attribute: index("attribute types", attribute)?,
                         embedding,
+                        edges_m: value.edges_m,
                     })
                 })
                 .collect::<Result<_, ModelError>>()?,

@@ -30,7 +30,7 @@ describe! {
     }
     LexiconEntry<'_> { text, concept }
     Attribute<'_> { name, view, hidden, output }
-    Concept<'_> { name, attribute, embedding }
+    Concept<'_> { name, attribute, embedding, edges_m }
     Action<'_> { name, phrase, decoder, decoder_bias, simulator_bias }
     Simulator { input, hidden, output }
     PixelToCamera { weight }

@@ -6,7 +6,8 @@ use nsrm_core::model::View;
 /// A value of the static model.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
-    /// A number or an enum's variant: its Rust text and its size in bytes.
+    /// A number, an enum's variant or a few numbers that may be none: the Rust text and the
+    /// size in bytes.
     Scalar { text: String, bytes: usize },
     /// A string.
     Text(String),
@@ -57,6 +58,15 @@ impl Describe for View {
         Node::Scalar {
             text: format!("View::{self:?}"),
             bytes: size_of::<View>(),
+        }
+    }
+}
+
+impl<const N: usize> Describe for Option<[f32; N]> {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("{self:?}"),
+            bytes: size_of::<Self>(),
         }
     }
 }

@@ -69,6 +69,10 @@ fn names_stand_with_their_parameters() {
         ("matte", 2),
         ("glossy", 2),
     ]));
+    let mut edges = model.concepts.iter().filter_map(|c| c.edges_m);
+    assert_eq!(edges.next(), Some([0.08, 0.06, 0.05]));
+    assert_eq!(edges.next(), Some([0.02, 0.02, 0.03]));
+    assert_eq!(edges.next(), None);
     let actions = model.actions.iter().map(|a| (a.name, a.phrase));
     assert!(actions.eq([("Stack", "onto"), ("Flank", "near to")]));
     assert_eq!(owned.training()["seed"], 3);

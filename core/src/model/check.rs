@@ -27,6 +27,10 @@ pub enum ModelFault<'a> {
     ConceptAttribute(&'a str),
     /// A concept's embedding has not length 1; its name.
     ConceptLength(&'a str),
+    /// An edge length of a concept is not finite, or not greater than 0; its name.
+    ConceptEdges(&'a str),
+    /// No concept has edge lengths: how large the objects are is not known.
+    NoEdges,
     /// A threshold is not from 0 to 1.
     Threshold,
     /// The work space is not finite or has its bounds in the wrong order.
@@ -57,6 +61,13 @@ impl fmt::Display for ModelFault<'_> {
             Self::ConceptLength(name) => {
                 write!(f, "the embedding of concept {name} has not length 1")
             }
+            Self::ConceptEdges(name) => {
+                write!(
+                    f,
+                    "an edge of concept {name} is not longer than 0 and finite"
+                )
+            }
+            Self::NoEdges => f.write_str("no concept of the model has edge lengths"),
             Self::Threshold => f.write_str("a threshold is not from 0 to 1"),
             Self::WorkSpace => f.write_str("the work space's bounds are not ordered and finite"),
             Self::PlacedOrientation => {
@@ -91,8 +102,22 @@ impl<'a> Model<'a> {
             if !is_unit(&concept.embedding) {
                 return Err(ModelFault::ConceptLength(concept.name));
             }
+            let mut edges = concept.edges_m.iter().flatten();
+            if !edges.all(|edge_m| edge_m.is_finite() && *edge_m > 0.0) {
+                return Err(ModelFault::ConceptEdges(concept.name));
+            }
+        }
+        if !self.has_edges() {
+            return Err(ModelFault::NoEdges);
         }
         self.check_header()
+    }
+
+    /// Whether it is known how large the objects are.
+    pub(crate) fn has_edges(&self) -> bool {
+        self.concepts
+            .iter()
+            .any(|concept| concept.edges_m.is_some())
     }
 
     fn check_lengths(&self) -> Result<(), ModelFault<'a>> {
@@ -234,6 +259,7 @@ mod tests {
         let model = fixture::model();
         let check = |change: fn(&mut Concept<'static>)| {
             let mut concepts = [model.concepts[0], model.concepts[1]];
+            concepts[1].edges_m = Some([0.1; 3]);
             change(&mut concepts[1]);
             let lexicon = [LexiconEntry {
                 text: "green",
@@ -250,6 +276,18 @@ mod tests {
         assert_eq!(
             check(|concept| concept.attribute = 2).as_deref(),
             Some("ConceptAttribute(\"green\")")
+        );
+        assert_eq!(
+            check(|concept| concept.edges_m = Some([0.1, 0.0, 0.1])).as_deref(),
+            Some("ConceptEdges(\"green\")")
+        );
+        assert_eq!(
+            check(|concept| concept.edges_m = Some([0.1, f32::NAN, 0.1])).as_deref(),
+            Some("ConceptEdges(\"green\")")
+        );
+        assert_eq!(
+            check(|concept| concept.edges_m = None).as_deref(),
+            Some("NoEdges")
         );
         for broken in [0.0, 1.01, f32::NAN] {
             let mut concepts = [model.concepts[0]];

@@ -83,6 +83,7 @@ pub fn dictionary(target: &str) -> Vec<String> {
             "values",
             "words",
             "rgb",
+            "edges_m",
             "action",
             "phrases",
             "grammar",

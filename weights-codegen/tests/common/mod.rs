@@ -55,8 +55,8 @@ pub(crate) fn domain() -> Value {
                 {"name": "plum", "words": ["plum"]},
             ]},
             {"name": "bulk", "view": "brightness", "values": [
-                {"name": "big", "words": ["big"]},
-                {"name": "tiny", "words": ["tiny"]},
+                {"name": "big", "words": ["big"], "edges_m": [0.08, 0.06, 0.05]},
+                {"name": "tiny", "words": ["tiny"], "edges_m": [0.02, 0.02, 0.03]},
             ]},
             {"name": "finish", "view": "brightness", "values": [
                 {"name": "matte", "words": ["matte"]},

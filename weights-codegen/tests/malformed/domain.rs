@@ -55,6 +55,37 @@ fn more_names_than_an_index_holds() {
 }
 
 #[test]
+fn sizes_that_no_object_has() {
+    let error = refused_domain(
+        |domain| {
+            let values = domain["attribute"][1]["values"].as_array_mut();
+            for value in values.expect("values") {
+                value["edges_m"] = Value::Null;
+            }
+        },
+        &["edges_m", "must not be empty"],
+    );
+    assert!(matches!(error, ModelError::Empty { .. }), "{error:?}");
+    let error = refused_domain(
+        |domain| domain["attribute"][2]["values"][0]["edges_m"] = json!([0.1, 0.1, 0.1]),
+        &["at most 1 attribute types with edges_m, got 2"],
+    );
+    assert!(matches!(error, ModelError::TooMany { .. }), "{error:?}");
+    for (edges, got) in [
+        (json!([0.02, 0.0, 0.03]), Some([0.02, 0.0, 0.03])),
+        (json!([0.02, -0.02, 0.03]), Some([0.02, -0.02, 0.03])),
+        (Value::Null, None),
+    ] {
+        let error = refused_domain(
+            |domain| domain["attribute"][1]["values"][1]["edges_m"] = edges,
+            &["edges_m of \"tiny\"", "three lengths in metres"],
+        );
+        let concept = "tiny".into();
+        assert_eq!(error, ModelError::Edges { concept, got });
+    }
+}
+
+#[test]
 fn more_words_than_an_index_holds() {
     let nouns: Vec<String> = (0..70_000).map(|n| format!("n{n}")).collect();
     let spoil = |domain: &mut Value| domain["grammar"]["nouns"] = json!(nouns);
