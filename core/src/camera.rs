@@ -113,18 +113,33 @@ impl Camera {
     ///
     /// Cost: 18 multiply-adds, four divisions and one rotation.
     pub fn locate(&self, map: &PixelToCamera, location: &[f32; LOCATION]) -> Point3<f32> {
+        self.world_from_camera() * self.locate_in_camera(map, location)
+    }
+
+    /// As [`Camera::locate`], in the camera's frame.
+    pub(crate) fn locate_in_camera(
+        &self,
+        map: &PixelToCamera,
+        location: &[f32; LOCATION],
+    ) -> Point3<f32> {
         let [x1, y1, x2, y2, depth] = *location;
         let (width, height) = (self.width as f32, self.height as f32);
         let features = [
             ((x1 + x2) * 0.5 * width - self.cx) / self.fx * depth,
             ((y1 + y2) * 0.5 * height - self.cy) / self.fy * depth,
             depth,
-            (x2 - x1) * width / self.fx * depth,
+            self.width_m(location),
             (y2 - y1) * height / self.fy * depth,
             1.0,
         ];
         let [x, y, z] = map.weight.map(|row| dot(&row, &features));
-        self.world_from_camera() * Point3::new(x, y, z)
+        Point3::new(x, y, z)
+    }
+
+    /// How wide the box at `location` is at its mean depth, metres.
+    pub(crate) fn width_m(&self, location: &[f32; LOCATION]) -> f32 {
+        let [x1, _, x2, _, depth] = *location;
+        (x2 - x1) * self.width as f32 / self.fx * depth
     }
 }
 

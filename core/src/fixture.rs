@@ -245,8 +245,9 @@ pub(crate) fn model() -> Model<'static> {
     }
 }
 
-/// Looks straight down from 1 m above (0.5, 0, 0): image right is the world's −y,
-/// image down its −x. At a depth of 0.5 m the image is 0.5 m wide and high.
+/// Looks straight down from above (0.5, 0, 0): image right is the world's −y, image down
+/// its −x. At a depth of 0.5 m the image is 0.5 m wide and high, and there is the centre of
+/// what stands on the table.
 pub(crate) fn camera() -> Camera {
     let half = core::f32::consts::FRAC_1_SQRT_2;
     Camera {
@@ -256,7 +257,7 @@ pub(crate) fn camera() -> Camera {
         fy: 200.0,
         cx: 200.0,
         cy: 100.0,
-        position: [0.5, 0.0, 1.0],
+        position: [0.5, 0.0, 0.5 + EDGE_M / 2.0],
         orientation: [half, -half, 0.0, 0.0],
     }
 }

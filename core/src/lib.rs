@@ -9,7 +9,8 @@
 //! 3. [`vision`]: crops to embeddings, embeddings to concepts (section IV-C)
 //! 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
 //! 5. [`action`]: the action simulator (section IV-D)
-//! 6. [`camera`]: from the image to the world (section III)
+//! 6. [`camera`]: from the image to the world (section III); [`calibration`]: whether
+//!    what is seen agrees with it
 //! 7. [`planner`]: all of it, at once or in bounded pieces; [`refusal`] and
 //!    [`explain`] say why not and what
 //!
@@ -52,6 +53,7 @@ extern crate std;
 extern crate self as nsrm_core;
 
 pub mod action;
+pub mod calibration;
 pub mod camera;
 mod capacity;
 pub mod dsl;

@@ -2,6 +2,7 @@
 //! the caller needs to say so, to ask back or to choose; [`Refusal::in_context`]
 //! writes it for a person.
 
+use crate::calibration::CalibrationFault;
 use crate::capacity::MAX_CANDIDATES;
 use crate::dsl::{Argument, Description};
 use crate::language::Span;
@@ -139,8 +140,10 @@ pub enum Refusal {
         /// Tag in the scene.
         got: u64,
     },
-    /// An index in the model points at nothing; can't be where
-    /// [`crate::Model::check`] passed.
+    /// What is seen disagrees with the camera's calibration: sub-goals would be off.
+    Calibration(CalibrationFault),
+    /// An index in the model points at nothing, or it lacks the objects' sizes; can't be
+    /// where [`crate::Model::check`] passed.
     InvalidModel,
 }
 
@@ -248,6 +251,7 @@ impl Refusal {
             Self::NotFinite { .. } => "not_finite",
             Self::OutsideWorkSpace { .. } => "outside_work_space",
             Self::OtherModel { .. } => "other_model",
+            Self::Calibration(_) => "calibration",
             Self::InvalidModel => "invalid_model",
         }
     }

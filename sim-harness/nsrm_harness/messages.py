@@ -42,6 +42,7 @@ REASONS = (
     "unanswered",
     "clock_set_back",
     "conflicting_values",
+    "calibration",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 

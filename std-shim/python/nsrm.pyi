@@ -21,7 +21,7 @@ class Refused(NsrmError):
     """The sentence is not obeyed: refused rather than guessed. `str()` says why, for a person."""
 
     kind: str
-    """Why, in snake case: "unknown_word", "ambiguous", "no_such_object", ..."""
+    """Why, in snake case: "unknown_word", "ambiguous", "calibration", ..."""
     details: dict[str, Any]
     """What the kind carries: words, steps from 0, candidates with scores, limits."""
     suggestion: str | None
@@ -183,6 +183,12 @@ class Model:
 
     def parse(self, sentence: str) -> Program:
         """What a sentence says is to be done, whatever the scene. Raises Refused."""
+
+    def check(self, scene: Scene) -> None:
+        """Whether what is seen agrees with the camera's calibration, as planning asks first.
+
+        Raises Refused, of the kind "calibration", where it disagrees.
+        """
 
     def plan(self, scene: Scene, sentence: str, first: int = 0) -> Plan:
         """A plan for a sentence in a scene of this model. Raises Refused.

@@ -4,6 +4,7 @@
 //! Names are those of the domain file. Steps count from 0. Spans are bytes of the
 //! sentence. Numbers have the shortest decimal notation of their `f32`.
 
+use nsrm_core::calibration::Cause;
 use nsrm_core::dsl::{Description, Program, Step};
 use nsrm_core::language::Span;
 use nsrm_core::model::Model;
@@ -143,6 +144,15 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             "object_id": object,
             "position": decimals(position),
             "bounds": {"min": decimals(&bounds.min), "max": decimals(&bounds.max)},
+        }),
+        Refusal::Calibration(fault) => json!({
+            "object_id": fault.object,
+            "quantity": fault.quantity.name(),
+            "measured_m": decimal(fault.measured_m),
+            "expected_m": decimal(fault.expected_m),
+            "disagreeing": fault.disagreeing,
+            "whole": fault.whole,
+            "cause": fault.cause.map(Cause::name),
         }),
         Refusal::OtherModel { expected, got } => json!({
             "expected": format!("{expected:016x}"),

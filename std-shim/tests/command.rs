@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Bench, ModelFile, done, pretrained, refused, scene};
+use common::{Bench, DEPTH_M, ModelFile, ORIENTATION, POSITION, done, pretrained, refused, scene};
 use serde_json::{Value, json};
 
 const SENTENCE: &str = "Put the red block on the small blue block, then move the blue cube \
@@ -48,11 +48,11 @@ fn plans_from_an_image() {
             .is_some_and(|sure| sure > 0.9 && sure <= 1.0)
     );
     assert_eq!(plan["confidence"], step["confidence"]);
-    // The reference's centre (496, 372) px deprojected at 0.5 m, the camera's axes
-    // along the world's.
+    // The reference's centre (496, 372) px deprojected at 0.625 m: (0.22, 0.165) m from the
+    // optical axis.
     let position: Vec<f64> =
         serde_json::from_value(step["sub_goal"]["position"].clone()).expect("numbers");
-    for (got, expected) in position.iter().zip([0.5 + 0.176, 0.132, 1.5]) {
+    for (got, expected) in position.iter().zip([0.5 - 0.165, -0.22, 0.02]) {
         assert!((got - expected).abs() < 1e-5, "{position:?}");
     }
     assert_eq!(step["sub_goal"]["orientation"], json!([0.0, 0.0, 0.0, 1.0]));
@@ -65,7 +65,7 @@ fn plans_from_an_image() {
     let text = done(&bench.plan("put the red block on the blue block", &[]));
     assert!(text.starts_with("Action(MoveOn, "), "{text}");
     assert!(
-        text.contains("object 1 to (0.676, 0.132, 1.500) m"),
+        text.contains("object 1 to (0.335, -0.220, 0.020) m"),
         "{text}"
     );
 }
@@ -227,9 +227,77 @@ fn refuses_sub_goals_out_of_reach() {
         &bench,
         sentence,
         "outside_work_space",
-        &["object 1", "0.132"],
+        &["object 1", "-0.220"],
     );
     assert_eq!(details["bounds"], json!({"min": min, "max": max}));
+}
+
+/// Refused because what is seen disagrees with the calibration; `change` is made to the scene.
+#[track_caller]
+fn miscalibrated(change: impl FnOnce(&mut Value), parts: &[&str]) -> Value {
+    let bench = Bench::new();
+    let mut scene = scene();
+    change(&mut scene);
+    bench.write("scene.json", scene.to_string());
+    let sentence = "put the red block on the blue block";
+    refusal(&bench, sentence, "calibration", parts)
+}
+
+fn with_depths(scene: &mut Value, depth: f32) {
+    for object in scene["objects"].as_array_mut().expect("objects") {
+        object["depth"] = json!(depth);
+    }
+}
+
+#[test]
+fn refuses_scenes_that_disagree_with_the_calibration() {
+    let [x, y, z] = POSITION;
+    let details = miscalibrated(
+        |scene| scene["camera"]["position"] = json!([x, y, z + 0.05]),
+        &[
+            "disagrees",
+            "seen at a height of 0.070 m",
+            "at 0.020 m",
+            "too high",
+        ],
+    );
+    assert_eq!(details["quantity"], "height");
+    assert_eq!(details["cause"], Value::Null);
+    assert_eq!(
+        (&details["disagreeing"], &details["whole"]),
+        (&json!(4), &json!(4))
+    );
+    let details = miscalibrated(
+        |scene| with_depths(scene, 0.95 * DEPTH_M),
+        &["disagrees", "calibrate the camera again"],
+    );
+    assert!(details["object_id"].is_u64(), "{details}");
+    // Blocks of 4 cm that look narrower.
+    assert_eq!(
+        (&details["quantity"], &details["expected_m"]),
+        (&json!("width"), &json!(0.04))
+    );
+    assert!(details["measured_m"].as_f64() < Some(0.039), "{details}");
+    let details = miscalibrated(
+        |scene| with_depths(scene, 1.05 * DEPTH_M),
+        &["disagrees", "too low, or depths too long"],
+    );
+    assert_eq!(details["expected_m"], json!(0.02));
+}
+
+#[test]
+fn tells_other_units_and_conventions_of_a_scene() {
+    let details = miscalibrated(
+        |scene| with_depths(scene, 1000.0 * DEPTH_M),
+        &["depths look like millimetres; NSRM wants metres", "divide"],
+    );
+    assert_eq!(details["cause"], "depths_in_millimetres");
+    let [x, y, z, w] = ORIENTATION;
+    let details = miscalibrated(
+        |scene| scene["camera"]["orientation"] = json!([w, x, y, z]),
+        &["orientation looks like w, x, y, z; NSRM wants x, y, z, w"],
+    );
+    assert_eq!(details["cause"], "orientation_wxyz");
 }
 
 #[test]

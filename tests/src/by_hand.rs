@@ -24,6 +24,8 @@ use crate::picture;
 
 /// Edge lengths of all blocks, metres.
 pub const EDGES_M: [f32; 3] = [0.04, 0.015, 0.05];
+/// At which [`picture::camera`] sees the centre of a block on the table, metres.
+pub const DEPTH_M: f32 = 0.975;
 /// A gate or logit that is saturated.
 const SURE: f32 = 20.0;
 /// Unit of the forward encoder that says that `on` was read; the next one is
@@ -196,7 +198,7 @@ pub fn raw_scene(model: &Model<'_>, blocks: &[Block]) -> RawScene {
         let left = 0.3 + 0.02 * id as f32;
         let object = ObservedObject {
             id,
-            location: [left, 0.48, left + 0.015, 0.52, 0.95],
+            location: [left, 0.48, left + 0.015, 0.52, DEPTH_M],
             embedding: embedding(block),
         };
         scene.push(object).expect("at most MAX_OBJECTS blocks");

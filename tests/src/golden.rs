@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use nsrm_core::Camera;
 use safetensors::{Dtype, SafeTensors};
 use serde_json::Value;
 
@@ -127,4 +128,37 @@ pub fn fixed<const LENGTH: usize>(values: &[f32]) -> [f32; LENGTH] {
     values
         .try_into()
         .unwrap_or_else(|_| panic!("{} values, expected {LENGTH}", values.len()))
+}
+
+/// A camera of `cases.json`.
+///
+/// # Panics
+/// If it is none.
+pub fn camera(case: &Value) -> Camera {
+    let number = |name: &str| case[name].as_f64().expect(name) as f32;
+    let list = |name: &str| -> Vec<f32> {
+        let values = numbers(&case[name]).into_iter();
+        values.map(|value| value as f32).collect()
+    };
+    Camera {
+        width: number("width") as u32,
+        height: number("height") as u32,
+        fx: number("fx"),
+        fy: number("fy"),
+        cx: number("cx"),
+        cy: number("cy"),
+        position: fixed(&list("position")),
+        orientation: fixed(&list("orientation")),
+    }
+}
+
+/// A list of numbers of `cases.json`.
+///
+/// # Panics
+/// If it is none.
+pub fn numbers(value: &Value) -> Vec<f64> {
+    let values = value.as_array().expect("a list").iter();
+    values
+        .map(|number| number.as_f64().expect("a number"))
+        .collect()
 }

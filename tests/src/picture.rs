@@ -17,8 +17,9 @@ const COLORS: [[u8; 3]; 5] = [
     [230, 204, 20],
 ];
 
-/// Side of a square in pixels; every second one is of the smaller size.
-const SIDES_PX: [u32; 2] = [40, 28];
+/// Side of a square in pixels, and how far it is away, metres: every second one is a small
+/// block, the others are lego blocks, all on the table by the pretrained model's account.
+const SIDES: [(u32, f32); 2] = [(40, 0.96), (28, 0.97)];
 
 /// A picture with what a detector would say of it.
 #[derive(Debug, Clone)]
@@ -60,13 +61,28 @@ pub fn camera() -> Camera {
     }
 }
 
+/// The same view in an image of another size.
+pub fn scaled(camera: Camera, [width, height]: [u32; 2]) -> Camera {
+    let across = width as f32 / camera.width as f32;
+    let down = height as f32 / camera.height as f32;
+    Camera {
+        width,
+        height,
+        fx: across * camera.fx,
+        fy: down * camera.fy,
+        cx: across * camera.cx,
+        cy: down * camera.cy,
+        ..camera
+    }
+}
+
 /// The squares in a row on grey.
 pub fn squares() -> Picture {
     let [width, height] = SIZE;
     let mut pixels = vec![128; (width * height * 3) as usize];
     let mut detections = Vec::new();
     for (index, color) in (0..).zip(COLORS) {
-        let side = SIDES_PX[index as usize % 2];
+        let (side, depth) = SIDES[index as usize % 2];
         let (left, top) = (60 + 110 * index, 200);
         for row in top..top + side {
             for column in left..left + side {
@@ -79,7 +95,7 @@ pub fn squares() -> Picture {
             top as f32 / height as f32,
             (left + side) as f32 / width as f32,
             (top + side) as f32 / height as f32,
-            0.96,
+            depth,
         ];
         detections.push(Detection::whole(index + 1, location));
     }

@@ -10,8 +10,8 @@ use nsrm_core::nn::{Choice, Conv, Gru, Linear};
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
-use nsrm_core::{Camera, MAX_GROUPS, Planner, Program, Progress, RawScene, Refusal, Scene};
-use nsrm_tests::golden::{Array, Golden, fixed};
+use nsrm_core::{MAX_GROUPS, Planner, Program, Progress, RawScene, Refusal, Scene};
+use nsrm_tests::golden::{Array, Golden, camera, fixed, numbers};
 use serde_json::Value;
 
 /// Runs a test on both forms of the model, the one that the vectors are of.
@@ -434,24 +434,6 @@ fn scene(golden: &Golden, model: &Model<'_>, number: u64) -> Scene {
     Scene::new(scene, model).expect("a scene in order")
 }
 
-fn camera(case: &Value) -> Camera {
-    let number = |name: &str| case[name].as_f64().expect(name) as f32;
-    let list = |name: &str| -> Vec<f32> {
-        let values = numbers(&case[name]).into_iter();
-        values.map(|value| value as f32).collect()
-    };
-    Camera {
-        width: number("width") as u32,
-        height: number("height") as u32,
-        fx: number("fx"),
-        fy: number("fy"),
-        cx: number("cx"),
-        cy: number("cy"),
-        position: fixed(&list("position")),
-        orientation: fixed(&list("orientation")),
-    }
-}
-
 fn crop_of(values: &[f32]) -> Crop {
     Crop {
         channels: maps(values),
@@ -474,11 +456,4 @@ fn text(value: &Value) -> &str {
 
 fn array(value: &Value) -> &[Value] {
     value.as_array().expect("a list")
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let values = array(value).iter();
-    values
-        .map(|number| number.as_f64().expect("a number"))
-        .collect()
 }

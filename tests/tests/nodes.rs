@@ -149,6 +149,25 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     assert!(message.contains("\"purple\""), "{message}");
     drop(pending);
 
+    // A camera that is told to be higher than it is.
+    world.scene.camera.position[2] += 0.05;
+    let pending = world.ask(4, SENTENCE);
+    let replies = world.follow(&mut planner, &pending, now_ns);
+    let Ok(Reply::Failed { reason, message }) = replies[0].read() else {
+        panic!("{:?}", replies[0].read());
+    };
+    assert_eq!((reason, replies.len()), ("calibration", 1));
+    let parts = [
+        "object 1",
+        "0.075 m",
+        "0.025 m",
+        "calibrate the camera again",
+    ];
+    assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    assert_eq!(world.controller.taken, 0);
+    world.scene.camera.position[2] -= 0.05;
+    drop(pending);
+
     world.controller.works = false;
     let first = world.ask(2, SENTENCE);
     for _ in 0..200 {

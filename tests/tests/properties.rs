@@ -6,7 +6,7 @@ use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING};
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::scene::{ObservedObject, SceneHeader};
 use nsrm_core::{Camera, MAX_OBJECTS, Model, Plan, Planner, RawScene, Refusal, Scene};
-use nsrm_tests::by_hand::{Block, Parts, embedding};
+use nsrm_tests::by_hand::{Block, DEPTH_M, Parts, embedding};
 use nsrm_tests::picture;
 use nsrm_tests::plans::{check_in, reckless};
 use proptest::collection::vec;
@@ -40,14 +40,15 @@ fn plan_on_all(sentence: &str, embeddings: &[[f32; OBJECT_EMBEDDING]], match_sco
     }
 }
 
-/// Objects in a row.
+/// Objects in a row, on the table by all models' account: as wide as a small block, and seen
+/// from above.
 fn row(model: &Model<'_>, embeddings: &[[f32; OBJECT_EMBEDDING]]) -> Scene {
     let mut scene = RawScene::empty(model, picture::camera());
     for (id, embedding) in (1..).zip(embeddings) {
-        let left = 0.3 + 0.02 * id as f32;
+        let left = 0.3 + 0.04 * id as f32;
         let object = ObservedObject {
             id,
-            location: [left, 0.48, left + 0.02, 0.52, 0.95],
+            location: [left, 0.48, left + 0.04, 0.52, DEPTH_M],
             embedding: *embedding,
         };
         scene.push(object).expect("at most MAX_OBJECTS");

@@ -1,6 +1,7 @@
 //! Every refusal, by sentence and scene, on the model whose weights were set by
 //! hand: exactly what it carries, and what a person reads.
 
+use nsrm_core::calibration::{CalibrationFault, Measured};
 use nsrm_core::dsl::{Argument, Description};
 use nsrm_core::language::Span;
 use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
@@ -275,6 +276,28 @@ fn scene_cases() -> Vec<Case> {
                 "outside the work space: x 0.3 to 0.7",
             )
         },
+        Case {
+            disturb: |scene| scene.camera.position[2] += 0.05,
+            ..said(
+                GOOD,
+                |refusal| {
+                    matches!(
+                        refusal,
+                        Refusal::Calibration(CalibrationFault {
+                            object: 1,
+                            quantity: Measured::Height,
+                            measured_m,
+                            expected_m,
+                            disagreeing: 3,
+                            whole: 3,
+                            cause: None,
+                        }) if (measured_m - 0.075).abs() < 1e-5 && (expected_m - 0.025).abs() < 1e-5
+                    )
+                },
+                "object 1 is seen at a height of 0.075 m, but would rest at 0.025 m (3 of 3 objects \
+                 disagree); the camera's pose may be too high, or depths too short",
+            )
+        },
         spoilt(
             |parts| parts.lexicon[0].concept = 200,
             |refusal| matches!(refusal, Refusal::InvalidModel),
@@ -327,7 +350,7 @@ fn not_finite_cases() -> Vec<Case> {
             "the predicted location",
         ),
         spoilt(
-            |parts| parts.camera.weight[2][5] = f32::INFINITY,
+            |parts| parts.simulator.output.bias[4] = f32::MAX,
             |refusal| of(refusal, Quantity::Pose),
             "the sub-goal's pose",
         ),
@@ -403,13 +426,14 @@ const fn kind(refusal: &Refusal) -> usize {
         Refusal::NotFinite { .. } => 12,
         Refusal::OutsideWorkSpace { .. } => 13,
         Refusal::InvalidModel => 14,
+        Refusal::Calibration(_) => 17,
         // Its test is apart: it takes two models.
         Refusal::OtherModel { .. } => 15,
         Refusal::ConflictingValues { .. } => 16,
     }
 }
 
-const KINDS: [&str; 17] = [
+const KINDS: [&str; 18] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -427,6 +451,7 @@ const KINDS: [&str; 17] = [
     "invalid_model",
     "other_model",
     "conflicting_values",
+    "calibration",
 ];
 
 /// A kind that is not listed there would reach other processes as no reason.

@@ -1,5 +1,6 @@
 //! Plans and refusals for a person: sentences written through `core::fmt`, without
 //! allocation, off the bounded path.
 
+mod calibration;
 mod plan;
 mod refusal;

@@ -231,6 +231,7 @@ impl fmt::Display for Message<'_> {
                 "the scene was made with model {got:016x}, but the planner's is \
                  {expected:016x}; observe it again with this model"
             ),
+            Refusal::Calibration(fault) => fault.fmt(f),
             Refusal::InvalidModel => {
                 f.write_str("the model is damaged; check it and load it again")
             }

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Translation3};
 
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 use crate::action::simulate;
+use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
 use crate::camera::rotation;
 use crate::capacity::MAX_OBJECTS;
 use crate::dsl::{Argument, Step};
@@ -16,8 +17,8 @@ use crate::scene::Scene;
 
 /// A parsed sentence being grounded in a scene (sections IV-C and IV-D), from any
 /// step on, so that what is left of a program can be planned anew in each scene
-/// observed. A [`GroundingTask::poll`] is one object's score, one choice of an
-/// object, or one action. All scratch memory is in here.
+/// observed. A [`GroundingTask::poll`] is one look at where all objects are, one object's
+/// score, one choice of an object, or one action. All scratch memory is in here.
 ///
 /// `S` is the scene and `P` the parsed sentence: borrowed, or owned where the task
 /// outlives the call that began it.
@@ -36,6 +37,15 @@ pub struct GroundingTask<'m, S, P> {
 /// Where a grounding task stands. Steps count from 0.
 #[derive(Debug, Clone, Copy)]
 enum Stage {
+    /// What is seen is compared with the camera's calibration.
+    Check {
+        step: usize,
+    },
+    /// It disagrees; the next cause may explain it.
+    Explain {
+        fault: CalibrationFault,
+        cause: usize,
+    },
     /// The next object is compared with the description of the object to be moved.
     ScoreObject {
         step: usize,
@@ -62,7 +72,7 @@ enum Stage {
 
 impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
     pub(super) fn new(model: &'m Model<'m>, scene: S, parsed: P, first: usize) -> Self {
-        let (expected, got) = (model.tag(), scene.borrow().header().model_tag);
+        let checked = check_model(model, scene.borrow());
         let program = &parsed.borrow().program;
         let first = first.min(program.steps().len());
         let mut locations = [[0.0; LOCATION]; MAX_OBJECTS];
@@ -77,10 +87,10 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             parsed,
             locations,
             scores: Scores::new(),
-            stage: Stage::Done(Some(Refusal::OtherModel { expected, got })),
+            stage: Stage::Done(checked.err()),
         };
-        if expected == got {
-            task.stage = task.begin_step(first);
+        if checked.is_ok() {
+            task.stage = task.begin_program(first);
         }
         task
     }
@@ -111,6 +121,21 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 
     fn advance(&mut self, stage: Stage) -> Result<Stage, Refusal> {
         match stage {
+            Stage::Check { step } => Ok(match check_as_given(self.model, self.scene()) {
+                Ok(()) => self.begin_step(step),
+                Err(fault) => Stage::Explain { fault, cause: 0 },
+            }),
+            Stage::Explain { fault, cause } => {
+                let Some(&next) = Cause::ALL.get(cause) else {
+                    return Err(Refusal::Calibration(fault));
+                };
+                if explains(next, &fault, self.model, self.scene()) {
+                    let cause = Some(next);
+                    return Err(Refusal::Calibration(CalibrationFault { cause, ..fault }));
+                }
+                let cause = cause.saturating_add(1);
+                Ok(Stage::Explain { fault, cause })
+            }
             Stage::ScoreObject { step } => {
                 let more = self.score(step, Argument::Object)?;
                 Ok(if more {
@@ -155,6 +180,15 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
                 Ok(self.begin_step(step.saturating_add(1)))
             }
             Stage::Done(refusal) => Ok(Stage::Done(refusal)),
+        }
+    }
+
+    /// Where there is nothing to do, nothing is checked.
+    fn begin_program(&self, first: usize) -> Stage {
+        if first < self.plan.program().steps().len() {
+            Stage::Check { step: first }
+        } else {
+            Stage::Done(None)
         }
     }
 
@@ -324,6 +358,18 @@ impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
     pub(super) fn begin(&mut self, parsed: Parsed) {
         self.plan = Plan::new(parsed.program.clone(), 0);
         self.parsed = parsed;
-        self.stage = self.begin_step(0);
+        self.stage = self.begin_program(0);
     }
+}
+
+/// Whether a scene's embeddings are this model's, and whether it knows the objects' sizes.
+pub(super) fn check_model(model: &Model<'_>, scene: &Scene) -> Result<(), Refusal> {
+    let (expected, got) = (model.tag(), scene.header().model_tag);
+    if expected != got {
+        return Err(Refusal::OtherModel { expected, got });
+    }
+    if !model.has_edges() {
+        return Err(Refusal::InvalidModel);
+    }
+    Ok(())
 }

@@ -18,6 +18,7 @@ pub use task::PlanningTask;
 use core::borrow::Borrow;
 use core::mem::size_of;
 
+use crate::calibration::{self, Cause};
 use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_STEPS, MAX_TOKENS};
 use crate::language::{Parsed, ParsingTask};
 use crate::model::{
@@ -55,6 +56,8 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
+        // All objects' places, each compared with all others and with all sizes.
+        MAX_OBJECTS * (3 * (LOCATION + 1) + 2 * 9 + 4 * MAX_OBJECTS + 4 * UNIT_SIZES),
     ];
     let mut most = UNIT_ACTIONS * INSTRUCTION;
     let mut rest = units.as_slice();
@@ -68,10 +71,15 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
 /// multiply-adds for each.
 pub const UNIT_ACTIONS: usize = 64;
 
+/// Sizes of objects up to which [`UNIT_MULTIPLY_ADDS`] holds.
+pub const UNIT_SIZES: usize = 64;
+
 /// The most calls of [`PlanningTask::poll`] until it is done: words, tokens
-/// through splitter and encoder, and for each step its begin, three decoders,
-/// two descriptions over all objects, two choices and the action.
-pub const MAX_POLLS: usize = (MAX_FILTERS + 3) * MAX_TOKENS + MAX_STEPS * (2 * MAX_OBJECTS + 7) + 3;
+/// through splitter and encoder, the scene against the calibration, which takes another
+/// for each cause that may explain what disagrees, and for each step its begin, three
+/// decoders, two descriptions over all objects, two choices and the action.
+pub const MAX_POLLS: usize =
+    (MAX_FILTERS + 3) * MAX_TOKENS + 1 + Cause::ALL.len() + MAX_STEPS * (2 * MAX_OBJECTS + 7) + 3;
 
 /// Reads sentences and scenes with one model. Holds nothing but the model.
 ///
@@ -114,6 +122,13 @@ impl<'m> Planner<'m> {
                 return parsed.cloned();
             }
         }
+    }
+
+    /// Whether what is seen in a scene agrees with the camera's calibration, as planning
+    /// in it asks first: to be told as soon as a camera is set up.
+    pub fn check(&self, scene: &Scene) -> Result<(), Refusal> {
+        ground::check_model(self.model, scene)?;
+        calibration::check(self.model, scene).map_err(Refusal::Calibration)
     }
 
     /// A plan for a sentence in a scene: [`Planner::begin`] polled to its end.

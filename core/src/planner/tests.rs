@@ -43,12 +43,12 @@ fn a_plan_names_objects_and_where_they_will_be() {
         &step.location,
         &[0.5625, 0.1875, 0.6875, 0.3125, 0.5]
     ));
-    // 0.125 of the image right of its centre, 0.25 above it, at 0.5 m.
+    // 0.125 of the image right of its centre, 0.25 above it, on the table.
     let goal = step.sub_goal;
     assert_eq!(goal.object, 11);
     let position: [f32; 3] = goal.pose.translation.vector.into();
     assert!(
-        close(&position, &[0.5 + 0.125, -0.0625, 0.5]),
+        close(&position, &[0.5 + 0.125, -0.0625, fixture::EDGE_M / 2.0]),
         "{position:?}"
     );
     assert_eq!(goal.pose.rotation.coords.as_slice(), [0.0, 0.0, 0.0, 1.0]);
@@ -96,10 +96,10 @@ fn polling_takes_bounded_steps_and_gives_the_same_plan() {
     };
     assert_eq!(polled, planner.plan(&scene, sentence));
     assert_eq!(task.poll(), Progress::Done(polled));
-    // 12 words and the end read, 10 tokens split, 20 encoded, for each step its
-    // begin, three decoders, 2·(3 scores and their end), two choices and the
-    // action, and the end of the parser.
-    assert_eq!(polls, 13 + 10 + 20 + 2 * (1 + 3 + 8 + 2 + 1) + 1);
+    // 12 words and the end read, 10 tokens split, 20 encoded, the end of the parser,
+    // the check of the scene, and for each step its begin, three decoders, 2·(3 scores
+    // and their end), two choices and the action.
+    assert_eq!(polls, 13 + 10 + 20 + 1 + 1 + 2 * (1 + 3 + 8 + 2 + 1));
 }
 
 /// What is left of a program is planned in the scene as it is, with the steps
@@ -385,9 +385,9 @@ fn a_score_at_the_threshold_fits() {
 
 #[test]
 fn a_sub_goal_outside_the_work_space_is_refused() {
-    let model = fixture::model();
-    let mut far = fixture::object(1, fixture::GREEN, fixture::SMALL, 0.6, 0.5);
-    far.location[4] = 1.25;
+    let mut model = fixture::model();
+    model.header.work_space.max[0] = 0.53;
+    let far = fixture::object(1, fixture::GREEN, fixture::SMALL, 0.6, 0.5);
     let near = fixture::object(2, fixture::RED, fixture::SMALL, 0.25, 0.25);
     let scene = Scene::new(fixture::raw_scene(&model, &[far, near]), &model).unwrap();
     let planner = Planner::new(&model);
@@ -395,8 +395,8 @@ fn a_sub_goal_outside_the_work_space_is_refused() {
     assert_eq!(refusal.kind(), "outside_work_space");
     assert_eq!(
         refusal.to_string(),
-        "step 1: object 2 would be moved to (0.578, -0.125, -0.250) m, outside the work \
-         space: x 0 to 1, y -0.5 to 0.5, z 0 to 0.6 m"
+        "step 1: object 2 would be moved to (0.531, -0.050, 0.031) m, outside the work \
+         space: x 0 to 0.53, y -0.5 to 0.5, z 0 to 0.6 m"
     );
 }
 
@@ -463,11 +463,10 @@ fn results_that_are_not_finite_are_refused() {
     };
     assert_eq!(quantity(&broken), Quantity::Location);
 
-    let mut map = *model.camera;
-    map.weight[0][5] = f32::MAX;
-    map.weight[1][5] = f32::MAX;
+    // A location may still be finite where the point in the world is not.
+    simulator.output.bias[4] = f32::MAX;
     let broken = Model {
-        camera: &map,
+        simulator: &simulator,
         ..model
     };
     assert_eq!(quantity(&broken), Quantity::Pose);
@@ -486,7 +485,19 @@ fn indices_that_point_at_nothing_are_refused() {
         attributes: &[],
         ..model
     };
-    for broken in [no_concepts, no_attributes] {
+    let sizeless: std::vec::Vec<_> = model
+        .concepts
+        .iter()
+        .map(|concept| crate::model::Concept {
+            edges_m: None,
+            ..*concept
+        })
+        .collect();
+    let no_sizes = Model {
+        concepts: &sizeless,
+        ..model
+    };
+    for broken in [no_concepts, no_attributes, no_sizes] {
         assert!(broken.check().is_err());
         let refusal = Planner::new(&broken).plan(&scene, "put red on green");
         assert_eq!(refusal, Err(Refusal::InvalidModel));

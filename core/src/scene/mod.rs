@@ -57,6 +57,12 @@ impl ObservedObject {
         location: [0.0; LOCATION],
         embedding: [0.0; OBJECT_EMBEDDING],
     };
+
+    /// The mean depth of its visible pixels, metres.
+    pub(crate) const fn depth_m(&self) -> f32 {
+        let [.., depth_m] = self.location;
+        depth_m
+    }
 }
 
 /// A scene as it comes from outside: fixed size, no pointers, no padding.

@@ -57,6 +57,13 @@ impl Model {
         }
     }
 
+    /// Refuses a scene in which what is seen disagrees with the camera's calibration.
+    fn check(&self, py: Python<'_>, scene: &Scene) -> PyResult<()> {
+        let model = self.inner.model();
+        let checked = py.detach(|| Planner::new(&model).check(&scene.inner));
+        checked.map_err(|refusal| errors::refused(py, &model, &refusal, ""))
+    }
+
     /// A plan for a sentence in a scene, or for what is left of it from step `first` on, from 0.
     #[pyo3(signature = (scene, sentence, first = 0))]
     fn plan(&self, py: Python<'_>, scene: &Scene, sentence: &str, first: usize) -> PyResult<Plan> {

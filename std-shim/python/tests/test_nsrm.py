@@ -33,6 +33,7 @@ def image() -> np.ndarray:
 
 
 def camera(**changes: Any) -> nsrm.Camera:
+    """Looks straight down on the table, where blocks of 4 cm are 0.625 m away."""
     fields: dict[str, Any] = {
         "width": WIDTH,
         "height": HEIGHT,
@@ -40,8 +41,8 @@ def camera(**changes: Any) -> nsrm.Camera:
         "fy": 400.0,
         "cx": 320.0,
         "cy": 240.0,
-        "position": (0.5, 0.0, 1.0),
-        "orientation": (0.0, 0.0, 0.0, 1.0),
+        "position": (0.5, 0.0, 0.6525),
+        "orientation": (1.0, 0.0, 0.0, 0.0),
     }
     return nsrm.Camera(**(fields | changes))
 
@@ -52,7 +53,7 @@ def boxes() -> np.ndarray:
 
 
 def depths() -> np.ndarray:
-    return np.array([0.5, 0.75], np.float32)
+    return np.array([0.625, 0.625], np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +129,7 @@ def test_simulate_and_locate(model: nsrm.Model) -> None:
     point = model.locate(location, camera())
     assert point.shape == (3,) and np.isfinite(point).all()
     moved = model.locate(location, camera(position=(0.75, -1.0, 2.0)))
-    np.testing.assert_allclose(moved - point, [0.25, -1.0, 1.0], atol=1e-5)
+    np.testing.assert_allclose(moved - point, [0.25, -1.0, 1.3475], atol=1e-5)
     with pytest.raises(nsrm.NsrmError, match=r'expected one of MoveOn, .* got "Fly"'):
         model.simulate("Fly", here, there)
     with pytest.raises(nsrm.NsrmError, match="reference_location: expected 5 numbers, got 4"):
@@ -196,6 +197,36 @@ def test_refusals_say_why(model: nsrm.Model, scene: nsrm.Scene) -> None:
     assert (caught.value.details["first"], caught.value.details["second"]) == ("red", "blue")
 
 
+def test_scenes_that_disagree_with_the_calibration_are_refused(
+    model: nsrm.Model, scene: nsrm.Scene
+) -> None:
+    model.check(scene)
+
+    def refused(**changes: Any) -> nsrm.Refused:
+        fields = {"depths": depths(), "camera": camera()} | changes
+        tampered = model.scene_from_embeddings(
+            [1, 2], boxes(), fields["depths"], scene.embeddings, fields["camera"]
+        )
+        with pytest.raises(nsrm.Refused) as checked:
+            model.check(tampered)
+        with pytest.raises(nsrm.Refused) as planned:
+            model.plan(tampered, SENTENCE)
+        assert checked.value.kind == planned.value.kind == "calibration"
+        assert checked.value.details == planned.value.details
+        assert str(checked.value) == str(planned.value)
+        return planned.value
+
+    high = refused(camera=camera(position=(0.5, 0.0, 0.7025)))
+    assert "would rest at 0.020 m (2 of 2 objects disagree)" in str(high)
+    details = high.details
+    assert details["quantity"] == "height" and details["cause"] is None
+    assert details["object_id"] in (1, 2) and details["expected_m"] == pytest.approx(0.02)
+    assert details["measured_m"] == pytest.approx(0.07, abs=2e-3)
+    millimetres = refused(depths=1000 * depths())
+    assert "depths look like millimetres; NSRM wants metres" in str(millimetres)
+    assert millimetres.details["cause"] == "depths_in_millimetres"
+
+
 def test_refusals_offer_the_word_that_may_have_been_meant(model: nsrm.Model) -> None:
     with pytest.raises(nsrm.Refused, match='did you mean "green"') as caught:
         model.parse("put the gren block on the red block")
@@ -236,7 +267,7 @@ def test_cameras_that_are_none(changes: dict[str, Any], message: str) -> None:
 def test_camera_gives_back_what_it_was_made_of() -> None:
     made = camera(position=np.array([1, 2, 3]))
     assert (made.width, made.height, made.fx, made.fy) == (WIDTH, HEIGHT, 500.0, 400.0)
-    assert made.position == (1.0, 2.0, 3.0) and made.orientation == (0.0, 0.0, 0.0, 1.0)
+    assert made.position == (1.0, 2.0, 3.0) and made.orientation == (1.0, 0.0, 0.0, 0.0)
     assert made == camera(position=(1, 2, 3)) and made != camera()
     with pytest.raises(nsrm.NsrmError, match="position: expected 3 numbers, got 2"):
         camera(position=(1, 2))

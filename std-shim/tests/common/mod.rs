@@ -5,7 +5,8 @@
 //! concept words is what is moved, the second the reference; "right" and "left"
 //! say the action, `MoveOn` where there is neither; a step begins at "then". An
 //! object has the colour whose share of its mean colour is greatest; all are small.
-//! The moved object comes to stand where the reference is.
+//! The moved object comes to stand where the reference is. The camera looks down on the
+//! table, whose objects are cubes of 4 cm and seen at the depth of their centres.
 
 // Not every test has processes.
 #[allow(dead_code)]
@@ -207,6 +208,14 @@ const OBJECTS: [(u32, [u32; 4], [u8; 3]); 4] = [
     (3, [480, 360, 512, 384], [20, 20, 200]),
     (5, [160, 240, 192, 264], [30, 190, 30]),
 ];
+/// Of the camera: image right is the world's −y, image down its −x.
+pub(crate) const POSITION: [f32; 3] = [0.5, 0.0, DEPTH_M + 0.02];
+pub(crate) const ORIENTATION: [f32; 4] = {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    [half, -half, 0.0, 0.0]
+};
+/// At which a box of 32 pixels is 4 cm wide.
+pub(crate) const DEPTH_M: f32 = 0.625;
 const WIDTH: u32 = 640;
 const HEIGHT: u32 = 480;
 
@@ -220,13 +229,13 @@ pub(crate) fn scene() -> Value {
             f64::from(x2) / width,
             f64::from(y2) / height,
         ];
-        json!({"id": id, "box": corners, "depth": 0.5})
+        json!({"id": id, "box": corners, "depth": DEPTH_M})
     });
     json!({
         "schema": 1,
         "camera": {
             "width": WIDTH, "height": HEIGHT, "fx": 500.0, "fy": 500.0, "cx": 320.0, "cy": 240.0,
-            "position": [0.5, 0.0, 1.0], "orientation": [0.0, 0.0, 0.0, 1.0],
+            "position": POSITION, "orientation": ORIENTATION,
         },
         "image": "initial.png",
         "objects": objects,

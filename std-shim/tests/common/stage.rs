@@ -16,7 +16,7 @@ use nsrm_ipc::service::FramesOut;
 use nsrm_tests::controller::Controller;
 use nsrm_tests::corner::{Corner, join};
 
-use super::Bench;
+use super::{Bench, DEPTH_M, ORIENTATION, POSITION};
 
 /// What can be done with the two blocks.
 pub(crate) const SENTENCE: &str = "put the red block on the blue block";
@@ -47,7 +47,7 @@ struct World {
 impl World {
     fn new(config: &Config) -> Self {
         let camera = join("left", Role::Camera, config);
-        let at = |id, x: f32| DetectedBox::whole(id, [x, 0.4, x + 0.05, 0.45, 0.5]);
+        let at = |id, x: f32| DetectedBox::whole(id, [x, 0.4, x + 0.05, 0.45, DEPTH_M]);
         Self {
             boxes: [at(1, 0.2), at(3, 0.6)],
             frames: camera.frames_out(Self::bytes()).unwrap(),
@@ -73,8 +73,8 @@ impl World {
                 fy: 500.0,
                 cx: 320.0,
                 cy: 240.0,
-                position: [0.5, 0.0, 1.0],
-                orientation: [0.0, 0.0, 0.0, 1.0],
+                position: POSITION,
+                orientation: ORIENTATION,
             },
             count: 2,
             ..CameraFrame::default()

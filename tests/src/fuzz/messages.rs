@@ -1,7 +1,7 @@
 //! Each message from any bytes: read, checked, and carried on to where it goes.
 
 use nsrm_core::pretrained::TABLETOP;
-use nsrm_core::{Camera, MAX_FILTERS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS};
+use nsrm_core::{MAX_FILTERS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS};
 use nsrm_core::{Planner, Scene};
 use nsrm_ipc::message::{
     Asked, CameraFrame, Feedback, Heartbeat, MAX_MESSAGE_BYTES, Order, PlanReply, PlanRequest,
@@ -35,13 +35,8 @@ pub fn camera_frame(bytes: &[u8]) {
     let pattern = if image.is_empty() { &[90][..] } else { image };
     let image: Vec<u8> = pattern.iter().copied().cycle().take(7 * pixels).collect();
     look_at(&frame, &image);
-    let (width, height) = (frame.camera.width, frame.camera.height);
-    frame.camera = Camera {
-        width,
-        height,
-        ..picture::camera()
-    }
-    .into();
+    let size = [frame.camera.width, frame.camera.height];
+    frame.camera = picture::scaled(picture::camera(), size).into();
     frame.count %= MAX_OBJECTS as u32 + 1;
     look_at(&frame, &image);
 }

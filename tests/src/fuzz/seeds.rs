@@ -123,15 +123,14 @@ fn camera_frames() -> Vec<Vec<u8>> {
     let mut frame = CameraFrame {
         sequence: 1,
         timestamp_ns: 2,
-        camera: picture::camera().into(),
+        camera: picture::scaled(picture::camera(), [8, 6]).into(),
         count: 2,
         boxes: Default::default(),
     };
-    frame.camera.width = 8;
-    frame.camera.height = 6;
     for (place, id) in frame.boxes.iter_mut().zip(1..=2_u32) {
+        // As large as lego blocks.
         let left = 0.4 * (id - 1) as f32;
-        *place = DetectedBox::whole(id, [left, 0.2, left + 0.3, 0.6, 0.95]);
+        *place = DetectedBox::whole(id, [left, 0.2, left + 0.06, 0.28, 0.96]);
     }
     let image: Vec<u8> = (0..8 * 6 * 7).map(|at: u32| (at * 7 % 256) as u8).collect();
     let alone = bytes_of(&frame).to_vec();

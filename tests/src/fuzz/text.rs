@@ -7,7 +7,7 @@ use nsrm::{OwnedModel, SceneText, json, read_scene_text};
 use nsrm_core::planner::MAX_POLLS;
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Camera, MAX_SENTENCE_BYTES, Model, Plan, Planner, Progress, Refusal, Scene};
+use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner, Progress, Refusal, Scene};
 
 use super::bytes::Script;
 use super::messages::{check_scene, plan_in};
@@ -97,11 +97,7 @@ pub fn scene_file(bytes: &[u8]) {
         camera, detections, ..
     } = text;
     assert_eq!(camera.check(), Ok(()));
-    let camera = Camera {
-        width: 1 + camera.width % SIDE,
-        height: 1 + camera.height % SIDE,
-        ..camera
-    };
+    let camera = picture::scaled(camera, [1 + camera.width % SIDE, 1 + camera.height % SIDE]);
     let pixels = (camera.width * camera.height) as usize;
     let colours = [204, 23, 23, 23, 51, 204].into_iter().cycle();
     let image: Vec<u8> = colours.take(3 * pixels).collect();

@@ -10,7 +10,7 @@ mod world;
 use nsrm_core::{Refusal, SceneError};
 use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode, SceneFault};
 use nsrm_ipc::message::{Outcome, SceneMessage};
-use nsrm_tests::by_hand::{Parts, raw_scene};
+use nsrm_tests::by_hand::{DEPTH_M, Parts, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
 use crate::world::{IN_THE_WAY, MS, World, unsuccessful};
@@ -252,8 +252,8 @@ fn an_earlier_step_that_came_undone_is_done_again_and_what_follows_too() {
     world.ask(SENTENCE, Mode::ClosedLoop);
     let result = world.run_with(|world, command| {
         if command.id.command == 2 {
-            world.scene.objects[0].location = [0.1, 0.48, 0.115, 0.52, 0.95];
-            world.scene.objects[2].location = [0.2, 0.48, 0.215, 0.52, 0.95];
+            world.scene.objects[0].location = [0.1, 0.48, 0.115, 0.52, DEPTH_M];
+            world.scene.objects[2].location = [0.2, 0.48, 0.215, 0.52, DEPTH_M];
         }
     });
     assert_eq!(result, Ok(()));
