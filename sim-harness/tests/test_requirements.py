@@ -55,7 +55,7 @@ def missing_modules() -> set[str]:
 def load(command: str) -> subprocess.CompletedProcess[str]:
     code = WITHOUT.format(missing=missing_modules(), command=command)
     return subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=600, check=False
     )
 
 

@@ -307,15 +307,29 @@ def segment(place: Path, name: str, age_s: float) -> Path:
     return path
 
 
-def test_a_segment_that_was_given_up_keeps_nobody_waiting(place: Path) -> None:
+def test_a_segment_that_was_given_up_keeps_nobody_waiting(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = time.time()
+
+    def sleep(seconds: float) -> None:
+        nonlocal now_s
+        now_s += seconds
+
+    # However slow the machine, no more time goes by than is slept.
+    monkeypatch.setattr(time, "time", lambda: now_s)
+    monkeypatch.setattr(time, "monotonic", lambda: now_s)
+    monkeypatch.setattr(time, "sleep", sleep)
     old, new = segment(place, "1_2", 60.0), segment(place, "3_4", 0.5)
+    began_s = now_s
     # Which waits until the second one has been given up, too.
     robot = Robot(read_config(place), "controller")
     assert not old.exists() and not new.exists()
-    young = segment(place, "5_6", -60.0)
+    assert 0.5 < now_s - began_s < 0.6
+    young = segment(place, "5_6", 0.5)
     assert not robot.bury() and young.exists()
-    young.unlink()
-    assert robot.bury()
+    sleep(0.6)
+    assert robot.bury() and not young.exists()
 
 
 @pytest.fixture

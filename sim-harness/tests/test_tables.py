@@ -236,21 +236,29 @@ def test_what_is_published_replaces_the_report_before_it_and_no_other(
     assert (root / "docs/report/arm/figures.csv").read_text(encoding="utf-8") == "old"
 
 
-def test_times_go_on_where_the_making_was_broken_off(tmp_path: Path) -> None:
+def test_times_go_on_where_the_making_was_broken_off(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = 1000.0
+
+    def spend(seconds: float) -> None:
+        nonlocal now_s
+        now_s += seconds
+
+    monkeypatch.setattr(time, "monotonic", lambda: now_s)
     path = tmp_path / "times.json"
     with pytest.raises(KeyboardInterrupt), Times(path).of("data"):
-        time.sleep(0.3)
+        spend(0.5)
         raise KeyboardInterrupt
-    (broken_off,) = Times(path).all()
-    assert broken_off.seconds >= 0.3
+    assert Times(path).all() == (Took("data", 0.5),)
     times = Times(path)
     with times.of("data"):
-        time.sleep(0.2)
+        spend(0.25)
         with times.of("a part") as end:
+            spend(1.0)
             end()
-            time.sleep(0.2)
-    data, part = times.all()
-    assert data.seconds >= broken_off.seconds + 0.4 and part.seconds < 0.2
+            spend(2.0)
+    assert times.all() == (Took("data", 3.75), Took("a part", 1.0))
 
 
 def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
