@@ -51,7 +51,7 @@ fn what_is_said_to_another_asker_is_passed_over() {
 
 /// Without a connection nobody says that what was asked did not arrive.
 #[test]
-fn what_was_lost_on_the_way_is_missed_while_the_planner_lives() {
+fn that_a_request_was_lost_is_detected_while_the_planner_lives() {
     let corner = Corner::new("lost-request");
     let planner = join(Role::Planner, &corner);
     let _deaf = planner.receiver::<PlanRequest>().unwrap();

@@ -34,9 +34,20 @@ fn break_all(corner: &Corner) {
     }
 }
 
-fn age(file: &Path, by: Duration) {
+/// Makes it so old that it counts as given up.
+fn age(file: &Path) {
+    date(file, SystemTime::now() - Duration::from_secs(60));
+}
+
+/// Keeps it from growing old while the test runs, on however slow a machine: it was made in an
+/// hour, as on a clock that was set back since.
+fn keep_young(file: &Path) {
+    date(file, SystemTime::now() + Duration::from_secs(3600));
+}
+
+fn date(file: &Path, made: SystemTime) {
     let file = std::fs::File::open(file).unwrap();
-    file.set_modified(SystemTime::now() - by).unwrap();
+    file.set_modified(made).unwrap();
 }
 
 fn sends(sender: &Sender<Feedback>, receiver: &Receiver<Feedback>) -> bool {
@@ -59,7 +70,7 @@ fn what_was_begun_and_given_up_is_made_anew() {
     let lost = dead.sender::<Feedback>().unwrap();
     break_all(&corner);
     for file in described(&corner) {
-        age(&file, Duration::from_secs(60));
+        age(&file);
     }
     let (one, other) = (
         join(Role::Controller, &corner),
@@ -79,11 +90,8 @@ fn what_is_just_being_made_is_left_alone() {
     let service = maker.sender::<Feedback>().unwrap();
     break_all(&corner);
     let before = described(&corner);
-    // A clock that is set forward makes nothing old.
     for file in &before {
-        let file = std::fs::File::open(file).unwrap();
-        file.set_modified(SystemTime::now() + Duration::from_secs(60))
-            .unwrap();
+        keep_young(file);
     }
     let refused = join(Role::Planner, &corner).receiver::<Feedback>();
     assert!(
@@ -131,8 +139,9 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
         .chain(&buried)
         .chain(&begun);
     for part in old_ones.clone() {
-        age(part, Duration::from_secs(60));
+        age(part);
     }
+    keep_young(&new);
     let other = join(Role::Perception, &corner);
     for part in old_ones {
         assert!(!part.exists(), "{}", part.display());
@@ -164,15 +173,20 @@ fn the_last_of_a_dead_node_is_removed() {
     let corner = Corner::new("half-buried");
     // For the whole process: no other test in this file may, or bury one that died.
     settle(&corner.config).unwrap();
+    let heir = join(Role::Planner, &corner);
+    let nodes = corner.root().join("nodes");
+    let folders = || {
+        let entries = std::fs::read_dir(&nodes).unwrap().flatten();
+        let paths = entries.map(|entry| entry.path());
+        paths.filter(|path| path.is_dir()).collect::<Vec<_>>()
+    };
+    let own = folders();
+    let begun = SystemTime::now();
     let mut child = controller(&corner);
     child.kill().unwrap();
     child.wait().unwrap();
-    let nodes = corner.root().join("nodes");
-    let folders = std::fs::read_dir(&nodes).unwrap().flatten();
-    let folder = folders
-        .map(|entry| entry.path())
-        .find(|path| path.is_dir())
-        .unwrap();
+    let mut folders = folders().into_iter();
+    let folder = folders.find(|it| !own.contains(it)).unwrap();
     for file in std::fs::read_dir(&folder).unwrap().flatten() {
         if file.file_name().to_string_lossy().ends_with(".details") {
             std::fs::remove_file(file.path()).unwrap();
@@ -181,11 +195,11 @@ fn the_last_of_a_dead_node_is_removed() {
     let tag = format!("{}4711.service_tag", corner.prefix());
     // Nobody may read what is being written: so iceoryx2 does not see it.
     std::fs::write(folder.join("unfinished"), tag).unwrap();
-    let heir = join(Role::Planner, &corner);
-    heir.bury();
+    // By a clock that stands still nothing of it grows old meanwhile.
+    heir.bury_at(begun);
     assert!(folder.exists());
     // What is removed from a folder makes it young again.
-    age(&folder, Duration::from_secs(60));
+    age(&folder);
     heir.bury();
     heir.bury();
     assert!(!folder.exists());
@@ -210,10 +224,11 @@ fn a_segment_that_was_begun_and_given_up_is_removed() {
         path
     };
     let (old, new) = (segment("1_2"), segment("3_4"));
-    age(&old, Duration::from_secs(60));
+    age(&old);
+    keep_young(&new);
     assert!(!lives.bury());
     assert!(!old.exists() && new.exists());
-    age(&new, Duration::from_secs(60));
+    age(&new);
     assert!(lives.bury());
     assert!(!new.exists());
 }
@@ -225,6 +240,7 @@ fn a_connection_that_is_nobodys_is_removed() {
     let segment = |name: &str| {
         let path = Path::new("/dev/shm").join(format!("{}{name}.connection", corner.prefix()));
         std::fs::write(&path, "between two ports").unwrap();
+        keep_young(&path);
         path
     };
     let (nobodys, used, young) = (segment("1_2"), segment("3_4"), segment("5_6"));
@@ -239,7 +255,7 @@ fn a_connection_that_is_nobodys_is_removed() {
     assert_eq!(said.next().unwrap().unwrap(), "mapped");
     let other = join(Role::Planner, &corner);
     for old in [&nobodys, &used] {
-        age(old, Duration::from_secs(60));
+        age(old);
     }
     // While others are there it may be theirs.
     let second = join(Role::Controller, &corner);
@@ -277,9 +293,15 @@ fn a_socket_that_is_nobodys_is_removed() {
         let names = entries.map(|entry| entry.path());
         names.filter(|path| path.extension().is_some_and(|it| it == "event"))
     };
-    for socket in sockets().filter(|socket| *socket != young) {
+    for socket in sockets() {
+        // As `age` and `keep_young`; a socket can't be opened.
+        let made = if socket == young {
+            "1 hour"
+        } else {
+            "1 minute ago"
+        };
         let mut touch = Command::new("touch");
-        touch.args(["-d", "1 minute ago"]).arg(socket);
+        touch.args(["-d", made]).arg(socket);
         assert!(touch.status().unwrap().success());
     }
     assert_eq!(sockets().count(), 3);

@@ -77,6 +77,8 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
 /// Calls of the allocator for each message that iceoryx2 sends: it makes one thing and
 /// throws it away. For each request that it receives, too.
 const A_MESSAGE: u64 = 2;
+/// Time between two turns.
+const TURN_NS: u64 = 100_000;
 
 /// From its second sentence on, and its second frame.
 #[test]
@@ -87,13 +89,16 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
     let mut planner = planner(&model, &corner.config);
     let mut world = World::new("left", &model, &corner.config);
     let standing = world.scene;
+    // Told, so that as many heartbeats come on any machine.
+    let mut now = now_ns();
     for sequence in 1..=3 {
         world.scene.objects = standing.objects;
         let pending = world.ask(sequence, SENTENCE);
         let (mut calls, mut messages, mut ended) = (0, 1, false);
         while !ended {
-            world.turn(now_ns());
-            calls += counted(|| planner.poll(now_ns())).1;
+            now += TURN_NS;
+            world.turn(now);
+            calls += counted(|| planner.poll(now)).1;
             while let Some(reply) = pending.receive().unwrap() {
                 // To who asked, and to who looks on; a command is sent as well.
                 let is_command = matches!(reply.read(), Ok(Reply::Commanded { .. }));

@@ -37,11 +37,11 @@ const OWNER_READ: u32 = 0o400;
 ///
 /// Anyone may put files there. Those of others than this user and who owns the folder in which
 /// the processes meet are none of a robot's.
-pub(super) fn remove_segments(config: &Config) -> bool {
+pub(super) fn remove_segments(config: &Config, now: SystemTime) -> bool {
     let mut being_made = false;
     for (path, segment) in segments(config) {
         if segment.len() == 0 || segment.mode() & OWNER_READ == 0 {
-            let is_gone = was_given_up(&path) && std::fs::remove_file(path).is_ok();
+            let is_gone = was_given_up(&path, now) && std::fs::remove_file(path).is_ok();
             being_made |= !is_gone;
         }
     }
@@ -122,7 +122,7 @@ pub(super) fn remove_service(
         return false;
     }
     let file = folder.join(file_name(config, name, pattern));
-    if !was_given_up(&file) || is_usable(config, name, pattern) {
+    if !was_given_up(&file, SystemTime::now()) || is_usable(config, name, pattern) {
         return false;
     }
     // SAFETY: nobody uses the service: it is used through its dynamic part, which is not
@@ -135,14 +135,14 @@ pub(super) fn remove_service(
 /// Removes the last of dead nodes that iceoryx2 fails to remove: tags that they had begun to
 /// write, which are in the way of removing the folder behind them. That they have gone from
 /// their services before shows in that the node's description has.
-pub(super) fn remove_tags(config: &Config) {
+pub(super) fn remove_tags(config: &Config, now: SystemTime) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
     let _ = Node::<ipc::Service>::list(config, |state| {
         if let NodeState::Dead(node) = state
             && node.details().is_none()
         {
             let folder = folder.join(node.id().value().to_string());
-            if was_given_up(&folder) {
+            if was_given_up(&folder, now) {
                 let _ = std::fs::remove_dir_all(folder);
             }
         }
@@ -157,6 +157,7 @@ pub(super) fn remove_nodes(config: &Config) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
     let (prefix, suffix) = (config.global.prefix, config.global.node.monitor_suffix);
     let (prefix, suffix) = (prefix.to_string(), suffix.to_string());
+    let now = SystemTime::now();
     // What can't be looked at or removed now is so by the next node that joins.
     for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -174,7 +175,7 @@ pub(super) fn remove_nodes(config: &Config) {
             && file("_context")
                 .metadata()
                 .is_ok_and(|context| context.mode() & ACCESS != BEGUN);
-        if number.is_empty() || is_whole || !was_given_up(&entry.path()) {
+        if number.is_empty() || is_whole || !was_given_up(&entry.path(), now) {
             continue;
         }
         let _ = if is_folder {
@@ -191,10 +192,11 @@ pub(super) fn remove_sockets(config: &Config) {
     let folder = PathBuf::from(config.global.root_path().to_string());
     let prefix = config.global.prefix.to_string();
     let suffix = config.global.service.event_connection_suffix.to_string();
+    let now = SystemTime::now();
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_one = name.starts_with(&prefix) && name.ends_with(&suffix);
-        if is_one && was_given_up(&entry.path()) && is_nobodys(&entry.path()) {
+        if is_one && was_given_up(&entry.path(), now) && is_nobodys(&entry.path()) {
             let _ = std::fs::remove_file(entry.path());
         }
     }
@@ -216,9 +218,9 @@ fn file_name(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> 
     format!("{prefix}{}{suffix}", hash.as_str())
 }
 
-fn was_given_up(file: &Path) -> bool {
+fn was_given_up(file: &Path, now: SystemTime) -> bool {
     let begun = file.metadata().and_then(|it| it.modified());
-    begun.is_ok_and(|begun| is_given_up(begun, SystemTime::now()))
+    begun.is_ok_and(|begun| is_given_up(begun, now))
 }
 
 /// Whether what was begun then is given up by now.
@@ -231,4 +233,25 @@ fn is_usable(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> 
     ipc::Service::details(name, config, pattern).map_or(true, |found| {
         found.is_some_and(|service| service.dynamic_details.is_some())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_half_made_is_given_up_after_a_second() {
+        let begun = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000);
+        let nanosecond = Duration::from_nanos(1);
+        for age in [Duration::ZERO, Duration::from_millis(1), GIVEN_UP] {
+            assert!(!is_given_up(begun, begun + age), "{age:?}");
+        }
+        for age in [GIVEN_UP + nanosecond, Duration::from_secs(60)] {
+            assert!(is_given_up(begun, begun + age), "{age:?}");
+        }
+        // The clock was set back since.
+        for ahead in [nanosecond, Duration::from_secs(60)] {
+            assert!(!is_given_up(begun + ahead, begun), "{ahead:?}");
+        }
+    }
 }

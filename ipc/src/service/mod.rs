@@ -40,7 +40,7 @@ use core::fmt::Debug;
 use core::time::Duration;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use iceoryx2::config::Config;
 use iceoryx2::node::{NodeState, NodeView};
@@ -146,13 +146,21 @@ impl Robot {
     /// second, since nobody else does. Whether it could be done now: not while something
     /// is being made.
     pub fn bury(&self) -> bool {
+        self.bury_at(SystemTime::now())
+    }
+
+    /// As [`Robot::bury`], for a program with a clock of its own.
+    ///
+    /// * `now`: on the clock by which the system dates files: what a process that died had half
+    ///   made is removed when it is a second old
+    pub fn bury_at(&self, now: SystemTime) -> bool {
         let config = self.node.config();
-        if half_made::remove_segments(config) {
+        if half_made::remove_segments(config, now) {
             return false;
         }
         if self.node.try_cleanup_dead_nodes().failed_cleanups > 0 {
             // The next call then goes through.
-            half_made::remove_tags(config);
+            half_made::remove_tags(config, now);
         }
         true
     }
@@ -389,9 +397,12 @@ impl Robot {
         let fault = loop {
             match open(self.node.service_builder(&name)).map_err(Into::into) {
                 Ok(opened) => return Ok(opened),
-                Err(Fault::InFlux) if begun.elapsed() < IN_FLUX => {
+                Err(Fault::InFlux) => {
+                    // Looked for also when the time is up, by a process that was held up.
                     if half_made::remove_service(&self.node, &name, pattern) {
                         warn!(%name, "removed what a process that died had begun to make");
+                    } else if begun.elapsed() >= IN_FLUX {
+                        break Fault::InFlux;
                     }
                     std::thread::sleep(BETWEEN_TRIES);
                 }

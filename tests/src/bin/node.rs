@@ -6,15 +6,12 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use nsrm_ipc::clock::now_ns;
-use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::PlannerNode;
 use nsrm_tests::by_hand::Parts;
 use nsrm_tests::controller::Controller;
 use nsrm_tests::corner::{config, join};
-
-/// No scene comes, and the test takes its time.
-const HOUR_NS: u64 = 3_600_000_000_000;
+use nsrm_tests::world::patient;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -40,12 +37,10 @@ fn main() {
         "planner" => {
             let parts = Parts::new();
             let model = parts.model();
-            let limits = Limits {
-                scene_wait_ns: HOUR_NS,
-                ..Limits::default()
-            };
             let robot = join("left", Role::Planner, &config);
-            let mut node = PlannerNode::begin(robot, &model, limits).expect("a planner's place");
+            // No scene comes, and the test takes its time.
+            let node = PlannerNode::begin(robot, &model, patient());
+            let mut node = node.expect("a planner's place");
             println!("at work");
             node.run(&AtomicBool::new(false))
                 .expect("shared memory works");
