@@ -38,7 +38,7 @@ def cargo(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]
         env=os.environ | variables,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=1200,
         check=False,
     )
 

@@ -160,7 +160,7 @@ def _cargo(*arguments: str, feed: str = "") -> str:
         input=feed,
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=1200,
         check=False,
     )
     assert ran.returncode == 0, ran.stderr

@@ -29,7 +29,8 @@ SERVICES = ("ask", "answer", "feedback", "heartbeat", "scene", "sub_goal")
 SENTENCE = "put the yellow block to the left of the red block"
 CAMERA, PLANNER = "camera", "planner"
 ADDRESSES = {CAMERA: "10.77.0.1/24", PLANNER: "10.77.0.2/24"}
-PATIENCE_S = 60.0
+PATIENCE_S = 600.0
+"""What takes longer hangs, on however busy a machine."""
 
 # 8 kB a second, of which scenes need more than a hundred: those that come are seconds old.
 NARROW = ("rate", "64kbit", "burst", "5kb", "latency", "3s")

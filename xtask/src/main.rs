@@ -27,7 +27,7 @@ use project::Project;
 
 const USAGE: &str = "\
 usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--no-arm] [--record FILE.rrd] [--json]   (cargo demo --help for all)
-       cargo robot [SENTENCE] [--seed N] [--no-arm] [--open-loop] [--json]
+       cargo robot [SENTENCE] [--seed N] [--no-arm] [--open-loop] [--config FILE] [--json]
        cargo chaos [--kills N] [--seed N] | cargo soak [--hours H] | cargo latency
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
        cargo verify [--only NAME]... [--list] [--install]";

@@ -11,8 +11,8 @@ from types import TracebackType
 
 from nsrm_harness.errors import HarnessError
 
-PATIENCE_S = 60.0
-"""How long a process may take to be ready, or to end."""
+PATIENCE_S = 300.0
+"""How long a process may take to be ready, or to end, on a machine with other work, too."""
 
 
 class ProcessError(HarnessError):
