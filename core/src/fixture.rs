@@ -195,14 +195,14 @@ fn simulator() -> Simulator {
 }
 
 pub(crate) fn model() -> Model<'static> {
-    let mut hash = [0; 32];
-    hash[0] = 7;
-    hash[7] = 1;
+    let mut identity = [0; 32];
+    identity[0] = 7;
+    identity[7] = 1;
     let lexicon = [("green", 1), ("lego", 2), ("red", 0), ("small", 3)];
     Model {
         header: Header {
             domain: "fixture",
-            hash,
+            identity,
             thresholds: Thresholds {
                 match_score: 0.6,
                 decision: 0.6,

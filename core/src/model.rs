@@ -47,8 +47,9 @@ pub const SIMULATOR_HIDDEN: usize = 64;
 /// Numbers in a location: box corners x1, y1, x2, y2 and mean depth.
 pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
-/// brightness is the greatest of the three colours); others are refused.
-pub const SCHEMA: u32 = 2;
+/// brightness is the greatest of the three colours; 3: the file's hash covers its metadata);
+/// others are refused.
+pub const SCHEMA: u32 = 3;
 
 /// A trained model: what [`crate::Planner`] reads and never writes.
 #[derive(Debug, Clone, Copy)]
@@ -82,8 +83,9 @@ pub struct Model<'a> {
 pub struct Header<'a> {
     /// Name of the domain file that it was trained on.
     pub domain: &'a str,
-    /// SHA-256 of the tensors: names, shapes and values.
-    pub hash: [u8; 32],
+    /// SHA-256 of what results depend on: the tensors, and all metadata but `training` and
+    /// `metrics`.
+    pub identity: [u8; 32],
     /// When to refuse; calibrated on validation data.
     pub thresholds: Thresholds,
     /// Where sub-goals may lie.

@@ -36,6 +36,7 @@ COMMANDS = {
     "chaos": "Kill a robot's processes at random and see what becomes of its commands.",
     "soak": "A robot's processes at work for hours: what they hold, how fast they are.",
     "latency": "How fast a robot's processes answer, and what that is made of.",
+    "convert": "Model files of the schema before this one, for this one.",
     "golden": "Write the golden vectors of a model file.",
 }
 

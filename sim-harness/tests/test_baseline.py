@@ -235,7 +235,7 @@ def test_what_is_no_baseline_is_refused(toys: Toys, words: StepWords, tmp_path: 
     model = Model(Dimensions.of(DOMAIN), jax.random.key(0))
     space = WorkSpace((0, 0, 0), (1, 1, 1))
     write_model(path, ModelFile(model, DOMAIN, Thresholds(0.4, 0.6), space))
-    with pytest.raises(ModelFileError, match=f"schema baseline 1, got {SCHEMA}"):
+    with pytest.raises(ModelFileError, match=f"schema baseline 2, got {SCHEMA}: train again"):
         read_baseline(path)
     with pytest.raises(TrainingError, match="no command of one step"):
         train(WORDS, toys.data, words, BaselineConfig(), 0, quiet=True)

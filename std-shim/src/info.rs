@@ -59,7 +59,7 @@ pub fn info_json(any: &AnyModel) -> Value {
     json!({
         "schema": model::SCHEMA,
         "domain": header.domain,
-        "hash": hexadecimal(&header.hash),
+        "identity": hexadecimal(&header.identity),
         "attributes": attributes(&model),
         "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
@@ -97,7 +97,7 @@ pub fn info_text(any: &AnyModel) -> String {
         let _ = writeln!(text, "{name:<20} {value}");
     };
     line("domain", header.domain.into());
-    line("hash", hexadecimal(&header.hash));
+    line("identity", hexadecimal(&header.identity));
     line("schema", model::SCHEMA.to_string());
     for attribute in model.attributes {
         let values = values(&model, attribute.name);

@@ -173,12 +173,15 @@ fn run(command: &Command) -> Result<String, Failure> {
         Command::Check { model: path, json } => {
             let any = AnyModel::load(path)?;
             let model = any.model();
-            let hash = hexadecimal(&model.header.hash);
+            let identity = hexadecimal(&model.header.identity);
             Ok(if *json {
-                serde_json::json!({"domain": model.header.domain, "hash": hash}).to_string()
+                serde_json::json!({"domain": model.header.domain, "identity": identity}).to_string()
             } else {
                 let domain = model.header.domain;
-                format!("{}: sound; domain {domain}, tensors {hash}", path.display())
+                format!(
+                    "{}: sound; domain {domain}, identity {identity}",
+                    path.display()
+                )
             })
         }
     }

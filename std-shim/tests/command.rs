@@ -462,7 +462,7 @@ fn checks_models() {
     let path = pretrained();
     let text = done(&bench.run(&["check", "--json", path.to_str().expect("a path")]));
     let json: Value = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(json["hash"].as_str().map(str::len), Some(64));
+    assert_eq!(json["identity"].as_str().map(str::len), Some(64));
 }
 
 #[test]

@@ -226,7 +226,7 @@ pub fn embedding(block: &Block) -> [f32; OBJECT_EMBEDDING] {
 fn header() -> Header<'static> {
     Header {
         domain: "by hand",
-        hash: [7; 32],
+        identity: [7; 32],
         thresholds: Thresholds {
             match_score: 0.5,
             decision: 0.6,

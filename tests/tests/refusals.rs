@@ -397,7 +397,7 @@ fn a_scene_of_another_model_is_refused() {
     let parts = Parts::new();
     let model = parts.model();
     let mut other = Parts::new();
-    other.header.hash = [9; 32];
+    other.header.identity = [9; 32];
     let other = other.model();
     let scene = Scene::new(raw_scene(&other, &[block("small", "red")]), &other).unwrap();
     let refusal = Planner::new(&model).plan(&scene, GOOD).unwrap_err();

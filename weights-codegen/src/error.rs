@@ -151,16 +151,16 @@ pub enum ModelError {
         /// Its value.
         got: f32,
     },
-    /// The metadata's hash is no SHA-256 in hexadecimal digits.
+    /// The metadata's hash is no SHA-256 in lower-case hexadecimal digits.
     HashForm {
         /// What stands there.
         got: String,
     },
-    /// The tensors are not those that the metadata's hash was taken of.
+    /// Metadata or tensors are not those that the file's hash was taken of.
     Hash {
-        /// The metadata's.
+        /// The one that the file names.
         expected: String,
-        /// The tensors'.
+        /// That of its content.
         got: String,
     },
     /// A threshold is not from 0 to 1.
@@ -186,6 +186,9 @@ pub enum ModelError {
     },
 }
 
+/// The schema whose files `cargo harness convert` takes.
+const CONVERTIBLE: &str = "2";
+
 impl fmt::Display for ModelError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -201,9 +204,13 @@ impl fmt::Display for ModelError {
                 f,
                 "metadata `{key}`: expected the JSON that the exporter writes, but {reason}; export the model again"
             ),
+            Self::Schema { expected, got } if got == CONVERTIBLE => write!(
+                f,
+                "metadata `schema`: expected {expected}, got {got:?}; convert the file with `cargo harness convert FILE`, or train again"
+            ),
             Self::Schema { expected, got } => write!(
                 f,
-                "metadata `schema`: expected {expected}, got {got:?}; export the model again with the tools of this version"
+                "metadata `schema`: expected {expected}, got {got:?}; train again with the tools of this version"
             ),
             Self::Dimension {
                 name,
@@ -297,11 +304,11 @@ impl fmt::Display for ModelError {
             ),
             Self::HashForm { got } => write!(
                 f,
-                "metadata `hash`: expected 64 hexadecimal digits, got {got:?}; export the model again"
+                "metadata `hash`: expected 64 lower-case hexadecimal digits, got {got:?}; export the model again"
             ),
             Self::Hash { expected, got } => write!(
                 f,
-                "tensors: expected the SHA-256 {expected} of metadata `hash`, got {got}; the file was changed or damaged, fetch it again"
+                "metadata and tensors: expected the SHA-256 {expected} of metadata `hash`, got {got}; the file was changed or damaged, fetch it again or export the model again"
             ),
             Self::Threshold { name, got } => write!(
                 f,

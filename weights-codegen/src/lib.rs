@@ -1,8 +1,8 @@
 //! From a trained model file to what `nsrm_core` reads.
 //!
 //! A model file (safetensors, written by the trainer) becomes an [`OwnedModel`]:
-//! every tensor's name, shape, element type and finiteness checked, the metadata
-//! checked against the domain that travels in it, the SHA-256 verified, matrices
+//! the SHA-256 over all of it verified, every tensor's name, shape, element type and
+//! finiteness checked, the metadata checked against the domain that travels in it, matrices
 //! transposed, and products that depend on the model alone folded. From there
 //!
 //! * [`OwnedModel::as_model`] lends it as the type that the static arrays have;
@@ -26,6 +26,7 @@ mod domain;
 mod emit;
 mod error;
 mod fold;
+mod hash;
 mod metadata;
 mod nn;
 mod owned;

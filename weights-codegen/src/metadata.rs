@@ -19,8 +19,6 @@ pub(crate) struct Metadata {
     pub(crate) thresholds: Thresholds,
     pub(crate) work_space: WorkSpace,
     pub(crate) placed_orientation: [f32; 4],
-    /// What the exporter says the tensors' SHA-256 is.
-    pub(crate) hash: [u8; 32],
     pub(crate) training: serde_json::Value,
     pub(crate) metrics: serde_json::Value,
 }
@@ -54,13 +52,6 @@ const DIMENSIONS: [(&str, usize); 11] = [
 
 impl Metadata {
     pub(crate) fn read(map: &HashMap<String, String>) -> Result<Self, ModelError> {
-        let schema = text(map, "schema")?;
-        if schema != model::SCHEMA.to_string() {
-            return Err(ModelError::Schema {
-                expected: model::SCHEMA,
-                got: schema.to_owned(),
-            });
-        }
         let dimensions: BTreeMap<String, u64> = json(map, "dimensions")?;
         for (name, expected) in DIMENSIONS {
             let expected = expected as u64;
@@ -85,11 +76,22 @@ impl Metadata {
             thresholds: thresholds(json(map, "thresholds")?)?,
             work_space: work_space(json(map, "work_space")?)?,
             placed_orientation: orientation(json(map, "placed_orientation")?)?,
-            hash: hash(text(map, "hash")?)?,
             training: json(map, "training")?,
             metrics: json(map, "metrics")?,
         })
     }
+}
+
+/// Refuses another schema, whose hash and entries mean something else.
+pub(crate) fn check_schema(map: &HashMap<String, String>) -> Result<(), ModelError> {
+    let schema = text(map, "schema")?;
+    if schema == model::SCHEMA.to_string() {
+        return Ok(());
+    }
+    Err(ModelError::Schema {
+        expected: model::SCHEMA,
+        got: schema.to_owned(),
+    })
 }
 
 fn text<'a>(map: &'a HashMap<String, String>, key: &'static str) -> Result<&'a str, ModelError> {
@@ -145,21 +147,4 @@ fn orientation(quaternion: [f32; 4]) -> Result<[f32; 4], ModelError> {
     }
     let length = square.sqrt();
     Err(ModelError::PlacedOrientation { length })
-}
-
-fn hash(text: &str) -> Result<[u8; 32], ModelError> {
-    let wrong = || ModelError::HashForm { got: text.into() };
-    let digits: Option<Vec<u8>> = text
-        .chars()
-        .map(|digit| digit.to_digit(16).map(|value| value as u8))
-        .collect();
-    let digits = digits.ok_or_else(wrong)?;
-    if digits.len() != 64 {
-        return Err(wrong());
-    }
-    let mut bytes = [0; 32];
-    for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
-        *byte = pair[0] * 16 + pair[1];
-    }
-    Ok(bytes)
 }

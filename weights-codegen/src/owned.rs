@@ -11,7 +11,8 @@ use sha2::{Digest, Sha256};
 use crate::domain::{self, Domain};
 use crate::error::ModelError;
 use crate::fold::Folded;
-use crate::metadata::Metadata;
+use crate::hash;
+use crate::metadata::{self, Metadata};
 use crate::tensors::Tensors;
 
 /// A model read from a safetensors file, checked and folded.
@@ -30,7 +31,7 @@ struct Owner {
     domain: Domain,
     vocabulary: Vec<String>,
     folded: Folded,
-    hash: [u8; 32],
+    identity: [u8; 32],
 }
 
 /// What core reads as slices: parameters next to the names they belong to.
@@ -66,7 +67,11 @@ impl OwnedModel {
         };
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(not_safetensors)?;
         let file = SafeTensors::deserialize(bytes).map_err(not_safetensors)?;
-        let metadata = Metadata::read(&header.metadata().clone().unwrap_or_default())?;
+        let entries = header.metadata().clone().unwrap_or_default();
+        metadata::check_schema(&entries)?;
+        // Before anything is made of what may have been changed.
+        hash::verify(&file, &entries)?;
+        let metadata = Metadata::read(&entries)?;
         let folded = Folded::read(Tensors::read(&file)?, &metadata)?;
         let Metadata {
             domain,
@@ -74,7 +79,6 @@ impl OwnedModel {
             thresholds,
             work_space,
             placed_orientation,
-            hash,
             training,
             metrics,
         } = metadata;
@@ -82,12 +86,12 @@ impl OwnedModel {
             domain,
             vocabulary,
             folded,
-            hash,
+            identity: hash::identity(&file, &entries),
         };
         let parts = OwnedParts::try_new(owner, |owner| {
             Parts::new(owner, |domain| Header {
                 domain,
-                hash: owner.hash,
+                identity: owner.identity,
                 thresholds,
                 work_space,
                 placed_orientation,

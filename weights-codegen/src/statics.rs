@@ -21,7 +21,7 @@ pub(crate) struct Static {
 }
 
 describe! {
-    Header<'_> { domain, hash, thresholds, work_space, placed_orientation }
+    Header<'_> { domain, identity, thresholds, work_space, placed_orientation }
     Thresholds { match_score, decision }
     WorkSpace { min, max }
     Word<'_> { text, parameters }

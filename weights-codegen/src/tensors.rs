@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use safetensors::{Dtype, SafeTensors};
-use sha2::{Digest, Sha256};
 
 use crate::error::ModelError;
 
@@ -13,7 +12,6 @@ use crate::error::ModelError;
 /// that the architecture does not have.
 pub(crate) struct Tensors {
     entries: BTreeMap<String, Tensor>,
-    hash: [u8; 32],
 }
 
 struct Tensor {
@@ -47,14 +45,7 @@ impl Tensors {
                 });
             }
         }
-        let hash = hash(&entries);
-        Ok(Self { entries, hash })
-    }
-
-    /// SHA-256 over all tensors of the file, sorted by name: for each its name,
-    /// each dimension as `u64` and its values, little-endian.
-    pub(crate) fn hash(&self) -> [u8; 32] {
-        self.hash
+        Ok(Self { entries })
     }
 
     /// The values of a tensor in row-major order; `expected.product()` of them.
@@ -111,18 +102,4 @@ impl Tensors {
             None => Ok(()),
         }
     }
-}
-
-fn hash(entries: &BTreeMap<String, Tensor>) -> [u8; 32] {
-    let mut hasher = Sha256::new();
-    for (name, tensor) in entries {
-        hasher.update(name.as_bytes());
-        for &dimension in &tensor.shape {
-            hasher.update((dimension as u64).to_le_bytes());
-        }
-        for value in &tensor.values {
-            hasher.update(value.to_le_bytes());
-        }
-    }
-    hasher.finalize().into()
 }

@@ -46,7 +46,7 @@ proptest! {
         for (index, byte) in changes {
             bytes[index] = byte;
         }
-        // A change in `training`, say, is none that must be refused.
+        // A change of the space between two entries, say, is none that must be refused.
         let _ = OwnedModel::from_bytes(&bytes);
     }
 

@@ -80,10 +80,13 @@ impl fmt::Display for ModelFault<'_> {
 impl core::error::Error for ModelFault<'_> {}
 
 impl<'a> Model<'a> {
-    /// The first eight bytes of the hash: what ties a scene's embeddings to the
+    /// The first eight bytes of the identity: what ties a scene's embeddings to the
     /// model that made them.
+    ///
+    /// Another for other weights, thresholds, work space or domain; the same after the
+    /// model's metrics were written anew.
     pub const fn tag(&self) -> u64 {
-        let [a, b, c, d, e, f, g, h, ..] = self.header.hash;
+        let [a, b, c, d, e, f, g, h, ..] = self.header.identity;
         u64::from_le_bytes([a, b, c, d, e, f, g, h])
     }
 

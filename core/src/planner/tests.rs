@@ -405,7 +405,7 @@ fn a_scene_of_another_model_is_refused() {
     let model = fixture::model();
     let scene = fixture::scene(&model);
     let mut other = model;
-    other.header.hash[0] = 8;
+    other.header.identity[0] = 8;
     let planner = Planner::new(&other);
     let (expected, got) = (other.tag(), model.tag());
     let refusal = Err(Refusal::OtherModel { expected, got });

@@ -6,7 +6,6 @@ the same model must give the same bytes. It is read back through that package.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -22,11 +21,14 @@ from nsrm_harness import domain as domains
 from nsrm_harness.domain import Domain
 from nsrm_harness.errors import HarnessError
 from nsrm_harness.json_text import json_text
+from nsrm_harness.learn import hashes
 from nsrm_harness.learn import model as network
 from nsrm_harness.learn.model import Dimensions, Model, Network
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
+CONVERTIBLE = ("2", "baseline 1")
+"""Schemas whose files differ from today's in the hash alone; `convert.py` takes them."""
 
 
 class ModelFileError(HarnessError):
@@ -67,17 +69,6 @@ class ModelFile:
     """On test, by `evaluate.py`; empty until evaluated."""
 
 
-def tensor_hash(tensors: Mapping[str, np.ndarray]) -> str:
-    """SHA-256 over the tensors by name: name, dimensions as u64, values as f32, little-endian."""
-    digest = hashlib.sha256()
-    for name in sorted(tensors):
-        array = tensors[name]
-        digest.update(name.encode())
-        digest.update(np.asarray(array.shape, "<u8").tobytes())
-        digest.update(np.ascontiguousarray(array, "<f4").tobytes())
-    return digest.hexdigest()
-
-
 def arrays_of(model: eqx.Module) -> dict[str, np.ndarray]:
     """Every tensor of the model as float32; raises where one is not finite."""
     arrays = {name: np.asarray(a, np.float32) for name, a in network.tensors(model).items()}
@@ -92,7 +83,16 @@ def model_bytes(file: ModelFile) -> bytes:
     simulator that the core does not know."""
     if not file.model.action.simulator.residual:
         raise ModelFileError("a model whose simulator has no residual can't be exported")
-    arrays = arrays_of(file.model)
+    return hashed_bytes(arrays_of(file.model), metadata_of(file))
+
+
+def identity_of(file: ModelFile) -> str:
+    """What the core ties scenes to the model by: SHA-256 of all that its results depend on."""
+    return hashes.identity(arrays_of(file.model), metadata_of(file))
+
+
+def metadata_of(file: ModelFile) -> dict[str, str]:
+    """What the file says besides its tensors and its hash."""
     sizes = {
         "word": network.WORD,
         "encoder_hidden": network.ENCODER_HIDDEN,
@@ -106,9 +106,8 @@ def model_bytes(file: ModelFile) -> bytes:
         "concept": network.CONCEPT,
         "simulator_hidden": network.SIMULATOR_HIDDEN,
     }
-    metadata = {
+    return {
         "schema": str(SCHEMA),
-        "hash": tensor_hash(arrays),
         "domain": file.domain.as_json(),
         "vocabulary": json_text(file.domain.vocabulary(), ensure_ascii=False),
         "dimensions": json_text(sizes),
@@ -118,7 +117,12 @@ def model_bytes(file: ModelFile) -> bytes:
         "training": json_text(file.training),
         "metrics": json_text(file.metrics),
     }
-    return safetensors_bytes(arrays, metadata)
+
+
+def hashed_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
+    """A safetensors file with the hash over its tensors and metadata in it, sorted by key."""
+    named = {**metadata, hashes.HASH: hashes.file_hash(arrays, metadata)}
+    return safetensors_bytes(arrays, dict(sorted(named.items())))
 
 
 def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
@@ -170,19 +174,30 @@ def read_model(path: Path) -> ModelFile:
     )
 
 
-def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Tensors and metadata of a file of that schema whose tensors have the hash that it names."""
+def read_raw(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Tensors and metadata of a file, whatever it is."""
     try:
         with safe_open(path, framework="numpy") as reader:
             metadata = dict(reader.metadata() or {})
             arrays = {name: reader.get_tensor(name) for name in reader.keys()}  # noqa: SIM118
     except (OSError, SafetensorError) as error:
         raise ModelFileError(f"{path}: can't read the model file: {error}") from error
-    if metadata.get("schema") != schema:
-        found = metadata.get("schema")
-        raise ModelFileError(f"{path}: expected a model file of schema {schema}, got {found}")
-    if metadata.get("hash") != tensor_hash(arrays):
-        raise ModelFileError(f"{path}: the tensors don't have the hash that the file names")
+    return arrays, metadata
+
+
+def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Tensors and metadata of a file of that schema which has the hash that it names."""
+    arrays, metadata = read_raw(path)
+    if (found := metadata.get("schema")) != schema:
+        convert = "convert it with 'cargo harness convert', or " if found in CONVERTIBLE else ""
+        raise ModelFileError(
+            f"{path}: expected a model file of schema {schema}, got {found}: {convert}train again"
+        )
+    if metadata.get(hashes.HASH) != hashes.file_hash(arrays, metadata):
+        raise ModelFileError(
+            f"{path}: metadata and tensors don't have the hash that the file names: it was changed "
+            "or damaged, fetch it again or export the model again"
+        )
     return arrays, metadata
 
 
@@ -207,5 +222,6 @@ def filled(make: Callable[[], Network], arrays: Mapping[str, np.ndarray], path: 
 
 
 def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:
-    """Put the metrics on test into a model file; tensors and hash stay as they are."""
+    """Put the metrics on test into a model file, with the hash that it has then; its identity stays
+    as it is."""
     write_model(path, replace(read_model(path), metrics=metrics))

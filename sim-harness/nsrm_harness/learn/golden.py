@@ -18,7 +18,7 @@ from nsrm_harness.episodes.file import Demonstrations
 from nsrm_harness.json_text import json_text
 from nsrm_harness.language.tokens import Tokenizer, split
 from nsrm_harness.learn import reference
-from nsrm_harness.learn.export import ModelFile, arrays_of, safetensors_bytes, tensor_hash
+from nsrm_harness.learn.export import ModelFile, identity_of, safetensors_bytes
 from nsrm_harness.learn.model import Conv, run_gru
 from nsrm_harness.learn.reference import MAX_TOKENS
 
@@ -55,7 +55,7 @@ def write_golden(file: ModelFile, data: Path, folder: Path) -> None:
     cases = {
         "seed": SEED,
         "versions": {"jax": jax.__version__, "numpy": np.__version__},
-        "model_hash": tensor_hash(arrays_of(file.model)),
+        "model_identity": identity_of(file),
         "tolerances": TOLERANCES,
         "sentences": sentences,
         "scenes": scenes,

@@ -56,7 +56,7 @@ def golden() -> Golden:
 @pytest.fixture(scope="module", params=["built in", "loaded"])
 def model(request: pytest.FixtureRequest, golden: Golden) -> nsrm.Model:
     model = nsrm.Model.pretrained() if request.param == "built in" else nsrm.Model.load(MODEL)
-    assert golden.cases["model_hash"] == model.info()["hash"], (
+    assert golden.cases["model_identity"] == model.info()["identity"], (
         "the vectors are of another model; write them again with cargo harness golden"
     )
     return model

@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use nsrm_codegen::{ModelError, OwnedModel};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 /// A model file as names, shapes and values.
 pub(crate) struct ModelFile {
@@ -163,29 +163,27 @@ impl ModelFile {
         self.tensors.get_mut(name).expect("a tensor").1.fill(value);
     }
 
+    /// The file, with the hash that the loader expects.
     pub(crate) fn bytes(&self) -> Vec<u8> {
-        let mut hasher = Sha256::new();
+        let file = self.with_hash(&"0".repeat(64));
+        match OwnedModel::from_bytes(&file) {
+            Err(ModelError::Hash { got, .. }) => self.with_hash(&got),
+            other => panic!("a hash of zeros: {other:?}"),
+        }
+    }
+
+    fn with_hash(&self, hash: &str) -> Vec<u8> {
         let mut content: Vec<u8> = Vec::new();
         let mut header = serde_json::Map::new();
         for (name, (shape, values)) in &self.tensors {
             let start = content.len();
             content.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-            hasher.update(name);
-            for &dimension in shape {
-                hasher.update((dimension as u64).to_le_bytes());
-            }
-            hasher.update(&content[start..]);
             let offsets = [start, content.len()];
             let entry = json!({"dtype": "F32", "shape": shape, "data_offsets": offsets});
             header.insert(name.clone(), entry);
         }
-        let hash: String = hasher
-            .finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
         let mut metadata = self.metadata.clone();
-        metadata.insert("hash".into(), hash);
+        metadata.insert("hash".into(), hash.into());
         header.insert("__metadata__".into(), json!(metadata));
         let header = Value::Object(header).to_string();
         let mut file = (header.len() as u64).to_le_bytes().to_vec();

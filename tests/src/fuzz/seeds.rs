@@ -407,7 +407,7 @@ fn model_files() -> Vec<Vec<u8>> {
     let whole = [&[0][..], &length, header, &tensors[..64]].concat();
     // What makes a small file: a tensor, and a map of strings.
     let small =
-        br#"{"__metadata__":{"schema":"2"},"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}"#;
+        br#"{"__metadata__":{"schema":"3"},"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}"#;
     let small_length = (small.len() as u64).to_le_bytes();
     vec![
         whole,

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use nsrm::{OwnedModel, SceneText, json, read_scene_text};
+use nsrm::{ModelError, OwnedModel, SceneText, json, read_scene_text};
 use nsrm_core::planner::MAX_POLLS;
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
@@ -123,9 +123,21 @@ pub(super) fn header_of(file: &[u8]) -> (&[u8], &[u8]) {
     rest.split_at(length)
 }
 
-/// A model file. The first byte says what the others are: the whole file, or, so that
-/// the hash over the tensors does not keep everything out, a header for the tensors of
-/// the pretrained model.
+/// The file with another hash in the place of the one that it names.
+fn with_hash(mut file: Vec<u8>, named: &str, other: &str) -> Vec<u8> {
+    let at = file
+        .windows(named.len())
+        .position(|window| window == named.as_bytes());
+    // Not there where the header has it with escapes.
+    if let Some(at) = at {
+        file[at..at + other.len()].copy_from_slice(other.as_bytes());
+    }
+    file
+}
+
+/// A model file. The first byte says what the others are: the whole file, or a header for
+/// the tensors of the pretrained model. What the hash alone keeps out is tried again with
+/// the right one.
 pub fn model_file(bytes: &[u8]) {
     let mut script = Script::new(bytes);
     let is_whole = script.byte().is_multiple_of(2);
@@ -136,7 +148,16 @@ pub fn model_file(bytes: &[u8]) {
         let length = (bytes.len() as u64).to_le_bytes();
         [&length, bytes, header_of(MODEL).1].concat()
     };
-    let owned = match OwnedModel::from_bytes(&file) {
+    let read = OwnedModel::from_bytes(&file).or_else(|error| {
+        says(&error);
+        match error {
+            ModelError::Hash { expected, got } => {
+                OwnedModel::from_bytes(&with_hash(file, &expected, &got))
+            }
+            other => Err(other),
+        }
+    });
+    let owned = match read {
         Ok(owned) => owned,
         Err(error) => return says(&error),
     };

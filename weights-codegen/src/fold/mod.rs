@@ -26,8 +26,7 @@ pub(crate) struct Folded {
 }
 
 impl Folded {
-    /// Takes every tensor; refuses one left over, and tensors that are not those
-    /// of the metadata's hash.
+    /// Takes every tensor; refuses one left over.
     pub(crate) fn read(mut tensors: Tensors, metadata: &Metadata) -> Result<Self, ModelError> {
         let domain = &metadata.domain;
         let language = FoldedLanguage::read(&mut tensors, metadata.vocabulary.len())?;
@@ -37,14 +36,7 @@ impl Folded {
             .rows("camera.weight", 3)?
             .try_into()
             .unwrap_or_else(|rows: Vec<[f32; 6]>| unreachable!("{} rows of 3", rows.len()));
-        let hash = tensors.hash();
         tensors.finish()?;
-        if hash != metadata.hash {
-            return Err(ModelError::Hash {
-                expected: crate::hexadecimal(&metadata.hash),
-                got: crate::hexadecimal(&hash),
-            });
-        }
         Ok(Self {
             language,
             vision,

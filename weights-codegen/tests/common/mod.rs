@@ -7,9 +7,8 @@
 
 use std::collections::BTreeMap;
 
-use nsrm_codegen::{ModelError, OwnedModel, hexadecimal};
+use nsrm_codegen::{ModelError, OwnedModel};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 /// A tensor as it stands in the file.
 #[derive(Clone)]
@@ -227,23 +226,25 @@ impl ModelFile {
         self.tensor(name).bytes[4 * index..][..4].copy_from_slice(&value.to_le_bytes());
     }
 
-    /// SHA-256 by name, dimensions and values, as the trainer takes it.
-    fn hash(&self) -> String {
-        let mut hasher = Sha256::new();
-        for (name, tensor) in &self.tensors {
-            hasher.update(name);
-            for &dimension in &tensor.shape {
-                hasher.update((dimension as u64).to_le_bytes());
-            }
-            hasher.update(&tensor.bytes);
+    /// The file; where the metadata have no `hash`, with the one that the loader expects.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        if self.metadata.contains_key("hash") {
+            return self.with_metadata(&self.metadata);
         }
-        hexadecimal(&hasher.finalize())
+        let mut metadata = self.metadata.clone();
+        metadata.insert("hash".into(), "0".repeat(64));
+        let file = self.with_metadata(&metadata);
+        match OwnedModel::from_bytes(&file) {
+            Err(ModelError::Hash { got, .. }) => {
+                metadata.insert("hash".into(), got);
+                self.with_metadata(&metadata)
+            }
+            // Refused before its hash is looked at.
+            _ => file,
+        }
     }
 
-    /// The file; `hash` is taken of the tensors unless the metadata has one.
-    pub(crate) fn bytes(&self) -> Vec<u8> {
-        let mut metadata = self.metadata.clone();
-        metadata.entry("hash".into()).or_insert_with(|| self.hash());
+    fn with_metadata(&self, metadata: &BTreeMap<String, String>) -> Vec<u8> {
         let mut header = serde_json::Map::new();
         header.insert("__metadata__".into(), json!(metadata));
         let mut content: Vec<u8> = Vec::new();

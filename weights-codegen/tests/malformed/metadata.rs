@@ -68,12 +68,13 @@ fn missing_hash() {
 
 #[test]
 fn another_schema() {
-    let error = refused(
-        |file| file.set("schema", json!(1)),
-        &["`schema`", "expected 2", "\"1\""],
-    );
-    let got = "1".into();
-    assert_eq!(error, ModelError::Schema { expected: 2, got });
+    for (got, advice) in [("1", "train again"), ("2", "`cargo harness convert FILE`")] {
+        let spoil = |file: &mut ModelFile| drop(file.metadata.insert("schema".into(), got.into()));
+        let parts = ["`schema`", "expected 3", &format!("{got:?}"), advice];
+        let error = refused(spoil, &parts);
+        let got = got.into();
+        assert_eq!(error, ModelError::Schema { expected: 3, got });
+    }
 }
 
 #[test]
@@ -141,9 +142,17 @@ fn another_dimension() {
 #[test]
 fn a_hash_of_another_form() {
     let long = "0".repeat(66);
-    for got in ["", "abc", &"g".repeat(64), &long, &"é".repeat(32)] {
+    let capitals = "A".repeat(64);
+    for got in [
+        "",
+        "abc",
+        &"g".repeat(64),
+        &capitals,
+        &long,
+        &"é".repeat(32),
+    ] {
         let spoil = |file: &mut ModelFile| drop(file.metadata.insert("hash".into(), got.into()));
-        let error = refused(spoil, &["`hash`", "64 hexadecimal digits"]);
+        let error = refused(spoil, &["`hash`", "64 lower-case hexadecimal digits"]);
         assert_eq!(error, ModelError::HashForm { got: got.into() });
     }
 }

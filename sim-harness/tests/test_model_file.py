@@ -1,0 +1,153 @@
+"""What a model file says can't change unnoticed, and files of the schema before are converted."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import jax
+import nsrm
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.baseline import file as baseline
+from nsrm_harness.learn import hashes
+from nsrm_harness.learn.convert import convert, tensor_hash
+from nsrm_harness.learn.export import (
+    ModelFile,
+    ModelFileError,
+    Thresholds,
+    WorkSpace,
+    identity_of,
+    read_checked,
+    read_model,
+    read_raw,
+    safetensors_bytes,
+    write_metrics,
+    write_model,
+)
+from nsrm_harness.learn.model import Dimensions, Model
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMITTED = ROOT / "core" / "pretrained" / "tabletop.safetensors"
+EXAMPLE = ROOT / "tests" / "golden" / "hash.json"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A file of a model that has learned nothing."""
+    path, domain = tmp_path / "model.safetensors", domains.load()
+    model = Model(Dimensions.of(domain), jax.random.key(0))
+    space = WorkSpace((0.3, -0.2, 0.0), (0.6, 0.2, 0.2))
+    told = {"training": {"seed": 0}, "metrics": {"program": 0.5}}
+    write_model(path, ModelFile(model, domain, Thresholds(0.4, 0.6), space, **told))
+    return path
+
+
+def changed(path: Path, change: Callable[[dict[str, str]], object]) -> None:
+    """Change the metadata and nothing else."""
+    arrays, metadata = read_raw(path)
+    change(metadata)
+    path.write_bytes(safetensors_bytes(arrays, metadata))
+
+
+def test_the_golden_example_has_its_hashes() -> None:
+    example = json.loads(EXAMPLE.read_text(encoding="utf-8"))
+    tensors = {
+        name: np.array(values, np.float32).reshape(shape)
+        for name, (shape, values) in example["tensors"].items()
+    }
+    assert hashes.file_hash(tensors, example["metadata"]) == example["hash"]
+    assert hashes.identity(tensors, example["metadata"]) == example["identity"]
+
+
+def test_every_entry_of_the_metadata_is_covered(path: Path) -> None:
+    content = path.read_bytes()
+    _, metadata = read_raw(path)
+    entries = {key: value for key, value in metadata.items() if key not in ("schema", "hash")}
+    assert len(entries) == 8
+    for key, value in entries.items():
+        for at in (0, len(value) // 2, len(value) - 1):
+            other = value[:at] + chr(ord(value[at]) ^ 1) + value[at + 1 :]
+            path.write_bytes(content)
+            changed(path, lambda metadata: metadata.update({key: other}))  # noqa: B023
+            with pytest.raises(ModelFileError, match="changed or damaged, fetch it again"):
+                read_model(path)
+        path.write_bytes(content)
+        changed(path, lambda metadata: metadata.pop(key))  # noqa: B023
+        with pytest.raises(ModelFileError, match="changed or damaged"):
+            read_model(path)
+
+
+def test_the_order_of_entries_is_free(path: Path) -> None:
+    content = path.read_bytes()
+    arrays, metadata = read_raw(path)
+    other = {key: metadata[key] for key in sorted(metadata, reverse=True)}
+    path.write_bytes(safetensors_bytes(arrays, other))
+    assert path.read_bytes() != content
+    assert read_checked(path, "3")[1] == metadata
+
+
+def test_new_metrics_give_a_new_hash_and_the_same_identity(path: Path) -> None:
+    before, (_, said) = identity_of(read_model(path)), read_raw(path)
+    write_metrics(path, {"program": 0.75})
+    assert read_model(path).metrics == {"program": 0.75}
+    assert read_raw(path)[1]["hash"] != said["hash"]
+    assert identity_of(read_model(path)) == before
+    assert nsrm.Model.load(path).info()["identity"] == before
+
+
+@pytest.mark.parametrize("key", ["domain", "thresholds", "work_space", "placed_orientation"])
+def test_what_plans_depend_on_gives_another_identity(path: Path, key: str) -> None:
+    arrays, metadata = read_raw(path)
+    before = hashes.identity(arrays, metadata)
+    assert hashes.identity(arrays, metadata | {key: metadata[key] + " "}) != before
+    arrays["camera.weight"] = arrays["camera.weight"] + np.float32(1.0)
+    assert hashes.identity(arrays, metadata) != before
+
+
+def test_the_committed_model_is_the_cores() -> None:
+    expected = hashes.identity(*read_checked(COMMITTED, "3"))
+    assert identity_of(read_model(COMMITTED)) == expected
+    for model in (nsrm.Model.pretrained(), nsrm.Model.load(COMMITTED)):
+        assert model.info()["identity"] == expected
+
+
+def as_before(path: Path, schema: str) -> None:
+    """The file as the schema before this one had it."""
+    arrays, _ = read_raw(path)
+    changed(path, lambda it: it.update({"schema": schema, "hash": tensor_hash(arrays)}))
+
+
+def test_a_file_of_the_schema_before_is_refused_until_it_is_converted(path: Path) -> None:
+    content = path.read_bytes()
+    as_before(path, "2")
+    with pytest.raises(ModelFileError, match="schema 3, got 2: convert it with 'cargo harness"):
+        read_model(path)
+    with pytest.raises(nsrm.ModelError, match="cargo harness convert"):
+        nsrm.Model.load(path)
+    convert(path)
+    assert path.read_bytes() == content
+    nsrm.Model.load(path)
+    with pytest.raises(ModelFileError, match="schema 2 or baseline 1 to convert, got 3"):
+        convert(path)
+
+
+def test_a_baselines_file_is_converted(path: Path) -> None:
+    as_before(path, "baseline 1")
+    with pytest.raises(ModelFileError, match="schema baseline 2, got baseline 1: convert it"):
+        read_checked(path, baseline.SCHEMA)
+    convert(path)
+    assert read_checked(path, baseline.SCHEMA)[1]["schema"] == baseline.SCHEMA
+
+
+def test_a_damaged_file_is_not_converted(path: Path) -> None:
+    as_before(path, "2")
+    content = bytearray(path.read_bytes())
+    content[-1] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(ModelFileError, match="tensors don't have the hash"):
+        convert(path)
+    assert path.read_bytes() == content
