@@ -9,8 +9,9 @@ mod common;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
-use common::stage::{CONFIG, SENTENCE, Stage, signal};
+use common::stage::{CONFIG, HANGS, SENTENCE, Stage, signal};
 use common::{Bench, done, refused};
 use nsrm_tests::corner::Corner;
 use serde_json::Value;
@@ -98,6 +99,9 @@ fn what_is_refused_is_told_with_exit_code_2() {
     stage.wait_for_log(&[" refused ", "the green block", "\"green\" fits no object"]);
 }
 
+/// The nodes of a robot of the tests.
+const NODES: [&str; 3] = ["controller", "perception", "planner"];
+
 #[test]
 fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
     let stage = Stage::both("watched");
@@ -106,40 +110,50 @@ fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    let lines = BufReader::new(watch.stdout.take().unwrap()).lines();
+    let mut lines = BufReader::new(watch.stdout.take().unwrap()).lines();
+    // Who does not look on yet is told nothing of it later.
+    lines.next().unwrap().unwrap();
     let refused = stage.say(&["put the green block on the blue block"]);
     assert_eq!(refused.status.code(), Some(2));
     let view: Value = lines
         .map(|line| serde_json::from_str(&line.unwrap()).unwrap())
         .find(|view: &Value| {
             let nodes = view["nodes"].as_array().unwrap();
-            nodes.len() >= 3 && !view["replies"][0].is_null()
+            let is_heard = |name| nodes.iter().any(|node| node["node"] == name);
+            NODES.into_iter().all(is_heard)
+                && view["scene"]["count"] != 0
+                && !view["replies"][0].is_null()
         })
         .unwrap();
     signal(watch.id(), "-TERM");
     assert!(watch.wait().unwrap().success());
     let nodes = view["nodes"].as_array().unwrap();
-    for name in ["controller", "perception", "planner"] {
+    for name in NODES {
         let node = nodes.iter().find(|node| node["node"] == name).unwrap();
         assert_eq!(
             (&node["lives"], &node["restarts"], &node["rejected"]),
             (&true.into(), &0.into(), &0.into())
         );
     }
-    assert!(view["scene"]["count"].as_u64().unwrap() > 0);
     assert_eq!(view["objects"], 2);
     let said = view["replies"][0]["said"].as_str().unwrap();
     assert!(said.starts_with("no_such_object: step 1"), "{said}");
 
-    let text = done(&stage.command(&["watch", "--once"]).output().unwrap());
-    assert!(text.starts_with("robot left\n"), "{text}");
-    for part in [
-        "restarts  rejected",
-        "planner     idle",
-        "objects in the last scene",
-        " ms",
-    ] {
-        assert!(text.contains(part), "{text}");
+    // On a busy machine not all of them are heard in the half second that it takes.
+    let begun = Instant::now();
+    loop {
+        let text = done(&stage.command(&["watch", "--once"]).output().unwrap());
+        assert!(text.starts_with("robot left\n"), "{text}");
+        let parts = [
+            "restarts  rejected",
+            "planner     idle",
+            "2 objects in the last scene",
+            " ms",
+        ];
+        if parts.iter().all(|part| text.contains(part)) {
+            break;
+        }
+        assert!(begun.elapsed() < HANGS, "{text}");
     }
 }
 
@@ -172,11 +186,15 @@ fn ctrl_c_stops_the_robot_too() {
 }
 
 #[test]
-fn a_planner_that_is_killed_is_missed_and_another_takes_its_place() {
+fn a_killed_planner_is_detected_and_another_takes_its_place() {
     let mut stage = Stage::new("killed");
     stage.start("perceive", "perceiving");
     let planner = stage.start("serve", "planning");
     stage.works.store(false, Ordering::Relaxed);
+    // Its silence tells. One that lives says something three hundred times meanwhile.
+    let limits = CONFIG.replace("silence_ms = 3600000", "silence_ms = 30000");
+    let lines = format!("{limits}{}", stage.corner.as_toml());
+    stage.bench.write("robot.toml", lines);
     let (say, _printed) = stage.say_and_wait_for_the_way();
     // A command that was sent is carried out, whoever has died since.
     while stage.taken.load(Ordering::Relaxed) == 0 {
