@@ -12,7 +12,9 @@
 //! tick. Nothing in a tick waits, and nothing but iceoryx2's sending allocates: once for
 //! each heartbeat, command and reply. A tick in which a process comes or goes may take
 //! longer than the budget: its memory is mapped or unmapped then. Beside it runs a loop
-//! that does nothing: what that one misses, the machine is to blame for.
+//! that does nothing: what that one misses, the machine is to blame for. Ctrl-C ends both
+//! before their time. `--limits-s 60` has the planner wait so long for everything, on a machine
+//! with other work.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,6 +30,7 @@ use nsrm_ipc::message::Role;
 use nsrm_ipc::node::{Busyness, PlannerNode};
 use nsrm_ipc::service::Robot;
 use rustix::thread::{ClockId, Timespec, clock_nanosleep_absolute};
+use signal_hook::consts::SIGINT;
 use thread_priority::{
     RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy,
     set_thread_priority_and_policy, thread_native_id,
@@ -44,13 +47,18 @@ const LONGEST_NS: u64 = 1_000_000_000;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut robot = "robot".to_owned();
     let mut seconds = 10;
+    let mut limits = Limits::default();
     let mut arguments = std::env::args().skip(1);
     while let Some(option) = arguments.next() {
         let value = arguments.next();
         match (option.as_str(), value) {
             ("--robot", Some(name)) => robot = name,
             ("--seconds", Some(number)) => seconds = number.parse()?,
-            _ => return Err("usage: control_loop [--robot NAME] [--seconds N]".into()),
+            ("--limits-s", Some(number)) => limits = all(number.parse()?),
+            _ => {
+                let usage = "usage: control_loop [--robot NAME] [--seconds N] [--limits-s N]";
+                return Err(usage.into());
+            }
         }
     }
     let robot = robot.parse()?;
@@ -60,6 +68,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     println!("memory locked: {}", said(locked.is_ok()));
     let stop = Arc::new(AtomicBool::new(false));
+    signal_hook::flag::register(SIGINT, Arc::clone(&stop))?;
     let empty = {
         let stop = Arc::clone(&stop);
         std::thread::spawn(move || {
@@ -71,15 +80,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             (ticks, realtime)
         })
     };
+    let ended = Arc::clone(&stop);
     let planning: JoinHandle<Result<_, String>> = std::thread::spawn(move || {
         // Ports are made in the thread that uses them.
         let robot = Robot::join(robot, Role::Planner, Config::global_config());
-        let node = robot.and_then(|robot| PlannerNode::begin(robot, &TABLETOP, Limits::default()));
+        let node = robot.and_then(|robot| PlannerNode::begin(robot, &TABLETOP, limits));
         let mut node = node.map_err(|error| error.to_string())?;
         let realtime = become_realtime();
         println!("planning, in a loop of 1 kHz for {seconds} s");
         let mut ticks = Ticks::new();
         for _ in 0..seconds * (1_000_000_000 / PERIOD_NS) {
+            if ended.load(Ordering::Relaxed) {
+                break;
+            }
             ticks.next(|| {
                 let end_ns = now_ns() + BUDGET_NS;
                 while node.poll(now_ns()) == Busyness::Working && now_ns() < end_ns {}
@@ -103,6 +116,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         empty.late
     );
     Ok(())
+}
+
+/// Limits of so many seconds each.
+fn all(seconds: u32) -> Limits {
+    let ns = u64::from(seconds) * 1_000_000_000;
+    Limits {
+        scene_age_ns: ns,
+        scene_wait_ns: ns,
+        accept_wait_ns: ns,
+        move_wait_ns: ns,
+        silence_ns: ns,
+        ..Limits::default()
+    }
 }
 
 fn said(granted: bool) -> &'static str {
