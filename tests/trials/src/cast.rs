@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use nsrm_ipc::clock::now_ns;
+use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::Watcher;
 use nsrm_ipc::service::{Robot, settle};
@@ -19,8 +20,9 @@ use crate::journal::Journal;
 
 /// The robot of a trial.
 pub(crate) const ROBOT: &str = "trial";
-/// How long processes may take to be ready, or to end, in all.
-const PATIENCE_NS: u64 = 30_000_000_000;
+/// How long processes may take to be ready, or to end, in all: what takes longer hangs, on
+/// however busy a machine.
+pub(crate) const PATIENCE_NS: u64 = 300_000_000_000;
 /// How often the dead are buried in the end, and how long is waited in between.
 const BURIALS: u32 = 20;
 const BETWEEN_BURIALS: Duration = Duration::from_millis(100);
@@ -146,7 +148,7 @@ impl Cast {
             let now_ns = now_ns();
             let view = watcher.look(now_ns);
             let live = view.nodes.iter().flatten().filter(|node| {
-                PARTS.contains(&node.role) && now_ns.saturating_sub(node.heard_ns) < 250_000_000
+                PARTS.contains(&node.role) && node.lives(Limits::default().silence_ns, now_ns)
             });
             if live.count() == PARTS.len() && view.scenes.count > 0 {
                 return Ok(());

@@ -14,7 +14,7 @@ use rustix::process::Signal;
 use serde_json::json;
 
 use crate::asker::{Asker, ask_once};
-use crate::cast::{Cast, PARTS};
+use crate::cast::{Cast, PARTS, PATIENCE_NS};
 use crate::parts::stop_on_signals;
 use crate::world::SENTENCES;
 
@@ -31,8 +31,6 @@ const HANG_MS: std::ops::Range<u64> = 600..1000;
 const HANGS_OF: u64 = 6;
 /// How many ask at once; all but one are told that the planner is busy.
 const ASKERS: u64 = 2;
-/// How often the last sentence may be asked until it is done.
-const LAST_TRIES: u32 = 20;
 
 /// What is told on the command line.
 #[derive(Debug, clap::Args)]
@@ -117,9 +115,10 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         ..
     } = chaos;
     cast.ready(&mut watcher)?;
-    let mut done = false;
-    for _ in 0..LAST_TRIES {
-        done = done || ask_once(&cast, SENTENCES[0])?;
+    let end_ns = now_ns() + PATIENCE_NS;
+    let mut done = ask_once(&cast, SENTENCES[0])?;
+    while !done && now_ns() < end_ns && !stop.load(Ordering::Relaxed) {
+        done = ask_once(&cast, SENTENCES[0])?;
     }
     cast.journal().write("recovered", json!({"done": done}))?;
     drop(watcher);

@@ -33,7 +33,7 @@ use crate::cast::ROBOT;
 use crate::world::World;
 
 /// The longest wait for an answer.
-const PATIENCE_NS: u64 = 10_000_000_000;
+const PATIENCE_NS: u64 = 120_000_000_000;
 /// How often the planner may not be there yet, or have no scene or no word of a controller
 /// on a machine with other work.
 const WARM: u32 = 1000;
