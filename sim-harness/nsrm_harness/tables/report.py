@@ -30,7 +30,7 @@ from nsrm_harness.tables.times import Took
 REPORT = "README.md"
 TABLES = "tables.csv"
 REFUSALS = "refusals.csv"
-REFUSAL_COLUMNS = ("seed", *COLUMNS)
+REFUSAL_COLUMNS: tuple[str, ...] = ("seed", *COLUMNS)
 COMPARISON = "comparison.csv"
 """Variants and disturbed scenes, with the columns of the tables."""
 COSTS = "costs.csv"
