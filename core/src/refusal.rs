@@ -140,6 +140,13 @@ pub enum Refusal {
         /// Tag in the scene.
         got: u64,
     },
+    /// The sentence was parsed with another model than the planner's.
+    ParsedByOtherModel {
+        /// Tag of the planner's model.
+        expected: u64,
+        /// Tag of the model that parsed it.
+        got: u64,
+    },
     /// What is seen disagrees with the camera's calibration: sub-goals would be off.
     Calibration(CalibrationFault),
     /// An index in the model points at nothing, or it lacks the objects' sizes; can't be
@@ -252,6 +259,7 @@ impl Refusal {
             Self::OutsideWorkSpace { .. } => "outside_work_space",
             Self::OtherModel { .. } => "other_model",
             Self::Calibration(_) => "calibration",
+            Self::ParsedByOtherModel { .. } => "parsed_by_other_model",
             Self::InvalidModel => "invalid_model",
         }
     }

@@ -43,6 +43,7 @@ REASONS = (
     "clock_set_back",
     "conflicting_values",
     "calibration",
+    "parsed_by_other_model",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 

@@ -154,10 +154,12 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             "whole": fault.whole,
             "cause": fault.cause.map(Cause::name),
         }),
-        Refusal::OtherModel { expected, got } => json!({
-            "expected": format!("{expected:016x}"),
-            "got": format!("{got:016x}"),
-        }),
+        Refusal::OtherModel { expected, got } | Refusal::ParsedByOtherModel { expected, got } => {
+            json!({
+                "expected": format!("{expected:016x}"),
+                "got": format!("{got:016x}"),
+            })
+        }
     };
     match details {
         Value::Object(details) => details,

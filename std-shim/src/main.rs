@@ -133,14 +133,13 @@ fn run(command: &Command) -> Result<String, Failure> {
         Command::Parse { sentence, options } => {
             let any = open(options.model.as_ref())?;
             let model = any.model();
-            let program = Planner::new(&model)
+            let parsed = Planner::new(&model)
                 .parse(sentence)
-                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?
-                .program;
+                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
             Ok(if options.json {
-                json::program(&model, &program).to_string()
+                json::program(&model, parsed.program()).to_string()
             } else {
-                program.notation(&model).to_string()
+                parsed.program().notation(&model).to_string()
             })
         }
         Command::Plan {

@@ -274,8 +274,8 @@ fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Val
     };
     match parsed {
         Ok(parsed) => {
-            assert_eq!(parsed.decisions.len(), steps.len(), "{sentence}");
-            for (decisions, step) in parsed.decisions.iter().zip(steps) {
+            assert_eq!(parsed.decisions().len(), steps.len(), "{sentence}");
+            for (decisions, step) in parsed.decisions().iter().zip(steps) {
                 let expected = step["split"].as_f64().expect("split") as f32;
                 golden.close("probability", &[decisions.split], &[expected], sentence);
             }

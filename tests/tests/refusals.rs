@@ -6,8 +6,8 @@ use nsrm_core::dsl::{Argument, Description};
 use nsrm_core::language::Span;
 use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
 use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
-use nsrm_core::{Planner, RawScene, Refusal, Scene};
-use nsrm_tests::by_hand::{Block, Parts, block, raw_scene};
+use nsrm_core::{Planner, Progress, RawScene, Refusal, Scene};
+use nsrm_tests::by_hand::{Block, Parts, block, raw_scene, scene};
 
 /// One case: what is said, what is seen, what is spoilt, what comes of it.
 struct Case {
@@ -407,6 +407,33 @@ fn a_scene_of_another_model_is_refused() {
     assert!(message.contains("observe it again with this model"));
 }
 
+/// Its actions and concepts may be others: it would be refused as a damaged model, or, worse, not
+/// at all.
+#[test]
+fn what_another_model_has_parsed_is_refused() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut other = Parts::new();
+    other.header.identity = [9; 32];
+    // Of the same words, some mean something else.
+    for entry in &mut other.lexicon {
+        entry.concept = entry.concept.min(1);
+    }
+    let other = other.model();
+    let scene = scene(&model, &said(GOOD, |_| false, "").blocks);
+    let parsed = Planner::new(&other).parse(GOOD).unwrap();
+    let mut task = Planner::new(&model).begin_grounding(&scene, &parsed, 0);
+    let (expected, got) = (model.tag(), other.tag());
+    let refusal = Refusal::ParsedByOtherModel { expected, got };
+    assert_eq!(task.poll(), Progress::Done(Err(refusal)));
+    let message = refusal.in_context(&model, GOOD).to_string();
+    assert!(message.contains("parse it again with this model"));
+    // What its own model has parsed is not.
+    let parsed = Planner::new(&model).parse(GOOD).unwrap();
+    let mut task = Planner::new(&model).begin_grounding(&scene, &parsed, 0);
+    assert_eq!(task.poll(), Progress::Pending);
+}
+
 /// The place of a kind in [`KINDS`]. A new variant does not compile until it has
 /// one, and then not pass until it has a case.
 const fn kind(refusal: &Refusal) -> usize {
@@ -427,13 +454,14 @@ const fn kind(refusal: &Refusal) -> usize {
         Refusal::OutsideWorkSpace { .. } => 13,
         Refusal::InvalidModel => 14,
         Refusal::Calibration(_) => 17,
-        // Its test is apart: it takes two models.
+        // Their tests are apart: they take two models.
         Refusal::OtherModel { .. } => 15,
+        Refusal::ParsedByOtherModel { .. } => 18,
         Refusal::ConflictingValues { .. } => 16,
     }
 }
 
-const KINDS: [&str; 18] = [
+const KINDS: [&str; 19] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -452,6 +480,7 @@ const KINDS: [&str; 18] = [
     "other_model",
     "conflicting_values",
     "calibration",
+    "parsed_by_other_model",
 ];
 
 /// A kind that is not listed there would reach other processes as no reason.
@@ -465,7 +494,9 @@ fn every_kind_is_a_reason_of_a_reply() {
 #[test]
 fn the_cases_cover_every_kind() {
     let mut covered = [false; KINDS.len()];
-    covered[15] = true;
+    for apart in [15, 18] {
+        covered[apart] = true;
+    }
     for case in cases() {
         let (refusal, _) = case.refusal();
         assert_eq!(refusal.kind(), KINDS[kind(&refusal)]);

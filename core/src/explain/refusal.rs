@@ -232,6 +232,11 @@ impl fmt::Display for Message<'_> {
                  {expected:016x}; observe it again with this model"
             ),
             Refusal::Calibration(fault) => fault.fmt(f),
+            Refusal::ParsedByOtherModel { expected, got } => write!(
+                f,
+                "the sentence was parsed with model {got:016x}, but the planner's is \
+                 {expected:016x}; parse it again with this model"
+            ),
             Refusal::InvalidModel => {
                 f.write_str("the model is damaged; check it and load it again")
             }

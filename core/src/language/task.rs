@@ -24,13 +24,49 @@ pub struct StepDecisions {
     pub reference: f32,
 }
 
-/// A program as understood, and how sure the parser was of each step.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// A program as a model understood it, and how sure the parser was of each step.
+///
+/// Beside an empty one, only a [`ParsingTask`] that is done gives one: its actions and concepts
+/// are that model's, and it has decisions for each step. So grounding it with that model, which
+/// [`crate::Planner::begin_grounding`] checks, looks for none of them in vain.
+///
+/// ```compile_fail
+/// use nsrm_core::{Program, language::Parsed};
+/// let (program, decisions) = (Program::new(), Default::default());
+/// let parsed = Parsed { program, decisions };
+/// ```
+// Invariant: decisions for each step of the program; every index in it is one of the model's.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Parsed {
+    model_tag: u64,
+    program: Program,
+    decisions: Vec<StepDecisions, MAX_STEPS, u8>,
+}
+
+impl Parsed {
+    /// Of no steps, as before a sentence is parsed.
+    pub const fn empty(model: &Model<'_>) -> Self {
+        Self {
+            model_tag: model.tag(),
+            program: Program::new(),
+            decisions: Vec::new(),
+        }
+    }
+
+    /// [`Model::tag`] of the model that understood it so.
+    pub const fn model_tag(&self) -> u64 {
+        self.model_tag
+    }
+
     /// What is to be done.
-    pub program: Program,
-    /// For each of its steps.
-    pub decisions: Vec<StepDecisions, MAX_STEPS, u8>,
+    pub const fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// How sure the parser was, for each step of the program.
+    pub fn decisions(&self) -> &[StepDecisions] {
+        &self.decisions
+    }
 }
 
 /// A sentence being parsed, a bounded piece of work a [`ParsingTask::poll`]: one
@@ -108,7 +144,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             splitter: Splitter::new(),
             segments: Segments::new(),
             encoder: Encoder::new(),
-            parsed: Parsed::default(),
+            parsed: Parsed::empty(model),
             stage,
         }
     }
@@ -130,11 +166,6 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// The sentence.
     pub const fn sentence(&self) -> &T {
         &self.sentence
-    }
-
-    /// What was understood so far: all of it once the task is done.
-    pub const fn parsed(&self) -> &Parsed {
-        &self.parsed
     }
 
     fn advance(&mut self, stage: Stage) -> Result<Stage, Refusal> {

@@ -72,8 +72,9 @@ enum Stage {
 
 impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
     pub(super) fn new(model: &'m Model<'m>, scene: S, parsed: P, first: usize) -> Self {
-        let checked = check_model(model, scene.borrow());
-        let program = &parsed.borrow().program;
+        let checked =
+            check_model(model, scene.borrow()).and_then(|()| check_parsed(model, parsed.borrow()));
+        let program = parsed.borrow().program();
         let first = first.min(program.steps().len());
         let mut locations = [[0.0; LOCATION]; MAX_OBJECTS];
         for (location, object) in locations.iter_mut().zip(scene.borrow().objects()) {
@@ -348,7 +349,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 
     fn decisions(&self, step: usize) -> Result<StepDecisions, Refusal> {
         // There are as many as steps.
-        let decisions = &self.parsed.borrow().decisions;
+        let decisions = self.parsed.borrow().decisions();
         decisions.get(step).copied().ok_or(Refusal::InvalidModel)
     }
 }
@@ -356,7 +357,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
     /// All of this is to be grounded instead, in a task that has done nothing yet.
     pub(super) fn begin(&mut self, parsed: Parsed) {
-        self.plan = Plan::new(parsed.program.clone(), 0);
+        self.plan = Plan::new(parsed.program().clone(), 0);
         self.parsed = parsed;
         self.stage = self.begin_program(0);
     }
@@ -372,4 +373,14 @@ pub(super) fn check_model(model: &Model<'_>, scene: &Scene) -> Result<(), Refusa
         return Err(Refusal::InvalidModel);
     }
     Ok(())
+}
+
+/// Whether this model parsed the sentence.
+fn check_parsed(model: &Model<'_>, parsed: &Parsed) -> Result<(), Refusal> {
+    let (expected, got) = (model.tag(), parsed.model_tag());
+    if expected == got {
+        Ok(())
+    } else {
+        Err(Refusal::ParsedByOtherModel { expected, got })
+    }
 }

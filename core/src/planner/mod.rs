@@ -177,7 +177,7 @@ impl<'m> Planner<'m> {
 
     /// Begins to ground a parsed sentence in a scene, from step `first` on (from 0):
     /// a plan for what is left to do, in the scene as it is now. Refusals count
-    /// steps as in the whole sentence.
+    /// steps as in the whole sentence. What another model has parsed is refused.
     pub fn begin_grounding<S, P>(
         &self,
         scene: S,

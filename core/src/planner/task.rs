@@ -24,7 +24,7 @@ pub struct PlanningTask<'m, S, T> {
 
 impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
     pub(super) fn new(model: &'m Model<'m>, scene: S, sentence: T) -> Self {
-        let grounding = GroundingTask::new(model, scene, Parsed::default(), 0);
+        let grounding = GroundingTask::new(model, scene, Parsed::empty(model), 0);
         Self {
             parsing: ParsingTask::new(model, sentence),
             // In a scene of another model no sentence can be obeyed.

@@ -127,7 +127,7 @@ fn the_rest_of_a_program_is_grounded_in_another_scene() {
     let mut raw = *scene.raw();
     raw.objects[0].location = whole.steps()[0].location;
     let rest = ground(Scene::new(raw, &model).unwrap(), 1).unwrap();
-    assert_eq!((rest.first(), rest.program()), (1, &parsed.program));
+    assert_eq!((rest.first(), rest.program()), (1, parsed.program()));
     // It is told as it would be of the whole.
     let told = |plan: &Plan, step| plan.explain_step(&model, step).to_string();
     assert!(told(&rest, 1).starts_with("Step 2: move the lego "));
@@ -411,7 +411,7 @@ fn a_scene_of_another_model_is_refused() {
     let refusal = Err(Refusal::OtherModel { expected, got });
     // Of no sentence, not even a bad one.
     assert_eq!(planner.plan(&scene, "put red on blurp"), refusal);
-    let mut task = planner.begin_grounding(&scene, Parsed::default(), 0);
+    let mut task = planner.begin_grounding(&scene, Parsed::empty(&other), 0);
     assert_eq!(task.poll(), Progress::Done(refusal));
     assert_eq!(got, 0x0100_0000_0000_0007);
 }

@@ -42,7 +42,7 @@ impl<'m> Job<'m> {
             planner,
             number,
             mode,
-            parsed: Parsed::default(),
+            parsed: Parsed::empty(planner.model()),
             plan: Plan::default(),
             step: 0,
             retries: 0,
@@ -330,7 +330,7 @@ impl<'m> Job<'m> {
     }
 
     fn steps(&self) -> usize {
-        self.parsed.program.steps().len()
+        self.parsed.program().steps().len()
     }
 
     /// The controller says how a command went.

@@ -52,7 +52,7 @@ message! {
 /// Why a request is not followed, by the names of [`nsrm_core::Refusal::kind`] and
 /// [`Failure::kind`], and of what the planner's node finds: a number in
 /// [`PlanReply::reason`] is a place in here, counted from 1.
-pub const REASONS: [&str; 33] = [
+pub const REASONS: [&str; 34] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -86,6 +86,7 @@ pub const REASONS: [&str; 33] = [
     "clock_set_back",
     "conflicting_values",
     "calibration",
+    "parsed_by_other_model",
 ];
 
 numbers! {

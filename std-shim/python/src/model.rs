@@ -52,7 +52,7 @@ impl Model {
         let model = self.inner.model();
         let result = py.detach(|| Planner::new(&model).parse(sentence));
         match result {
-            Ok(parsed) => Ok(Program::new(&model, &parsed.program)),
+            Ok(parsed) => Ok(Program::new(&model, parsed.program())),
             Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
         }
     }

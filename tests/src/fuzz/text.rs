@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use nsrm::{ModelError, OwnedModel, SceneText, json, read_scene_text};
+use nsrm_core::language::Parsed;
 use nsrm_core::planner::MAX_POLLS;
 use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
@@ -53,7 +54,7 @@ fn follow_with(model: &Model<'_>, scene: &Scene, sentence: &str) {
         Ok(plan) => {
             assert!(sentence.len() <= MAX_SENTENCE_BYTES);
             check_in(model, scene, plan);
-            let program = parsed.as_ref().map(|parsed| &parsed.program);
+            let program = parsed.as_ref().map(Parsed::program);
             assert_eq!(program, Ok(plan.program()));
             let written = json::plan(model, plan);
             let steps = written["steps"].as_array().map(Vec::len);
