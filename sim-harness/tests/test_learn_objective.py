@@ -245,7 +245,7 @@ def test_nonsense_keeps_the_descriptions_and_changes_the_words() -> None:
     alone = np.array([[4, 0, 6, 0, 7, 0, 0, 0, 0, 0]], np.int32)
     groups = np.zeros((1, 2, 1), np.int32)
     known = known_gaps(Sentences(alone, np.array([5]), groups, np.array([2])))
-    assert len(known) == 2
+    assert len(set(known.tolist())) == 2
     heap = jax.jit(jax.vmap(lambda key: nonsense(key, step, valid, known, 9)))
     tokens, still = heap(jax.random.split(jax.random.key(1), 400))
     rows, kepts = np.asarray(tokens), np.asarray(still)

@@ -100,7 +100,7 @@ impl Peer {
     }
 
     /// Whether it may be alive: it was heard of, or is listened to if it never was, no longer
-    /// ago than it may be silent; see [`may_live`].
+    /// ago than it may be silent.
     ///
     /// * `since_ns`: when listening began
     pub fn may_live(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {

@@ -170,6 +170,8 @@ def _table(rows: Sequence[Row], splits: Iterable[str], boxes: str) -> str:
 def _refusals(which: str, every: Sequence[SeedReport]) -> list[str]:
     """The section of a set: what each seed's model refuses, by kind."""
     of_set = [each for each in every if each.report.set == which]
+    if not of_set:
+        return []
     seeds = [f"seed {each.seed} refused" for each in of_set]
     lines = [
         f"| what is wrong | sentences | {' | '.join(seeds)} |",
