@@ -27,6 +27,7 @@ COMMANDS = {
     "evaluate": "The paper's metrics of a model on an episode file.",
     "baseline": "Train and measure the paper's baseline, a network without programs.",
     "refusals": "How much of what must be refused a model refuses.",
+    "miscalibration": "How much of a wrong calibration the core finds, and what of right ones.",
     "tables": "The paper's tables, from nothing to a report.",
     "publish": "A finished report and its model into the project.",
     "trials": "How often the arm does what a sentence says.",

@@ -42,6 +42,7 @@ STREAMS = {
     "figures": 58,
     "arm_disturbed": 59,
     "arm_checks": 60,
+    "miscalibration": 71,
 }
 
 

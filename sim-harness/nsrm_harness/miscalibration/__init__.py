@@ -1,0 +1,1 @@
+"""What the core makes of cameras that are calibrated, and of those that are not."""
