@@ -41,7 +41,8 @@ use resting::Arrangement;
 /// How far above or below its resting place an object may be seen, and how much the table
 /// may seem to rise between the outermost objects, metres.
 ///
-/// Within 4.2 mm in all calibrated scenes, cubes turned by up to 45° included.
+/// Of whole objects in calibrated scenes 99.9 % were seen within 4.2 mm of it, blocks turned by up
+/// to 45° included.
 pub const TOLERANCE_M: f32 = 0.006;
 /// Beyond this, another unit or convention may be the cause, metres,
 const GROSS_M: f32 = 0.1;
