@@ -7,7 +7,7 @@ use nsrm_ipc::message::Outcome;
 use nsrm_tests::by_hand::{Block, EDGES_M, Parts, block, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
-use crate::world::World;
+use crate::world::{TWO_STEPS_DONE, World};
 
 /// Height of a block, metres.
 const EDGE_M: f32 = EDGES_M[2];
@@ -104,17 +104,7 @@ fn a_stack_of_three_seen_from_above_is_done() {
     world.ask(SENTENCE, Mode::ClosedLoop);
     assert_eq!(world.run(), Ok(()));
     assert_eq!([1, 2, 3].map(|id| world.shows(id)), [false, false, true]);
-    assert_eq!(
-        world.log,
-        [
-            "planned from 0",
-            "command 0",
-            "reached 0",
-            "planned from 1",
-            "command 1",
-            "reached 1"
-        ]
-    );
+    assert_eq!(world.log, TWO_STEPS_DONE);
 }
 
 /// The blue block bears the stack, and is named again.

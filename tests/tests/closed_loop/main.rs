@@ -13,7 +13,7 @@ use nsrm_ipc::message::{Outcome, SceneMessage};
 use nsrm_tests::by_hand::{DEPTH_M, Parts, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
-use crate::world::{IN_THE_WAY, MS, World, unsuccessful};
+use crate::world::{IN_THE_WAY, MS, TWO_STEPS_DONE, World, unsuccessful};
 
 #[test]
 fn a_sentence_is_done_step_by_step_each_in_the_scene_after_the_one_before() {
@@ -22,17 +22,7 @@ fn a_sentence_is_done_step_by_step_each_in_the_scene_after_the_one_before() {
     let mut world = World::new(&model, Limits::default());
     let plan = world.ask(SENTENCE, Mode::ClosedLoop);
     assert_eq!(world.run(), Ok(()));
-    assert_eq!(
-        world.log,
-        [
-            "planned from 0",
-            "command 0",
-            "reached 0",
-            "planned from 1",
-            "command 1",
-            "reached 1"
-        ]
-    );
+    assert_eq!(world.log, TWO_STEPS_DONE);
     let [first, second] = world.commands[..] else {
         panic!("{:?}", world.commands);
     };

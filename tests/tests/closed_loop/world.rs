@@ -13,6 +13,16 @@ pub(crate) const MS: u64 = 1_000_000;
 /// What the controller says of every command, whatever its outcome.
 pub(crate) const IN_THE_WAY: [u32; 2] = [3, 0];
 
+/// What happens when both steps of a sentence are done at the first try.
+pub(crate) const TWO_STEPS_DONE: [&str; 6] = [
+    "planned from 0",
+    "command 0",
+    "reached 0",
+    "planned from 1",
+    "command 1",
+    "reached 1",
+];
+
 /// What a sentence fails with then.
 pub(crate) const fn unsuccessful(step: u8, outcome: Outcome) -> Failure {
     Failure::Unsuccessful {
