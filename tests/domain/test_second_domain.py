@@ -35,13 +35,24 @@ fn main() {
     let planner = Planner::new(&workshop::WORKSHOP);
     for sentence in std::io::stdin().lines() {
         match planner.parse(&sentence.unwrap()) {
-            Ok(parsed) => println!("{}", parsed.program.notation(&workshop::WORKSHOP)),
+            Ok(parsed) => println!("{}", parsed.program().notation(&workshop::WORKSHOP)),
             Err(refusal) => println!("{}", refusal.kind()),
         }
         println!("--");
     }
 }
 """
+
+
+# What the core finds wrong with the programs of a parser that has hardly been trained. Every
+# word is known and every sentence short enough: no other kind may appear.
+OF_A_POOR_PARSER = {
+    "unsure",
+    "incomplete_step",
+    "same_reference",
+    "too_many_references",
+    "too_many_steps",
+}
 
 
 @dataclass(frozen=True)
@@ -110,7 +121,7 @@ def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:
             try:
                 program = model.parse(sentence)
             except nsrm.Refused as refusal:
-                assert refusal.kind in ("unsure", "incomplete_step", "same_reference")
+                assert refusal.kind in OF_A_POOR_PARSER
                 continue
             said = {name for step in truth.program for name in (*step.object, *step.reference)}
             for step in program.steps:
