@@ -10,18 +10,19 @@ import numpy as np
 import pytest
 from world_scenes import DOMAIN
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.carry import Carry, Planner
-from nsrm_harness.arm.grasp import pointing_down
-from nsrm_harness.arm.kinematics import Joints, Kinematics
-from nsrm_harness.arm.perform import Look
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.sight import Eyes
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Renderer
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.grasps import pointing_down
+from nsrm_harness.manipulation.kinematics import Joints, Kinematics
+from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.retries import Look
+from nsrm_harness.perception.observer import Observer
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.blocks import block_from_attributes
+from nsrm_harness.simulation.render import Renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 TESTS = Path(__file__).parent
 
@@ -78,7 +79,7 @@ def known(world: ArmWorld) -> Look:
 
 def pictured(world: ArmWorld, renderer: Renderer) -> Look:
     """All blocks where pictures show them."""
-    eyes = Eyes(renderer, world, default_camera())
+    eyes = Observer(SimulatedCamera(renderer, world, default_camera()))
     names = {
         number: str(world.nearest(cuboid.pose.position)[0])
         for number, cuboid in eyes.look().cuboids.items()

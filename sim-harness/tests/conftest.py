@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from nsrm_harness.world.render import Renderer, open_renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.simulation.render import Renderer, open_renderer
+from nsrm_harness.simulation.world import World
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from nsrm_harness import domain as domains
-from nsrm_harness.language.grammar import Grammar, Style
-from nsrm_harness.language.program import Step
-from nsrm_harness.language.tokens import Tokenizer
-from nsrm_harness.learn.dataset import Sentences
-from nsrm_harness.learn.decode import StepTable
-from nsrm_harness.learn.model import GROUP_TOKEN, Parse
+from nsrm_harness.domain.grammar import Grammar, Style
+from nsrm_harness.domain.program import Step
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.learning.dataset import Sentences
+from nsrm_harness.learning.decode import StepTable
+from nsrm_harness.learning.model import GROUP_TOKEN, Parse
 
 DOMAIN = domains.load()
 WORDS = DOMAIN.vocabulary()

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.language.grammar import Grammar, Style
-from nsrm_harness.language.program import Program, Step
-from nsrm_harness.language.tokens import Tokenizer
-from nsrm_harness.learn.dataset import Sentences, TrainingSet
+from nsrm_harness.domain.grammar import Grammar, Style
+from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.learning.dataset import Sentences, TrainingSet
 
 CAMERA_POSITION = np.array([1.25, 0.0, 0.75])
 LOOK_AT = np.array([0.5, 0.0, 0.0])

@@ -9,43 +9,37 @@ from typing import Any
 import pytest
 from another_process import TESTS, elsewhere
 
-from nsrm_harness import follow
-from nsrm_harness.arm_trials import disturbed, trial
-from nsrm_harness.arm_trials.rows import ROWS
-from nsrm_harness.follow import Follower
-from nsrm_harness.world.arm_world import ArmWorld
+from nsrm_harness.evaluation.manipulation_trials import disturbed, trial
+from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
+from nsrm_harness.manipulation import follow
+from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.simulation.arm_world import ArmWorld
 
 TRUTH = (
     "pybullet",
-    "nsrm_harness.world.bullet",
-    "nsrm_harness.world.world",
-    "nsrm_harness.world.arm_world",
-    "nsrm_harness.world.moving_arm",
-    "nsrm_harness.judge",
-    "nsrm_harness.episodes",
+    "nsrm_harness.simulation.bullet",
+    "nsrm_harness.simulation.world",
+    "nsrm_harness.simulation.arm_world",
+    "nsrm_harness.simulation.moving_arm",
+    "nsrm_harness.data.ground_truth",
+    "nsrm_harness.data",
 )
 """A module of one of these names, or in one of these packages."""
 
 IMPORTING = """
 import importlib, pkgutil, sys
-import nsrm_harness.arm as arm
-for module in pkgutil.walk_packages(arm.__path__, "nsrm_harness.arm."):
+import nsrm_harness.manipulation as arm
+for module in pkgutil.walk_packages(arm.__path__, "nsrm_harness.manipulation."):
     importlib.import_module(module.name)
 print(*sorted(sys.modules), sep="\\n")
 """
 
 
 FOLLOWING = """
-import sys, types
-camera = {"nsrm_harness.world.render": "Frame Light Renderer", "nsrm_harness.world.world": "World"}
-for name, kinds in camera.items():
-    sys.modules[name] = types.ModuleType(name)
-    for kind in kinds.split():
-        setattr(sys.modules[name], kind, type(kind, (), {}))
-import nsrm_harness.follow
-print(*sorted(set(sys.modules) - set(camera)), sep="\\n")
+import sys
+import nsrm_harness.manipulation.follow
+print(*sorted(sys.modules), sep="\\n")
 """
-"""What draws the camera's pictures has to know the world, and is left out."""
 
 
 def loaded_with(code: str) -> set[str]:
@@ -62,36 +56,23 @@ def truths(modules: set[str]) -> set[str]:
 
 def test_no_module_of_the_arm_loads_what_knows_the_truth() -> None:
     modules = loaded_with(IMPORTING)
-    written = {path.stem for path in (TESTS.parent / "nsrm_harness" / "arm").glob("*.py")}
-    assert {f"nsrm_harness.arm.{name}" for name in written - {"__init__"}} <= modules
+    written = {path.stem for path in (TESTS.parent / "nsrm_harness" / "manipulation").glob("*.py")}
+    assert {f"nsrm_harness.manipulation.{name}" for name in written - {"__init__"}} <= modules
     assert truths(modules) == set()
 
 
-def test_what_follows_a_sentence_loads_nothing_else_than_the_camera_that_knows_the_truth() -> None:
+def test_what_follows_a_sentence_loads_nothing_that_knows_the_truth() -> None:
     modules = loaded_with(FOLLOWING)
-    assert {"nsrm_harness.follow", "nsrm_harness.sight", "nsrm_harness.arm.perform"} <= modules
+    used = {"manipulation.follow", "manipulation.retries", "perception.observer"}
+    assert {f"nsrm_harness.{name}" for name in used} <= modules
     assert truths(modules) == set()
-    files = {
-        name: TESTS.parent / f"{name.replace('.', '/')}.py"
-        for name in modules
-        if name.startswith("nsrm_harness.")
-    }
-    camera = ("nsrm_harness.world.render", "nsrm_harness.world.world")
-    with_camera = {
-        name
-        for name, file in files.items()
-        if file.exists()
-        and any(f"from {each}" in file.read_text(encoding="utf-8") for each in camera)
-    }
-    # `sight` hands the world to what draws it, and reads its clock; the camera names their types.
-    assert with_camera == {"nsrm_harness.sight", "nsrm_harness.world.camera"}
 
 
 class Watch:
     """Who asks for the truth, or sets it, while a sentence is followed: the names of modules."""
 
     ASKED = ("poses", "pose", "placed", "nearest", "contacts", "place", "slow")
-    WORLDS = ("nsrm_harness.world.world", "nsrm_harness.world.arm_world")
+    WORLDS = ("nsrm_harness.simulation.world", "nsrm_harness.simulation.arm_world")
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.askers: set[str] = set()
@@ -130,16 +111,16 @@ class Watch:
 
 
 WATCHING = ("judge", "disturb", "disturbed")
-"""Of `nsrm_harness.arm_trials`."""
+"""Of `nsrm_harness.evaluation.manipulation_trials`."""
 
 
 def others(askers: set[str]) -> set[str]:
     """Those that are to know no truth; what draws the pictures does."""
-    known = {f"nsrm_harness.arm_trials.{name}" for name in WATCHING}
+    known = {f"nsrm_harness.evaluation.manipulation_trials.{name}" for name in WATCHING}
     return {
         asker
         for asker in askers
-        if asker not in known and not asker.startswith("nsrm_harness.world.render.")
+        if asker not in known and not asker.startswith("nsrm_harness.simulation.render.")
     }
 
 
@@ -148,12 +129,12 @@ def test_nobody_but_judge_and_disturber_asks_for_the_truth(monkeypatch: pytest.M
     watch = Watch(monkeypatch)
     assert trial.run(row, 5, 0).steps
     # It was watched.
-    assert "nsrm_harness.arm_trials.judge" in watch.askers
-    assert any(asker.startswith("nsrm_harness.world.render.") for asker in watch.askers)
+    assert "nsrm_harness.evaluation.manipulation_trials.judge" in watch.askers
+    assert any(asker.startswith("nsrm_harness.simulation.render.") for asker in watch.askers)
     assert others(watch.askers) == set()
     for loop in ("closed", "open"):
         assert disturbed.run_disturbed("goal_taken", loop, 771, 0).steps
-    assert "nsrm_harness.arm_trials.disturb" in watch.askers
+    assert "nsrm_harness.evaluation.manipulation_trials.disturb" in watch.askers
     assert others(watch.askers) == set()
 
 
@@ -163,7 +144,7 @@ def test_an_arm_that_asks_for_the_truth_is_noticed(
 ) -> None:
     (row,) = (row for row in ROWS if row.name == "steps_1")
     watch = Watch(monkeypatch)
-    peeking: dict[str, Any] = {"__name__": "nsrm_harness.arm.peeking"}
+    peeking: dict[str, Any] = {"__name__": "nsrm_harness.manipulation.peeking"}
     exec(f"def peek(world):\n    return world.{question}", peeking)
     perform = follow.perform
 
@@ -173,12 +154,11 @@ def test_an_arm_that_asks_for_the_truth_is_noticed(
 
     monkeypatch.setattr(follow, "perform", peeks)
     trial.run(row, 5, 0)
-    assert others(watch.askers) == {"nsrm_harness.arm.peeking"}
+    assert others(watch.askers) == {"nsrm_harness.manipulation.peeking"}
 
 
 def test_the_truth_would_be_noticed() -> None:
-    code = (
-        "import sys, nsrm_harness.world.arm_world, nsrm_harness.judge, nsrm_harness.episodes.file"
-    )
+    names = ("simulation.arm_world", "data.ground_truth", "data.file")
+    code = "import sys, " + ", ".join(f"nsrm_harness.{name}" for name in names)
     found = truths(loaded_with(f"{code}\nprint(*sys.modules, sep='\\n')"))
     assert set(TRUTH) <= found

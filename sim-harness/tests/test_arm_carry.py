@@ -25,15 +25,15 @@ from arm_scenes import (
     three,
 )
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm.perform import FailedError, perform
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.bullet import pybullet
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Renderer
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import FailedError, perform
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.bullet import pybullet
+from nsrm_harness.simulation.render import Renderer
 
 PLACED_RAD = math.radians(3)
 
@@ -151,7 +151,7 @@ def test_a_block_is_not_turned_the_long_way_round(monkeypatch: pytest.MonkeyPatc
         return float(np.ptp(np.unwrap(yaws)))
 
     assert turned_rad() < math.radians(120)
-    monkeypatch.setattr("nsrm_harness.arm.carry.MAX_TURN_RAD", math.inf)
+    monkeypatch.setattr("nsrm_harness.manipulation.pick_and_place.MAX_TURN_RAD", math.inf)
     assert turned_rad() > math.radians(270)
 
 

@@ -20,9 +20,14 @@ from arm_scenes import (
     put,
 )
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.carry import Carry, Planner
-from nsrm_harness.arm.clear import (
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose, Vector3
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.execute import Done
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.relocation import (
     FINGER_ROOM_M,
     HIGHEST_M,
     LOWEST_M,
@@ -32,15 +37,10 @@ from nsrm_harness.arm.clear import (
     Aside,
     clearing,
 )
-from nsrm_harness.arm.execute import Done
-from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm.perform import MAX_TRIES, FailedError, perform
-from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.arm.support import ROOM_M, gap_m
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.layout import PLACEMENT_SPACE
-from nsrm_harness.world.pose import Pose, Vector3
+from nsrm_harness.manipulation.retries import MAX_TRIES, FailedError, perform
+from nsrm_harness.manipulation.stability import ROOM_M, gap_m
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.layout import PLACEMENT_SPACE
 
 EDGE_M = 0.04
 CUBE: Vector3 = (EDGE_M, EDGE_M, EDGE_M)

@@ -11,17 +11,26 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nsrm_harness.arm import collision, panda
-from nsrm_harness.arm.collision import FAR_M, HELD, MARGIN_M, REACH_M, TOUCHING, Guard, steps
-from nsrm_harness.arm.grasp import pointing_down
-from nsrm_harness.arm.kinematics import Joints, Kinematics
-from nsrm_harness.arm.support import TABLE
-from nsrm_harness.arm.timing import Along, Straight, Trajectory
-from nsrm_harness.arm.ways import line
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.bullet import connect_direct, pybullet
-from nsrm_harness.world.layout import WORK_SPACE
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation import collision
+from nsrm_harness.manipulation.collision import (
+    FAR_M,
+    HELD,
+    MARGIN_M,
+    REACH_M,
+    TOUCHING,
+    Guard,
+    steps,
+)
+from nsrm_harness.manipulation.grasps import pointing_down
+from nsrm_harness.manipulation.kinematics import Joints, Kinematics
+from nsrm_harness.manipulation.paths import line
+from nsrm_harness.manipulation.stability import TABLE
+from nsrm_harness.manipulation.trajectory import Along, Straight, Trajectory
+from nsrm_harness.simulation.bullet import connect_direct, pybullet
+from nsrm_harness.simulation.layout import WORK_SPACE
 
 KINEMATICS = Kinematics()
 LINKS = tuple(collision._vertices())

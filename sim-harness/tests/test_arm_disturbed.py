@@ -12,23 +12,33 @@ import pytest
 from another_process import elsewhere
 from world_scenes import DOMAIN
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.body import StuckError, wait
-from nsrm_harness.arm.carry import Carry, Planner
-from nsrm_harness.arm.execute import Done, carry_out
-from nsrm_harness.arm.fingers import GripperError
-from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm.perform import FailedError, Performed
-from nsrm_harness.arm_trials import disturbed
-from nsrm_harness.arm_trials.disturb import DISTURBANCES, DisturbedArm, GraspFails, SceneFrozen
-from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS, MOST_KINDS, Loop, run_disturbed
-from nsrm_harness.arm_trials.episode import End
-from nsrm_harness.arm_trials.judge import Judge, Verdict
-from nsrm_harness.episodes.seeds import generator
-from nsrm_harness.looking import BlindError
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.data.seeds import generator
+from nsrm_harness.evaluation.manipulation_trials import disturbed
+from nsrm_harness.evaluation.manipulation_trials.disturb import (
+    DISTURBANCES,
+    DisturbedArm,
+    GraspFails,
+    SceneFrozen,
+)
+from nsrm_harness.evaluation.manipulation_trials.disturbed import (
+    DISTURBED_ROWS,
+    MOST_KINDS,
+    Loop,
+    run_disturbed,
+)
+from nsrm_harness.evaluation.manipulation_trials.episode import End
+from nsrm_harness.evaluation.manipulation_trials.judge import Judge, Verdict
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.execute import Done, carry_out
+from nsrm_harness.manipulation.gripper import GripperError
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.observing import BlindError
+from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.robot_interface import StuckError, wait
+from nsrm_harness.simulation.blocks import block_from_attributes
 
 SEED = 1
 GOAL = Pose.upright(0.62, 0.15, 0.02)

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from arm_scenes import BESIDE, PLACED_M, STAYED_M, Through, at_home, known, put, three
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.body import StuckError, wait
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Done, carry_out
-from nsrm_harness.arm.fingers import (
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.execute import Done, carry_out
+from nsrm_harness.manipulation.gripper import (
     BEGIN_S,
     MOVE_S,
     THERE_M,
@@ -23,9 +22,10 @@ from nsrm_harness.arm.fingers import (
     close_fingers,
     open_fingers,
 )
-from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.robot_interface import StuckError, wait
+from nsrm_harness.simulation.arm_world import ArmWorld
 
 LATE_S = 0.05
 

@@ -10,10 +10,10 @@ from contextlib import closing
 import pytest
 from arm_scenes import PLACED_M, STAYED_M, Noting, known, put
 
-from nsrm_harness.arm.grasp import CLEAR_M, NARROW_M
-from nsrm_harness.arm.perform import perform
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.grasps import CLEAR_M, NARROW_M
+from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.simulation.arm_world import ArmWorld
 
 GOAL = Pose.upright(0.5, -0.2, 0.02)
 Neighbours = tuple[tuple[float, float], ...]

@@ -12,14 +12,14 @@ import pytest
 from arm_scenes import above
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.body import wait
-from nsrm_harness.arm_trials.judge import Judge, turned_rad
+from nsrm_harness.data.moves import Move, target
 from nsrm_harness.domain import Domain
-from nsrm_harness.episodes.moves import Move, target
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.blocks import Block
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.evaluation.manipulation_trials.judge import Judge, turned_rad
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.robot_interface import wait
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.blocks import Block
 
 CUBE = Block((), (0.04, 0.04, 0.04), (0.8, 0.1, 0.1))
 

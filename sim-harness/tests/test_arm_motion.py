@@ -9,12 +9,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nsrm_harness.arm import panda, ways
-from nsrm_harness.arm.grasp import LEANS_RAD, pointing_down
-from nsrm_harness.arm.kinematics import LIMIT_MARGIN_RAD, Joints, Kinematics
-from nsrm_harness.arm.timing import Along, Straight, Trajectory, moments_of, rest_to_rest
-from nsrm_harness.world.arm import rest_links
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation import paths as ways
+from nsrm_harness.manipulation.grasps import LEANS_RAD, pointing_down
+from nsrm_harness.manipulation.kinematics import LIMIT_MARGIN_RAD, Joints, Kinematics
+from nsrm_harness.manipulation.trajectory import (
+    Along,
+    Straight,
+    Trajectory,
+    moments_of,
+    rest_to_rest,
+)
+from nsrm_harness.simulation.arm import rest_links
 
 KINEMATICS = Kinematics()
 TICK_S = 2e-4

@@ -16,14 +16,14 @@ from arm_scenes import (
     three,
 )
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.grasp import LOWEST_M, WIDEST_M, grasps, why_not_held
-from nsrm_harness.arm.perform import perform
-from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.grasps import LOWEST_M, WIDEST_M, grasps, why_not_held
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.simulation.arm_world import ArmWorld
 
 
 @pytest.fixture

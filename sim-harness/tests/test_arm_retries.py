@@ -25,14 +25,14 @@ from arm_scenes import (
     three,
 )
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Done, carry_out
-from nsrm_harness.arm.perform import MAX_TRIES, FailedError, perform, seen_turned_rad
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Renderer
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.execute import Done, carry_out
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import MAX_TRIES, FailedError, perform, seen_turned_rad
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.render import Renderer
 
 
 @pytest.fixture

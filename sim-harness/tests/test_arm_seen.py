@@ -9,17 +9,19 @@ import numpy as np
 import pytest
 from world_scenes import DOMAIN, on_top, random_blocks
 
-from nsrm_harness import sight
-from nsrm_harness.perception.cuboids import Cuboid, Cuboids, faces
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose, Vector3
+from nsrm_harness.perception import observer
+from nsrm_harness.perception.cuboids import Cuboids, faces
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
 from nsrm_harness.perception.tracking import Tracker
-from nsrm_harness.world.blocks import Block, block_from_attributes
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.layout import sample_layout
-from nsrm_harness.world.pose import Pose, Vector3
-from nsrm_harness.world.render import Light, Renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.simulation.blocks import Block, block_from_attributes
+from nsrm_harness.simulation.layout import sample_layout
+from nsrm_harness.simulation.render import Light, Renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+from nsrm_harness.simulation.world import World
 
 CENTRE_M = 0.001
 EDGE_M = 0.0015
@@ -267,7 +269,7 @@ def test_where_all_of_a_covered_block_is_is_remembered_until_it_moves(renderer: 
     with World() as world:
         world.spawn([small("red"), small("blue")], [Pose.upright(0.45, 0.0, 0.02), FREE])
         world.settle()
-        eyes = sight.Eyes(renderer, world, default_camera())
+        eyes = observer.Observer(SimulatedCamera(renderer, world, default_camera()))
         first = eyes.look()
         lower = next(key for key in first.cuboids if first.cuboids[key].pose.position[1] < 0.1)
         assert all((first.whole[key] == first.locations[key]).all() for key in first.locations)

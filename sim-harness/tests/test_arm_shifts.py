@@ -11,12 +11,12 @@ import pytest
 from arm_scenes import BESIDE, Numb, Still, at_home, known, three
 from test_arm_clear import no_room
 
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.perform import MAX_TRIES, FailedError, Look, perform
-from nsrm_harness.arm.shifts import SHIFTED_M, Shifts
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.displacements import SHIFTED_M, Shifts
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import MAX_TRIES, FailedError, Look, perform
+from nsrm_harness.simulation.arm_world import ArmWorld
 
 PUSHED_M = 0.006
 

@@ -10,17 +10,17 @@ import pytest
 from arm_scenes import KINEMATICS
 from world_scenes import DOMAIN
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.body import wait
-from nsrm_harness.arm.carry import Carry, Planner
-from nsrm_harness.arm.execute import carry_out, go_back
-from nsrm_harness.arm.kinematics import Joints
-from nsrm_harness.arm.stop import BACK_RAD, Braking, Part, StoppedError, back_along
-from nsrm_harness.arm.timing import Backwards, Trajectory
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.execute import carry_out, go_back
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.robot_interface import wait
+from nsrm_harness.manipulation.stopping import BACK_RAD, Braking, Part, StoppedError, back_along
+from nsrm_harness.manipulation.trajectory import Backwards, Trajectory
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.blocks import block_from_attributes
 
 GOAL = Pose.upright(0.62, 0.15, 0.02, 0.7)
 BRAKED_S = 1.2

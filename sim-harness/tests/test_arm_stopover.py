@@ -9,15 +9,15 @@ import pytest
 from arm_scenes import PLACED_M, STAYED_M, Numb, Still, at_home, known, put
 from test_arm_clear import Endless
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Done
-from nsrm_harness.arm.perform import FailedError, perform
-from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.arm.stopover import stopover
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.execute import Done
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.regrasp import stopover
+from nsrm_harness.manipulation.retries import FailedError, perform
+from nsrm_harness.simulation.arm_world import ArmWorld
 
 LEFT, RIGHT = Pose.upright(0.42, 0.093, 0.02), Pose.upright(0.42, 0.217, 0.02)
 """Of the tower: a hand must lean away from it to reach between, the one way and the other."""

@@ -6,8 +6,10 @@ import math
 
 import pytest
 
-from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.arm.support import (
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose, Vector3
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.stability import (
     CENTRED_M,
     LEVEL_M,
     ROOM_M,
@@ -18,8 +20,6 @@ from nsrm_harness.arm.support import (
     resting_on,
     standing_on,
 )
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.pose import Pose, Vector3
 
 EDGE_M = 0.04
 CUBE: Vector3 = (EDGE_M, EDGE_M, EDGE_M)

@@ -10,16 +10,24 @@ import pytest
 from another_process import elsewhere
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm_trials import made_by, report, trial
-from nsrm_harness.arm_trials.disturbed import DISTURBED_ROWS
-from nsrm_harness.arm_trials.episode import Ended
-from nsrm_harness.arm_trials.judge import Verdict
-from nsrm_harness.arm_trials.rows import ROWS, Row, draw
-from nsrm_harness.arm_trials.run import TrialsError, episode, films, run
-from nsrm_harness.cli import main
+from nsrm_harness.cli.main import main
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
-from nsrm_harness.episodes.seeds import generator
-from nsrm_harness.workers import Processes
+from nsrm_harness.evaluation.manipulation_trials import (
+    provenance as made_by,
+)
+from nsrm_harness.evaluation.manipulation_trials import (
+    trial,
+)
+from nsrm_harness.evaluation.manipulation_trials import (
+    trials_report as report,
+)
+from nsrm_harness.evaluation.manipulation_trials.disturbed import DISTURBED_ROWS
+from nsrm_harness.evaluation.manipulation_trials.episode import Ended
+from nsrm_harness.evaluation.manipulation_trials.judge import Verdict
+from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, Row, draw
+from nsrm_harness.evaluation.manipulation_trials.run_trials import TrialsError, episode, films, run
 
 BY_NAME = {row.name: row for row in ROWS}
 GOOD = Verdict(0.001, 0.0, 0.0, True, (), 5.0)
@@ -50,7 +58,7 @@ def test_the_same_seed_is_the_same_episode_in_another_process() -> None:
     here = trial.run(BY_NAME["steps_1"], 5, 1)
     there = elsewhere(
         "import json; from dataclasses import asdict;"
-        "from nsrm_harness.arm_trials import rows, trial;"
+        "from nsrm_harness.evaluation.manipulation_trials import rows, trial;"
         "print(json.dumps(asdict(trial.run(rows.ROWS[0], 5, 1))))"
     )
     assert json.loads(there) == json.loads(json.dumps(asdict(here)))
@@ -249,7 +257,9 @@ def test_a_missed_goal_ends_with_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     failed = [ended("steps_1", index, "failed", GOOD) for index in range(10)]
-    monkeypatch.setattr("nsrm_harness.arm_trials.run.run", lambda *_, **__: failed)
+    monkeypatch.setattr(
+        "nsrm_harness.evaluation.manipulation_trials.run_trials.run", lambda *_, **__: failed
+    )
     with pytest.raises(SystemExit) as stopped:
         main(["trials", "--quick", "--row", "steps_1", "--out", str(tmp_path)])
     assert stopped.value.code == 1

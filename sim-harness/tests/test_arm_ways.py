@@ -13,15 +13,16 @@ import pytest
 from arm_scenes import KINEMATICS, above
 from world_scenes import DOMAIN
 
-from nsrm_harness.arm import panda, ways
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.collision import Guard, Nearest, steps
-from nsrm_harness.arm.execute import Done, carry_out
-from nsrm_harness.arm.panda import READY_RAD as READY
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.panda import READY_RAD as READY
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation import paths as ways
+from nsrm_harness.manipulation.collision import Guard, Nearest, steps
+from nsrm_harness.manipulation.execute import Done, carry_out
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.blocks import block_from_attributes
 
 
 def around(objects: Mapping[str, Cuboid], held: Cuboid | None = None) -> Any:

@@ -9,15 +9,16 @@ from contextlib import closing
 import pytest
 from arm_scenes import PLACED_M, STAYED_M, at_home, known, put
 
-from nsrm_harness.arm import carry, panda
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.grasp import HOLDS, UPRIGHT
-from nsrm_harness.arm.perform import perform
-from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.blocks import Block
-from nsrm_harness.world.pose import Pose, Vector3
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose, Vector3
+from nsrm_harness.manipulation import pick_and_place as carry
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.grasps import HOLDS, UPRIGHT
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.blocks import Block
 
 LONG: Vector3 = (0.05, 0.09, 0.05)
 """The hand holds it by one pair of its faces alone."""

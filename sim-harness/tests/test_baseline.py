@@ -16,10 +16,13 @@ from jax import Array
 from learn_toys import Toys, make_toys
 
 from nsrm_harness import domain as domains
-from nsrm_harness.baseline.evaluate import plans
-from nsrm_harness.baseline.file import BaselineFile, read_baseline, write_baseline
-from nsrm_harness.baseline.model import ACTION, Baseline, carry_out
-from nsrm_harness.baseline.train import (
+from nsrm_harness.domain.grammar import Grammar, Style
+from nsrm_harness.domain.tokens import UnknownWordError, split
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.learning.baseline.evaluate import plans
+from nsrm_harness.learning.baseline.file import BaselineFile, read_baseline, write_baseline
+from nsrm_harness.learning.baseline.model import ACTION, Baseline, carry_out
+from nsrm_harness.learning.baseline.train import (
     PARTS,
     SIMULATOR,
     BaselineConfig,
@@ -30,11 +33,9 @@ from nsrm_harness.baseline.train import (
     train,
     understand,
 )
-from nsrm_harness.baseline.words import StepWords, parts, vocabulary
-from nsrm_harness.language.grammar import Grammar, Style
-from nsrm_harness.language.tokens import UnknownWordError, split
-from nsrm_harness.learn.config import StageConfig
-from nsrm_harness.learn.export import (
+from nsrm_harness.learning.baseline.words import StepWords, parts, vocabulary
+from nsrm_harness.learning.config import StageConfig
+from nsrm_harness.learning.export import (
     SCHEMA,
     ModelFile,
     ModelFileError,
@@ -42,11 +43,10 @@ from nsrm_harness.learn.export import (
     WorkSpace,
     write_model,
 )
-from nsrm_harness.learn.model import Dimensions, Model, tensors
-from nsrm_harness.learn.objective import scene_loss
-from nsrm_harness.learn.stages import Stage, TrainingError, lookup
-from nsrm_harness.learn.train import NEXT_ATTEMPT, trainable
-from nsrm_harness.world.camera import default_camera
+from nsrm_harness.learning.model import Dimensions, Model, tensors
+from nsrm_harness.learning.objective import scene_loss
+from nsrm_harness.learning.stages import Stage, TrainingError, lookup
+from nsrm_harness.learning.train import NEXT_ATTEMPT, trainable
 
 DOMAIN = domains.load()
 WORDS = vocabulary(DOMAIN)
@@ -210,7 +210,7 @@ def test_it_begins_again_until_it_has_learned(
         ran.append((stage.name, rest[0]))
         return model, next(losses)
 
-    monkeypatch.setattr("nsrm_harness.baseline.train._fit", fit)
+    monkeypatch.setattr("nsrm_harness.learning.baseline.train._fit", fit)
     model = train(WORDS, one.data, said(one, 2), BaselineConfig(), 3, quiet=True)
     seeds = [3 + NEXT_ATTEMPT * attempt for attempt in range(len(joint_losses))]
     begun = [(name, seed) for seed in seeds for name in ("single", "joint")]

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from nsrm_harness.trials.chaos import judge
-from nsrm_harness.trials.journal import JournalError, read
+from nsrm_harness.evaluation.process_trials.chaos import judge
+from nsrm_harness.evaluation.process_trials.journal import JournalError, read
 
 MS = 1_000_000
 Line = dict[str, Any]

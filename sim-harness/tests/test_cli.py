@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from nsrm_harness.cli import main
-from nsrm_harness.episodes.calibration import Calibration
-from nsrm_harness.errors import EpisodeFileError
+from nsrm_harness.cli.main import main
+from nsrm_harness.common.errors import EpisodeFileError
+from nsrm_harness.data.calibration import Calibration
 
 ROOT = Path(__file__).parent.parent
 
@@ -27,7 +27,7 @@ def run(*arguments: str | Path) -> int:
 def test_help_lists_the_commands_without_importing_them() -> None:
     code = (
         "import sys\n"
-        "from nsrm_harness.cli import main\n"
+        "from nsrm_harness.cli.main import main\n"
         "try:\n    main(['--help'])\nexcept SystemExit:\n    pass\n"
         "assert not {'pybullet', 'h5py', 'jax', 'nsrm_harness.domain'} & set(sys.modules)\n"
     )
@@ -111,7 +111,7 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
     arguments += ["--renderer", "pybullet", "--out", str(path)]
     # What runs in the background of a script is born deaf to Ctrl-C.
     hearing = "signal.signal(signal.SIGINT, signal.default_int_handler)"
-    program = f"import signal; {hearing}; from nsrm_harness.cli import main; main({arguments})"
+    program = f"import signal; {hearing}; from nsrm_harness.cli.main import main; main({arguments})"
     with subprocess.Popen(
         [sys.executable, "-c", program], cwd=ROOT, stderr=subprocess.PIPE, text=True
     ) as process:

@@ -9,19 +9,20 @@ import nsrm
 import numpy as np
 
 from nsrm_harness import domain as domains
+from nsrm_harness.data.tabletop import tabletop
 from nsrm_harness.demo.outcome import set_down
-from nsrm_harness.demo.prediction import cut_out, predicted_scene
-from nsrm_harness.demo.tabletop import tabletop
-from nsrm_harness.language.grammar import Grammar
-from nsrm_harness.language.program import Step
-from nsrm_harness.language.tokens import Tokenizer
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.sight import Eyes, Sight
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import open_renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.domain.grammar import Grammar
+from nsrm_harness.domain.program import Step
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.perception.observer import Observer, Sight
+from nsrm_harness.simulation.blocks import block_from_attributes
+from nsrm_harness.simulation.render import open_renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+from nsrm_harness.simulation.world import World
+from nsrm_harness.visualization.prediction import cut_out, predicted_scene
 
 DOMAIN = domains.load()
 
@@ -99,7 +100,7 @@ def test_what_is_left_of_a_sentence_is_planned_as_the_scene_is_now() -> None:
     with closing(open_renderer()) as renderer, World() as world:
         world.spawn(stage.arrangement.blocks, stage.arrangement.poses)
         world.settle()
-        sight = Eyes(renderer, world, camera).look()
+        sight = Observer(SimulatedCamera(renderer, world, camera)).look()
     scene = sight.scene(model, camera)
     whole = model.plan(scene, stage.sentence)
     assert len(whole.steps) == 2

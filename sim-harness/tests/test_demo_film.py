@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from nsrm_harness.demo.film import FRAME_S, Film
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.render import Renderer
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.render import Renderer
+from nsrm_harness.visualization.film import FRAME_S, Film
 
 FRAMES = 3
 

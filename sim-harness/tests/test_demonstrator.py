@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes import demonstrator as module
-from nsrm_harness.episodes.demonstrator import Demonstrator, Episode, Wanted
-from nsrm_harness.episodes.moves import Move, target
-from nsrm_harness.episodes.programs import Descriptions
-from nsrm_harness.errors import EpisodeSettingsError
-from nsrm_harness.language.tokens import Tokenizer
-from nsrm_harness.world.camera import Observation, observation
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Frame, open_renderer
-from nsrm_harness.world.world import Settled, World
+from nsrm_harness.common.errors import EpisodeSettingsError
+from nsrm_harness.data import demonstrator as module
+from nsrm_harness.data.demonstrator import Demonstrator, Episode, Wanted
+from nsrm_harness.data.moves import Move, target
+from nsrm_harness.data.programs import Descriptions
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.render import Frame, open_renderer
+from nsrm_harness.simulation.segmentation import Observation, observation
+from nsrm_harness.simulation.world import Settled, World
 
 DOMAIN = domains.load()
 WANTED = Wanted(2, (4, 5), Descriptions(1, 2))

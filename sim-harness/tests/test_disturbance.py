@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.cli import main
-from nsrm_harness.episodes.disturbance import UNDISTURBED, Disturbance
-from nsrm_harness.episodes.file import Demonstrations
-from nsrm_harness.episodes.generate import SPLITS, generate
-from nsrm_harness.errors import EpisodeSettingsError
-from nsrm_harness.judge import Judge
-from nsrm_harness.world.blocks import Block, block_from_attributes
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Light, open_renderer
-from nsrm_harness.world.render.tiny import MAX_MESHES
-from nsrm_harness.world.world import World
+from nsrm_harness.cli.main import main
+from nsrm_harness.common.errors import EpisodeSettingsError
+from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.blocks import Block, block_from_attributes
+from nsrm_harness.simulation.render import Light, open_renderer
+from nsrm_harness.simulation.render.tiny import MAX_MESHES
+from nsrm_harness.simulation.world import World
 
 DOMAIN = domains.load()
 SETTINGS = replace(SPLITS["disturbed"], count=2, seed=4, renderer="pybullet")

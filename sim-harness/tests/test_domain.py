@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.errors import DomainError
+from nsrm_harness.common.errors import DomainError
 
 WORKSHOP = Path(__file__).parent / "domains" / "workshop.toml"
 

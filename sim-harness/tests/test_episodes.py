@@ -13,8 +13,10 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes import generate as module
-from nsrm_harness.episodes.file import (
+from nsrm_harness.common.errors import EpisodeFileError, EpisodeSettingsError
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.data import generate as module
+from nsrm_harness.data.file import (
     DEPTH_UNIT_M,
     FINAL_IMAGE,
     OBSERVED,
@@ -22,12 +24,10 @@ from nsrm_harness.episodes.file import (
     depth_from_units,
     depth_units,
 )
-from nsrm_harness.episodes.generate import SPLITS, Progress, Settings, generate
-from nsrm_harness.episodes.moves import Move, target
-from nsrm_harness.episodes.programs import SHARES_OF, share
-from nsrm_harness.errors import EpisodeFileError, EpisodeSettingsError
-from nsrm_harness.judge import Judge
-from nsrm_harness.workers import Processes
+from nsrm_harness.data.generate import SPLITS, Progress, Settings, generate
+from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.moves import Move, target
+from nsrm_harness.data.programs import SHARES_OF, share
 
 DOMAIN = domains.load()
 WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")
@@ -202,7 +202,7 @@ def test_the_data_hash_covers_everything_that_is_learned_from(copied: Path, name
 
 
 def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> None:
-    importers: dict[str, set[str]] = {"nsrm_harness.judge": set(), "h5py": set()}
+    importers: dict[str, set[str]] = {"nsrm_harness.data.ground_truth": set(), "h5py": set()}
     for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names: list[str] = []
@@ -212,21 +212,21 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
                 names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
             for name in importers.keys() & set(names):
                 importers[name].add(str(path.relative_to(PACKAGE)))
-    assert importers["nsrm_harness.judge"] <= {
+    assert importers["nsrm_harness.data.ground_truth"] <= {
         # The paper tells its baseline where the steps of a command end.
-        "baseline/words.py",
-        "commands/look.py",
-        "illustrate.py",
-        "tables/concepts.py",
-        "tables/failures.py",
-        "evaluate.py",
-        "refusals/measure.py",
+        "learning/baseline/words.py",
+        "cli/commands/look.py",
+        "visualization/illustrate.py",
+        "paper/tables/concepts.py",
+        "paper/tables/failures.py",
+        "evaluation/metrics.py",
+        "evaluation/refusals/measure.py",
     }
     assert importers["h5py"] == {
-        "episodes/calibration.py",
-        "episodes/file.py",
-        "episodes/generate.py",
-        "episodes/writer.py",
+        "data/calibration.py",
+        "data/file.py",
+        "data/generate.py",
+        "data/writer.py",
     }
 
 
@@ -250,7 +250,7 @@ def test_the_judge_knows_what_happened(episodes: Path) -> None:
 
 
 def test_sub_goals_are_where_the_program_says(episodes: Path) -> None:
-    from nsrm_harness.world.blocks import block_from_attributes
+    from nsrm_harness.simulation.blocks import block_from_attributes
 
     with Judge(episodes) as judge:
         truth = judge.truth(0)

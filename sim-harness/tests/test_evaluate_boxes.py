@@ -11,11 +11,11 @@ import nsrm
 import numpy as np
 import pytest
 
-from nsrm_harness.cli import main
-from nsrm_harness.episodes.file import Demonstrations
-from nsrm_harness.evaluate import evaluate
-from nsrm_harness.judge import Judge
-from nsrm_harness.observing import objects_of
+from nsrm_harness.cli.main import main
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.evaluation.metrics import evaluate
+from nsrm_harness.evaluation.observed import objects_of
 
 COUNT = 6
 

@@ -14,14 +14,14 @@ import pytest
 from PIL import Image
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm_trials.judge import Verdict
-from nsrm_harness.cli import main
-from nsrm_harness.figures import report
-from nsrm_harness.figures.scenes import FIGURES, Figure, draw
-from nsrm_harness.figures.show import Done, Ended, run
-from nsrm_harness.follow import Follower
-from nsrm_harness.language.program import Step, canonical
-from nsrm_harness.workers import Processes
+from nsrm_harness.cli.main import main
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.domain.program import Step, canonical
+from nsrm_harness.evaluation.manipulation_trials.judge import Verdict
+from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.paper.figures import figures_report as report
+from nsrm_harness.paper.figures.scenes import FIGURES, Figure, draw
+from nsrm_harness.paper.figures.show import Done, Ended, run
 
 DOMAIN = domains.load()
 ON_BLUE, ON_CYAN = Step("MoveOn", ("cyan",), ("blue",)), Step("MoveOn", ("blue",), ("cyan",))

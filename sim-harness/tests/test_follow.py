@@ -10,16 +10,17 @@ import nsrm
 import numpy as np
 import pytest
 
-from nsrm_harness import follow
-from nsrm_harness.arm.body import StuckError
-from nsrm_harness.arm.perform import FailedError, Look, Performed
-from nsrm_harness.arm.refused import RefusedError, Why
-from nsrm_harness.demo.outcome import Stopped, carry
-from nsrm_harness.follow import MAX_ATTEMPTS, Follower
-from nsrm_harness.looking import PATIENCE_S, BlindError
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.sight import DarkError, Sight
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.demo.outcome import carry
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation import follow
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.follow import MAX_ATTEMPTS, Follower
+from nsrm_harness.manipulation.observing import PATIENCE_S, BlindError
+from nsrm_harness.manipulation.retries import FailedError, Look, Performed
+from nsrm_harness.manipulation.robot_interface import StuckError
+from nsrm_harness.perception.observer import DarkError, Sight
+from nsrm_harness.visualization.onlooker import Stopped
 
 CARRY_S = 5.0
 CUBE_M = (0.04, 0.04, 0.04)

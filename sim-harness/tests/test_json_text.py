@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from nsrm_harness.json_text import json_text
+from nsrm_harness.common.json_text import json_text
 
 NAN, INFINITE = float("nan"), float("inf")
 

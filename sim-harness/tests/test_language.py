@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
+from nsrm_harness.common.errors import DomainError
 from nsrm_harness.domain import GROUP_TOKEN, Domain
-from nsrm_harness.errors import DomainError
-from nsrm_harness.language.grammar import Grammar, Style
-from nsrm_harness.language.letters import lower_case, upper_case
-from nsrm_harness.language.program import Program, Step, canonical
-from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
+from nsrm_harness.domain.grammar import Grammar, Style
+from nsrm_harness.domain.letters import lower_case, upper_case
+from nsrm_harness.domain.program import Program, Step, canonical
+from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError, split
 
 WORKSHOP = Path(__file__).parent / "domains" / "workshop.toml"
 LETTERS = Path(__file__).parent / "domains" / "letters.toml"

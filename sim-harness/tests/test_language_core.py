@@ -10,10 +10,10 @@ from test_language import LETTERS, random_program
 
 from nsrm_harness import domain as domains
 from nsrm_harness.domain import Domain
-from nsrm_harness.language.grammar import Grammar, Style
-from nsrm_harness.language.tokens import Tokenizer, UnknownWordError
-from nsrm_harness.learn.export import ModelFile, Thresholds, WorkSpace, write_model
-from nsrm_harness.learn.model import Dimensions, Model
+from nsrm_harness.domain.grammar import Grammar, Style
+from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError
+from nsrm_harness.learning.export import ModelFile, Thresholds, WorkSpace, write_model
+from nsrm_harness.learning.model import Dimensions, Model
 
 
 @pytest.fixture(scope="module")

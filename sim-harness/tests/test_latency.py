@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nsrm_harness.trials.latency import LatencyError, draw, read, table
+from nsrm_harness.evaluation.process_trials.latency import LatencyError, draw, read, table
 
 ROWS = {
     ("sentence, computation alone", "waiting"): 60 * [100_000] + 40 * [200_000],

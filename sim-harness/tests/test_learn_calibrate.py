@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nsrm_harness.episodes.calibration import Calibration
-from nsrm_harness.learn.calibrate import (
+from nsrm_harness.data.calibration import Calibration
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.learning.calibrate import (
     SCORES,
     CalibrationError,
     fit_camera,
@@ -15,7 +16,6 @@ from nsrm_harness.learn.calibrate import (
     terms,
     widest_plateau,
 )
-from nsrm_harness.world.camera import default_camera
 
 CAMERA = default_camera()
 WEIGHT = np.array(

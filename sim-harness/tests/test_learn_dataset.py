@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.file import Demonstrations
-from nsrm_harness.episodes.generate import SPLITS, generate
-from nsrm_harness.language.tokens import Tokenizer
-from nsrm_harness.learn import reference
-from nsrm_harness.learn.config import StageConfig, TrainingConfig
-from nsrm_harness.learn.dataset import Sentences, TrainingSet, training_set
-from nsrm_harness.learn.model import tensors
-from nsrm_harness.learn.train import train
-from nsrm_harness.workers import Processes
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.learning import reference
+from nsrm_harness.learning.config import StageConfig, TrainingConfig
+from nsrm_harness.learning.dataset import Sentences, TrainingSet, training_set
+from nsrm_harness.learning.model import tensors
+from nsrm_harness.learning.train import train
 
 DOMAIN = domains.load()
 SETTINGS = replace(SPLITS["train"], count=12, seed=3, attributes=(1, 1), renderer="pybullet")

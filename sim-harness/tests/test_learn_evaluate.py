@@ -9,7 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from nsrm_harness.evaluate import (
+from nsrm_harness.data.ground_truth import StepTruth
+from nsrm_harness.domain.program import Step
+from nsrm_harness.evaluation.metrics import (
     WRONG,
     Score,
     block_iou,
@@ -18,9 +20,7 @@ from nsrm_harness.evaluate import (
     matched_ids,
     summarize,
 )
-from nsrm_harness.judge import StepTruth
-from nsrm_harness.language.program import Step
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.geometry.pose import Pose
 
 EDGES = np.array([[0.04, 0.04, 0.04], [0.06, 0.06, 0.05]])
 

@@ -10,9 +10,15 @@ import numpy as np
 import pytest
 from learn_steps import DOMAIN, ORDER_WORDS, WORDS, step_table, words_of
 
-from nsrm_harness.learn.decode import StepTable
-from nsrm_harness.learn.fillers import MOST, Fillers, fillers, omitted_without_change, with_fillers
-from nsrm_harness.learn.model import GROUP_TOKEN
+from nsrm_harness.learning.decode import StepTable
+from nsrm_harness.learning.fillers import (
+    MOST,
+    Fillers,
+    fillers,
+    omitted_without_change,
+    with_fillers,
+)
+from nsrm_harness.learning.model import GROUP_TOKEN
 
 
 @pytest.fixture(scope="module")

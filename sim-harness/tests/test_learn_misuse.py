@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from learn_steps import DOMAIN, ORDER_WORDS, WORDS, step_table, words_of
 
-from nsrm_harness.language.patterns import is_reserved, pattern_hash
-from nsrm_harness.learn import nonsense
-from nsrm_harness.learn.decode import StepTable
-from nsrm_harness.learn.fillers import fillers
-from nsrm_harness.learn.misuse import ROOM, habits, misuse
+from nsrm_harness.domain.patterns import is_reserved, pattern_hash
+from nsrm_harness.learning import nonsense
+from nsrm_harness.learning.decode import StepTable
+from nsrm_harness.learning.fillers import fillers
+from nsrm_harness.learning.misuse import ROOM, habits, misuse
 
 NOUN = f"({'|'.join(DOMAIN.grammar.nouns)})"
 

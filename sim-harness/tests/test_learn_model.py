@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.learn import model as network
-from nsrm_harness.learn.model import (
+from nsrm_harness.learning import model as network
+from nsrm_harness.learning.model import (
     Conv,
     Dimensions,
     Model,

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from nsrm_harness import domain as domains
 from nsrm_harness.domain import Domain
-from nsrm_harness.learn import naming
-from nsrm_harness.learn.model import Dimensions, Model
-from nsrm_harness.learn.naming import SENTENCES, name_actions
+from nsrm_harness.learning import naming
+from nsrm_harness.learning.model import Dimensions, Model
+from nsrm_harness.learning.naming import SENTENCES, name_actions
 
 MOST_BYTES = 20_000_000
 """Of memory, whatever the number of actions."""

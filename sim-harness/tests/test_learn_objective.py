@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from nsrm_harness import domain as domains
-from nsrm_harness.learn.dataset import Sentences
-from nsrm_harness.learn.decode import StepTable
-from nsrm_harness.learn.model import Dimensions, Model, Parse
-from nsrm_harness.learn.nonsense import known_gaps, nonsense
-from nsrm_harness.learn.objective import (
+from nsrm_harness.learning.dataset import Sentences
+from nsrm_harness.learning.decode import StepTable
+from nsrm_harness.learning.model import Dimensions, Model, Parse
+from nsrm_harness.learning.nonsense import known_gaps, nonsense
+from nsrm_harness.learning.objective import (
     Grounding,
     LossWeights,
     Scene,
@@ -27,13 +27,13 @@ from nsrm_harness.learn.objective import (
     soft_minimum,
     straight_through,
 )
-from nsrm_harness.learn.splits import (
+from nsrm_harness.learning.splits import (
     Command,
     end_log_probability,
     split_log_probability,
     step_tokens,
 )
-from nsrm_harness.learn.stages import end_loss
+from nsrm_harness.learning.stages import end_loss
 
 WEIGHTS = LossWeights(square=200.0, overlap=1.0)
 MODEL = Model(Dimensions.of(domains.load()), jax.random.key(0))

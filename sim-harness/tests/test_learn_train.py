@@ -17,13 +17,13 @@ from jax.experimental.compilation_cache.compilation_cache import reset_cache
 from learn_toys import concatenate, make_toys
 
 from nsrm_harness import domain as domains
-from nsrm_harness.evaluate import WRONG, summarize
-from nsrm_harness.learn import decode, naming
-from nsrm_harness.learn.calibrate import fit_thresholds
-from nsrm_harness.learn.checkpoint import CheckpointError, Progress
-from nsrm_harness.learn.config import ConfigError, StageConfig, TrainingConfig, read_config
-from nsrm_harness.learn.dataset import TrainingSet
-from nsrm_harness.learn.export import (
+from nsrm_harness.evaluation.metrics import WRONG, summarize
+from nsrm_harness.learning import decode, naming
+from nsrm_harness.learning.calibrate import fit_thresholds
+from nsrm_harness.learning.checkpoint import CheckpointError, Progress
+from nsrm_harness.learning.config import ConfigError, StageConfig, TrainingConfig, read_config
+from nsrm_harness.learning.dataset import TrainingSet
+from nsrm_harness.learning.export import (
     ModelFile,
     ModelFileError,
     Thresholds,
@@ -33,10 +33,17 @@ from nsrm_harness.learn.export import (
     write_metrics,
     write_model,
 )
-from nsrm_harness.learn.model import GROUP_TOKEN, Dimensions, Model, filter_scene, tensors, unique
-from nsrm_harness.learn.nonsense import known_gaps, nonsense
-from nsrm_harness.learn.stages import TrainingError
-from nsrm_harness.learn.train import TRAINS, Fit, Result, make_stage, train
+from nsrm_harness.learning.model import (
+    GROUP_TOKEN,
+    Dimensions,
+    Model,
+    filter_scene,
+    tensors,
+    unique,
+)
+from nsrm_harness.learning.nonsense import known_gaps, nonsense
+from nsrm_harness.learning.stages import TrainingError
+from nsrm_harness.learning.train import TRAINS, Fit, Result, make_stage, train
 
 WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
 BRIEF = StageConfig(epochs=2, learning_rate=1e-3, batch=8)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from nsrm_harness import messages
+from nsrm_harness.nodes import messages
 
 CLASSES: list[Any] = [
     found

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from world_scenes import DOMAIN
 
-from nsrm_harness.cli import main
-from nsrm_harness.miscalibration.faults import FAULTS
-from nsrm_harness.miscalibration.measure import Report, measure
-from nsrm_harness.miscalibration.scenes import KINDS, scenes
-from nsrm_harness.world.camera import default_camera
+from nsrm_harness.cli.main import main
+from nsrm_harness.evaluation.miscalibration.faults import FAULTS
+from nsrm_harness.evaluation.miscalibration.measure import Report, measure
+from nsrm_harness.evaluation.miscalibration.scenes import KINDS, scenes
+from nsrm_harness.geometry.camera import default_camera
 
 COUNT = 12
 GROSS = ("5 cm in height", "depths -5 %", "depths +5 %", "tilted by -3", "tilted by +3")

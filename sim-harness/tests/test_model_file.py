@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.baseline import file as baseline
-from nsrm_harness.learn import hashes
-from nsrm_harness.learn.convert import convert, tensor_hash
-from nsrm_harness.learn.export import (
+from nsrm_harness.learning import hashes
+from nsrm_harness.learning.baseline import file as baseline
+from nsrm_harness.learning.convert import convert, tensor_hash
+from nsrm_harness.learning.export import (
     ModelFile,
     ModelFileError,
     Thresholds,
@@ -28,7 +28,7 @@ from nsrm_harness.learn.export import (
     write_metrics,
     write_model,
 )
-from nsrm_harness.learn.model import Dimensions, Model
+from nsrm_harness.learning.model import Dimensions, Model
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMITTED = ROOT / "core" / "pretrained" / "tabletop.safetensors"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.moves import GAP_M, Arrangement, Move, target
-from nsrm_harness.world.blocks import Block, block_from_attributes
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.data.moves import GAP_M, Arrangement, Move, target
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.blocks import Block, block_from_attributes
 
 DOMAIN = domains.load()
 ON, RIGHT, LEFT = (DOMAIN.action(name) for name in ("MoveOn", "MoveRight", "MoveLeft"))

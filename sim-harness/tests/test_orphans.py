@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from nsrm_harness.tables.processes import Task, run_all
-from nsrm_harness.workers import Processes
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.paper.tables.processes import Task, run_all
 
 TESTS = Path(__file__).parent
 

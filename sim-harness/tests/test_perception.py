@@ -14,19 +14,21 @@ import numpy as np
 import pytest
 from world_scenes import DOMAIN, build_scene
 
-from nsrm_harness.cli import main
-from nsrm_harness.errors import HarnessError
-from nsrm_harness.perception import Detections, PerceptionError, detect, match
-from nsrm_harness.perception.match import overlaps
-from nsrm_harness.perception.measure import measure
-from nsrm_harness.perception.relief import Relief, relief
-from nsrm_harness.perception.scenes import Picture, with_noise
-from nsrm_harness.sight import Eyes
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.camera import Observation, default_camera, observe
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Light, Renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.cli.main import main
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.evaluation.detector.match import match, overlaps
+from nsrm_harness.evaluation.detector.measure import measure
+from nsrm_harness.evaluation.detector.scenes import Picture, with_noise
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.perception.detector import Detections, detect
+from nsrm_harness.perception.observer import Observer
+from nsrm_harness.perception.relief import PerceptionError, Relief, relief
+from nsrm_harness.simulation.blocks import block_from_attributes
+from nsrm_harness.simulation.render import Light, Renderer
+from nsrm_harness.simulation.segmentation import Observation, observe
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+from nsrm_harness.simulation.world import World
 
 CAMERA = default_camera()
 PACKAGE = Path(__file__).parent.parent / "nsrm_harness" / "perception"
@@ -195,9 +197,9 @@ def test_the_heights_of_a_picture_are_taken_once_a_look(
         taken.append(relief(*arguments))
         return taken[-1]
 
-    for module in ("nsrm_harness.sight", "nsrm_harness.perception.detector"):
+    for module in ("nsrm_harness.perception.observer", "nsrm_harness.perception.detector"):
         monkeypatch.setattr(f"{module}.relief", counted)
-    eyes = Eyes(renderer, world, CAMERA)
+    eyes = Observer(SimulatedCamera(renderer, world, CAMERA))
     for looks in (1, 2):
         eyes.look()
         assert len(taken) == looks
@@ -311,7 +313,7 @@ def test_matching_takes_each_object_once_and_nothing_far() -> None:
 
 
 def test_the_detector_imports_nothing_of_the_simulator() -> None:
-    allowed = {"nsrm_harness.errors", "nsrm_harness.world.camera"}
+    allowed = {"nsrm_harness.common.errors", "nsrm_harness.geometry.camera"}
     for name in ("detector", "relief", "towers", "cuts", "edges"):
         tree = ast.parse((PACKAGE / f"{name}.py").read_text(encoding="utf-8"))
         modules = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}

@@ -9,9 +9,9 @@ from pathlib import Path
 import nsrm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.generate import SPLITS, generate
-from nsrm_harness.evaluate import evaluate
-from nsrm_harness.workers import Processes
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.evaluation.metrics import evaluate
 
 #: Shares that a model must reach to be committed; 99.8 and 96.6 % were reached on 2,000 episodes.
 LEAST = {"program": 0.97, "object": 0.97, "reference": 0.97, "iou_2d": 0.88}

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.generate import SPLITS
-from nsrm_harness.episodes.moves import Arrangement
-from nsrm_harness.episodes.programs import (
+from nsrm_harness.common.errors import EpisodeSettingsError
+from nsrm_harness.data.generate import SPLITS
+from nsrm_harness.data.moves import Arrangement
+from nsrm_harness.data.programs import (
     SHARES,
     SHARES_OF,
     Descriptions,
@@ -21,11 +22,10 @@ from nsrm_harness.episodes.programs import (
     share,
     unique_descriptions,
 )
-from nsrm_harness.episodes.seeds import STREAMS, generator
-from nsrm_harness.errors import EpisodeSettingsError
-from nsrm_harness.language.program import Step
-from nsrm_harness.world.blocks import Block, block_from_attributes
-from nsrm_harness.world.layout import sample_layout
+from nsrm_harness.data.seeds import STREAMS, generator
+from nsrm_harness.domain.program import Step
+from nsrm_harness.simulation.blocks import Block, block_from_attributes
+from nsrm_harness.simulation.layout import sample_layout
 
 TABLETOP = domains.load()
 WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")

@@ -11,11 +11,11 @@ from statistics import mean
 
 import pytest
 
-from nsrm_harness.refusals.sentences import KINDS
-from nsrm_harness.tables import paper
-from nsrm_harness.tables.publish import MODEL, README, REPORT_FOLDER, with_figures
-from nsrm_harness.tables.report import REFUSALS, REPORT, TABLES, tables_of
-from nsrm_harness.tables.results import read_rows
+from nsrm_harness.evaluation.refusals.sentences import KINDS
+from nsrm_harness.paper.tables import published_figures as paper
+from nsrm_harness.paper.tables.publish import MODEL, README, REPORT_FOLDER, with_figures
+from nsrm_harness.paper.tables.results import read_rows
+from nsrm_harness.paper.tables.tables_report import REFUSALS, REPORT, TABLES, tables_of
 
 ROOT = Path(__file__).resolve().parents[2]
 REPORT_PATH = ROOT / REPORT_FOLDER

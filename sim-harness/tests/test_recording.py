@@ -19,20 +19,20 @@ import pytest
 from PIL import Image
 from rerun.chunk import RrdReader
 
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.body import wait
-from nsrm_harness.arm.collision import link_hulls
-from nsrm_harness.cli import main
-from nsrm_harness.perception.cuboids import Cuboid
-from nsrm_harness.recording.episode import Recording
-from nsrm_harness.recording.file import RecordingError, recorded
-from nsrm_harness.recording.motion import SAMPLE_S
-from nsrm_harness.recording.timeline import TIMELINE
-from nsrm_harness.recording.view import DEPTH_UNITS, depth_units
-from nsrm_harness.sight import Names, Sight
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.camera import FAR_M, default_camera
-from nsrm_harness.world.pose import Pose
+from nsrm_harness.cli.main import main
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.camera import FAR_M, default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.collision import link_hulls
+from nsrm_harness.manipulation.robot_interface import wait
+from nsrm_harness.perception.observer import Names, Sight
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.visualization.recording.episode import Recording
+from nsrm_harness.visualization.recording.file import RecordingError, recorded
+from nsrm_harness.visualization.recording.motion import SAMPLE_S
+from nsrm_harness.visualization.recording.timeline import TIMELINE
+from nsrm_harness.visualization.recording.view import DEPTH_UNITS, depth_units
 
 SEED = 4
 SENTENCE = "put the small red block on the magenta block"
@@ -310,7 +310,7 @@ def test_a_recording_that_is_turned_off_is_told(
 def test_without_the_package_it_is_told_what_to_do(tmp_path: Path) -> None:
     code = (
         "import sys; sys.modules['rerun'] = None\n"
-        "from nsrm_harness.cli import main\n"
+        "from nsrm_harness.cli.main import main\n"
         f"main(['demo', '--out', {str(tmp_path / 'out')!r}, '--record', 'a.rrd'])"
     )
     done = subprocess.run(

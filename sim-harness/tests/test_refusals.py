@@ -12,20 +12,20 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.cli import main
+from nsrm_harness.cli.main import main
+from nsrm_harness.data.moves import Arrangement
+from nsrm_harness.data.programs import Descriptions, sample_blocks, sample_task
 from nsrm_harness.domain import Domain
-from nsrm_harness.episodes.moves import Arrangement
-from nsrm_harness.episodes.programs import Descriptions, sample_blocks, sample_task
-from nsrm_harness.language.grammar import Grammar
-from nsrm_harness.language.patterns import is_reserved
-from nsrm_harness.language.program import Step
-from nsrm_harness.language.tokens import Tokenizer, UnknownWordError, split
-from nsrm_harness.refusals import topics
-from nsrm_harness.refusals.certainty import bins, calibration_error, risk_curve
-from nsrm_harness.refusals.figure import draw_report
-from nsrm_harness.refusals.measure import COLUMNS, GOOD, Outcome, Report, report
-from nsrm_harness.refusals.reading import Reading
-from nsrm_harness.refusals.sentences import (
+from nsrm_harness.domain.grammar import Grammar
+from nsrm_harness.domain.patterns import is_reserved
+from nsrm_harness.domain.program import Step
+from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError, split
+from nsrm_harness.evaluation.refusals import topics
+from nsrm_harness.evaluation.refusals.certainty import bins, calibration_error, risk_curve
+from nsrm_harness.evaluation.refusals.measure import COLUMNS, GOOD, Outcome, Report, report
+from nsrm_harness.evaluation.refusals.plot import draw_report
+from nsrm_harness.evaluation.refusals.reading import Reading
+from nsrm_harness.evaluation.refusals.sentences import (
     KINDS,
     OF_ORDER_WORDS,
     SETS,
@@ -35,7 +35,7 @@ from nsrm_harness.refusals.sentences import (
     make_items,
     set_of,
 )
-from nsrm_harness.world.layout import sample_layout
+from nsrm_harness.simulation.layout import sample_layout
 
 TABLETOP = domains.load()
 WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")

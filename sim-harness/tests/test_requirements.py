@@ -25,7 +25,7 @@ class Missing:
 
 
 sys.meta_path.insert(0, Missing())
-import_module("nsrm_harness.commands.{command}")
+import_module("nsrm_harness.cli.commands.{command}")
 """
 
 

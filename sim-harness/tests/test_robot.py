@@ -17,18 +17,16 @@ import pytest
 from numpy.typing import NDArray
 
 from nsrm_harness import domain as domains
-from nsrm_harness.demo.tabletop import tabletop
-from nsrm_harness.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
-from nsrm_harness.perception.cuboids import faces
-from nsrm_harness.perception.detector import detect
-from nsrm_harness.perception.relief import relief
-from nsrm_harness.perception.tracking import Tracker
-from nsrm_harness.robot import ports
-from nsrm_harness.robot.config import RobotConfigError, read_config
-from nsrm_harness.robot.controller import Answer, Controller, fault, stops_first
-from nsrm_harness.robot.half_made import SEGMENTS, remove_segments
-from nsrm_harness.robot.movers import SetsDown
-from nsrm_harness.robot.ports import (
+from nsrm_harness.data.tabletop import tabletop
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.nodes import ports
+from nsrm_harness.nodes.config import RobotConfigError, read_config
+from nsrm_harness.nodes.controller import Answer, Controller, fault, stops_first
+from nsrm_harness.nodes.half_made import SEGMENTS, remove_segments
+from nsrm_harness.nodes.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
+from nsrm_harness.nodes.movers import SetsDown
+from nsrm_harness.nodes.ports import (
     BEAT_NS,
     LINE_NS,
     FeedbackOut,
@@ -37,11 +35,13 @@ from nsrm_harness.robot.ports import (
     PortError,
     Robot,
 )
-from nsrm_harness.robot.stage import FRAME_S, Stage
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Light, Renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.nodes.simulated_robot import FRAME_S, Stage
+from nsrm_harness.perception.cuboids import faces
+from nsrm_harness.perception.detector import detect
+from nsrm_harness.perception.relief import relief
+from nsrm_harness.perception.tracking import Tracker
+from nsrm_harness.simulation.render import Light, Renderer
+from nsrm_harness.simulation.world import World
 
 SEED = 4
 NOW_NS = 10**15
@@ -335,7 +335,7 @@ def test_a_segment_that_was_given_up_keeps_nobody_waiting(
 @pytest.fixture
 def begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A segment of this user's, given up, among segments kept elsewhere."""
-    monkeypatch.setattr("nsrm_harness.robot.half_made.SEGMENTS", tmp_path)
+    monkeypatch.setattr("nsrm_harness.nodes.half_made.SEGMENTS", tmp_path)
     path = tmp_path / "mine_1_2.connection"
     path.touch()
     os.utime(path, (0.0, 0.0))
@@ -471,7 +471,7 @@ def test_a_clock_that_is_set_back_silences_nobody(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     now_ns = [NOW_NS]
-    monkeypatch.setattr("nsrm_harness.robot.ports._clock", lambda: now_ns[0])
+    monkeypatch.setattr("nsrm_harness.nodes.ports._clock", lambda: now_ns[0])
     sent = Sent()
     life = Life(cast(Any, sent), Role.CONTROLLER)
     hour_ns = 3600 * LINE_NS

@@ -10,19 +10,20 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.arm import panda
-from nsrm_harness.arm.body import wait
-from nsrm_harness.arm_trials.disturb import DisturbedArm
-from nsrm_harness.demo.tabletop import tabletop
-from nsrm_harness.messages import Kind, Outcome, SubGoal
-from nsrm_harness.perception.cuboids import Cuboid
+from nsrm_harness.data.tabletop import tabletop
+from nsrm_harness.evaluation.manipulation_trials.disturb import DisturbedArm
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.robot_interface import wait
+from nsrm_harness.nodes.controller import Answer, Controller
+from nsrm_harness.nodes.messages import Kind, Outcome, SubGoal
+from nsrm_harness.nodes.movers import Carries
+from nsrm_harness.perception.observer import Observer, Sight, sub_goal
 from nsrm_harness.perception.relief import PerceptionError
-from nsrm_harness.robot.controller import Answer, Controller
-from nsrm_harness.robot.movers import Carries
-from nsrm_harness.sight import Eyes, Sight, sub_goal
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Renderer
+from nsrm_harness.simulation.render import Renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 SEED = 4
 CROWDED = (221, "put the white block to the left of the magenta block")
@@ -42,7 +43,7 @@ class Scene:
         self.world = DisturbedArm()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
-        self.eyes = Eyes(renderer, self.world, default_camera())
+        self.eyes = Observer(SimulatedCamera(renderer, self.world, default_camera()))
         model = nsrm.Model.pretrained()
         self.sight: Sight = self.eyes.look()
         plan = model.plan(self.sight.scene(model, default_camera()), sentence or scene.sentence)

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from nsrm_harness.trials.journal import JournalError
-from nsrm_harness.trials.soak import draw, read_soak
+from nsrm_harness.evaluation.process_trials.journal import JournalError
+from nsrm_harness.evaluation.process_trials.soak import draw, read_soak
 
 SECOND = 1_000_000_000
 

@@ -16,15 +16,26 @@ from typing import Any, cast
 import pytest
 from PIL import Image
 
-from nsrm_harness.arm_trials.rows import ROWS
-from nsrm_harness.arm_trials.speed import checks, report, throughput
-from nsrm_harness.arm_trials.speed.episode import Episode, SpeedError, mixed
-from nsrm_harness.arm_trials.speed.profile import PARTS, SITES, Profiled, profiled
-from nsrm_harness.arm_trials.speed.run import check_same, rounds
-from nsrm_harness.arm_trials.speed.stopwatch import REST, Site, Stopwatch
-from nsrm_harness.arm_trials.speed.throughput import measure
-from nsrm_harness.cli import main
-from nsrm_harness.workers import Processes, Workers
+from nsrm_harness.cli.main import main
+from nsrm_harness.common.workers import Processes, Workers
+from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
+from nsrm_harness.evaluation.manipulation_trials.speed import (
+    checks,
+    throughput,
+)
+from nsrm_harness.evaluation.manipulation_trials.speed import (
+    speed_report as report,
+)
+from nsrm_harness.evaluation.manipulation_trials.speed.episode import Episode, SpeedError, mixed
+from nsrm_harness.evaluation.manipulation_trials.speed.measure_speed import check_same, rounds
+from nsrm_harness.evaluation.manipulation_trials.speed.profile import (
+    PARTS,
+    SITES,
+    Profiled,
+    profiled,
+)
+from nsrm_harness.evaluation.manipulation_trials.speed.stopwatch import REST, Site, Stopwatch
+from nsrm_harness.evaluation.manipulation_trials.speed.throughput import measure
 
 SELDOM = {"sampling"}
 """Parts that an episode can do without."""

@@ -11,12 +11,13 @@ import pytest
 from PIL import Image
 
 from nsrm_harness import domain as domains
-from nsrm_harness.evaluate import Metrics
-from nsrm_harness.tables.compare import BEFORE, Comparison, Cost
-from nsrm_harness.tables.detections import COLUMNS, DetectorRow, table_of
-from nsrm_harness.tables.figures import draw_comparison
-from nsrm_harness.tables.lines import TITLES
-from nsrm_harness.tables.publish import (
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.evaluation.metrics import Metrics
+from nsrm_harness.paper.tables.compare import BEFORE, Comparison, Cost
+from nsrm_harness.paper.tables.detections import COLUMNS, DetectorRow, table_of
+from nsrm_harness.paper.tables.figures import draw_comparison
+from nsrm_harness.paper.tables.lines import TITLES
+from nsrm_harness.paper.tables.publish import (
     BEGIN,
     END,
     README,
@@ -24,8 +25,7 @@ from nsrm_harness.tables.publish import (
     publish,
     with_figures,
 )
-from nsrm_harness.tables.report import REFUSALS, TABLES, markdown
-from nsrm_harness.tables.results import (
+from nsrm_harness.paper.tables.results import (
     ResultsError,
     Row,
     Summary,
@@ -35,12 +35,18 @@ from nsrm_harness.tables.results import (
     write_records,
     write_rows,
 )
-from nsrm_harness.tables.run import FIRST_MODELS, Outcome, StudyError, Tables
-from nsrm_harness.tables.study import JUDGED, full_study, quick_study
-from nsrm_harness.tables.times import Times, Took
-from nsrm_harness.tables.variants import EXACT, SAMPLED, disturbed_sets, training_sets, variants
-from nsrm_harness.tables.variants import JUDGED as COMPARED
-from nsrm_harness.workers import Processes
+from nsrm_harness.paper.tables.run_tables import FIRST_MODELS, Outcome, StudyError, Tables
+from nsrm_harness.paper.tables.study import JUDGED, full_study, quick_study
+from nsrm_harness.paper.tables.tables_report import REFUSALS, TABLES, markdown
+from nsrm_harness.paper.tables.times import Times, Took
+from nsrm_harness.paper.tables.variants import (
+    EXACT,
+    SAMPLED,
+    disturbed_sets,
+    training_sets,
+    variants,
+)
+from nsrm_harness.paper.tables.variants import JUDGED as COMPARED
 
 WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
 FOUND = (

@@ -10,11 +10,11 @@ import nsrm
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.generate import SPLITS, generate
-from nsrm_harness.evaluate import evaluate
-from nsrm_harness.learn.export import read_model
-from nsrm_harness.tables.compare import judge_without_core
-from nsrm_harness.workers import Processes
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.evaluation.metrics import evaluate
+from nsrm_harness.learning.export import read_model
+from nsrm_harness.paper.tables.compare import judge_without_core
 
 MODEL = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
 

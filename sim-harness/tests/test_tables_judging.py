@@ -10,12 +10,12 @@ import nsrm
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.generate import SPLITS, generate
-from nsrm_harness.evaluate import evaluate
-from nsrm_harness.tables.judging import Contender, Judging, judge_all
-from nsrm_harness.tables.processes import TaskError
-from nsrm_harness.tables.results import Row
-from nsrm_harness.workers import Processes
+from nsrm_harness.common.workers import Processes
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.evaluation.metrics import evaluate
+from nsrm_harness.paper.tables.judging import Contender, Judging, judge_all
+from nsrm_harness.paper.tables.processes import TaskError
+from nsrm_harness.paper.tables.results import Row
 
 MODEL = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
 CONTENDERS = (Contender("nsrm", 0, MODEL), Contender("other", 3, MODEL))

@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 
 from nsrm_harness import domain as domains
-from nsrm_harness.episodes.generate import SPLITS, generate
-from nsrm_harness.evaluate import Judged
-from nsrm_harness.language.program import Step
-from nsrm_harness.tables.actions import draw_actions
-from nsrm_harness.tables.concepts import draw_concepts
-from nsrm_harness.tables.failures import draw_failures, what_went_wrong, worst_episodes
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.domain.program import Step
+from nsrm_harness.evaluation.metrics import Judged
+from nsrm_harness.paper.tables.actions import draw_actions
+from nsrm_harness.paper.tables.concepts import draw_concepts
+from nsrm_harness.paper.tables.failures import draw_failures, what_went_wrong, worst_episodes
 
 PRETRAINED = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from nsrm_harness.tables.processes import Task, TaskError, run_all
+from nsrm_harness.paper.tables.processes import Task, TaskError, run_all
 
 
 def test_every_task_runs_and_its_words_are_kept(tmp_path: Path) -> None:

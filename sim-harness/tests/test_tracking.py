@@ -9,8 +9,12 @@ import numpy as np
 import pytest
 from test_arm_seen import hidden, large, move, out_of_sight, put, small
 
-from nsrm_harness.perception.cuboids import Cuboid, Face
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.perception.cuboids import Face
 from nsrm_harness.perception.detector import Detections
+from nsrm_harness.perception.observer import Observer
 from nsrm_harness.perception.relief import Relief
 from nsrm_harness.perception.tracking import (
     CONFIRMED,
@@ -19,11 +23,9 @@ from nsrm_harness.perception.tracking import (
     UNSEEN_PICTURES,
     Tracker,
 )
-from nsrm_harness.sight import Eyes
-from nsrm_harness.world.camera import default_camera
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.simulation.render import Renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+from nsrm_harness.simulation.world import World
 
 CAMERA = default_camera()
 EDGE_PX = 30
@@ -166,7 +168,7 @@ def test_what_was_taken_away_is_forgotten_unless_the_hand_holds_it(
     renderer: Renderer, world: World
 ) -> None:
     put(world, (small("red"), 0.45, 0.1, 0), (large("green"), 0.55, -0.1, 0))
-    eyes = Eyes(renderer, world, CAMERA)
+    eyes = Observer(SimulatedCamera(renderer, world, CAMERA))
     for _ in range(CONFIRMED):
         first = eyes.look()
     (red,) = (n for n, cuboid in first.cuboids.items() if cuboid.pose.position[1] > 0.0)

@@ -66,7 +66,7 @@ def test_a_wheel_has_all_files_of_the_package(wheel: Path) -> None:
         for path in (HARNESS / PACKAGE).rglob("*")
         if path.is_file() and path.suffix != ".pyc"
     }
-    assert {f"{PACKAGE}/domains/tabletop.toml", f"{PACKAGE}/learn/quick.toml"} <= own
+    assert {f"{PACKAGE}/domain/tabletop.toml", f"{PACKAGE}/learning/quick.toml"} <= own
     with ZipFile(wheel) as file:
         names = {name for name in file.namelist() if name.startswith(f"{PACKAGE}/")}
     assert names == own

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.workers import Processes, RayCluster, WorkersError
+from nsrm_harness.common.workers import Processes, RayCluster, WorkersError
 
 
 def episodes(*options: str | Path) -> subprocess.CompletedProcess[str]:

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from world_scenes import DOMAIN, random_blocks
 
-from nsrm_harness.world.arm import link_visuals
-from nsrm_harness.world.blocks import STUD_HEIGHT_M, block_from_attributes, block_mesh
-from nsrm_harness.world.layout import (
+from nsrm_harness.geometry.mesh import load_obj
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.arm import link_visuals
+from nsrm_harness.simulation.blocks import STUD_HEIGHT_M, block_from_attributes, block_mesh
+from nsrm_harness.simulation.layout import (
     CLEARANCE_M,
     MAX_YAW_RAD,
     PLACEMENT_SPACE,
@@ -21,8 +23,6 @@ from nsrm_harness.world.layout import (
     footprint,
     sample_layout,
 )
-from nsrm_harness.world.mesh import load_obj
-from nsrm_harness.world.pose import Pose
 
 
 def test_a_block_merges_what_its_values_say():

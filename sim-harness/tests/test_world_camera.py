@@ -8,18 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from nsrm_harness.world.camera import (
-    FAR_M,
-    MIN_VISIBLE_PX,
-    NEAR_M,
-    Camera,
-    default_camera,
-    linear_depth,
-    located,
-)
-from nsrm_harness.world.layout import PLACEMENT_SPACE, WORK_SPACE
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import Surfaces
+from nsrm_harness.geometry.camera import FAR_M, NEAR_M, Camera, default_camera, linear_depth
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.layout import PLACEMENT_SPACE, WORK_SPACE
+from nsrm_harness.simulation.render import Surfaces
+from nsrm_harness.simulation.segmentation import MIN_VISIBLE_PX, located
 
 
 def test_the_image_has_the_world_the_right_way_round():

@@ -14,11 +14,11 @@ import pytest
 from another_process import TESTS, elsewhere
 from world_scenes import build_scene, on_top, random_blocks
 
-from nsrm_harness.world import world as world_module
-from nsrm_harness.world.bullet import connect_direct, pybullet
-from nsrm_harness.world.layout import sample_layout
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.world import DROP_M, World
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation import world as world_module
+from nsrm_harness.simulation.bullet import connect_direct, pybullet
+from nsrm_harness.simulation.layout import sample_layout
+from nsrm_harness.simulation.world import DROP_M, World
 
 
 def digest(world: World) -> str:
@@ -152,7 +152,7 @@ def test_the_arm_rests_out_of_the_way():
 
 
 def test_nothing_is_printed():
-    code = "from nsrm_harness.world.world import World\nwith World() as w: w.settle()"
+    code = "from nsrm_harness.simulation.world import World\nwith World() as w: w.settle()"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, "PYTHONPATH": str(TESTS.parent)},

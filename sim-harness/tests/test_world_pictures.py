@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nsrm_harness.pictures import (
+from nsrm_harness.visualization.pictures import (
     MOVED_RGB,
     REFERENCE_RGB,
     SCALE,

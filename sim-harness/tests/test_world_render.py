@@ -11,18 +11,13 @@ from another_process import elsewhere
 from numpy.typing import NDArray
 from world_scenes import DOMAIN, build_scene, require_gl
 
-from nsrm_harness.world.blocks import block_from_attributes
-from nsrm_harness.world.camera import Camera, default_camera, observation, observe
-from nsrm_harness.world.layout import WORK_SPACE
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import (
-    VARIABLE,
-    Light,
-    Renderer,
-    RendererError,
-    open_renderer,
-)
-from nsrm_harness.world.world import World
+from nsrm_harness.geometry.camera import Camera, default_camera
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.blocks import block_from_attributes
+from nsrm_harness.simulation.layout import WORK_SPACE
+from nsrm_harness.simulation.render import VARIABLE, Light, Renderer, RendererError, open_renderer
+from nsrm_harness.simulation.segmentation import observation, observe
+from nsrm_harness.simulation.world import World
 
 KINDS = ["gl", "pybullet"]
 
@@ -213,7 +208,7 @@ def test_without_egl_auto_falls_back_and_gl_says_what_to_install(
 ):
     monkeypatch.delenv(VARIABLE, raising=False)
     code = (
-        "from nsrm_harness.world.render import open_renderer, RendererError\n"
+        "from nsrm_harness.simulation.render import open_renderer, RendererError\n"
         "print(open_renderer('auto').name)\n"
         "try: open_renderer('gl')\n"
         "except RendererError as error: print(error)\n"

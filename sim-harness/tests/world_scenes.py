@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.world.blocks import Block, block_from_attributes
-from nsrm_harness.world.layout import sample_layout
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.render import VARIABLE, Renderer, RendererError, open_renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.blocks import Block, block_from_attributes
+from nsrm_harness.simulation.layout import sample_layout
+from nsrm_harness.simulation.render import VARIABLE, Renderer, RendererError, open_renderer
+from nsrm_harness.simulation.world import World
 
 DOMAIN = domains.load()
 

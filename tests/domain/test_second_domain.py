@@ -12,16 +12,16 @@ import nsrm
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.cli import commands
-from nsrm_harness.episodes.calibration import Calibration
-from nsrm_harness.episodes.file import Demonstrations
-from nsrm_harness.judge import Judge
-from nsrm_harness.learn import calibrate
-from nsrm_harness.learn.config import StageConfig, TrainingConfig
-from nsrm_harness.learn.dataset import training_set
-from nsrm_harness.learn.export import ModelFile, WorkSpace, write_metrics, write_model
-from nsrm_harness.learn.train import TRAINS, train
-from nsrm_harness.world.layout import WORK_SPACE
+from nsrm_harness.cli.main import commands
+from nsrm_harness.data.calibration import Calibration
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.learning import calibrate
+from nsrm_harness.learning.config import StageConfig, TrainingConfig
+from nsrm_harness.learning.dataset import training_set
+from nsrm_harness.learning.export import ModelFile, WorkSpace, write_metrics, write_model
+from nsrm_harness.learning.train import TRAINS, train
+from nsrm_harness.simulation.layout import WORK_SPACE
 
 ROOT = Path(__file__).resolve().parents[2]
 DOMAIN = ROOT / "sim-harness" / "tests" / "domains" / "workshop.toml"

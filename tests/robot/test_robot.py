@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from nsrm_harness.robot.processes import Processes
+from nsrm_harness.nodes.processes import Processes
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARED_MEMORY = Path("/dev/shm")

@@ -2,7 +2,7 @@
 //! depend on.
 //!
 //! The rule stands in `docs/decisions/core.md`; the exporter's is
-//! `nsrm_harness/learn/hashes.py`, and `tests/golden/hash.json` has an example for both.
+//! `nsrm_harness/learning/hashes.py`, and `tests/golden/hash.json` has an example for both.
 
 use std::collections::{BTreeMap, HashMap};
 

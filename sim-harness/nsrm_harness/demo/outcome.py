@@ -5,30 +5,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import nsrm
 
-from nsrm_harness.arm.body import Body, StuckError
-from nsrm_harness.arm.carry import Planner
-from nsrm_harness.arm.execute import Mark
-from nsrm_harness.arm.perform import FailedError, Performed
-from nsrm_harness.arm.refused import RefusedError
-from nsrm_harness.follow import Follower
-from nsrm_harness.sight import Eyes, Sight
-from nsrm_harness.world.pose import Pose
-from nsrm_harness.world.world import World
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.errors import RefusedError
+from nsrm_harness.manipulation.execute import Mark
+from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.robot_interface import Body, StuckError
+from nsrm_harness.perception.observer import Observer, Sight
+from nsrm_harness.simulation.world import World
+from nsrm_harness.visualization.onlooker import Outcome, Stopped
 
 Goal = tuple[int, Pose]
 """The number of an object, and where its centre is to be."""
-
-
-class Outcome(Protocol):
-    """How one sub-goal went: a text for people, and the same for programs."""
-
-    def __str__(self) -> str: ...
-
-    def as_json(self) -> dict[str, Any]: ...
 
 
 Tell = Callable[[int, Any], None]
@@ -95,27 +88,9 @@ def set_down(
     return landings
 
 
-@dataclass(frozen=True)
-class Stopped:
-    """Why the arm did not carry a sub-goal out; those after it are not begun.
-
-    * `moved`: whether it began
-    """
-
-    moved: bool
-    message: str
-
-    def __str__(self) -> str:
-        return f"{'failed' if self.moved else 'refused'}: {self.message}"
-
-    def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
-        return {"failed" if self.moved else "refused": self.message}
-
-
 def carry(
     body: Body,
-    eyes: Eyes,
+    eyes: Observer,
     model: nsrm.Model,
     sentence: str,
     name: Callable[[int], str],

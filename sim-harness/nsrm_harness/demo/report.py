@@ -8,7 +8,7 @@ from typing import Any
 
 import nsrm
 
-from nsrm_harness.demo.outcome import Outcome
+from nsrm_harness.visualization.onlooker import Outcome
 
 
 def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[Outcome]) -> str:

@@ -11,20 +11,21 @@ import nsrm
 import numpy as np
 from PIL import Image
 
+from nsrm_harness.common.json_text import json_text
+from nsrm_harness.data.tabletop import tabletop
 from nsrm_harness.demo import report
-from nsrm_harness.demo.film import Film
-from nsrm_harness.demo.onlooker import Onlooker
-from nsrm_harness.demo.outcome import Goal, Outcome, Stopped, carry, set_down
-from nsrm_harness.demo.prediction import cut_out, predicted_scene
-from nsrm_harness.demo.tabletop import tabletop
+from nsrm_harness.demo.outcome import Goal, carry, set_down
 from nsrm_harness.domain import Domain
-from nsrm_harness.json_text import json_text
-from nsrm_harness.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
-from nsrm_harness.sight import Eyes, Names, Sight, names, sub_goal
-from nsrm_harness.world.arm_world import ArmWorld
-from nsrm_harness.world.camera import Camera, default_camera
-from nsrm_harness.world.render import Light, Renderer
-from nsrm_harness.world.world import World
+from nsrm_harness.geometry.camera import Camera, default_camera
+from nsrm_harness.perception.observer import Names, Observer, Sight, names, sub_goal
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.render import Light, Renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+from nsrm_harness.simulation.world import World
+from nsrm_harness.visualization.film import Film
+from nsrm_harness.visualization.onlooker import Onlooker, Outcome, Stopped
+from nsrm_harness.visualization.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
+from nsrm_harness.visualization.prediction import cut_out, predicted_scene
 
 FILES = ("initial.png", "predicted.png", "result.png", "overview.png", "strip.png", "film.gif")
 """All that a demonstration may write beside the scene."""
@@ -69,7 +70,7 @@ def show(
         background = renderer.render(world, camera, Light()).rgb
         world.spawn(stage.arrangement.blocks, stage.arrangement.poses)
         world.settle()
-        eyes = Eyes(renderer, world, camera)
+        eyes = Observer(SimulatedCamera(renderer, world, camera))
         sight = eyes.look()
         known = names(model, domain, sight)
         onlooker.begin(world, camera, known, sentence)

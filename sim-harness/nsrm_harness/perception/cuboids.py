@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely import Polygon
 
+from nsrm_harness.geometry.camera import Camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.perception.detector import Detections
 from nsrm_harness.perception.relief import Relief
-from nsrm_harness.world.camera import Camera
-from nsrm_harness.world.pose import Pose, Vector3
 
 TOP_M = 0.0055
 """Studs and what lies below a block's highest point by less belong to its top."""
@@ -37,34 +38,6 @@ SAMPLES = 13
 """Places along each edge of an upper face at which that is looked at."""
 BEHIND_M = 0.02
 """What is seen by so much behind a point has nothing there before it."""
-
-
-@dataclass(frozen=True)
-class Cuboid:
-    """A box in space.
-
-    * `pose`: of its centre
-    * `edges_m`: along its own x, y, z
-    """
-
-    pose: Pose
-    edges_m: Vector3
-
-    @property
-    def top_m(self) -> float:
-        """Height of the upper face of one that stands upright, metres."""
-        return self.pose.position[2] + self.edges_m[2] / 2
-
-    @property
-    def bottom_m(self) -> float:
-        """Height of its lower face."""
-        return self.pose.position[2] - self.edges_m[2] / 2
-
-    def corners(self) -> NDArray[np.float64]:
-        """Of one that stands upright, as seen from above `[4, 2]`, counter-clockwise."""
-        half = np.array(self.edges_m[:2]) / 2
-        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
-        return corners @ self.pose.rotation()[:2, :2].T + self.pose.position[:2]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nsrm_harness.geometry.camera import MIN_VISIBLE_PX, Camera
 from nsrm_harness.perception.cuts import slabs
 from nsrm_harness.perception.edges import MAX_LABELS, sharpened, without_strays
 from nsrm_harness.perception.relief import PerceptionError, Relief, relief
 from nsrm_harness.perception.towers import joined, towers
-from nsrm_harness.world.camera import MIN_VISIBLE_PX, Camera
 
 #: Objects for which the core has room.
 MAX_OBJECTS = 16

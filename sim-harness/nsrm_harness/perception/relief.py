@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nsrm_harness.errors import HarnessError
-from nsrm_harness.world.camera import Camera
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.geometry.camera import Camera
 
 #: How far from the world's z = 0 a point of the table may seem to lie, metres.
 TABLE_SEARCH_M = 0.02

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from nsrm_harness.geometry.camera import MIN_VISIBLE_PX
 from nsrm_harness.perception.relief import Relief
-from nsrm_harness.world.camera import MIN_VISIBLE_PX
 
 #: Edge of the plan's cells: a pixel's footprint on a flat top is about 2 mm long, and
 #: a gap of twice the edge always leaves an empty cell.

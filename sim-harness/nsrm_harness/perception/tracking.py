@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.perception.cuboids import Face
 from nsrm_harness.perception.detector import Detections
 from nsrm_harness.perception.relief import Relief
-from nsrm_harness.world.camera import Camera
 
 STAYED_M = 0.015
 """An object that is seen within this of where it was has not been moved."""

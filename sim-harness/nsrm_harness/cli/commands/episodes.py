@@ -1,0 +1,141 @@
+"""``harness episodes``: makes an episode file, in several processes, resumable."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import click
+from tqdm import tqdm
+
+from nsrm_harness import domain as domains
+from nsrm_harness.cli.commands.options import (
+    Sizes,
+    Span,
+    Values,
+    domain_option,
+    jobs_option,
+    ray_option,
+    seed_option,
+    workers_of,
+)
+from nsrm_harness.common.workers import Workers
+from nsrm_harness.data.demonstrator import describe
+from nsrm_harness.data.disturbance import Disturbance
+from nsrm_harness.data.generate import SPLITS, Progress, Settings, generate
+from nsrm_harness.simulation.render import KINDS
+
+
+@click.command("episodes")
+@click.option("--split", type=click.Choice(list(SPLITS)), required=True)
+@click.option("--count", type=click.IntRange(1), help="Number of episodes.")
+@domain_option
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    show_default="data/DOMAIN/SPLIT.h5",
+    help="The file to make.",
+)
+@seed_option
+@jobs_option
+@ray_option
+@click.option("--steps", type=Span(), help="Number of steps; each occurs equally often.")
+@click.option("--objects", type=Span(), help="Number of blocks.")
+@click.option("--attributes", type=Span(), help="Number of attribute values in a description.")
+@click.option(
+    "--exclude",
+    type=Values(),
+    multiple=True,
+    help="No block has all of these attribute values; may be given several times.",
+)
+@click.option("--renderer", type=click.Choice(KINDS), default="auto", show_default=True)
+@click.option(
+    "--disturbance",
+    type=Sizes(),
+    help="What is unlike training, such as camera_m=0.01,camera_deg=1,light=0.1,color=0.1,"
+    "depth_m=0.001; of the same scenes, whatever the sizes.",
+)
+@click.option("--fixed-light", is_flag=True, help="The same light in all episodes.")
+@click.option(
+    "--no-final-images",
+    is_flag=True,
+    help="Leave out the final scenes' pictures, which are for people alone: a quarter faster.",
+)
+def command(
+    split: str,
+    count: int | None,
+    domain_path: Path,
+    out: Path | None,
+    seed: int,
+    jobs: int,
+    ray: str | None,
+    steps: tuple[int, int] | None,
+    objects: tuple[int, int] | None,
+    attributes: tuple[int, int] | None,
+    exclude: tuple[tuple[str, ...], ...],
+    renderer: str,
+    disturbance: Disturbance | None,
+    fixed_light: bool,
+    no_final_images: bool,
+) -> None:
+    """Make a file of demonstrations: initial scene, sentence, final scene.
+
+    Ctrl-C keeps what is finished; the same command goes on with it and gives the
+    same file, byte for byte.
+    """
+    domain = domains.load(domain_path)
+    default = SPLITS[split]
+    settings = replace(
+        default,
+        count=count or default.count,
+        steps=steps or default.steps,
+        objects=objects or default.objects,
+        attributes=attributes or default.attributes,
+        exclude=exclude,
+        vary_light=not fixed_light,
+        final_image=not no_final_images,
+        disturbance=disturbance or default.disturbance,
+        renderer=renderer,
+        seed=seed,
+    )
+    path = out or Path("data") / domain.name / f"{split}.h5"
+    with workers_of(jobs, ray) as workers:
+        _generate(settings, domain, path, workers)
+
+
+def _generate(settings: Settings, domain: domains.Domain, path: Path, workers: Workers) -> None:
+    begun = time.monotonic()
+    last = Progress(0, Counter())
+    there: int | None = None
+    with tqdm(total=settings.count, unit="episode", disable=None) as bar:
+
+        def report(progress: Progress) -> None:
+            nonlocal last, there
+            last = progress
+            there = progress.done if there is None else there
+            bar.set_postfix_str(f"left out: {describe(progress.rejected)}")
+            bar.update(progress.done - bar.n)
+
+        try:
+            made = generate(settings, domain, path, workers, report)
+        except KeyboardInterrupt:
+            click.echo(
+                f"{path}: interrupted with {last.done} of {settings.count} episodes finished; "
+                f"the same command goes on with them",
+                err=True,
+            )
+            sys.exit(130)
+    if not made:
+        click.echo(f"{path}: is there already, made with these settings")
+        return
+    seconds = time.monotonic() - begun
+    made_now = settings.count - (there or 0)
+    rate = made_now / seconds / workers.count
+    click.echo(
+        f"{path}: {settings.count} episodes, {path.stat().st_size / 1e6:.1f} MB; "
+        f"{made_now} made in {seconds:.0f} s, {rate:.1f} a second and process; "
+        f"attempts left out: {describe(last.rejected)}"
+    )

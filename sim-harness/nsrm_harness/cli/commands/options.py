@@ -1,0 +1,144 @@
+"""Types of options that several subcommands share."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from pathlib import Path
+
+import click
+from click.decorators import FC
+
+from nsrm_harness import domain as domains
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.common.workers import Processes, RayCluster, Workers
+from nsrm_harness.data.disturbance import Disturbance
+
+
+class Span(click.ParamType):
+    """``4-6`` or ``5``: least and most of a number."""
+
+    name = "LEAST-MOST"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
+        """The two numbers."""
+        match = re.fullmatch(r"(\d+)(?:-(\d+))?", str(value))
+        if match is None:
+            self.fail(f"expected a number or two with a hyphen between, got {value!r}", param, ctx)
+        return int(match[1]), int(match[2] or match[1])
+
+
+class Values(click.ParamType):
+    """``small,green``: names of attribute values."""
+
+    name = "VALUE,VALUE"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        """The names."""
+        return tuple(part.strip() for part in str(value).split(","))
+
+
+class Sizes(click.ParamType):
+    """``camera_m=0.01,depth_m=0.001``: sizes of a disturbance."""
+
+    name = "NAME=SIZE,..."
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Disturbance:
+        """The disturbance."""
+        known = [field.name for field in fields(Disturbance)]
+        sizes: dict[str, float] = {}
+        for part in str(value).split(","):
+            name, _, size = part.strip().partition("=")
+            if name not in known:
+                self.fail(f"{name!r}: expected some of {', '.join(known)}", param, ctx)
+            try:
+                sizes[name] = float(size)
+            except ValueError:
+                self.fail(f"{name}: expected a number, got {size!r}", param, ctx)
+        return Disturbance(**sizes)
+
+
+domain_option = click.option(
+    "--domain",
+    "domain_path",
+    type=click.Path(path_type=Path),
+    default=domains.DEFAULT,
+    show_default="the paper's",
+    help="Domain file.",
+)
+seed_option = click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+model_option = click.option(
+    "--model",
+    "model_path",
+    type=click.Path(path_type=Path),
+    show_default="the one that is built in",
+    help="Model file.",
+)
+arm_option = click.option(
+    "--arm/--no-arm",
+    "with_arm",
+    default=True,
+    show_default=True,
+    help="The arm carries blocks to their sub-goals; or they are set down there without it.",
+)
+jobs_option = click.option(
+    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
+)
+ray_option = click.option(
+    "--ray",
+    metavar="ADDRESS",
+    help="Work on a Ray cluster: 'auto', 'HOST:PORT', or 'local' for one of --jobs processors.",
+)
+quiet_option = click.option("--quiet", is_flag=True, help="No progress.")
+
+
+def out_option(default: str, help_text: str) -> Callable[[FC], FC]:
+    """The folder that results go into."""
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path, file_okay=False),
+        default=Path(default),
+        show_default=True,
+        help=help_text,
+    )
+
+
+def episodes_options(default: str, help_text: str) -> Callable[[FC], FC]:
+    """What a command that carries episodes out is given besides its own: --seed, who works, and
+    where what comes of it goes, as `out_option`."""
+
+    def add(command: FC) -> FC:
+        for option in (out_option(default, help_text), quiet_option, ray_option, jobs_option):
+            command = option(command)
+        return seed_option(command)
+
+    return add
+
+
+def make_folder(path: Path) -> None:
+    """Makes a folder that results go into. Raises `HarnessError`."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HarnessError(
+            f"can't make the folder {path}: {error.strerror}: another --out"
+        ) from None
+
+
+@contextmanager
+def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
+    """Who works under `jobs_option` and `ray_option`."""
+    if ray is None:
+        yield Processes(jobs)
+        return
+    with RayCluster(ray, jobs) as cluster:
+        yield cluster

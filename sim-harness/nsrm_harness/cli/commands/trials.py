@@ -1,0 +1,74 @@
+"""``harness trials``: how often the arm does what a sentence says."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from nsrm_harness.cli.commands.options import episodes_options, workers_of
+
+WORST, BEST = 20, 4
+"""Episodes that ended so are shown as films."""
+
+
+@click.command("trials")
+@click.option(
+    "--episodes", type=click.IntRange(1), default=500, show_default=True, help="Of each row."
+)
+@click.option("--quick", is_flag=True, help="Ten episodes of each row from the start, no films.")
+@click.option(
+    "--disturbed",
+    is_flag=True,
+    help="Rows that are disturbed on purpose, with open loops beside.",
+)
+@click.option("--row", "names", multiple=True, help="Only this one; may be repeated.")
+@episodes_options(
+    "out/trials", "Folder for the table and what it is made of; one that was broken off goes on."
+)
+def command(
+    episodes: int,
+    quick: bool,
+    disturbed: bool,
+    names: tuple[str, ...],
+    seed: int,
+    jobs: int,
+    ray: str | None,
+    quiet: bool,
+    out: Path,
+) -> None:
+    """Have the arm carry random sentences out, judged by the truth of the simulator.
+
+    The model plans through the core from what camera and detector see; the arm sees pictures and
+    feels its joints. In the control row it is given the true poses and sub-goals.
+
+    Exit code 1 if a goal was missed otherwise than by chance.
+    """
+    from nsrm_harness.evaluation.manipulation_trials import trials_report as report
+    from nsrm_harness.evaluation.manipulation_trials.disturbed import DISTURBED_ROWS
+    from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
+    from nsrm_harness.evaluation.manipulation_trials.run_trials import films, run
+
+    known = {row.name: row for row in (*ROWS, *DISTURBED_ROWS)}
+    if unknown := sorted(set(names) - set(known)):
+        raise click.BadParameter(f"{unknown[0]!r}: expected one of {', '.join(known)}")
+    rows = [known[name] for name in names] or [*(DISTURBED_ROWS if disturbed else ROWS)]
+    count = 10 if quick else episodes
+    if quick:
+        (out / "trials.jsonl").unlink(missing_ok=True)
+    with workers_of(jobs, ray) as workers:
+        ended = run(rows, count, seed, workers, out / "trials.jsonl", quiet=quiet)
+        lines = report.counted(rows, ended)
+        if not quick:
+            films(report.worst(lines, WORST), rows, seed, workers, out / "worst")
+            films(report.best(lines, BEST), rows, seed, workers, out / "best")
+    report.write_csv(lines, out / "trials.csv")
+    report.draw(lines, out / "trials.png")
+    text = report.text(lines)
+    (out / "trials.md").write_text(f"{text}\n", encoding="utf-8")
+    click.echo(text)
+    click.echo(f"tables and picture: {out / 'trials.csv'} {out / 'trials.md'} {out / 'trials.png'}")
+    if missed := report.missed(lines):
+        click.echo(f"harness: {'; '.join(missed)}", err=True)
+        sys.exit(1)

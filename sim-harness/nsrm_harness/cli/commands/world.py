@@ -1,0 +1,46 @@
+"""``harness world``: a simulated world as a robot's camera and controller."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from contextlib import closing
+from pathlib import Path
+
+import click
+
+from nsrm_harness import domain as domains
+from nsrm_harness.cli.commands.options import arm_option, seed_option
+from nsrm_harness.nodes.config import read_config
+from nsrm_harness.nodes.simulated_robot import Stage
+from nsrm_harness.simulation.render import open_renderer
+
+
+@click.command("world")
+@click.option("--robot", help="Which robot it is.  [default: (the file's, or `robot`)]")
+@click.option(
+    "--config",
+    "file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The robot's configuration (TOML), the same as that of `nsrm`.",
+)
+@seed_option
+@arm_option
+def command(robot: str | None, file: Path | None, seed: int, with_arm: bool) -> None:
+    """The tabletop of a seed, as a robot's camera and controller, until SIGINT or SIGTERM.
+
+    Its camera publishes frames with the boxes that the detector finds; its controller has the arm
+    carry a block from where it is seen to its sub-goal; or, without it, lets it go above that,
+    where physics does the rest.
+    """
+    config = read_config(file, robot)
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    with (
+        closing(open_renderer()) as renderer,
+        closing(Stage(domains.load(), renderer, seed, config, with_arm=with_arm)) as stage,
+    ):
+        stage.look()
+        click.echo(f"world: robot {config.robot}, seed {seed}; try: {stage.sentence}")
+        stage.run(stop)

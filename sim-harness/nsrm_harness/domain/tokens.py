@@ -1,0 +1,83 @@
+"""How a sentence falls into tokens: the reference for the trainer and the core.
+
+1. The sentence is split at white space and read in lower case, letter by letter: see
+   `letters`.
+2. ``,`` and ``;`` are the token ``,``, wherever they stand.
+3. ``. ! ?`` at the very end of the sentence are dropped. Any of ``. ! ? : " '`` at
+   a word's start or end otherwise is a token of its own, which no vocabulary has.
+4. Words that name attribute values, the paper's only lexicon, form a group where
+   they stand next to each other; one group token replaces them (section IV-B).
+5. Every other token must be in the vocabulary.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.domain import GROUP_TOKEN, Domain
+from nsrm_harness.domain.letters import SPACE, lower_case
+
+_BETWEEN = rf"(?:[,;]|{SPACE})"
+_PIECES = re.compile(rf"""[,;]|[.!?:"']+(?={_BETWEEN}|\Z)|(?:(?<={_BETWEEN})|^)[.!?:"']+""")
+_END = re.compile(rf"(?:[.!?]|{SPACE})+\Z")
+_SPACES = re.compile(rf"{SPACE}+")
+
+
+class UnknownWordError(HarnessError):
+    """A word that is neither in the lexicon nor in the vocabulary."""
+
+    def __init__(self, word: str, sentence: str) -> None:
+        super().__init__(f"unknown word {word!r} in {sentence!r}")
+        self.word = word
+
+
+@dataclass(frozen=True)
+class Tokens:
+    """A sentence as the networks see it."""
+
+    #: Words of the vocabulary, the group token for each group.
+    words: tuple[str, ...]
+    #: Indices of the concepts of each group, in the order spoken.
+    groups: tuple[tuple[int, ...], ...]
+
+
+class Tokenizer:
+    """Tokens of sentences about one domain."""
+
+    def __init__(self, domain: Domain) -> None:
+        self._lexicon = domain.lexicon()
+        self.attributes = len(domain.attributes)
+        #: Row of each word in the embeddings; the group token has row 0.
+        self.row = {word: row for row, word in enumerate(domain.vocabulary())}
+
+    def __call__(self, sentence: str) -> Tokens:
+        """The tokens of `sentence`; ``UnknownWordError`` names a word that is not known."""
+        words: list[str] = []
+        groups: list[tuple[int, ...]] = []
+        in_group = False
+        for piece in split(sentence):
+            concept = self._lexicon.get(piece)
+            if concept is None:
+                if piece == GROUP_TOKEN or piece not in self.row:
+                    raise UnknownWordError(piece, sentence)
+                words.append(piece)
+            elif in_group:
+                groups[-1] = (*groups[-1], concept)
+            else:
+                words.append(GROUP_TOKEN)
+                groups.append((concept,))
+            in_group = concept is not None
+        return Tokens(tuple(words), tuple(groups))
+
+    def rows(self, tokens: Tokens) -> list[int]:
+        """Row of each token in the embeddings."""
+        return [self.row[word] for word in tokens.words]
+
+
+def split(sentence: str) -> list[str]:
+    """Rules 1 to 3: lower-case words and punctuation, before anything is looked up."""
+    text = _END.sub("", lower_case(sentence))
+    spaced = _PIECES.sub(lambda match: f" {' '.join(match.group())} ", text)
+    return ["," if piece == ";" else piece for piece in _SPACES.split(spaced) if piece]

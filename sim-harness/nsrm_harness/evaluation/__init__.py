@@ -1,0 +1,1 @@
+"""How good it is: metrics, refusals, the detector, manipulation trials, fault injection."""

@@ -1,0 +1,1 @@
+"""How well the detector finds blocks, against the boxes of the simulator's mask."""

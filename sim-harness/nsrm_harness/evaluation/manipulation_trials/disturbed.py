@@ -1,0 +1,248 @@
+"""One episode that is disturbed on purpose, with the loop closed or open, judged by the truth."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from nsrm_harness import domain as domains
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.data.seeds import generator
+from nsrm_harness.domain import Domain
+from nsrm_harness.evaluation.manipulation_trials.disturb import (
+    BEGUN,
+    DISTURBANCES,
+    Disturbance,
+    DisturbedArm,
+    DisturbedCamera,
+)
+from nsrm_harness.evaluation.manipulation_trials.episode import (
+    End,
+    Ended,
+    Episode,
+    lasting,
+    model,
+    planner,
+    renderer,
+)
+from nsrm_harness.evaluation.manipulation_trials.judge import SHIFT_M, Verdict
+from nsrm_harness.evaluation.manipulation_trials.open_loop import follow_blindly
+from nsrm_harness.evaluation.manipulation_trials.rows import MAX_TRIES, Drawn, Row, draw
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.robot_interface import StuckError, wait
+from nsrm_harness.perception.observer import Observer
+from nsrm_harness.simulation.layout import LayoutError
+
+Loop = Literal["closed", "open"]
+
+MOST_KINDS = 64
+"""Of disturbances: each episode of each has an index of its own."""
+MOST_STEPS = 2
+READY_RAD, STILL_RAD = 0.02, 0.001
+"""An arm is in its ready pose, or stands still, within that,"""
+CALM_S = 0.5
+"""after so long."""
+
+
+@dataclass(frozen=True)
+class DisturbedRow(Row):
+    """Episodes with one kind of disturbance."""
+
+    kind: str = ""
+    loop: Loop = "closed"
+
+
+DISTURBED_ROWS = tuple(
+    DisturbedRow(
+        f"{kind}_{loop}",
+        f"{disturbance.title}: loop {loop}",
+        0.95 if loop == "closed" else 0.0,
+        MOST_STEPS,
+        is_stack=disturbance.is_stack,
+        is_disturbed=True,
+        kind=kind,
+        loop=loop,
+    )
+    for kind, disturbance in DISTURBANCES.items()
+    for loop in ("closed", "open")
+)
+"""The closed loop of each kind, and the open one below it for comparison, which has no goal."""
+
+
+def run_disturbed(
+    kind: str,
+    loop: Loop,
+    seed: int,
+    index: int,
+    films: Path | None = None,
+    domain: Domain | None = None,
+) -> Ended:
+    """Carries one episode out; the same in any process, and disturbed alike with either loop.
+
+    It has succeeded when all is done as said, or when what can't be done has ended in a failure
+    in words, at rest.
+
+    * `films`, `domain`: see `trial.run`
+    """
+    number = list(DISTURBANCES).index(kind)
+    rng = generator(seed, "arm_disturbed", MOST_KINDS * index + number)
+    with closing(DisturbedArm()) as arm:
+        drawn, disturbance = _draw(kind, arm, rng, domain or domains.load())
+        episode = _Disturbed(arm, drawn, films, disturbance, loop)
+        return episode.carry_out(f"{kind}_{loop}", index)
+
+
+def _draw(
+    kind: str, arm: DisturbedArm, rng: np.random.Generator, domain: Domain
+) -> tuple[Drawn, Disturbance]:
+    """A scene with one or two steps in which there is room for the disturbance."""
+    disturbance = DISTURBANCES[kind]
+    for _ in range(MAX_TRIES):
+        steps = MOST_STEPS if disturbance.is_stack else int(rng.integers(1, MOST_STEPS + 1))
+        row = Row(kind, "", 0.0, steps, is_stack=disturbance.is_stack)
+        drawn = draw(row, rng, domain)
+        try:
+            return drawn, disturbance(arm, drawn, rng)
+        except LayoutError:
+            continue
+    raise HarnessError(f"{kind}: no scene in which it can be done after {MAX_TRIES} tries")
+
+
+class _Disturbed(Episode):
+    def __init__(
+        self,
+        arm: DisturbedArm,
+        drawn: Drawn,
+        films: Path | None,
+        disturbance: Disturbance,
+        loop: Loop,
+    ) -> None:
+        super().__init__(arm, drawn, films)
+        self._arm, self._disturbance, self._loop = arm, disturbance, loop
+        self._is_clearing, self._reached = False, 0
+        self._put_aside, self._cleared = set[int](), set[int]()
+        self._before = arm.poses()
+
+    def _followed(self) -> End:
+        wait(self._arm, CALM_S)
+        if why := self._undone():
+            return End("failed", f"{why}, and no failure was reported")
+        if not (self._arm.slow() and self._is_ready()):
+            return End("failed", "it is not at rest")
+        if others := self._others():
+            return End("failed", f"{others} moved")
+        if not self._disturbance.has_acted:
+            return End("failed", "it ended before it was disturbed")
+        return End("succeeded")
+
+    def _undone(self) -> str:
+        """What is not done as said; each step is judged by its last attempt."""
+        last = {verdict.step: verdict for verdict in self._verdicts}
+        for step in range(len(self._moves)):
+            if step not in last:
+                return f"step {step + 1} was never begun"
+            if not last[step].is_in_place:
+                return f"step {step + 1} is not done as said ({last[step]})"
+        if not self._judge.stands(lasting(self._moves)):
+            return "what was done did not stay"
+        return ""
+
+    def _stopped(self, told: End, error: Exception) -> End:
+        """With a failure in words, which may be right."""
+        wait(self._arm, CALM_S)
+        joints = self._arm.joints()
+        wait(self._arm, CALM_S)
+        is_still = bool(np.abs(self._arm.joints() - joints).max() < STILL_RAD)
+        if not (is_still and self._arm.slow()):
+            return replace(told, end="failed", why=f"{told.why}; it is not at rest")
+        if self._arm.has_opened_astray:
+            why = f"{told.why}; it has let go where it was not to"
+            return replace(told, end="failed", why=why)
+        if others := self._others():
+            return replace(told, end="failed", why=f"{told.why}; {others} moved")
+        if not (isinstance(error, StuckError) or self._is_ready()):
+            return replace(told, end="failed", why=f"{told.why}; it is not in its ready pose")
+        is_right = self._disturbance.has_acted and self._disturbance.explains(error)
+        if is_right and told.end == "failed":
+            return replace(told, end="succeeded")
+        return told
+
+    def _eyes(self) -> Observer:
+        return Observer(DisturbedCamera(renderer(), self._arm, default_camera(), self._disturbance))
+
+    def _follow(self) -> None:
+        if self._loop == "closed":
+            super()._follow()
+            return
+        follow_blindly(
+            self._arm,
+            planner(),
+            self._eyes(),
+            model(),
+            self._drawn.sentence,
+            self._mark,
+            self._begin,
+            self._end,
+        )
+
+    def _begin(self, index: int) -> Pose:
+        self._is_clearing, self._reached, self._cleared = False, len(self._performed), set()
+        goal = super()._begin(index)
+        self._mark(BEGUN)
+        return goal
+
+    def _mark(self, event: str) -> None:
+        super()._mark(event)
+        if event == "grasped" and self._is_clearing:
+            self._cleared.add(self._nearest(self._arm.fingers_at()))
+        if event in ("clearing", "cleared"):
+            self._is_clearing = event == "clearing"
+        elif not self._is_clearing:
+            self._disturbance.mark(self._step, event)
+
+    def _tick(self) -> None:
+        self._others_tick()
+        self._disturbance.tick()
+        self._judge.tick()
+
+    def _end(self, index: int) -> None:
+        reached = self._performed[self._reached :]
+        self._put_aside |= {self._nearest(place) for done in reached for place in done.aside}
+        if not reached:
+            # What it has cleared away before the attempt failed.
+            self._put_aside |= self._cleared
+        super()._end(index)
+
+    def _verdict(self) -> Verdict:
+        return self._judge.end(self._aside(), anew=True)
+
+    def _nearest(self, pose: Pose) -> int:
+        """The index of the block that is nearest to it."""
+        return self._arm.nearest(pose.position)[0] - 1
+
+    def _aside(self) -> list[Pose]:
+        return [self._arm.pose(index + 1) for index in self._handled()]
+
+    def _is_ready(self) -> bool:
+        return bool(np.abs(self._arm.joints() - panda.READY_RAD).max() < READY_RAD)
+
+    def _handled(self) -> set[int]:
+        """The indices of the blocks that were to be moved: by a step, aside as was said, or by who
+        disturbs."""
+        moved = {move.moved for move in self._moves}
+        return moved | self._put_aside | self._disturbance.meddled
+
+    def _others(self) -> str:
+        """The names of those that are not where they were, although nobody was to move them."""
+        handled = self._handled()
+        return " and ".join(
+            f"block {number}"
+            for number, pose in self._arm.poses().items()
+            if number - 1 not in handled and pose.distance_m(self._before[number]) > SHIFT_M
+        )

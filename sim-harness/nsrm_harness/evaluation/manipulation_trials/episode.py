@@ -1,0 +1,190 @@
+"""One episode while it runs: the arm follows a sentence, the judge watches it in each tick, and a
+film is made where one is asked for."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import nsrm
+
+from nsrm_harness.data.moves import Move
+from nsrm_harness.evaluation.manipulation_trials.judge import Judge, Verdict
+from nsrm_harness.evaluation.manipulation_trials.rows import Drawn
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.errors import RefusedError
+from nsrm_harness.manipulation.execute import unmarked
+from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.robot_interface import StuckError
+from nsrm_harness.perception.observer import Observer
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.render import Renderer, open_renderer
+from nsrm_harness.visualization.film import Film
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How an episode ended.
+
+    * `end`: "succeeded", "refused" (a sub-goal was, with a reason, before it moved anything) or
+      "failed"
+    * `why`: the reason, or what was not as said
+    * `kind`: of a refusal: the model's, or one of `arm.refused.Why`; empty otherwise
+    * `steps`: a verdict of each attempt at one
+    * `corrected_m`, `tries`: of each sub-goal that was reached: see `Performed`
+    """
+
+    row: str
+    index: int
+    sentence: str
+    end: str
+    why: str
+    kind: str
+    steps: tuple[Verdict, ...]
+    corrected_m: tuple[float, ...]
+    tries: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class End:
+    """`end`, `why` and `kind` of `Ended`."""
+
+    end: str
+    why: str = ""
+    kind: str = ""
+
+
+class Episode(ABC):
+    """What all episodes have in common.
+
+    * `films`: folder in which it is shown as `film.gif` and `strip.png`
+    """
+
+    def __init__(self, world: ArmWorld, drawn: Drawn, films: Path | None) -> None:
+        world.spawn(drawn.arrangement.blocks, drawn.arrangement.poses)
+        world.settle()
+        self._world, self._drawn, self._films = world, drawn, films
+        self._moves, self._step = drawn.task.moves, 0
+        self._film = Film(world, renderer(), small=True) if films else None
+        self._judge = Judge(world, drawn.arrangement.blocks)
+        self._verdicts: list[Verdict] = []
+        self._performed: list[Performed] = []
+        self._others_tick = world.on_tick
+        world.on_tick = self._tick
+
+    def carry_out(self, row: str, index: int) -> Ended:
+        """To its end, whatever that is.
+
+        * `row`, `index`: which one it is, for the record
+        """
+        end = self._end_of()
+        if self._film and self._films:
+            self._films.mkdir(parents=True, exist_ok=True)
+            self._film.save(self._films)
+        return Ended(
+            row,
+            index,
+            self._drawn.sentence,
+            end.end,
+            end.why,
+            end.kind,
+            tuple(self._verdicts),
+            tuple(done.corrected_m for done in self._performed),
+            tuple(done.tries for done in self._performed),
+        )
+
+    def _end_of(self) -> End:
+        try:
+            self._follow()
+        except nsrm.Refused as refusal:
+            return self._stopped(End("refused", str(refusal), refusal.kind), refusal)
+        except RefusedError as refusal:
+            return self._stopped(End("refused", str(refusal), refusal.why.value), refusal)
+        except (FailedError, StuckError) as failure:
+            return self._stopped(End("failed", str(failure)), failure)
+        return self._followed()
+
+    def _follow(self) -> None:
+        """Has the arm do what the sentence says. Raises as `Follower.follow`."""
+        follower = Follower(
+            self._world,
+            planner(),
+            self._eyes(),
+            model(),
+            mark=self._mark,
+            begin=self._begin,
+            end=self._end,
+        )
+        self._performed = follower.performed
+        follower.follow(self._drawn.sentence)
+
+    @abstractmethod
+    def _eyes(self) -> Observer: ...
+
+    @abstractmethod
+    def _aside(self) -> list[Pose]:
+        """Where blocks were put in the step that ends that need not stay where they were."""
+
+    @abstractmethod
+    def _followed(self) -> End:
+        """By the truth, after nothing was refused and no failure told."""
+
+    def _stopped(self, told: End, error: Exception) -> End:
+        """By the truth, after the arm has said so.
+
+        * `error`: as it was raised
+        """
+        return told
+
+    def _mark(self, event: str) -> None:
+        (self._film.mark if self._film else unmarked)(event)
+
+    def _tick(self) -> None:
+        self._others_tick()
+        self._judge.tick()
+
+    def _begin(self, index: int) -> Pose:
+        # A sentence of which more steps were understood is judged by its last one.
+        self._step = min(index, len(self._moves) - 1)
+        return self._judge.begin(self._moves[self._step])
+
+    def _end(self, index: int) -> None:
+        verdict = self._verdict()
+        # What was refused has not begun.
+        if verdict.seconds > 0:
+            self._verdicts.append(replace(verdict, step=self._step))
+
+    def _verdict(self) -> Verdict:
+        return self._judge.end(self._aside())
+
+
+def lasting(moves: Sequence[Move]) -> list[Move]:
+    """The moves of whose blocks no later one moves any."""
+    return [
+        move
+        for index, move in enumerate(moves)
+        if not {move.moved, move.reference} & {later.moved for later in moves[index + 1 :]}
+    ]
+
+
+@lru_cache(maxsize=1)
+def renderer() -> Renderer:
+    """This process's."""
+    return open_renderer()
+
+
+@lru_cache(maxsize=1)
+def model() -> nsrm.Model:
+    """The one that is built in."""
+    return nsrm.Model.pretrained()
+
+
+@lru_cache(maxsize=1)
+def planner() -> Planner:
+    """This process's."""
+    return Planner()

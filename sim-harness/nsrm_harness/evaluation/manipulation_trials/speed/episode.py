@@ -1,0 +1,52 @@
+"""The episodes that are measured, and a worker's first one, which is not: in that one renderer,
+model and planner are loaded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from nsrm_harness import domain as domains
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.domain import Domain
+from nsrm_harness.evaluation.manipulation_trials import trial
+from nsrm_harness.evaluation.manipulation_trials.episode import Ended
+from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, Row
+
+WARM_UP = 1_000_000
+"""The index of a worker's first episode: none that is measured."""
+
+_is_warm = False
+
+
+class SpeedError(HarnessError):
+    """Workers that don't start, or episodes that do not end the same each time."""
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One of the trials'."""
+
+    row: Row
+    seed: int
+    index: int
+    domain: Domain
+
+    def carry_out(self) -> Ended:
+        """The same in any process."""
+        return trial.run(self.row, self.seed, self.index, domain=self.domain)
+
+
+def mixed(count: int, seed: int) -> list[Episode]:
+    """The first episodes of the trials, of each row in turn."""
+    domain = domains.load()
+    return [Episode(ROWS[n % len(ROWS)], seed, n // len(ROWS), domain) for n in range(count)]
+
+
+def warm_up(episode: Episode) -> bool:
+    """Carries one like it out if this process has carried none out; whether it did."""
+    global _is_warm
+    if _is_warm:
+        return False
+    replace(episode, row=ROWS[0], index=WARM_UP).carry_out()
+    _is_warm = True
+    return True

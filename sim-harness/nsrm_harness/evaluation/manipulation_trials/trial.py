@@ -1,0 +1,105 @@
+"""One episode: a sentence is planned by the model, carried out by the arm, and judged by the
+truth. The arm sees pictures and feels its joints; the truth is read by the judge."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+
+from nsrm_harness import domain as domains
+from nsrm_harness.data.seeds import generator
+from nsrm_harness.domain import Domain
+from nsrm_harness.evaluation.manipulation_trials.episode import (
+    End,
+    Ended,
+    Episode,
+    lasting,
+    planner,
+    renderer,
+)
+from nsrm_harness.evaluation.manipulation_trials.rows import Row, draw
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.perception.observer import Observer
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+
+
+def run(
+    row: Row,
+    seed: int,
+    index: int,
+    films: Path | None = None,
+    domain: Domain | None = None,
+) -> Ended:
+    """Carries one episode out; the same in any process.
+
+    * `films`: folder in which it is shown as `film.gif` and `strip.png`
+    * `domain`: the paper's if none is given; a cluster's worker has no file of it
+    """
+    drawn = draw(row, generator(seed, f"arm_{row.name}", index), domain or domains.load())
+    with closing(ArmWorld()) as world:
+        kind = _ByTruth if row.is_control else _ByModel
+        return kind(world, drawn, films).carry_out(row.name, index)
+
+
+class _ByModel(Episode):
+    """The model plans from pictures."""
+
+    _reached = 0
+
+    def _eyes(self) -> Observer:
+        return Observer(SimulatedCamera(renderer(), self._world, default_camera()))
+
+    def _begin(self, index: int) -> Pose:
+        self._reached = len(self._performed)
+        return super()._begin(index)
+
+    def _aside(self) -> list[Pose]:
+        reached = self._performed[self._reached :]
+        return [place for done in reached for place in done.aside]
+
+    def _followed(self) -> End:
+        for number, verdict in enumerate(self._verdicts, start=1):
+            if not verdict.is_as_said:
+                return End("failed", f"attempt {number} at a step was not as said")
+        if not self._judge.stands(lasting(self._moves)):
+            return End("failed", "what was done did not stay")
+        return End("succeeded")
+
+
+class _ByTruth(_ByModel):
+    """The arm is given the true poses and sub-goals."""
+
+    def _follow(self) -> None:
+        for index, move in enumerate(self._moves):
+            goal = self._begin(index)
+            self._performed.append(
+                perform(
+                    self._world,
+                    planner(),
+                    self._true_objects,
+                    _name(move.moved + 1),
+                    goal,
+                    self._mark,
+                    keep=self._kept(index),
+                )
+            )
+            self._end(index)
+
+    def _kept(self, index: int) -> set[str]:
+        """What the steps so far have to do with; what only later ones name may be moved aside."""
+        moves = self._moves[: index + 1]
+        return {_name(block + 1) for move in moves for block in (move.moved, move.reference)}
+
+    def _true_objects(self) -> dict[str, Cuboid]:
+        return {
+            _name(placed.id): Cuboid(placed.pose, placed.block.edges_m)
+            for placed in self._world.placed()
+        }
+
+
+def _name(number: int) -> str:
+    return f"object {number}"

@@ -1,0 +1,271 @@
+"""Reads the journal of a chaos run, by nothing but its lines, and says what is wrong in it.
+
+What must hold, whoever was killed when:
+
+* A command that a controller has accepted is carried out once, or was stopped, or its
+  controller died; then who asked was told that it was not done, unless killed as well.
+* Nothing is carried out that was not accepted, twice, or after it was stopped.
+* Each sentence ends once: done, with all of its steps carried out, or with a reason.
+* A plan that was not carried out and of which nobody says to have heard is of one who was
+  killed, or who was told that the planner or a reply was lost.
+* Who dies or hangs is missed within half a second. Nobody ends by itself.
+* In the end a sentence is carried out again, every process ends well, and nothing is left.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nsrm_harness.evaluation.process_trials.journal import JournalError, Line
+
+NOTICED_NS = 500_000_000
+"""After so long a death or a hang must have been noticed."""
+
+PLANNER_LOST = "died or hangs"
+"""What who asked is told of a lost planner; that there is none is said in other words."""
+TOLD_OF_LOSS = re.compile(rf"{PLANNER_LOST}|reply \d+ was lost")
+"""Words to those who may never have heard of their plan."""
+
+Command = tuple[int, int]
+"""Plan and number."""
+
+
+@dataclass
+class _Ask:
+    """A sentence, until its end."""
+
+    begun_ns: int
+    events: list[Line] = field(default_factory=list)
+    ends: list[Line] = field(default_factory=list)
+
+    @property
+    def plan(self) -> int | None:
+        """The plan that was made of it, if its asker has heard of one."""
+        return next((event["plan"] for event in self.events if event.get("plan")), None)
+
+    @property
+    def code(self) -> int | None:
+        """How its process ended; None if it was killed."""
+        return self.ends[-1]["code"] if self.ends else None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a journal says.
+
+    * `faults`: what must not be; none, if all is well
+    * `counts`: how much of what happened
+    * `noticed_ms`: milliseconds after which each death and hang was noticed
+    * `told_ms`: milliseconds after which those who had asked were told of a death
+    """
+
+    faults: tuple[str, ...]
+    counts: Mapping[str, int]
+    noticed_ms: tuple[float, ...]
+    told_ms: tuple[float, ...]
+
+    def text(self) -> str:
+        """For a person."""
+        lines = [f"{count:>8} {what}" for what, count in self.counts.items()]
+        for what, times in (
+            ("a death or hang noticed", self.noticed_ms),
+            ("who asked told of it", self.told_ms),
+        ):
+            if times:
+                p50, p99 = np.percentile(times, [50, 99])
+                most = max(times)
+                lines.append(f"{what} after {p50:.0f} ms (p50), {p99:.0f} (p99), {most:.0f} (most)")
+        lines += [f"FAULT: {fault}" for fault in self.faults] or ["no fault"]
+        return "\n".join(lines)
+
+
+def judge(lines: Iterable[Line]) -> Verdict:
+    """What the lines of a journal say, in the order of time."""
+    lines = list(lines)
+    of = {what: [line for line in lines if line["what"] == what] for what in _KINDS}
+    if unknown := {line["what"] for line in lines} - set(_KINDS):
+        raise JournalError(f"the journal has lines of unknown kinds: {sorted(unknown)}")
+    asks = _asks(lines)
+    killed_askers = sum(line["node"] == "asker" for line in of["kill"])
+    noticed = [line["after_ns"] - line["kept_ns"] for line in of["noticed"]]
+    faults = [
+        *_of_commands(of, asks, killed_askers),
+        *_of_asks(asks, of, killed_askers),
+        *(
+            f"the {line['node']} was missed after {after_ns / 1e6:.0f} ms"
+            for line, after_ns in zip(of["noticed"], noticed, strict=True)
+            if after_ns > NOTICED_NS
+        ),
+        *_of_the_end(of),
+    ]
+    codes = Counter(ask.code for ask in asks.values())
+    counts = {
+        "kills": len(of["kill"]),
+        "hangs": len(of["hang"]),
+        "sentences asked": len(asks),
+        "done": codes[0],
+        "ended with a reason": codes[2],
+        "killed while asking": codes[None],
+        "commands accepted": len(of["accepted"]),
+        "carried out": len(of["moved"]),
+        "stopped": len(of["stopped"]),
+        "came too late": len(of[TOO_LATE]),
+        "nodes that ended by themselves": len(_early_ends(of)),
+    }
+    times = tuple(after_ns / 1e6 for after_ns in noticed)
+    return Verdict(tuple(faults), counts, times, tuple(_told_ms(of, asks)))
+
+
+TOO_LATE = "came too late"
+"""A command, to the controller."""
+_KINDS = (
+    "started",
+    "kill",
+    "hang",
+    "goes on",
+    "noticed",
+    "ended",
+    "ask",
+    "said",
+    "answered",
+    "accepted",
+    "moved",
+    "stopped",
+    TOO_LATE,
+    "recovered",
+    "left",
+)
+
+
+def _asks(lines: Iterable[Line]) -> dict[int, _Ask]:
+    asks: dict[int, _Ask] = {}
+    for line in lines:
+        match line["what"]:
+            case "ask":
+                asks[line["ask"]] = _Ask(line["t"])
+            case "said":
+                asks[line["ask"]].events.append({**line["event"], "t": line["t"]})
+            case "answered":
+                asks[line["ask"]].ends.append(line)
+            case _:
+                pass
+    return asks
+
+
+def _command(line: Line) -> Command:
+    return line["plan"], line["command"]
+
+
+def _of_commands(
+    of: Mapping[str, list[Line]], asks: Mapping[int, _Ask], killed_askers: int
+) -> Iterable[str]:
+    accepted = {_command(line): line for line in of["accepted"]}
+    moved = Counter(_command(line) for line in of["moved"])
+    stopped = {_command(line) for line in of["stopped"]}
+    late = {_command(line) for line in of[TOO_LATE]}
+    if len(accepted) != len(of["accepted"]):
+        yield "a command was accepted twice"
+    for command, times in moved.items():
+        if times > 1:
+            yield f"command {command} was carried out {times} times"
+        if command not in accepted:
+            yield f"command {command} was carried out and not accepted"
+        if command in stopped:
+            yield f"command {command} was stopped and carried out"
+    for command in late & set(accepted):
+        yield f"command {command} came too late and was accepted"
+    dead = {line["process"] for line in of["kill"]}
+    by_plan = {ask.plan: ask for ask in asks.values() if ask.plan is not None}
+    unclaimed = set()
+    for command, line in accepted.items():
+        if command in moved or command in stopped:
+            continue
+        if line["pid"] not in dead:
+            yield f"command {command} was accepted, and its controller lived and did nothing"
+        ask = by_plan.get(command[0])
+        if ask is None:
+            unclaimed.add(command[0])
+        elif ask.code == 0:
+            yield f"command {command} was not carried out, and its sentence said to be done"
+    lost = sum(
+        TOLD_OF_LOSS.search(ask.ends[-1]["message"]) is not None
+        for ask in asks.values()
+        if ask.ends
+    )
+    if len(unclaimed) > killed_askers + lost:
+        yield f"of {len(unclaimed)} plans that were not carried out nobody was told"
+
+
+def _of_asks(
+    asks: Mapping[int, _Ask], of: Mapping[str, list[Line]], killed_askers: int
+) -> Iterable[str]:
+    moves = Counter(line["plan"] for line in of["moved"])
+    if sum(ask.code is None for ask in asks.values()) > killed_askers:
+        yield "more askers were ended by a signal than were killed"
+    for number, ask in asks.items():
+        if len(ask.ends) != 1:
+            yield f"sentence {number} has {len(ask.ends)} ends"
+            continue
+        numbers = [event["number"] for event in ask.events if "number" in event]
+        if numbers != list(range(1, len(numbers) + 1)):
+            yield f"sentence {number}: replies {numbers}"
+        kinds = [event.get("event") for event in ask.events]
+        message = ask.ends[0]["message"]
+        if ask.code == 0:
+            planned = [event for event in ask.events if event.get("event") == "planned"]
+            steps = len(planned[0]["steps"]) if planned else 0
+            reached = {event["step"] for event in ask.events if event.get("event") == "reached"}
+            if not steps or kinds[-1] != "done" or reached != set(range(steps)):
+                yield f"sentence {number} is said to be done, after {kinds}"
+            if moves[ask.plan] < steps:
+                yield f"sentence {number} is said to be done, of {steps} steps {moves[ask.plan]}"
+        elif ask.code == 2:
+            reasons = [event for event in ask.events if "reason" in event or "error" in event]
+            if not message or not reasons:
+                yield f"sentence {number} ended without a reason"
+        elif ask.code is not None:
+            yield f"sentence {number} ended with code {ask.code}: {message}"
+
+
+def _early_ends(of: Mapping[str, list[Line]]) -> list[Line]:
+    last_ask = max((line["t"] for line in of["ask"]), default=0)
+    return [line for line in of["ended"] if line["t"] < last_ask]
+
+
+def _of_the_end(of: Mapping[str, list[Line]]) -> Iterable[str]:
+    if not of["recovered"] or not of["recovered"][-1]["done"]:
+        yield "in the end no sentence was carried out"
+    early = _early_ends(of)
+    for line in early:
+        yield f"the {line['node']} ended by itself with code {line['code']}"
+    late = [line for line in of["ended"] if line not in early]
+    if not late:
+        yield "nobody was stopped in the end"
+    for line in late:
+        if line["code"] != 0:
+            yield f"the {line['node']} was told to end, and ended with code {line['code']}"
+    if not of["left"]:
+        yield "nobody looked what was left behind"
+    for line in of["left"]:
+        if line["names"]:
+            yield f"left behind: {line['names']}"
+
+
+def _told_ms(of: Mapping[str, list[Line]], asks: Mapping[int, _Ask]) -> Iterable[float]:
+    """From the death of planner or controller to the end of the sentence under way, of those
+    that ended by it."""
+    words = {"planner": PLANNER_LOST, "controller": "the controller was lost"}
+    for line in of["kill"]:
+        word = words.get(line["node"])
+        for ask in asks.values():
+            if not word or not ask.ends or word not in ask.ends[0]["message"]:
+                continue
+            begun = [event["t"] for event in ask.events if event.get("event") == "commanded"]
+            if begun and begun[-1] < line["t"] < ask.ends[0]["t"]:
+                yield (ask.ends[0]["t"] - line["t"]) / 1e6
+                break

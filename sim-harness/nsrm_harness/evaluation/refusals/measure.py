@@ -1,0 +1,253 @@
+"""How much of what must be refused is refused, and what of the rest is: through the core alone.
+
+A sentence that must be refused counts as refused whatever the reason that is given. Of good
+sentences a plan is right when its program and the objects of all its steps are.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import nsrm
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.common.errors import EpisodeFileError
+from nsrm_harness.common.number_text import or_dash
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.ground_truth import Judge, Truth
+from nsrm_harness.evaluation.metrics import EvaluationError, check_domain, judge_plan
+from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
+from nsrm_harness.evaluation.refusals.certainty import (
+    Bin,
+    Curve,
+    bins,
+    calibration_error,
+    risk_curve,
+)
+from nsrm_harness.evaluation.refusals.sentences import COUNT, KINDS, Item, Situation, make_items
+
+COLUMNS = ("kind", "set", "count", "refused", "wrongly_accepted")
+THRESHOLDS = (0.0, 0.5, 0.8, 0.9, 0.95, 0.99, 0.999)
+"""Thresholds on a plan's confidence at which coverage and risk are told."""
+EXAMPLES = 5
+"""Wrongly accepted sentences of a kind that are told, the most confident first."""
+GOOD = "good"
+"""The kind of the sentences of the file itself."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one sentence."""
+
+    kind: str
+    scene: int
+    sentence: str
+    #: Kind of the refusal; None: accepted.
+    refusal: str | None
+    #: Of the plan; None: there is none.
+    confidence: float | None = None
+    #: What was understood; empty where it was refused.
+    program: str = ""
+    #: Whether it was to be accepted, and was understood.
+    right: bool = False
+    #: The word that the refusal offers.
+    suggestion: str | None = None
+
+
+@dataclass(frozen=True)
+class KindCount:
+    """How many sentences of a kind were refused."""
+
+    kind: str
+    set: str
+    count: int
+    refused: int
+    wrongly_accepted: int
+    #: By kind of refusal.
+    reasons: dict[str, int]
+    #: The most confident of those that were accepted.
+    examples: tuple[Outcome, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What a model refuses and what not."""
+
+    set: str
+    kinds: tuple[KindCount, ...]
+    #: Sentences of the file: how many, how many rightly planned, refused by kind.
+    good: int
+    right: int
+    refused: dict[str, int]
+    #: Of the misspelt words, the share for which the right word was offered; None: no words.
+    suggested: float | None
+    #: Over good and bad sentences, all of the good weighing as much as all of the bad.
+    curve: Curve
+    #: Of the plans for good sentences, and of all plans with the same weights.
+    good_bins: list[Bin]
+    mixed_bins: list[Bin]
+
+    def as_json(self) -> dict[str, Any]:
+        """For `--json`."""
+        points = {str(threshold): self.curve.at(threshold) for threshold in THRESHOLDS}
+        return {
+            "set": self.set,
+            "kinds": [asdict(kind) for kind in self.kinds],
+            "good": {"count": self.good, "right": self.right, "refused": self.refused},
+            "suggested": self.suggested,
+            "calibration_error": {
+                "bins": f"{len(self.good_bins)} of equal mass",
+                "good": calibration_error(self.good_bins),
+                "mixed": calibration_error(self.mixed_bins),
+            },
+            "thresholds": {
+                threshold: {"coverage": coverage, "risk": risk}
+                for threshold, (coverage, risk) in points.items()
+            },
+        }
+
+    def __str__(self) -> str:
+        lines = [f"{'kind':<16}{'set':<12}{'count':>6}{'refused':>9}{'accepted':>10}"]
+        for kind in self.kinds:
+            lines.append(
+                f"{kind.kind:<16}{kind.set:<12}{kind.count:>6}{kind.refused:>9}"
+                f"{kind.wrongly_accepted:>10}"
+            )
+            lines += [
+                f"    {or_dash(each.confidence, '.4f')}  {each.sentence}" for each in kind.examples
+            ]
+        reasons = ", ".join(f"{kind} {count}" for kind, count in self.refused.items()) or "none"
+        lines += [
+            f"good sentences: {self.good}, {self.right} rightly planned, refused: {reasons}",
+            f"misspelt words for which the right one was offered: {or_dash(self.suggested, '.1%')}",
+            f"calibration error, {len(self.good_bins)} bins of equal mass: plans for good "
+            f"sentences {calibration_error(self.good_bins):.4f}, all plans "
+            f"{calibration_error(self.mixed_bins):.4f}",
+        ]
+        for threshold in THRESHOLDS:
+            coverage, risk = self.curve.at(threshold)
+            lines.append(
+                f"confidence at least {threshold}: coverage {coverage:.3f}, risk {risk:.4f}"
+            )
+        return "\n".join(lines)
+
+    def write_csv(self, path: Path) -> None:
+        """A row a kind of bad sentence, under `COLUMNS`."""
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(COLUMNS)
+            writer.writerows([getattr(kind, name) for name in COLUMNS] for kind in self.kinds)
+
+
+def measure(
+    model: nsrm.Model, path: Path, which: str, count: int = COUNT, quiet: bool = False
+) -> Report:
+    """Plan the sentences of a file and those that must be refused in its scenes."""
+    with Demonstrations(path) as demonstrations, Judge(path) as judge:
+        _check(model, demonstrations, which)
+        truths = [judge.truth(index) for index in range(len(judge))]
+        items = make_items(demonstrations.domain, situations(truths), which, count)
+        by_scene: dict[int, list[Item]] = {}
+        for item in items:
+            by_scene.setdefault(item.scene, []).append(item)
+        outcomes: list[Outcome] = []
+        meant: dict[str, str | None] = {item.sentence: item.meant for item in items}
+        for chunk in chunks(demonstrations, "refusals", quiet):
+            planned: list[Item] = []
+            observed: list[nsrm.Observed] = []
+            for index in chunk:
+                good = Item(index, demonstrations.sentences[index], GOOD)
+                own = [good, *by_scene.get(index, [])]
+                objects = objects_of(demonstrations, index, "mask")
+                planned += own
+                observed += [observe_episode(demonstrations, index, objects)] * len(own)
+            plans = model.plan_all(observed, [item.sentence for item in planned])
+            outcomes += [
+                outcome_of(item, plan, truths[item.scene] if item.kind == GOOD else None)
+                for item, plan in zip(planned, plans, strict=True)
+            ]
+    return report(outcomes, which, meant)
+
+
+def situations(truths: Sequence[Truth]) -> list[Situation]:
+    """What sentences are made from, episode by episode."""
+    return [Situation(index, truth.attributes, truth.program) for index, truth in enumerate(truths)]
+
+
+def outcome_of(item: Item, plan: nsrm.Plan | nsrm.Refused, truth: Truth | None) -> Outcome:
+    """What came of a sentence; `truth`: what it means, where it means anything."""
+    if isinstance(plan, nsrm.Refused):
+        return Outcome(item.kind, item.scene, item.sentence, plan.kind, suggestion=plan.suggestion)
+    right = False
+    if truth is not None:
+        score = judge_plan(plan.steps, truth.steps, truth.edges_m)
+        right = score.program and score.object and score.reference
+    return Outcome(
+        item.kind, item.scene, item.sentence, None, plan.confidence, plan.program.notation, right
+    )
+
+
+def report(outcomes: Sequence[Outcome], which: str, meant: dict[str, str | None]) -> Report:
+    """Counts by kind, and what the confidences are worth; `meant`: misspelt words by sentence."""
+    good = [each for each in outcomes if each.kind == GOOD]
+    bad = [each for each in outcomes if each.kind != GOOD]
+    if not good or not bad:
+        raise EvaluationError("there are no sentences to plan")
+    weights = np.array([1 / len(good if each.kind == GOOD else bad) for each in outcomes])
+    is_good = np.array([each.kind == GOOD for each in outcomes])
+    # NaN where there is no plan.
+    confidences = np.array([each.confidence for each in outcomes], np.float64)
+    right = np.array([each.right for each in outcomes])
+    planned = ~np.isnan(confidences)
+
+    def bins_of(chosen: NDArray[np.bool_]) -> list[Bin]:
+        return bins(confidences[chosen], right[chosen], weights[chosen])
+
+    misspelt = [each for each in bad if meant.get(each.sentence)]
+    offered = [each.suggestion == meant[each.sentence] for each in misspelt]
+    return Report(
+        set=which,
+        kinds=tuple(_count(kind, which, bad) for kind in KINDS),
+        good=len(good),
+        right=sum(each.right for each in good),
+        refused=_reasons(good),
+        suggested=float(np.mean(offered)) if offered else None,
+        curve=risk_curve(confidences, right, weights),
+        good_bins=bins_of(planned & is_good),
+        mixed_bins=bins_of(planned),
+    )
+
+
+def _count(kind: str, which: str, outcomes: Sequence[Outcome]) -> KindCount:
+    own = [each for each in outcomes if each.kind == kind]
+    accepted = [each for each in own if each.refusal is None]
+    accepted.sort(key=lambda each: -(each.confidence or 0.0))
+    return KindCount(
+        kind,
+        which,
+        len(own),
+        len(own) - len(accepted),
+        len(accepted),
+        _reasons(own),
+        tuple(accepted[:EXAMPLES]),
+    )
+
+
+def _reasons(outcomes: Sequence[Outcome]) -> dict[str, int]:
+    counts = Counter(each.refusal for each in outcomes if each.refusal is not None)
+    return dict(sorted(counts.items()))
+
+
+def _check(model: nsrm.Model, demonstrations: Demonstrations, which: str) -> None:
+    check_domain(model, demonstrations)
+    if demonstrations.split != which:
+        raise EpisodeFileError(
+            f"{demonstrations.path}: has the split {demonstrations.split!r}, the set {which!r} "
+            "takes its scenes from that of its name"
+        )

@@ -1,0 +1,64 @@
+"""Whether words still say a command: the domain's grammar, read instead of spoken.
+
+Articles, nouns, openings and commas are left aside wherever they stand, and any run of
+concept words is a description, so that more is read than the grammar says: "on white now
+set the red" too. What is not read has lost the order of a command.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.tokens import split
+
+
+class Reading:
+    """Reads sentences about one domain."""
+
+    def __init__(self, domain: Domain) -> None:
+        grammar = domain.grammar
+        self._left_aside = {
+            ",",
+            *(
+                word
+                for text in (*grammar.nouns, *grammar.openings, *grammar.descriptions)
+                for word in text.split()
+                if not word.startswith("{")
+            ),
+        }
+        phrases = [phrase for action in domain.actions for phrase in action.phrases]
+        description = f"(?:(?:{_any(domain.lexicon())}) )+"
+        fields = {
+            "{opening}": "",
+            "{verb}": f"(?:{self._phrases(grammar.verbs)})",
+            "{moved}": description,
+            "{reference}": description,
+            "{relation}": f"(?:{self._phrases(phrases)})",
+        }
+        commands = "|".join(
+            "".join(
+                fields[word] if word in fields else re.escape(self._bones([word]))
+                for word in template.split()
+            )
+            for template in grammar.commands
+        )
+        connective = f"(?:{self._phrases(grammar.connectives)})?"
+        self._program = re.compile(f"(?:{commands})(?:{connective}(?:{commands}))*")
+
+    def __call__(self, sentence: str) -> bool:
+        """Whether the sentence has the order of words of a program."""
+        return self._program.fullmatch(self._bones(split(sentence))) is not None
+
+    def _bones(self, words: Sequence[str]) -> str:
+        return "".join(f"{word} " for word in words if word not in self._left_aside)
+
+    def _phrases(self, phrases: Iterable[str]) -> str:
+        """Any of these; each ends with a blank. The longest first."""
+        bones = {self._bones(phrase.split()) for phrase in phrases} - {""}
+        return _any(sorted(bones, key=len, reverse=True)) or "(?!)"
+
+
+def _any(texts: Iterable[str]) -> str:
+    return "|".join(re.escape(text) for text in texts)

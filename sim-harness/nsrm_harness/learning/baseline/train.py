@@ -1,0 +1,244 @@
+"""Training of the baseline: the final scene alone, as in `learn`, in three stages.
+
+Nothing is discrete: attention blends, so that the loss (section IV-E) is differentiable as it is.
+But a blend of all objects explains no scene, and from there some seeds never learn. So it begins
+as `learn` does: commands of one step, with the soft minimum over every pair of objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from tqdm import tqdm
+
+from nsrm_harness.learning import decode
+from nsrm_harness.learning.baseline.model import Baseline, Meaning, carry_out
+from nsrm_harness.learning.baseline.words import StepWords
+from nsrm_harness.learning.config import StageConfig
+from nsrm_harness.learning.dataset import TrainingSet
+from nsrm_harness.learning.objective import (
+    Grounding,
+    LossWeights,
+    Scene,
+    exact_step,
+    location_loss,
+    scene_loss,
+)
+from nsrm_harness.learning.stages import Lookup, Stage, TrainingError, lookup, varied_crops
+from nsrm_harness.learning.train import NEXT_ATTEMPT, Fit
+
+PARTS = (
+    "embedding",
+    "encoder",
+    "action_decoder",
+    "color",
+    "brightness",
+    "object_pointer",
+    "reference_pointer",
+)
+SIMULATOR = ("simulator.input", "simulator.hidden", "simulator.output")
+CHUNK = 256
+"""Episodes that are worked on at once."""
+LEAST_SHARE = 1e-9
+"""Least attention of which a logarithm is taken."""
+
+
+@dataclass(frozen=True)
+class BaselineConfig:
+    """Everything that a training run depends on, apart from data and seed."""
+
+    loss: LossWeights = field(default_factory=lambda: LossWeights(square=200.0, overlap=1.0))
+    polish_loss: LossWeights = field(default_factory=lambda: LossWeights(5000.0, 1.0))
+    """For the last stage."""
+    polish_cap: float = 3.0
+    """Most that one object adds there; see `learn.config`."""
+    temperature: float = 0.05
+    """τ of the soft minimum in the first stage."""
+    single: StageConfig = field(default_factory=lambda: StageConfig(30, 3e-3, batch=32))
+    """Commands of one step, over every pair of objects."""
+    joint: StageConfig = field(default_factory=lambda: StageConfig(40, 1e-3, batch=32))
+    """Commands of one and two steps, on blends."""
+    attempts: int = 3
+    """How often it begins, at most: some starts learn combinations of words and objects by heart,
+    and are slow to unlearn them."""
+    learned: float = 0.1
+    """Loss of the joint stage's last epoch from which on it need not begin again."""
+    simulator: StageConfig = field(default_factory=lambda: StageConfig(600, 5e-3, batch=256))
+    """The action module alone, on the model's own attention."""
+
+
+class Lesson(NamedTuple):
+    """One demonstration: steps `[S, T]`, `[S]`, their number, scene, and its crops `[M]`."""
+
+    tokens: Array
+    length: Array
+    count: Array
+    scene: Scene
+    crop_of: Array
+
+
+LessonLoss = Callable[[Baseline, Lesson, Array, BaselineConfig], Array]
+"""Loss of one lesson, from object embeddings `[M, 64]`."""
+
+
+def lessons(data: TrainingSet, words: StepWords, chosen: np.ndarray) -> Lesson:
+    """The chosen episodes with a leading axis, and no more steps than they have."""
+    steps = int(words.count[chosen].max(initial=1))
+    return Lesson(
+        jnp.asarray(words.tokens[chosen, :steps]),
+        jnp.asarray(words.length[chosen, :steps]),
+        jnp.asarray(words.count[chosen]),
+        decode.scenes(data, chosen),
+        jnp.asarray(data.crop_of[chosen]),
+    )
+
+
+def untrained(words: tuple[str, ...], data: TrainingSet, seed: int) -> Baseline:
+    """A random model that knows the scale of the data's locations."""
+    mean, scale = data.location_statistics()
+    return eqx.tree_at(
+        lambda m: (m.simulator.location_mean, m.simulator.location_scale),
+        Baseline(words, jax.random.key(seed)),
+        (jnp.asarray(mean), jnp.asarray(scale)),
+    )
+
+
+def pairs_loss(model: Baseline, lesson: Lesson, objects: Array, config: BaselineConfig) -> Array:
+    """Soft minimum over both arguments of a command of one step; object embeddings `[M, 64]`."""
+    scene = lesson.scene
+    meaning = model.understand(lesson.tokens, lesson.length, objects, scene.present)
+    action, *attention = (one[0] for one in meaning)
+    chosen, reference = (jnp.log(jnp.maximum(share, LEAST_SHARE)) for share in attention)
+
+    def simulate(_: Array, *arguments: Array) -> Array:
+        return model.simulator(action, *arguments)
+
+    only_action = Grounding(jnp.zeros(1), chosen, reference)
+    return exact_step(simulate, only_action, scene, config.loss, config.temperature)
+
+
+def blends_loss(model: Baseline, lesson: Lesson, objects: Array, config: BaselineConfig) -> Array:
+    """Loss of the final scene that attention predicts; object embeddings `[M, 64]`."""
+    scene = lesson.scene
+    meaning = model.understand(lesson.tokens, lesson.length, objects, scene.present)
+    locations, _ = carry_out(model.simulator, meaning, scene.before, lesson.count)
+    return scene_loss(locations, scene, config.loss)
+
+
+def attention_stage(
+    name: str,
+    stage: StageConfig,
+    config: BaselineConfig,
+    lesson: Lesson,
+    lookup: Lookup,
+    lesson_loss: LessonLoss,
+) -> Stage:
+    """Everything is trained, on varied crops."""
+
+    def loss(
+        model: Baseline, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
+    ) -> Array:
+        lesson: Lesson = batch[0]
+        seen = varied_crops(key, lookup.crops[lesson.crop_of.reshape(-1)])
+        objects = jax.vmap(model.encode)(*seen).reshape(*lesson.crop_of.shape, -1)
+        losses = jax.vmap(lesson_loss, (None, 0, 0, None))
+        return losses(model, lesson, objects, config).mean()
+
+    return Stage(name, stage, (lesson,), lookup, loss)
+
+
+def simulator_stage(config: BaselineConfig, lesson: Lesson, meaning: Meaning) -> Stage:
+    """The action module on what the rest of the model makes of the lessons."""
+
+    def rollout(model: Baseline, lesson: Lesson, meaning: Meaning) -> Array:
+        scene = lesson.scene
+        locations, _ = carry_out(model.simulator, meaning, scene.before, lesson.count)
+        losses = location_loss(locations, scene.after, config.polish_loss)
+        losses = jnp.minimum(losses, config.polish_cap)
+        return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
+
+    def loss(model: Baseline, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
+
+    return Stage("simulator", config.simulator, ((lesson, meaning),), (), loss)
+
+
+@eqx.filter_jit
+def _understand(model: Baseline, lesson: Lesson, crops: Array) -> Meaning:
+    def one(lesson: Lesson, crops: Array) -> Meaning:
+        objects = jax.vmap(model.encode)(crops)
+        return model.understand(lesson.tokens, lesson.length, objects, lesson.scene.present)
+
+    return jax.vmap(one)(lesson, crops)
+
+
+def understand(model: Baseline, data: TrainingSet, words: StepWords) -> Meaning:
+    """What the model makes of every command, with a leading axis."""
+    parts = []
+    for start in range(0, len(data), CHUNK):
+        # Of one size, so that it is compiled once.
+        chosen = np.arange(start, start + CHUNK).clip(max=len(data) - 1)
+        lesson = lessons(data, words, chosen)
+        found = _understand(model, lesson, jnp.asarray(data.crops[data.crop_of[chosen]]))
+        keep = min(CHUNK, len(data) - start)
+        parts.append(jax.tree.map(lambda a, keep=keep: a[:keep], found))
+    return jax.tree.map(lambda *arrays: jnp.concatenate(arrays), *parts)
+
+
+def train(
+    vocabulary: tuple[str, ...],
+    data: TrainingSet,
+    words: StepWords,
+    config: BaselineConfig,
+    seed: int,
+    quiet: bool = False,
+) -> Baseline:
+    """Train from the start; the same seed gives the same weights."""
+    single = np.flatnonzero(words.count == 1)
+    if len(single) == 0:
+        raise TrainingError("baseline: no command of one step in the training data")
+    first, every = (lessons(data, words, chosen) for chosen in (single, np.arange(len(data))))
+    common, attempts = lookup(data), []
+    attention = (
+        attention_stage("single", config.single, config, first, common, pairs_loss),
+        attention_stage("joint", config.joint, config, every, common, blends_loss),
+    )
+    for attempt in range(config.attempts):
+        drawn, loss = seed + NEXT_ATTEMPT * attempt, np.inf
+        model = untrained(vocabulary, data, drawn)
+        for number, stage in enumerate(attention):
+            model, loss = _fit(stage, PARTS + SIMULATOR, model, drawn, number, quiet)
+        attempts.append((loss, model))
+        if loss < config.learned:
+            break
+    _, model = min(attempts, key=lambda attempt: attempt[0])
+    stage = simulator_stage(config, every, understand(model, data, words))
+    return _fit(stage, SIMULATOR, model, seed, len(attention), quiet)[0]
+
+
+def _fit(
+    stage: Stage,
+    trains: tuple[str, ...],
+    model: Baseline,
+    seed: int,
+    number: int,
+    quiet: bool,
+) -> tuple[Baseline, float]:
+    """Returns the mean loss of the last epoch too."""
+    fit = Fit(stage, trains, seed, number)
+    state, loss = fit.start(model), np.inf
+    with tqdm(total=stage.config.epochs, desc=f"{stage.name:>10}", disable=quiet) as bar:
+        for epoch in range(stage.config.epochs):
+            state, loss = fit.epoch(state, epoch)
+            if not np.isfinite(loss):
+                raise TrainingError(f"baseline: {stage.name}: the loss is not finite: {loss}")
+            bar.set_postfix(loss=f"{loss:.5f}", refresh=False)
+            bar.update()
+    return state.model, loss

@@ -1,0 +1,91 @@
+"""The state of a training run in its folder, so that it can go on after Ctrl-C."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import equinox as eqx
+
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.common.json_text import json_text
+
+
+class CheckpointError(HarnessError):
+    """A checkpoint that belongs to another run."""
+
+
+@dataclass
+class Progress:
+    """Where a run stands."""
+
+    stage: int = 0
+    """Index of the stage that is being trained."""
+    epoch: int = 0
+    """Epochs done in it."""
+    attempt: int = 0
+    """How often training began anew because actions had merged."""
+    losses: dict[str, list[float]] = field(default_factory=dict)
+    """Mean loss of each epoch, by stage."""
+    seconds: dict[str, float] = field(default_factory=dict)
+    """Time spent, by stage."""
+
+
+class Checkpoints:
+    """Reads and writes one run's checkpoint; it is replaced as a whole or not at all."""
+
+    def __init__(self, folder: Path, run: str):
+        """`run` names everything that the result depends on."""
+        self._folder = folder
+        self._index = folder / "checkpoint.json"
+        self._run = hashlib.sha256(run.encode()).hexdigest()
+
+    def save(self, progress: Progress, state: Any) -> None:
+        """Write the arrays under a new name, then let the index point to them."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        name = f"checkpoint-{progress.stage}-{progress.epoch}.eqx"
+        eqx.tree_serialise_leaves(self._folder / name, state)
+        partial = self._index.with_suffix(".part")
+        content = {"run": self._run, "state": name, "progress": asdict(progress)}
+        partial.write_text(json_text(content), encoding="utf-8")
+        partial.replace(self._index)
+        for old in self._folder.glob("checkpoint-*.eqx"):
+            if old.name != name:
+                old.unlink()
+
+    def progress(self) -> Progress | None:
+        """Where the run stood, or nothing if there is no checkpoint."""
+        if not self._index.exists():
+            return None
+        content = json.loads(self._index.read_text(encoding="utf-8"))
+        if content["run"] != self._run:
+            raise CheckpointError(
+                f"{self._index}: from a run with other data, seed or configuration; "
+                "give another folder with --out, or begin anew without --resume"
+            )
+        return Progress(**content["progress"])
+
+    def begin(self, progress: Progress, model: Any) -> None:
+        """Keep the model with which a stage begins."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        eqx.tree_serialise_leaves(self._begun(progress), model)
+
+    def begun(self, progress: Progress, like: Any) -> Any:
+        """The model with which the stage began, in the structure of `like`."""
+        if not self._begun(progress).exists():
+            raise CheckpointError(
+                f"{self._begun(progress)}: not there, so the run can't go on: begin anew without "
+                "--resume"
+            )
+        return eqx.tree_deserialise_leaves(self._begun(progress), like)
+
+    def _begun(self, progress: Progress) -> Path:
+        return self._folder / f"begun-{progress.attempt}-{progress.stage}.eqx"
+
+    def state(self, like: Any) -> Any:
+        """The arrays of the checkpoint in the structure of `like`."""
+        content = json.loads(self._index.read_text(encoding="utf-8"))
+        return eqx.tree_deserialise_leaves(self._folder / content["state"], like)

@@ -1,0 +1,304 @@
+"""Runs the curriculum: the stages in their order, with checkpoints and progress.
+
+Everything random is drawn from seed, stage and epoch, so that a run that was interrupted and
+resumed ends with the same weights.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jax import Array
+from tqdm import tqdm
+
+from nsrm_harness.common.json_text import json_text
+from nsrm_harness.domain import Domain
+from nsrm_harness.learning import decode, stages
+from nsrm_harness.learning.checkpoint import Checkpoints, Progress
+from nsrm_harness.learning.config import TrainingConfig
+from nsrm_harness.learning.dataset import TrainingSet
+from nsrm_harness.learning.model import Dimensions, Model
+from nsrm_harness.learning.naming import name_actions
+from nsrm_harness.learning.stages import (
+    PARSER,
+    PERCEPTION,
+    PERCEPTION_AND_PARSER,
+    SIMULATOR,
+    SPLITTER,
+    Stage,
+)
+
+TRAINS = {
+    "actions": PERCEPTION_AND_PARSER + SIMULATOR,
+    "selection": PERCEPTION_AND_PARSER + SIMULATOR,
+    "attributes": PERCEPTION_AND_PARSER,
+    "splitter": SPLITTER,
+    "joint": PERCEPTION_AND_PARSER + SIMULATOR + SPLITTER,
+    "simulator": SIMULATOR,
+    "perception": PERCEPTION,
+    "parser": PARSER + SPLITTER,
+}
+"""The stages in their order, with the beginnings of the names of the tensors that each trains."""
+FINAL_RATE = 0.05
+"""Learning rate at a stage's end, as a share of that at its start."""
+GRADIENT_NORM = 1.0
+"""Gradients are clipped to this norm."""
+OPTIMIZER = optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.scale_by_adam())
+"""Adam on clipped gradients; the rate falls along a cosine over a stage."""
+SECONDS_A_CHECKPOINT = 5.0
+NEXT_ATTEMPT = 1_000_003
+"""Added to the seed for each further attempt."""
+
+
+class State(NamedTuple):
+    """What changes during a stage."""
+
+    model: Any
+    """`Model`, or another network of the same parts."""
+    optimizer: optax.OptState
+
+
+class Result(NamedTuple):
+    """A trained model and how it came about."""
+
+    model: Model
+    named: bool
+    """Whether each action was learned as one of its own; see `naming`."""
+    progress: Progress
+
+
+def untrained(domain: Domain, data: TrainingSet, seed: int, residual: bool = True) -> Model:
+    """A random model that knows the scale of the data's locations."""
+    model = Model(Dimensions.of(domain), jax.random.key(seed), residual)
+    mean, scale = data.location_statistics()
+    return eqx.tree_at(
+        lambda m: (m.action.simulator.location_mean, m.action.simulator.location_scale),
+        model,
+        (jnp.asarray(mean), jnp.asarray(scale)),
+    )
+
+
+def train(
+    domain: Domain,
+    data: TrainingSet,
+    config: TrainingConfig,
+    seed: int,
+    folder: Path,
+    resume: bool = False,
+    quiet: bool = False,
+    after_epoch: Callable[[Progress], None] = lambda progress: None,
+    after_stage: Callable[[str, Model, Progress], None] = lambda name, model, progress: None,
+) -> Result:
+    """Train from the start, or go on from the checkpoint in `folder`.
+
+    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind. What
+    `after_stage` is told of a stage it may be told again after that; the progress that it is given
+    stands behind the stage.
+    """
+    run = json_text([asdict(config), seed, data.hash(), domain.as_json()])
+    checkpoints = Checkpoints(folder, run)
+    progress = (checkpoints.progress() if resume else None) or Progress()
+    model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual)
+    state = None
+    if progress.epoch > 0 or progress.stage > 0:
+        state = checkpoints.state(_start(model, progress.stage))
+        model = state.model
+    names = list(TRAINS)
+    while progress.stage < len(names):
+        name = names[progress.stage]
+        if getattr(config, name).epochs == 0:
+            progress.stage += 1
+            continue
+        began = time.monotonic() - progress.seconds.get(name, 0.0)
+        if progress.epoch == 0:
+            checkpoints.begin(progress, model)
+        stage = make_stage(name, checkpoints.begun(progress, model), data, config, domain)
+        fit = Fit(stage, TRAINS[name], seed + NEXT_ATTEMPT * progress.attempt, progress.stage)
+        state = state or fit.start(model)
+        saved = time.monotonic()
+        with tqdm(
+            total=stage.config.epochs, initial=progress.epoch, desc=f"{name:>10}", disable=quiet
+        ) as bar:
+            try:
+                while progress.epoch < stage.config.epochs:
+                    state, loss = fit.epoch(state, progress.epoch)
+                    if not np.isfinite(loss):
+                        raise stages.TrainingError(f"{name}: the loss is not finite: {loss}")
+                    progress.epoch += 1
+                    progress.seconds[name] = time.monotonic() - began
+                    progress.losses.setdefault(name, []).append(loss)
+                    bar.set_postfix(loss=f"{loss:.5f}", refresh=False)
+                    bar.update()
+                    if time.monotonic() - saved > SECONDS_A_CHECKPOINT:
+                        checkpoints.save(progress, state)
+                        saved = time.monotonic()
+                    after_epoch(progress)
+            except KeyboardInterrupt:
+                checkpoints.save(progress, state)
+                raise
+        model, state = state.model, None
+        if name == "actions" and progress.attempt + 1 < config.attempts:
+            _, clear = name_actions(model, domain)
+            if not clear:
+                progress.attempt += 1
+                progress.epoch = 0
+                progress.losses.pop(name, None)
+                model = untrained(
+                    domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual
+                )
+                continue
+        progress.stage, progress.epoch = progress.stage + 1, 0
+        after_stage(name, model, progress)
+    named, clear = name_actions(model, domain)
+    return Result(named, clear, progress)
+
+
+def make_stage(
+    name: str, model: Model, data: TrainingSet, config: TrainingConfig, domain: Domain
+) -> Stage:
+    """The stage of that name, from the model as it stands when the stage begins."""
+    single = data.select(1, single_attribute=True)
+    if name == "actions":
+        return stages.one_step_stage(name, config.actions, config, data, single, config.exploration)
+    if name == "selection":
+        return stages.one_step_stage(name, config.selection, config, data, single, None)
+    if name == "attributes":
+        every = data.select(1)
+        return stages.one_step_stage(name, config.attributes, config, data, every, 0.0)
+    if name == "joint":
+        return stages.joint_stage(config, data)
+    if len(data.select(2)) == 0:
+        raise stages.TrainingError(
+            f"{name}: no command of two steps in the training data; generate more episodes"
+        )
+    similarities = decode.see_all(model, data)
+    if name == "splitter":
+        table = decode.split_table(model, data, similarities, config)
+        return stages.splitter_stage(config, table)
+    if name == "perception":
+        references = decode.own_references(model, data, similarities, config)
+        return stages.perception_stage(config, data, references)
+    if name == "parser":
+        table = decode.own_steps(model, data, similarities, config)
+        order_words = np.isin(domain.vocabulary(), domain.grammar.order_words)
+        return stages.parser_stage(config, data, table, order_words)
+    episodes, choices, _ = decode.own_choices(model, data, similarities)
+    return stages.simulator_stage(config, data, episodes, choices)
+
+
+class Fit:
+    """One stage's optimisation."""
+
+    def __init__(self, stage: Stage, trains: tuple[str, ...], seed: int, number: int):
+        self._stage, self._trains, self._seed, self._number = stage, trains, seed, number
+        sizes = [len(jax.tree.leaves(one)[0]) for one in stage.sets]
+        # Of each set the same number of rows in a batch; the smaller sets are gone through again.
+        self._share = min(max(stage.config.batch // len(sizes), 1), *sizes, max(sizes))
+        self._sizes = sizes
+        self._batches = max(sizes) // self._share
+        steps = max(stage.config.epochs * self._batches, 1)
+        self._rate = optax.cosine_decay_schedule(stage.config.learning_rate, steps, FINAL_RATE)
+        self._step: Callable[..., tuple[list[Array], Array]] | None = None
+
+    def start(self, model: eqx.Module) -> State:
+        """The state before the first epoch."""
+        trained = eqx.filter(model, trainable(model, self._trains))
+        return State(model, OPTIMIZER.init(trained))
+
+    def epoch(self, state: State, epoch: int) -> tuple[State, float]:
+        """One pass; returns the mean loss too."""
+        rng = np.random.default_rng([self._seed, self._number, epoch])
+        key = jax.random.fold_in(jax.random.key(self._seed), self._number * 100_000 + epoch)
+        taken = self._batches * self._share
+        rows = [
+            np.resize(rng.permutation(size), taken).reshape(self._batches, self._share)
+            for size in self._sizes
+        ]
+        done = np.float32(epoch / self._stage.config.epochs)
+        rates = np.asarray(self._rate(epoch * self._batches + jnp.arange(self._batches)))
+        trained, kept = eqx.partition(state.model, trainable(state.model, self._trains))
+        fixed, rest = eqx.partition(kept, eqx.is_array)
+        # As lists: to take a model apart at each step would take longer than some steps.
+        changing, structure = jax.tree.flatten((trained, state.optimizer))
+        fixed, fixed_structure = jax.tree.flatten(fixed)
+        if self._step is None:
+            self._step = _compiled(self._stage, structure, fixed_structure, rest)
+        losses = []
+        for number in range(self._batches):
+            batch = _take(self._stage.sets, tuple(row[number] for row in rows))
+            changing, loss = self._step(
+                changing, fixed, self._stage.shared, batch, key, number, done, rates[number]
+            )
+            losses.append(loss)
+        trained, optimizer = jax.tree.unflatten(structure, changing)
+        state = State(eqx.combine(trained, kept), optimizer)
+        return state, float(np.mean(jax.device_get(losses)))
+
+
+def _compiled(
+    stage: Stage, structure: Any, fixed_structure: Any, rest: Any
+) -> Callable[..., tuple[list[Array], Array]]:
+    """One step of the optimiser: from the leaves of what is trained and its moments to the same
+    and the loss.
+
+    * `structure`: of the trained tensors and their moments
+    * `fixed_structure`: of the others; `rest`: what of the model is no tensor
+    """
+
+    @jax.jit
+    def step(
+        changing: list[Array],
+        fixed: list[Array],
+        shared: Any,
+        batch: tuple[Any, ...],
+        key: Array,
+        number: Array,
+        done: Array,
+        rate: Array,
+    ) -> tuple[list[Array], Array]:
+        trained, moments = jax.tree.unflatten(structure, changing)
+        kept = eqx.combine(jax.tree.unflatten(fixed_structure, fixed), rest)
+        drawn = jax.random.fold_in(key, number)
+
+        def loss(trained: Any) -> Array:
+            return stage.loss(eqx.combine(trained, kept), shared, batch, drawn, done)
+
+        value, gradient = jax.value_and_grad(loss)(trained)
+        directions, moments = OPTIMIZER.update(gradient, moments, trained)
+        updates = jax.tree.map(lambda direction: -rate * direction, directions)
+        return jax.tree.leaves((eqx.apply_updates(trained, updates), moments)), value
+
+    return step
+
+
+@jax.jit
+def _take(sets: tuple[Any, ...], rows: tuple[Array, ...]) -> tuple[Any, ...]:
+    return tuple(
+        jax.tree.map(lambda a, at=at: a[at], one) for one, at in zip(sets, rows, strict=True)
+    )
+
+
+def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
+    """The model's tree with true at the arrays whose names begin with one of `trains`."""
+
+    def is_trained(path: Any, leaf: Any) -> bool:
+        name = jax.tree_util.keystr(path, simple=True, separator=".")
+        return eqx.is_array(leaf) and name.startswith(trains)
+
+    return jax.tree_util.tree_map_with_path(is_trained, model)
+
+
+def _start(model: Model, stage: int) -> State:
+    """A state with the structure that the stage's has."""
+    trains = list(TRAINS.values())[stage]
+    trained = eqx.filter(model, trainable(model, trains))
+    return State(model, OPTIMIZER.init(trained))

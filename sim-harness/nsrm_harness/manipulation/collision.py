@@ -1,0 +1,294 @@
+"""What the arm would touch, by FCL: its links, the hand and what it holds against each other,
+the table and what stands on it.
+
+A configuration is free when nothing comes nearer to anything than a margin. The steps at which
+a trajectory is looked at are so small that no point moves farther than the margins in
+between, so that what lies between two free configurations touches nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+from xml.etree import ElementTree
+
+import fcl
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.kinematics import Joints, Kinematics
+from nsrm_harness.manipulation.stability import TABLE
+from nsrm_harness.manipulation.trajectory import Trajectory
+
+HELD = "held"
+MARGIN_M = 0.002
+"""That is kept from everything but what is to be touched."""
+
+TOUCHING: frozenset[frozenset[str]] = frozenset(
+    frozenset(pair)
+    for pair in (
+        # Hulls of neighbours overlap in every configuration, or nearly touch.
+        ("panda_link0", "panda_link1"),
+        ("panda_link1", "panda_link2"),
+        ("panda_link2", "panda_link3"),
+        ("panda_link3", "panda_link4"),
+        ("panda_link4", "panda_link5"),
+        ("panda_link5", "panda_link6"),
+        ("panda_link6", "panda_link7"),
+        ("panda_link5", "panda_link7"),
+        ("panda_link6", "panda_hand"),
+        ("panda_link7", "panda_hand"),
+        ("panda_hand", "panda_leftfinger"),
+        ("panda_hand", "panda_rightfinger"),
+        ("panda_link7", "panda_leftfinger"),
+        ("panda_link7", "panda_rightfinger"),
+        # They hold, or close on nothing.
+        ("panda_leftfinger", "panda_rightfinger"),
+        ("panda_leftfinger", HELD),
+        ("panda_rightfinger", HELD),
+        # The arm is screwed to it.
+        ("panda_link0", TABLE),
+    )
+)
+"""Pairs that are not looked at, with reasons."""
+
+LOOK_S = 0.0002
+"""Between two moments of a trajectory that are considered: at all joints' highest speeds no point
+moves farther in it than 2.6 mm."""
+FAR_M = 0.10
+"""How far apart two are that are farther apart is not asked: it would save no more."""
+REACH_M = np.array([1.2, 1.2, 0.9, 0.9, 0.6, 0.5, 0.35])
+"""Bounds of how far from each joint's axis any point behind it is, what is held included."""
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The two that are nearest to each other, and how near; 0 where they touch."""
+
+    pair: frozenset[str]
+    distance_m: float
+
+    def __str__(self) -> str:
+        one, other = sorted(self.pair)
+        if self.distance_m <= 0:
+            return f"{one} would touch {other}"
+        # The first that is too near on a way is so by little.
+        return f"{one} would come within {math.ceil(1000 * self.distance_m)} mm of {other}"
+
+
+class Guard:
+    """Looks at configurations among solids.
+
+    * `objects`: what stands there, by name; not what is held
+    * `held`: what is held, in the hand's frame
+    * `ignored`: pairs of names that may touch
+    * `alive`: is called for each configuration along a trajectory, as those are many
+    """
+
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        objects: Mapping[str, Cuboid],
+        held: Cuboid | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+        alive: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._kinematics, self._alive = kinematics, alive
+        self._ignored = TOUCHING | {frozenset(pair) for pair in ignored}
+        self._links = {
+            name: fcl.CollisionObject(hull, fcl.Transform()) for name, hull in _hulls().items()
+        }
+        self._held = held
+        if held is not None:
+            self._links[HELD] = fcl.CollisionObject(fcl.Box(*held.edges_m), fcl.Transform())
+        # The table last.
+        still = {**objects, TABLE: _TABLE}
+        bodies = [*self._links.values(), *(_standing(cuboid) for cuboid in still.values())]
+        names = [*self._links, *still]
+        moving = len(self._links)
+        self._pairs = [
+            (i, j)
+            for i, j in combinations(range(len(names)), 2)
+            if i < moving and frozenset((names[i], names[j])) not in self._ignored
+        ]
+        self._names, self._bodies = names, bodies
+        # A ball around each: what moves is where its frame is, what stands stays.
+        radii = [_ball(name, held)[1] for name in self._links]
+        self._middles = np.array([_ball(name, held)[0] for name in self._links])
+        self._centres = np.zeros((len(names), 3))
+        self._centres[moving:] = [cuboid.pose.position for cuboid in still.values()]
+        radii += [float(np.linalg.norm(cuboid.edges_m)) / 2 for cuboid in still.values()]
+        first, second = np.array(self._pairs).T
+        self._first, self._second = first, second
+        self._reach = np.array(radii)[first] + np.array(radii)[second]
+        # The table's ball holds everything: its upper face is what counts.
+        self._of_table = second == len(names) - 1
+        self._radii = np.array(radii)
+        # How many of the two of a pair move, each by as much as any point does.
+        self._movers = np.where(second < moving, 2, 1)
+        self._request = fcl.DistanceRequest(enable_signed_distance=False)
+
+    def nearest(self, joints: Joints, opening_m: float) -> Nearest:
+        """What is nearest to each other in a configuration."""
+        self._place(joints, opening_m)
+        least = self._at_least_m()
+        nearest, found = np.inf, (0, 0)
+        for index in np.argsort(least):
+            if least[index] >= nearest:
+                break
+            distance = self._distance_m(*self._pairs[index])
+            if distance < nearest:
+                nearest, found = distance, self._pairs[index]
+        return Nearest(frozenset(self._names[body] for body in found), nearest)
+
+    def touches(
+        self, joints: Joints, opening_m: float, margin_m: float = MARGIN_M
+    ) -> Nearest | None:
+        """A pair that comes nearer than the margin; None if none does."""
+        self._place(joints, opening_m)
+        for index in np.flatnonzero(self._at_least_m() < margin_m):
+            i, j = self._pairs[index]
+            distance = self._distance_m(i, j)
+            if distance < margin_m:
+                return Nearest(frozenset((self._names[i], self._names[j])), distance)
+        return None
+
+    def _at_least_m(self) -> NDArray[np.float64]:
+        """How far the two of each pair are apart at least, by the balls around them."""
+        between = self._centres[self._first] - self._centres[self._second]
+        least = np.linalg.norm(between, axis=1) - self._reach
+        above = self._centres[self._first, 2] - self._radii[self._first]
+        return np.where(self._of_table, above, least)
+
+    def along(self, trajectory: Trajectory, opening_m: float) -> Nearest | None:
+        """The first touch along a trajectory; None if it is free.
+
+        What is farther apart than the margin stays so for a while: the steps are left out in which
+        no point can have moved so far.
+        """
+        way = steps(trajectory, MARGIN_M)
+        index = 0
+        while index < len(way.joints):
+            self._alive()
+            free_m = self.free_m(way.joints[index], opening_m)
+            if free_m <= 0.0:
+                touch = self.touches(way.joints[index], opening_m)
+                if touch is not None:
+                    return touch
+                # As far apart as the margin, to the last bit: free, and looked at again at the
+                # very next step.
+            # All that any point has moved no farther than that is free too.
+            free = np.searchsorted(way.moved_m, way.moved_m[index] + free_m)
+            index = max(index + 1, int(free))
+        return None
+
+    def free_m(self, joints: Joints, opening_m: float) -> float:
+        """How far, metres, any point of the arm may move at least until a pair is as near as the
+        margin; 0 or less if one is, at most `FAR_M`."""
+        self._place(joints, opening_m)
+        free_m = (self._at_least_m() - MARGIN_M) / self._movers
+        least_m = FAR_M
+        for index in np.argsort(free_m):
+            if free_m[index] >= least_m:
+                break
+            distance_m = self._distance_m(*self._pairs[index])
+            least_m = min(least_m, (distance_m - MARGIN_M) / int(self._movers[index]))
+        return least_m
+
+    def _place(self, joints: Joints, opening_m: float) -> None:
+        frames = self._kinematics.links(joints, opening_m)
+        for index, (name, link) in enumerate(self._links.items()):
+            rotation, position = frames[panda.HAND_FRAME if name == HELD else name]
+            self._centres[index] = rotation @ self._middles[index] + position
+            if name == HELD and self._held is not None:
+                rotation, position = rotation @ self._held.pose.rotation(), self._centres[index]
+            link.setTransform(fcl.Transform(rotation, position))
+
+    def _distance_m(self, i: int, j: int) -> float:
+        a, b = self._bodies[i], self._bodies[j]
+        # Where they overlap it says -1.
+        return max(0.0, float(fcl.distance(a, b, self._request, fcl.DistanceResult())))
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Configurations along a trajectory.
+
+    * `joints`: `[n, 7]`, radians
+    * `moved_m`: `[n]`, how far any point of the arm has moved until there, at most
+    """
+
+    joints: NDArray[np.float64]
+    moved_m: NDArray[np.float64]
+
+
+def steps(trajectory: Trajectory, margin_m: float) -> Steps:
+    """Configurations of a trajectory, from its beginning to its end, between which no point moves
+    farther than twice the margin: half of it from either.
+
+    * `margin_m`: at least 1.3 mm, half of what may move between two looks
+    """
+    count = math.ceil(trajectory.duration_s / LOOK_S) + 1
+    joints = trajectory.at(np.linspace(0.0, trajectory.duration_s, count)).joints
+    moved_m = np.abs(np.diff(joints, axis=0)) @ REACH_M
+    way_m = np.concatenate([[0.0], np.cumsum(moved_m)])
+    # The first one behind each stride lies up to one look farther.
+    stride_m = 2 * margin_m - float(moved_m.max(initial=0.0))
+    marks = np.arange(0.0, way_m[-1], stride_m)
+    looked = np.append(np.searchsorted(way_m, marks), count - 1)
+    return Steps(joints[looked], way_m[looked])
+
+
+_TABLE = Cuboid(Pose((0.40, 0.0, -0.02)), (1.20, 1.40, 0.04))
+
+
+def _standing(cuboid: Cuboid) -> fcl.CollisionObject:
+    transform = fcl.Transform(cuboid.pose.rotation(), np.array(cuboid.pose.position))
+    return fcl.CollisionObject(fcl.Box(*cuboid.edges_m), transform)
+
+
+def _ball(name: str, held: Cuboid | None) -> tuple[NDArray[np.float64], float]:
+    """Middle in the frame that it moves with, and radius, of a ball around a body."""
+    if name == HELD and held is not None:
+        return np.array(held.pose.position), float(np.linalg.norm(held.edges_m)) / 2
+    vertices = _vertices()[name]
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return middle, float(np.linalg.norm(vertices - middle, axis=1).max())
+
+
+@lru_cache(maxsize=1)
+def _vertices() -> dict[str, NDArray[np.float64]]:
+    return {name: np.array(mesh.vertices) for name, mesh in link_hulls().items()}
+
+
+@lru_cache(maxsize=1)
+def _hulls() -> dict[str, fcl.Convex]:
+    hulls = {}
+    for name, mesh in link_hulls().items():
+        faces = np.insert(np.array(mesh.faces), 0, 3, axis=1).flatten()
+        hulls[name] = fcl.Convex(np.array(mesh.vertices), len(mesh.faces), faces)
+    return hulls
+
+
+@lru_cache(maxsize=1)
+def link_hulls() -> dict[str, trimesh.Trimesh]:
+    """Convex hull of each link's collision mesh, in the link's frame."""
+    meshes = {}
+    for link in ElementTree.parse(panda.URDF).getroot().iter("link"):
+        shape = link.find("collision/geometry/mesh")
+        if shape is None:
+            continue
+        path = panda.URDF.parent / shape.attrib["filename"].removeprefix("package://")
+        mesh = trimesh.load_mesh(path).convex_hull
+        if link.find("collision/origin") is not None:
+            # The right finger is the left one, turned by half about z.
+            mesh.apply_transform(np.diag([-1.0, -1.0, 1.0, 1.0]))
+        meshes[link.attrib["name"]] = mesh
+    return meshes

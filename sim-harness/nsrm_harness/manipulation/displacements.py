@@ -1,0 +1,57 @@
+"""What is pushed while something else is carried, in whichever try."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+
+SHIFTED_M = 0.003
+"""Another block that is seen farther from where it was has been moved."""
+
+Shifted = tuple[tuple[str, float], ...]
+"""The names of what else was moved, and how far at most, metres; infinitely far if it is no
+longer seen."""
+
+
+class Shifts:
+    """How far each object is seen from where it stood at first, or from where it was put since:
+    from look to look a block may be pushed by less than is noticed."""
+
+    def __init__(self) -> None:
+        self._stood: dict[str, Pose] = {}
+        self._farthest_m: dict[str, float] = {}
+        self._unseen: set[str] = set()
+
+    def see(self, objects: Mapping[str, Cuboid], carried: str | None = None) -> None:
+        """A look at all that is believed to stand there.
+
+        * `carried`: what was to move since the look before
+        """
+        if carried is not None:
+            self._stood.pop(carried, None)
+        for name, cuboid in objects.items():
+            shift_m = cuboid.pose.distance_m(self._stood.setdefault(name, cuboid.pose))
+            self._farthest_m[name] = max(shift_m, self._farthest_m.get(name, 0.0))
+        self._unseen = self._stood.keys() - objects.keys()
+
+    def besides(self, name: str) -> Shifted:
+        """What else has moved than this."""
+        shifts = (
+            (other, math.inf if other in self._unseen else shift_m)
+            for other, shift_m in self._farthest_m.items()
+            if other != name
+        )
+        return tuple((other, shift_m) for other, shift_m in shifts if shift_m > SHIFTED_M)
+
+
+def in_words(shifted: Shifted) -> str:
+    """Behind other words; empty if nothing has moved."""
+    return "".join(
+        f"; {name} was pushed by {1000 * shift_m:.1f} mm"
+        if math.isfinite(shift_m)
+        else f"; {name} is no longer seen"
+        for name, shift_m in shifted
+    )

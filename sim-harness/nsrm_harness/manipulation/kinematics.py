@@ -1,0 +1,178 @@
+"""From joint angles to the hand's pose and back, by Pinocchio."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pinocchio as untyped
+from numpy.typing import NDArray
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.pose import Pose
+
+# Its names are made when it is loaded, unknown to a type checker.
+pinocchio: Any = untyped
+
+Joints = NDArray[np.float64]
+"""Angles of the arm's seven joints `[7]`, radians."""
+
+POSITION_M = 1e-5
+ANGLE_RAD = 1e-4
+"""How near to what was asked for a solution is."""
+MAX_ROUNDS = 100
+"""Of the descent from one beginning."""
+DAMPING = 1e-3
+EASE = 0.5
+"""How much of the way to the ready pose the elbow is turned in one round."""
+AT_EASE_RAD = 1e-4
+"""The elbow is there when what is left of its way would turn no joint by more."""
+EASED_ROUNDS = MAX_ROUNDS // 2
+"""After them the elbow's preference gives way to the hand's pose: near a joint's limit the two pull
+against each other, and the hand would never get there."""
+LIMIT_MARGIN_RAD = 1e-3
+"""Kept from the maker's limits: the motion along a line is off the joints found here by as much
+(`ways.MAX_OFF_RAD`), and must not pass the limits either."""
+MAX_TURN_RAD = 0.3
+"""Of any joint in one round: far from its goal the hand does not move on a line."""
+BEGINNINGS = 8
+"""How many are tried: the joints as they are, the ready pose, and then others around it."""
+SPREAD_RAD = 0.6
+"""How far around it."""
+REMEMBERED = 1 << 14
+"""Solutions: what one plan asks for, and asks for again for each way in which the block looks the
+same, for narrower fingers, and after a stopover. 12 MB."""
+_DAMPED = DAMPING**2 * np.eye(6)
+_IDENTITY = np.eye(panda.JOINTS)
+_LOWEST_RAD = panda.LOWEST_RAD + LIMIT_MARGIN_RAD
+_HIGHEST_RAD = panda.HIGHEST_RAD - LIMIT_MARGIN_RAD
+
+
+class Kinematics:
+    """Where the hand is. One for each thread: it has memory of its own for what it computes."""
+
+    def __init__(self) -> None:
+        whole = pinocchio.buildModelFromUrdf(str(panda.URDF))
+        fingers = [whole.getJointId(name) for name in whole.names if "finger" in name]
+        self._model = pinocchio.buildReducedModel(whole, fingers, pinocchio.neutral(whole))
+        self._data = self._model.createData()
+        self._whole, self._whole_data = whole, whole.createData()
+        self._frames = {frame.name: index for index, frame in enumerate(whole.frames)}
+        self._hand = self._model.getFrameId(panda.HAND_FRAME)
+        self._remembered = lru_cache(REMEMBERED)(self._solve)
+        self._reach = _Reach(self._model, self._hand)
+
+    def hand(self, joints: Joints) -> Pose:
+        """The hand's frame in the world."""
+        pinocchio.forwardKinematics(self._model, self._data, joints)
+        frame = pinocchio.updateFramePlacement(self._model, self._data, self._hand)
+        x, y, z = (float(value) for value in frame.translation)
+        i, j, k, w = (float(value) for value in pinocchio.Quaternion(frame.rotation).coeffs())
+        return Pose((x, y, z), (i, j, k, w))
+
+    def links(
+        self, joints: Joints, opening_m: float
+    ) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Rotation `[3, 3]` and position `[3]` of each link's frame in the world, by name."""
+        finger = opening_m / 2
+        pinocchio.framesForwardKinematics(
+            self._whole, self._whole_data, np.array([*joints, finger, finger])
+        )
+        frames = self._whole_data.oMf
+        return {
+            name: (frames[index].rotation, frames[index].translation)
+            for name, index in self._frames.items()
+        }
+
+    def may_reach(self, hand: Pose) -> bool:
+        """Whether the stretched arm would reach that far, were it not for the joints' limits."""
+        return self._reach.includes(hand)
+
+    def joints(self, hand: Pose, near: Joints) -> Joints | None:
+        """Joint angles, within the maker's limits, that put the hand there; the first that
+        are found from beginnings of which the first is `near`. None if there are none. Not to
+        be written to: who asks the same again gets the same array.
+
+        Cost: 0.4 ms where it can be reached, 10 to 40 ms where joints' limits keep it from there,
+        microseconds beyond the stretched arm and for what has been asked for before.
+        """
+        return self._remembered(hand, near.astype(np.float64).tobytes())
+
+    def _solve(self, hand: Pose, near: bytes) -> Joints | None:
+        if not self.may_reach(hand):
+            return None
+        goal = pinocchio.SE3(hand.rotation(), np.array(hand.position))
+        for beginning in _beginnings(np.frombuffer(near)):
+            found = self._descend(goal, beginning)
+            if found is not None:
+                found.flags.writeable = False
+                return found
+        return None
+
+    def _descend(self, goal: Any, joints: Joints) -> Joints | None:
+        """Damped least squares (Levenberg-Marquardt), held within the limits. The hand's pose
+        decides; the elbow comes as near to the ready pose as it gets without moving the hand."""
+        found = None
+        joints = np.clip(joints, _LOWEST_RAD, _HIGHEST_RAD)
+        for number in range(MAX_ROUNDS):
+            pinocchio.forwardKinematics(self._model, self._data, joints)
+            at = pinocchio.updateFramePlacement(self._model, self._data, self._hand)
+            # In the hand's own frame: metres, then radians.
+            error = pinocchio.log6(at.actInv(goal)).vector
+            jacobian = pinocchio.computeFrameJacobian(
+                self._model, self._data, joints, self._hand, pinocchio.ReferenceFrame.LOCAL
+            )
+            damped = jacobian @ jacobian.T + _DAMPED
+            inverse = jacobian.T @ np.linalg.inv(damped)
+            # What moves the elbow and not the hand.
+            free = _IDENTITY - inverse @ jacobian
+            ease = free @ (panda.READY_RAD - joints)
+            eases = number < EASED_ROUNDS
+            is_there = np.linalg.norm(error[:3]) < POSITION_M
+            is_there &= np.linalg.norm(error[3:]) < ANGLE_RAD
+            if is_there:
+                found = joints
+                if not eases or float(np.abs(ease).max()) < AT_EASE_RAD:
+                    break
+            turn = inverse @ error + (EASE * ease if eases else 0.0)
+            turn *= min(1.0, MAX_TURN_RAD / max(float(np.abs(turn).max()), 1e-12))
+            joints = np.clip(joints + turn, _LOWEST_RAD, _HIGHEST_RAD)
+        return found
+
+
+class _Reach:
+    """Where the hand may be without the joints' limits; elsewhere no descent has to try.
+
+    Shoulder (joints 1 and 2) and wrist (joints 5 and 6) are no further from each other than upper
+    arm and forearm are long. The wrist lies on a circle around the hand's axis.
+    """
+
+    def __init__(self, model: Any, hand: int) -> None:
+        # Of each joint in the frame of the one before it.
+        place = {
+            joint: model.jointPlacements[joint].translation for joint in range(1, panda.JOINTS + 1)
+        }
+        self._shoulder = np.array(place[1])
+        # Joint 3 turns about the upper arm, to which its offset to joint 4 is square.
+        upper_m = math.hypot(*place[3], *place[4])
+        self._aside_m = float(np.linalg.norm(place[7]))
+        self._behind_m = float(model.frames[hand].placement.translation[2])
+        slack_m = POSITION_M + ANGLE_RAD * (self._aside_m + self._behind_m)
+        self._most_m = upper_m + float(np.linalg.norm(place[5])) + slack_m
+
+    def includes(self, hand: Pose) -> bool:
+        x, y, z = hand.rotation().T @ (self._shoulder - hand.position)
+        to_circle_m = math.hypot(math.hypot(x, y) - self._aside_m, z + self._behind_m)
+        return to_circle_m <= self._most_m
+
+
+def _beginnings(near: Joints) -> Iterator[Joints]:
+    yield near
+    yield panda.READY_RAD
+    # The same ones in every process.
+    rng = np.random.default_rng(0)
+    for _ in range(BEGINNINGS - 2):
+        yield panda.READY_RAD + rng.uniform(-SPREAD_RAD, SPREAD_RAD, panda.JOINTS)

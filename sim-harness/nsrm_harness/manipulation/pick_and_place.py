@@ -1,0 +1,343 @@
+"""A block from where it is seen to its sub-goal: all the arm's motions, planned and looked at
+before the first of them begins."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import NamedTuple
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.collision import HELD, Guard, Nearest
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.grasps import HOLDS, LEANS_RAD, UPRIGHT, Grasp, grasps, why_not_held
+from nsrm_harness.manipulation.kinematics import Joints, Kinematics
+from nsrm_harness.manipulation.paths import free, line, turned_rad
+from nsrm_harness.manipulation.stability import Placement, placement, resting_on, standing_on
+from nsrm_harness.manipulation.trajectory import Along, Straight, Trajectory
+
+PACE = 0.8
+"""Share of the maker's limits of speed, acceleration and jerk."""
+RISE_M = 0.08
+"""Of the hand above where it grasps and lets go, straight up."""
+DROP_M = 0.0005
+"""Above what it is put on, a block is let go."""
+SQUARE_M = 0.002
+"""A block is square if its edges differ by no more."""
+MAX_TURN_RAD = math.radians(120.0)
+"""Of a held block on its way. No sub-goal needs more than 90°, and ways around something somewhat
+more; some joints that reach it take the long way round, 270° (docs/decisions/arm.md)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carry:
+    """What the arm does, in this order.
+
+    * the fingers open as far as the grasp says; `reach`: to above the block
+    * `descend`; then the fingers close; `lift`
+    * `transfer`: to above where it is put
+    * `lower`; then they open; `retreat`
+    * `home`: to the ready pose, out of the camera's view
+    * `back`: there from above the block, where it could not be held
+    """
+
+    grasp: Grasp
+    placement: Placement
+    reach: tuple[Trajectory, ...]
+    descend: Trajectory
+    lift: Trajectory
+    transfer: tuple[Trajectory, ...]
+    lower: Trajectory
+    retreat: Trajectory
+    home: tuple[Trajectory, ...]
+    back: tuple[Trajectory, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """Of its motions; the fingers need some time besides."""
+        parts = (*self.reach, self.descend, self.lift, *self.transfer, self.lower, self.retreat)
+        return sum(part.duration_s for part in (*parts, *self.home))
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What is the same for all ways to hold a block.
+
+    * `put`: where it is put, turned in one of the ways in which it looks the same
+    * `before`, `after`: the look at an empty hand, the block where it stands and where it is put
+    """
+
+    name: str
+    block: Cuboid
+    others: Mapping[str, Cuboid]
+    begin: Joints
+    put: Placement
+    before: Guard
+    after: Guard
+
+    def held_by(self, grasp: Grasp) -> tuple[Cuboid, Pose]:
+        """The block in the hand's frame, and where the hand lets it go."""
+        in_hand = Cuboid(grasp.hand.inverse() @ self.block.pose, self.block.edges_m)
+        return in_hand, _above(self.put.cuboid.pose @ in_hand.pose.inverse(), DROP_M)
+
+
+class _OutOfReach(Enum):
+    """Where the arm can't lift the hand straight up with a hold."""
+
+    BLOCK = "block"
+    GOAL = "sub-goal"
+
+
+@dataclass(frozen=True)
+class _TurnsTooFar:
+    """All motions until the block is let go are free, but it would be turned too far on its way.
+
+    * `around`: what it would touch on the straight way, if anything
+    """
+
+    turn_rad: float
+    around: Nearest | None
+
+    def __str__(self) -> str:
+        text = (
+            f"the way there turns it by {math.degrees(self.turn_rad):.0f}°, and "
+            f"{math.degrees(MAX_TURN_RAD):.0f}° are allowed"
+        )
+        return text if self.around is None else f"{text}; straight there, {self.around}"
+
+
+class _Failed(NamedTuple):
+    """A way to hold a block that does not do, and why."""
+
+    grasp: Grasp
+    task: _Task
+    why: Nearest | _TurnsTooFar | _OutOfReach
+
+
+class Planner:
+    """Plans how things are carried. One for each thread.
+
+    * `alive`: is called every few milliseconds while it plans, which may take seconds
+    """
+
+    def __init__(self, pace: float = PACE, alive: Callable[[], None] = lambda: None) -> None:
+        self._kinematics, self._pace, self._alive = Kinematics(), pace, alive
+        # The arm's hulls are loaded now, not when something waits.
+        self._guard({})
+
+    def carry(
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        *,
+        leaning: bool = True,
+    ) -> Carry:
+        """How a block is carried to its sub-goal.
+
+        * `objects`: all that is seen, by name
+        * `goal`: of the block's centre, upright
+        * `begin`: the joints as they are
+        * `leaning`: whether hands that lean are tried, too, which takes five times as long where
+          nothing is found
+
+        Raises `RefusedError`.
+        """
+        if name not in objects:
+            raise RefusedError(Why.UNSEEN, f"{name} is not seen")
+        block = objects[name]
+        others = {key: cuboid for key, cuboid in objects.items() if key != name}
+        if on_it := resting_on(block, others):
+            raise RefusedError(
+                Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first", tuple(on_it)
+            )
+        if why := why_not_held(block):
+            raise RefusedError(Why.NO_GRASP, f"the hand can't hold {name}: {why}")
+        try:
+            put = placement(goal, block, others)
+        except RefusedError as refusal:
+            raise RefusedError(
+                refusal.why, f"{name} can't stand there: {refusal}", refusal.in_the_way
+            ) from None
+        before = self._guard(objects, ignored=_fingers_and(name))
+        tasks = [
+            _Task(
+                name,
+                block,
+                others,
+                begin,
+                replace(put, cuboid=there),
+                before,
+                self._guard({**others, name: there}, ignored=_fingers_and(name)),
+            )
+            for there in _looking_the_same(put.cuboid, block)
+        ]
+        failed: list[_Failed] = []
+        leans_rad = LEANS_RAD if leaning else UPRIGHT
+        for places, clear_m in HOLDS:
+            ways = _least_turns_first(grasps(block, leans_rad, places, clear_m))
+            for task, grasp in itertools.product(tasks, ways):
+                found = self._by(grasp, task)
+                if isinstance(found, Carry):
+                    return found
+                failed.append(_Failed(grasp, task, found))
+        raise self._refusal(name, others, failed)
+
+    def _by(self, grasp: Grasp, task: _Task) -> Carry | Nearest | _TurnsTooFar | _OutOfReach:
+        """All motions by one grasp, or what is against it."""
+        self._alive()
+        opening, put = grasp.opening_m, task.put
+        in_hand, let_go = task.held_by(grasp)
+        # Most ways fail where fingers are about to close, or have just opened.
+        touch = self._touch(task.before, grasp.hand, task.begin, opening)
+        if touch is not None:
+            return touch
+        up = self._up_from(grasp.hand, task.begin)
+        if up is None:
+            return _OutOfReach.BLOCK
+        touch = self._touch(task.after, let_go, up.end, opening)
+        if touch is not None:
+            return touch
+        away = self._up_from(let_go, up.end)
+        if away is None:
+            return _OutOfReach.GOAL
+        down, lower = up.reversed(), away.reversed()
+        before, after = task.before, task.after
+        feet = [(HELD, foot) for foot in standing_on(task.block, task.others)]
+        lifting = self._guard(task.others, in_hand, feet)
+        carrying = self._guard(task.others, in_hand)
+        lowering = self._guard(task.others, in_hand, [(HELD, foot) for foot in put.support])
+        for guard, way, wide in (
+            (before, down, opening),
+            (lifting, up, grasp.width_m),
+            (lowering, lower, grasp.width_m),
+            (after, away, opening),
+        ):
+            touch = guard.along(way, wide)
+            if touch is not None:
+                return touch
+        reach = free(before, task.begin, down.begin, opening, self._pace)
+        if isinstance(reach, Nearest):
+            return reach
+        transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
+        if isinstance(transfer, Nearest):
+            return transfer
+        turn_rad = turned_rad(self._kinematics, transfer)
+        if turn_rad > MAX_TURN_RAD:
+            straight = Straight(up.end, lower.begin, self._pace)
+            return _TurnsTooFar(turn_rad, carrying.along(straight, grasp.width_m))
+        home = free(after, away.end, panda.READY_RAD, opening, self._pace)
+        if isinstance(home, Nearest):
+            return home
+        back = free(before, up.end, panda.READY_RAD, opening, self._pace)
+        if isinstance(back, Nearest):
+            return back
+        return Carry(
+            grasp,
+            put,
+            tuple(reach),
+            down,
+            up,
+            tuple(transfer),
+            lower,
+            away,
+            tuple(home),
+            tuple(back),
+        )
+
+    def _refusal(
+        self, name: str, others: Mapping[str, Cuboid], failed: Sequence[_Failed]
+    ) -> RefusedError:
+        """Why no way to hold a block will do, by the one that comes farthest: what only turns too
+        far touches nothing, and what touches something is within reach."""
+        turns = [each.why for each in failed if isinstance(each.why, _TurnsTooFar)]
+        turns.sort(key=lambda turn: turn.turn_rad)
+        touches = [each.why for each in failed if isinstance(each.why, Nearest)]
+        touches.sort(key=lambda touch: touch.distance_m, reverse=True)
+        if turns or touches:
+            around = [turn.around for turn in turns if turn.around is not None]
+            # Each once, in the order in which they come.
+            touched = dict.fromkeys(
+                key for touch in (*around, *touches) for key in sorted(touch.pair)
+            )
+            return RefusedError(
+                Why.NO_WAY,
+                f"{name} can't be carried there: {turns[0] if turns else touches[0]}",
+                tuple(key for key in touched if key in others),
+            )
+        if all(each.why is _OutOfReach.BLOCK for each in failed):
+            return RefusedError(
+                Why.OUT_OF_REACH, f"the arm does not reach {name} from above: move it nearer"
+            )
+        elsewhere = (each for each in failed if each.why is _OutOfReach.BLOCK)
+        if any(self._up_from(task.held_by(grasp)[1], task.begin) for grasp, task, _ in elsewhere):
+            return RefusedError(
+                Why.NO_WAY,
+                f"{name} can't be carried there: no way to hold it reaches both where it stands "
+                "and where it goes",
+            )
+        return RefusedError(
+            Why.OUT_OF_REACH, f"the arm does not reach the sub-goal of {name} from above"
+        )
+
+    def _up_from(self, hand: Pose, near: Joints) -> Along | None:
+        """The line of the hand straight up from there; None if the arm can't follow it."""
+        return line(self._kinematics, hand, _above(hand, RISE_M), near, self._pace)
+
+    def _touch(self, guard: Guard, hand: Pose, near: Joints, opening_m: float) -> Nearest | None:
+        """What is touched with the hand there; None also where it does not reach."""
+        joints = self._kinematics.joints(hand, near)
+        return None if joints is None else guard.touches(joints, opening_m)
+
+    def _guard(
+        self,
+        objects: Mapping[str, Cuboid],
+        held: Cuboid | None = None,
+        ignored: Iterable[tuple[str, str]] = (),
+    ) -> Guard:
+        return Guard(self._kinematics, objects, held, ignored, self._alive)
+
+
+def _fingers_and(name: str) -> list[tuple[str, str]]:
+    """What may touch when a block is taken or let go."""
+    return [(finger, name) for finger in panda.FINGERS]
+
+
+def _above(hand: Pose, rise_m: float) -> Pose:
+    x, y, z = hand.position
+    return replace(hand, position=(x, y, z + rise_m))
+
+
+def _looking_the_same(put: Cuboid, block: Cuboid) -> list[Cuboid]:
+    """The block where it is put, turned so that it looks the same there: as little turned from
+    how it stands as possible, and by a quarter more or less if it is square. Contacts that turn
+    with the hand hold the better the less they do."""
+    turn = put.pose.yaw_rad() - block.pose.yaw_rad()
+    turn = (turn + math.pi / 2) % math.pi - math.pi / 2
+    turns = [turn]
+    if abs(block.edges_m[0] - block.edges_m[1]) <= SQUARE_M:
+        turns += [turn - math.pi / 2, turn + math.pi / 2]
+    turns.sort(key=abs)
+    return [
+        Cuboid(Pose.upright(*put.pose.position, block.pose.yaw_rad() + turn), put.edges_m)
+        for turn in turns[:2]
+    ]
+
+
+def _least_turns_first(found: Sequence[Grasp]) -> list[Grasp]:
+    """Upright ones first, of them low ones, of those such that turn the hand least from how it is
+    when ready."""
+
+    def order(grasp: Grasp) -> tuple[float, float, float]:
+        # Where the fingers close along.
+        x, y, _ = grasp.hand.rotation()[:, 1]
+        turn_rad = math.atan2(x, -y)
+        return abs(grasp.lean_rad), grasp.hand.position[2], round(abs(turn_rad), 6)
+
+    return sorted(found, key=order)

@@ -1,0 +1,54 @@
+"""Where a block is set down on the way that can be held in one way only where it stands, and in
+another only where it goes. All of it is planned before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.relocation import Aside, with_room
+from nsrm_harness.manipulation.stability import gap_m
+
+
+def stopover(
+    planner: Planner,
+    objects: Mapping[str, Cuboid],
+    name: str,
+    goal: Pose,
+    begin: Joints,
+    refusal: RefusedError,
+) -> tuple[Aside, ...]:
+    """Where a block is set down, so that it can be taken up again by other faces, or leaning
+    otherwise, and carried to its sub-goal; empty if that does not help. The place that is the
+    farthest from all else is tried alone: what fails there will hardly do elsewhere.
+
+    * `objects`, `begin`: see `Planner.carry`
+    * `refusal`: why it can't be carried at once
+    """
+    if refusal.why is not Why.NO_WAY:
+        return ()
+    block = objects[name]
+    others = [cuboid for key, cuboid in objects.items() if key != name]
+    place = max(
+        with_room(block, others), key=lambda place: _room_m(place, block, others), default=None
+    )
+    if place is None:
+        return ()
+    try:
+        planner.carry(objects, name, place, begin)
+        moved = {**objects, name: Cuboid(place, block.edges_m)}
+        planner.carry(moved, name, goal, panda.READY_RAD)
+    except RefusedError:
+        return ()
+    return ((name, place),)
+
+
+def _room_m(place: Pose, block: Cuboid, others: Collection[Cuboid]) -> float:
+    """Between a block there and what is the nearest to it."""
+    put = Cuboid(place, block.edges_m)
+    return min((gap_m(put, other) for other in others), default=0.0)

@@ -1,0 +1,172 @@
+"""What is moved aside first where only blocks that stand too near are in a sub-goal's way: which
+ones, and where to. All of it is planned before anything moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from itertools import islice
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.stability import gap_m, resting_on, supporting
+
+MAX_BLOCKERS = 2
+"""Moved aside for one sub-goal."""
+MAX_PLACES = 6
+"""Of those with room, for which a blocker's motions are planned."""
+MAX_PLANS = 20
+"""Of a block's motions in one search: it ends by counting, not by time."""
+LOWEST_M, HIGHEST_M = (0.36, -0.24), (0.64, 0.24)
+"""Where a blocker's centre may come to, x and y: there the arm reaches it from above at any yaw
+and the camera sees it whole. The blocks stand there at the start."""
+STEP_M = 0.01
+"""Between two places that are considered."""
+FINGER_ROOM_M = 0.034
+"""Around a blocker in its new place: a finger is 26 mm thick, comes 3 mm beside the block and
+keeps 2 mm from the next one; the rest is for what is seen a little off."""
+
+Aside = tuple[str, Pose]
+"""The name of what is carried first, and where its centre is put."""
+
+
+def clearing(
+    planner: Planner,
+    objects: Mapping[str, Cuboid],
+    name: str,
+    goal: Pose,
+    begin: Joints,
+    refusal: RefusedError,
+    keep: Collection[str] = (),
+) -> tuple[Aside, ...]:
+    """What is moved aside, in this order, so that a block can be carried to its sub-goal; empty if
+    nothing is found. As few blockers as possible, each to one of the nearest places. The same
+    ones each time.
+
+    * `objects`: all that is seen, by name
+    * `begin`: the joints as they are
+    * `refusal`: why it can't be carried as things stand
+    * `keep`: the names of what must stay where it is, besides what the block is put on
+
+    What carries something stays too. Bounded: at most `MAX_PLANS` times a block's motions.
+    """
+    if refusal.why not in (Why.NO_ROOM, Why.NO_WAY):
+        return ()
+    return _Search(planner, objects, name, goal, begin, keep).asides(refusal)
+
+
+class _Search:
+    def __init__(
+        self,
+        planner: Planner,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        begin: Joints,
+        keep: Collection[str],
+    ) -> None:
+        self._planner, self._objects = planner, objects
+        self._name, self._goal, self._begin = name, goal, begin
+        self._there = Cuboid(goal, objects[name].edges_m)
+        self._movable = {
+            key for key, cuboid in objects.items() if not resting_on(cuboid, _without(objects, key))
+        }
+        self._movable -= {name, *keep, *supporting(self._there, objects)}
+        self._refusals: dict[frozenset[str], RefusedError | None] = {}
+        self._plans = 0
+
+    def asides(self, refusal: RefusedError) -> tuple[Aside, ...]:
+        """First by one blocker, then by more."""
+        refusals: dict[tuple[str, ...], RefusedError] = {(): refusal}
+        for _ in range(MAX_BLOCKERS):
+            further: dict[tuple[str, ...], RefusedError] = {}
+            for gone, why in refusals.items():
+                for blocker in why.in_the_way:
+                    if blocker not in self._movable:
+                        continue
+                    blockers = (*gone, blocker)
+                    still = self._refusal_without(frozenset(blockers))
+                    if still is not None:
+                        further[blockers] = still
+                    elif found := self._places(blockers):
+                        return found
+            refusals = further
+        return ()
+
+    def _places(self, blockers: tuple[str, ...]) -> tuple[Aside, ...]:
+        """Where each blocker in turn is put; empty if one of them has no place."""
+        objects, begin = self._objects, self._begin
+        found: list[Aside] = []
+        for number, blocker in enumerate(blockers, start=1):
+            place = self._place(objects, blocker, blockers[number:], begin)
+            if place is None:
+                return ()
+            found.append((blocker, place))
+            objects = {**objects, blocker: Cuboid(place, objects[blocker].edges_m)}
+            begin = panda.READY_RAD
+        return tuple(found)
+
+    def _place(
+        self, objects: Mapping[str, Cuboid], blocker: str, later: tuple[str, ...], begin: Joints
+    ) -> Pose | None:
+        """The nearest one to which the blocker can be carried, and where it is out of the way of
+        the block, as soon as the later blockers are too."""
+        block = objects[blocker]
+        others = [*_without(objects, blocker).values(), self._there]
+        for place in islice(with_room(block, others), MAX_PLACES):
+            moved = {**objects, blocker: Cuboid(place, block.edges_m)}
+            if self._refusal(_without(moved, *later)) is None and (
+                self._plan(objects, blocker, place, begin) is None
+            ):
+                return place
+        return None
+
+    def _refusal_without(self, gone: frozenset[str]) -> RefusedError | None:
+        if gone not in self._refusals:
+            self._refusals[gone] = self._refusal(_without(self._objects, *gone))
+        return self._refusals[gone]
+
+    def _refusal(self, objects: Mapping[str, Cuboid]) -> RefusedError | None:
+        """Why the block can't be carried to its sub-goal among these, the arm being ready."""
+        return self._plan(objects, self._name, self._goal, panda.READY_RAD)
+
+    def _plan(
+        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints
+    ) -> RefusedError | None:
+        if self._plans == MAX_PLANS:
+            # With nothing in the way, so that nothing further is tried.
+            return RefusedError(Why.NO_WAY, "enough was planned")
+        self._plans += 1
+        try:
+            self._planner.carry(objects, name, goal, begin, leaning=False)
+        except RefusedError as refusal:
+            return refusal
+        return None
+
+
+def with_room(block: Cuboid, others: Collection[Cuboid]) -> Iterator[Pose]:
+    """Places of a block on the table with room for the fingers all around it, turned as it is; the
+    nearest first."""
+    x, y, _ = block.pose.position
+    places = sorted(_grid(), key=lambda place: (math.dist(place, (x, y)), place))
+    for place in places:
+        pose = Pose.upright(*place, block.edges_m[2] / 2, block.pose.yaw_rad())
+        put = Cuboid(pose, block.edges_m)
+        if all(gap_m(put, other) >= FINGER_ROOM_M for other in others):
+            yield pose
+
+
+def _grid() -> list[tuple[float, float]]:
+    xs, ys = (
+        [round(low + STEP_M * number, 6) for number in range(round((high - low) / STEP_M) + 1)]
+        for low, high in zip(LOWEST_M, HIGHEST_M, strict=True)
+    )
+    return [(x, y) for x in xs for y in ys]
+
+
+def _without(objects: Mapping[str, Cuboid], *names: str) -> dict[str, Cuboid]:
+    return {name: cuboid for name, cuboid in objects.items() if name not in names}

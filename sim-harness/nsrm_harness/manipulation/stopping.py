@@ -1,0 +1,166 @@
+"""A stop on the way: the arm brakes along the path that was looked at, so that nothing is nearer
+to it than was planned, and knows the way back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from ruckig import ControlInterface, InputParameter, Ruckig
+from ruckig import Trajectory as Timed
+
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.geometry import panda
+from nsrm_harness.manipulation.grasps import Grasp
+from nsrm_harness.manipulation.kinematics import Joints
+from nsrm_harness.manipulation.trajectory import (
+    Backwards,
+    Moments,
+    Straight,
+    Trajectory,
+    moments_of,
+    rest_to_rest,
+)
+
+BRAKING = [12.0 * 0.85**number for number in range(22)]
+"""Deceleration of the pace along a trajectory, 1/s: the first of them by which no joint's
+acceleration is beyond its limit is taken. The last one stops it within 3 s; of what is planned at
+0.8 of the limits half stops within 0.15 s, and all within 1 s."""
+BRAKING_JERK = 200.0
+"""1/s²; at the joints' full speed a tenth of their limits."""
+PACE, ACCELERATION, JERK = 0.3, 1.0, 10.0
+"""Along a trajectory, on the way back: of its own pace, 1/s and 1/s²."""
+LOOKED_S = 0.004
+"""Between two moments of a braking whose accelerations are looked at."""
+BACK_PACE = 0.2
+"""Share of the maker's limits with which the arm draws back from what it has met."""
+BACK_RAD = 0.01
+"""So far back, by the joint that turns most, it comes onto its path again: the hand is some
+millimetres off what it has met then, and pushes no more."""
+
+Stop = Callable[[], bool]
+"""Whether the arm is to stop; is asked at each tick."""
+
+
+def unstopped() -> bool:
+    """It is not."""
+    return False
+
+
+@dataclass(frozen=True, eq=False)
+class WayBack:
+    """From where the arm was stopped to its ready pose, with what it holds put down.
+
+    * `ways`: first these, with the fingers as they are
+    * `grasp`: then they open as far as it says; None where they hold nothing
+    * `home`: then these
+    """
+
+    ways: tuple[Trajectory, ...] = ()
+    grasp: Grasp | None = None
+    home: tuple[Trajectory, ...] = ()
+
+
+class StoppedError(HarnessError):
+    """The arm was stopped and stands still, with its fingers as they are."""
+
+    def __init__(self, back: WayBack) -> None:
+        super().__init__("the arm was stopped on its way and stands still there")
+        self.back = back
+
+
+class Braking:
+    """A trajectory that is stopped: from a moment of it on, ever slower along its path."""
+
+    def __init__(self, way: Trajectory, since_s: float) -> None:
+        self._way, self._since_s = way, since_s
+        for deceleration in BRAKING:
+            self._timed = _slowed(deceleration)
+            accelerations = self.at(np.arange(0.0, self.duration_s, LOOKED_S)).accelerations
+            if np.all(np.abs(accelerations) <= panda.MAX_ACCELERATION_RAD_S2):
+                break
+
+    @property
+    def duration_s(self) -> float:
+        return float(self._timed.duration)
+
+    @property
+    def stopped_s(self) -> float:
+        """The moment of the trajectory at which it comes to rest."""
+        gone_s = float(self._timed.at_time(self.duration_s)[0][0])
+        return min(self._since_s + gone_s, self._way.duration_s)
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        """Moments of it."""
+        gone_s, pace, change = moments_of(self._timed, times_s)
+        return _at_pace(self._way, self._since_s + gone_s, pace, change)
+
+
+class Part:
+    """A trajectory from one of its moments to another, on or back, slowly and from rest to rest."""
+
+    def __init__(self, way: Trajectory, begin_s: float, end_s: float) -> None:
+        self._way, self._begin_s, self._span_s = way, begin_s, end_s - begin_s
+        self.begin, self.end = way.at(np.array([begin_s, end_s])).joints
+        span_s = max(abs(self._span_s), 1e-6)
+        self._timed = rest_to_rest(PACE / span_s, ACCELERATION / span_s, JERK / span_s)
+
+    @property
+    def duration_s(self) -> float:
+        return float(self._timed.duration)
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        place, pace, change = (self._span_s * each for each in moments_of(self._timed, times_s))
+        return _at_pace(self._way, self._begin_s + place, pace, change)
+
+
+def back_from(ways: Sequence[Trajectory], index: int, moment_s: float, then: WayBack) -> WayBack:
+    """The way back from a moment of one of some ways: the same ones backwards, and `then`."""
+    before = tuple(Backwards(way) for way in ways[:index][::-1])
+    return replace(then, ways=(Part(ways[index], moment_s, 0.0), *before, *then.ways))
+
+
+def on_from(ways: Sequence[Trajectory], index: int, moment_s: float, then: WayBack) -> WayBack:
+    """What is left of some ways from a moment of one of them, and `then`."""
+    way = ways[index]
+    return replace(then, ways=(Part(way, moment_s, way.duration_s), *ways[index + 1 :], *then.ways))
+
+
+def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]:
+    """Away from what was met on a trajectory: onto it again a little before, and along it to its
+    beginning. No way of its own, which FCL would have to look at once more: it has looked at the
+    trajectory, and on the short piece until there the arm is nowhere farther off it than it is
+    at first, where it was pushed to.
+
+    * `joints`: where the arm is, less than some hundredths of a radian beside the trajectory
+    """
+    times_s = np.arange(0.0, way.duration_s, LOOKED_S)
+    path = way.at(times_s).joints
+    off_rad = np.abs(path - joints).max(axis=1)
+    before = np.flatnonzero(off_rad[: int(off_rad.argmin())] >= BACK_RAD)
+    index = int(before[-1]) if len(before) else 0
+    return Straight(joints, path[index], BACK_PACE), Part(way, float(times_s[index]), 0.0)
+
+
+def _at_pace(
+    way: Trajectory,
+    moments_s: NDArray[np.float64],
+    pace: NDArray[np.float64],
+    change: NDArray[np.float64],
+) -> Moments:
+    """A trajectory at moments of it that go by at a pace `[n, 1]` that changes, 1/s."""
+    own = way.at(moments_s[:, 0])
+    return Moments(own.joints, own.speeds * pace, own.accelerations * pace**2 + own.speeds * change)
+
+
+def _slowed(deceleration: float) -> Timed:
+    """Of a pace of 1 down to 0."""
+    wanted = InputParameter(1)
+    wanted.control_interface = ControlInterface.Velocity
+    wanted.current_velocity, wanted.target_velocity = [1.0], [0.0]
+    wanted.max_acceleration, wanted.max_jerk = [deceleration], [BRAKING_JERK]
+    slowed = Timed(1)
+    Ruckig(1).calculate(wanted, slowed)
+    return slowed

@@ -1,0 +1,199 @@
+"""When the joints are where, within the maker's limits of speed, acceleration and jerk: timed
+by Ruckig."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+from ruckig import InputParameter, Result, Ruckig
+from ruckig import Trajectory as Timed
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.manipulation.kinematics import Joints
+
+SHARE = 0.95
+"""Of the limits that is used: what follows a trajectory is sometimes ahead of it."""
+DEGREE = 7
+"""Of the polynomial through the joints along a line."""
+CHECKED = 200
+"""At so many places the speeds along a line are looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Of a trajectory: angles, speeds and accelerations at each of n times, `[n, 7]` each, rad,
+    rad/s, rad/s²."""
+
+    joints: NDArray[np.float64]
+    speeds: NDArray[np.float64]
+    accelerations: NDArray[np.float64]
+
+
+class Trajectory(Protocol):
+    """Joints against time; begins and ends at rest."""
+
+    @property
+    def duration_s(self) -> float:
+        """How long it takes."""
+        ...
+
+    @property
+    def begin(self) -> Joints:
+        """Where it begins."""
+        ...
+
+    @property
+    def end(self) -> Joints:
+        """Where it ends."""
+        ...
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        """Moments of it; before and behind it, its ends."""
+        ...
+
+
+class Straight:
+    """All joints at once, each from where it is to where it is to be, as fast as the slowest."""
+
+    def __init__(self, begin: Joints, end: Joints, pace: float = 1.0) -> None:
+        """`pace`: share of the limits' speeds, accelerations and jerks."""
+        self.begin, self.end = begin, end
+        self._turn = end - begin
+        # The share of the way is timed: each joint with a profile of its own would leave the line.
+        speed, acceleration, jerk = (_least(limits, np.abs(self._turn)) for limits in _limits(pace))
+        self._timed = rest_to_rest(speed, acceleration, jerk)
+
+    @property
+    def duration_s(self) -> float:
+        return float(self._timed.duration)
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        place, speed, acceleration = moments_of(self._timed, times_s)
+        turn = self._turn
+        return Moments(self.begin + place * turn, speed * turn, acceleration * turn)
+
+
+class Backwards:
+    """A trajectory from its end to its beginning."""
+
+    def __init__(self, way: Trajectory) -> None:
+        self.begin, self.end = way.end, way.begin
+        self._way = way
+
+    @property
+    def duration_s(self) -> float:
+        return self._way.duration_s
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        moments = self._way.at(self.duration_s - times_s)
+        return Moments(moments.joints, -moments.speeds, moments.accelerations)
+
+
+class Along:
+    """Through joints that lie densely along a path, such as those of a straight line of the
+    hand: through the first and the last one, and near to those between.
+
+    * `off_rad`: how near: the most that a joint is off one of them
+    """
+
+    def __init__(self, joints: Sequence[Joints], pace: float = 1.0) -> None:
+        self.begin, self.end = joints[0], joints[-1]
+        self._joints, self._pace = joints, pace
+        places = np.linspace(-1.0, 1.0, len(joints))
+        path = chebyshev.chebfit(places, np.array(joints), min(DEGREE, len(joints) - 1))
+        # What comes before it ends there, and what follows begins there: no joint may leap.
+        off = np.array(joints) - chebyshev.chebval(places, path).T
+        path[:2] += (off[-1] + off[0]) / 2, (off[-1] - off[0]) / 2
+        self.off_rad = float(np.abs(np.array(joints) - chebyshev.chebval(places, path).T).max())
+        # By the share of the way, from 0 to 1, which is half of Chebyshev's range.
+        self._turns = [path] + [chebyshev.chebder(path, order, scl=2) for order in (1, 2, 3)]
+        self._timed = self._slowest(pace)
+
+    @property
+    def duration_s(self) -> float:
+        return float(self._timed.duration)
+
+    def at(self, times_s: NDArray[np.float64]) -> Moments:
+        place, speed, acceleration = moments_of(self._timed, times_s)
+        joints, first, second, _ = self._at_places(place[:, 0])
+        return Moments(joints, first * speed, second * speed**2 + first * acceleration)
+
+    def reversed(self) -> Along:
+        """The same way back."""
+        return Along(self._joints[::-1], self._pace)
+
+    def _at_places(self, places: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """Joints and their derivatives `[n, 7]` at shares of the way."""
+        values = (chebyshev.chebval(2 * places - 1, turn) for turn in self._turns)
+        return [np.asarray(value, np.float64).T for value in values]
+
+    def _slowest(self, pace: float) -> Timed:
+        """Time along the path, so slow that no joint is beyond its limits anywhere."""
+        _, first, second, third = (
+            np.abs(turn).max(axis=0) for turn in self._at_places(np.linspace(0.0, 1.0, CHECKED))
+        )
+        speeds, accelerations, jerks = _limits(pace)
+        # Of each derivative's terms at their worst together, each gets an equal share.
+        speed = _least(speeds, first)
+        speed = min(speed, math.sqrt(_least(accelerations / 2, second)))
+        speed = min(speed, math.cbrt(_least(jerks / 3, third)))
+        acceleration = _least(accelerations / 2, first)
+        acceleration = min(acceleration, _least(jerks / 9, second * speed))
+        jerk = _least(jerks / 3, first)
+        return rest_to_rest(speed, acceleration, jerk)
+
+
+def _least(limits: NDArray[np.float64], factors: NDArray[np.float64]) -> float:
+    """The largest number that, times each factor, is within its limit."""
+    return float((limits / np.maximum(factors, 1e-9)).min())
+
+
+def moments_of(timed: Timed, times_s: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Position, speed and acceleration of one axis, `[n, 1]` each, at each of n times; before and
+    behind it, its ends.
+
+    All at once, from its parts of constant jerk: to ask Ruckig time by time took 40 % of the
+    planning.
+    """
+    ((profile,),) = timed.profiles
+    ends_s = np.cumsum(profile.t)
+    times_s = np.clip(times_s, 0.0, ends_s[-1])
+    part = np.minimum(np.searchsorted(ends_s, times_s, side="right"), len(ends_s) - 1)
+    since_s = times_s - np.concatenate(([0.0], ends_s))[part]
+    position, speed, acceleration, jerk = (
+        np.array(each)[part] for each in (profile.p, profile.v, profile.a, profile.j)
+    )
+    return [
+        (position + since_s * (speed + since_s * (acceleration / 2 + since_s * jerk / 6)))[:, None],
+        (speed + since_s * (acceleration + since_s * jerk / 2))[:, None],
+        (acceleration + since_s * jerk)[:, None],
+    ]
+
+
+def _limits(pace: float) -> tuple[Joints, Joints, Joints]:
+    """Speeds, accelerations and jerks that are used."""
+    share = pace * SHARE
+    return (
+        share * panda.MAX_SPEED_RAD_S,
+        share * panda.MAX_ACCELERATION_RAD_S2,
+        share * panda.MAX_JERK_RAD_S3,
+    )
+
+
+def rest_to_rest(speed: float, acceleration: float, jerk: float) -> Timed:
+    """The share of a way, from 0 to 1, within limits of its derivatives, from rest to rest."""
+    wanted = InputParameter(1)
+    wanted.current_position, wanted.target_position = [0.0], [1.0]
+    wanted.max_velocity, wanted.max_acceleration = [speed], [acceleration]
+    wanted.max_jerk = [jerk]
+    timed = Timed(1)
+    result = Ruckig(1).calculate(wanted, timed)
+    if result not in (Result.Working, Result.Finished):
+        raise ValueError(f"no time for a way at {speed}, {acceleration}, {jerk}: {result}")
+    return timed

@@ -1,0 +1,159 @@
+"""A simulated world as a process of a robot: its camera with the detector, and its
+controller."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+
+from nsrm_harness.data.tabletop import tabletop
+from nsrm_harness.domain import Domain
+from nsrm_harness.geometry.camera import Camera, default_camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Vector3
+from nsrm_harness.nodes.config import RobotConfig
+from nsrm_harness.nodes.controller import Controller, Mover, stops_first
+from nsrm_harness.nodes.messages import CameraFrame, CameraMessage, Role, State, SubGoal
+from nsrm_harness.nodes.movers import Carries, SetsDown
+from nsrm_harness.nodes.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
+from nsrm_harness.perception.observer import Observer
+from nsrm_harness.perception.relief import PerceptionError
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.render import Renderer
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+from nsrm_harness.simulation.world import World
+
+FRAME_S = 0.1
+"""Time between two frames, at least."""
+BURIAL_FRAMES = 2
+"""After how many frames the dead are looked for."""
+
+
+class Stage:
+    """The tabletop of a seed, seen and moved by messages alone."""
+
+    def __init__(
+        self,
+        domain: Domain,
+        renderer: Renderer,
+        seed: int,
+        config: RobotConfig,
+        *,
+        with_arm: bool,
+    ) -> None:
+        """Raises `PortError` if the robot has a camera or a controller already."""
+        self._camera = default_camera()
+        self._robot = Robot(config, "controller")
+        self._commands = CommandsIn(self._robot)
+        self._feedback = FeedbackOut(self._robot)
+        self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)
+        self._life = Life(self._robot, Role.CONTROLLER)
+        self._listener = self._robot.listener("sub_goal")
+        self._seen: Mapping[int, Cuboid] = {}
+        self._sequence = 0
+        scene = tabletop(domain, seed)
+        self.sentence = scene.sentence
+        """Something that can be said in it."""
+        self.world = ArmWorld() if with_arm else World()
+        self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
+        self.world.settle()
+        self._eyes = Observer(SimulatedCamera(renderer, self.world, self._camera))
+        self._ending = threading.Event()
+        self._waiting: list[SubGoal] = []
+        self._arm = (
+            Carries(self.world, self._look_again, self._work, self._is_stopped)
+            if isinstance(self.world, ArmWorld)
+            else None
+        )
+        mover: Mover = self._arm or SetsDown(self.world, self._position)
+        self._controller = Controller(mover, self._feedback.say, self._life.reject, now_ns)
+
+    def close(self) -> None:
+        """Ends the world."""
+        self.world.close()
+
+    def run(self, stop: threading.Event) -> None:
+        """Looks and obeys until it is told to stop; then the arm stands still where it is."""
+        self._ending = stop
+        while not stop.is_set():
+            begun_s = time.monotonic()
+            self.turn()
+            rest_s = FRAME_S - (time.monotonic() - begun_s)
+            if rest_s > 0:
+                stop.wait(rest_s)
+
+    def turn(self) -> None:
+        """Obeys what it was told, then takes a picture and publishes it."""
+        self._life.beat(State.IDLE)
+        self._hear()
+        while self._waiting:
+            self._waiting = stops_first(self._waiting)
+            self._controller.obey(self._waiting.pop(0))
+            self._work()
+        if self._ending.is_set():
+            return
+        if self._arm is not None:
+            self._arm.tidy_up()
+        self._look_on()
+        if self._sequence % BURIAL_FRAMES == 0:
+            self._robot.bury()
+
+    def _work(self) -> None:
+        self._life.beat(State.BUSY)
+
+    def _hear(self) -> None:
+        self._waiting += self._commands
+
+    def _is_stopped(self) -> bool:
+        self._hear()
+        return self._ending.is_set() or self._controller.is_stopped_by(self._waiting)
+
+    def _look_again(self) -> Mapping[int, Cuboid]:
+        self.look()
+        return self._seen
+
+    def _position(self, number: int) -> Vector3 | None:
+        seen = self._seen.get(number)
+        return None if seen is None else seen.pose.position
+
+    def _look_on(self) -> None:
+        """Publishes a picture, if anything can be seen on it: without one the scenes grow old,
+        which the planner says."""
+        try:
+            self.look()
+        except PerceptionError as error:
+            self._life.reject("camera", str(error))
+
+    def look(self) -> None:
+        """Publishes what the camera sees and the detector finds in it. Raises
+        `PerceptionError`."""
+        taken_ns = now_ns()
+        sight = self._eyes.look(self._arm.held if self._arm is not None else ())
+        self._seen = sight.cuboids
+        self._sequence += 1
+        header = CameraFrame(
+            sequence=self._sequence,
+            timestamp_ns=taken_ns,
+            camera=_camera_message(self._camera),
+            count=len(sight.locations),
+        )
+        for box, (number, location) in zip(header.boxes, sight.locations.items(), strict=False):
+            box.id, box.covered = number, number in sight.covered
+            box.visible[:] = location[:4].tolist()
+            box.location[:] = sight.whole[number].tolist()
+        self._frames.send(header, sight.rgb, sight.depth)
+
+
+def _camera_message(camera: Camera) -> CameraMessage:
+    message = CameraMessage(
+        width=camera.width,
+        height=camera.height,
+        fx=camera.fx,
+        fy=camera.fy,
+        cx=camera.cx,
+        cy=camera.cy,
+    )
+    message.position[:] = camera.position
+    message.orientation[:] = camera.orientation
+    return message

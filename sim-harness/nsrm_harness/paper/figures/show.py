@@ -1,0 +1,153 @@
+"""A figure carried out: the model plans from sentence and picture, the arm follows its sub-goals,
+and each attempt at a step is judged."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import nsrm
+
+from nsrm_harness import domain as domains
+from nsrm_harness.domain import Domain
+from nsrm_harness.evaluation.manipulation_trials.episode import lasting, model, planner, renderer
+from nsrm_harness.evaluation.manipulation_trials.judge import Judge, Verdict
+from nsrm_harness.geometry.camera import default_camera
+from nsrm_harness.manipulation.errors import RefusedError
+from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.robot_interface import StuckError
+from nsrm_harness.paper.figures.scenes import Figure, Scene, draw
+from nsrm_harness.paper.figures.sheet import Sheet
+from nsrm_harness.perception.observer import Names, Observer, Sight, names, sub_goal
+from nsrm_harness.perception.relief import PerceptionError
+from nsrm_harness.simulation.arm_world import ArmWorld
+from nsrm_harness.simulation.simulated_camera import SimulatedCamera
+
+
+@dataclass(frozen=True)
+class Done:
+    """A step that was carried out.
+
+    * `goal_off_m`: between the model's first sub-goal and where the block is to be
+    * `corrected_m`: between the model's sub-goal and where the arm meant to put the block
+    """
+
+    verdict: Verdict
+    goal_off_m: float
+    corrected_m: float
+    tries: int
+
+    def __str__(self) -> str:
+        return f"{self.verdict}; the sub-goal was {1000 * self.goal_off_m:.1f} mm from it"
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How an episode ended.
+
+    * `end`: "succeeded", "refused" (a reason was given in place of a step) or "failed"
+    * `why`: the reason, or what was not as said
+    """
+
+    figure: int
+    variation: int
+    seed: int
+    sentence: str
+    end: str
+    why: str
+    steps: tuple[Done, ...]
+
+
+def run(
+    figure: Figure,
+    seed: int,
+    variation: int,
+    picture: Path | None = None,
+    domain: Domain | None = None,
+) -> Ended:
+    """Carries a variation of a figure out, and draws it into `picture`; the same in any
+    process.
+
+    * `domain`: the paper's if none is given; a cluster's worker has no file of it
+    """
+    domain = domain or domains.load()
+    scene = draw(figure, domain, seed, variation)
+    with closing(ArmWorld()) as world:
+        world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
+        world.settle()
+        episode = _Episode(world, scene, domain, Sheet(figure))
+        end, why = episode.carry_out(figure.sentence)
+    if picture is not None:
+        episode.sheet.save(picture, "" if end == "succeeded" else f"{end}: {why}")
+    return Ended(figure.number, variation, seed, figure.sentence, end, why, tuple(episode.done))
+
+
+class _Episode:
+    def __init__(self, world: ArmWorld, scene: Scene, domain: Domain, sheet: Sheet) -> None:
+        self._world, self._moves, self.sheet = world, scene.moves, sheet
+        self._domain = domain
+        self._judge = Judge(world, scene.arrangement.blocks)
+        world.on_tick = self._judge.tick
+        self._eyes = Observer(SimulatedCamera(renderer(), world, default_camera()))
+        self._number = 0
+        self.done: list[Done] = []
+
+    def carry_out(self, sentence: str) -> tuple[str, str]:
+        """How it ends, and why."""
+        try:
+            plan, known = self._plan(sentence)
+        except nsrm.Refused as refusal:
+            return "refused", f"model: {refusal}"
+        except PerceptionError as error:
+            return "failed", f"detector: {error}"
+        if len(plan.steps) != len(self._moves):
+            return "failed", f"model: {len(plan.steps)} steps, but {len(self._moves)} were said"
+        self._steps = plan.steps
+        follower = Follower(
+            self._world,
+            planner(),
+            self._eyes,
+            model(),
+            known.spoken,
+            looked=self._looked,
+            begin=self._begin,
+            reached=self._reached,
+        )
+        try:
+            follower.follow(sentence)
+        except (nsrm.Refused, RefusedError) as refusal:
+            return "refused", f"arm, step {self._number}: {refusal}"
+        except (FailedError, StuckError) as error:
+            self.sheet.add_step(self._number, self._sight, "failed")
+            return "failed", f"arm, step {self._number}: {error}"
+        for number, done in enumerate(self.done, start=1):
+            if not done.verdict.is_as_said:
+                return "failed", f"attempt {number} at a step was not as said: {done}"
+        if not self._judge.stands(lasting(self._moves)):
+            return "failed", "what was done did not stay"
+        return "succeeded", ""
+
+    def _plan(self, sentence: str) -> tuple[nsrm.Plan, Names]:
+        sight = self._eyes.look()
+        known = names(model(), self._domain, sight)
+        self.sheet.add_scene(sight, known)
+        plan = model().plan(sight.scene(model(), self._eyes.camera), sentence)
+        self.sheet.add_plan(plan)
+        return plan, known
+
+    def _looked(self, sight: Sight) -> None:
+        self._sight = sight
+
+    def _begin(self, index: int) -> None:
+        # A sentence of which more steps were understood later is judged by its last one.
+        index = min(index, len(self._moves) - 1)
+        self._number = index + 1
+        self._truth = self._judge.begin(self._moves[index])
+
+    def _reached(self, _index: int, performed: Performed) -> None:
+        verdict = replace(self._judge.end(performed.aside), step=self._number - 1)
+        goal_off_m = sub_goal(self._steps[self._number - 1]).distance_m(self._truth)
+        self.done.append(Done(verdict, goal_off_m, performed.corrected_m, performed.tries))
+        self.sheet.add_step(self._number, self._sight, f"{1000 * verdict.off_m:.1f} mm off")

@@ -1,0 +1,39 @@
+"""Figures made in processes of their own and kept in files: what is there is not made again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from nsrm_harness.paper.tables.processes import Task, run_all
+from nsrm_harness.paper.tables.results import write_json
+
+
+class Maker(Protocol):
+    """Makes figures, in another process."""
+
+    def figures(self) -> Any:
+        """The figures, as JSON has them."""
+        ...
+
+
+def make_all(makers: Mapping[str, Maker], folder: Path, jobs: int, title: str) -> list[Any]:
+    """The figures of each, from `NAME.json` in `folder` where that is there.
+
+    Raises `TaskError`; what was made before is kept.
+    """
+    kept = {name: folder / f"{name}.json" for name in makers}
+    tasks = [
+        Task(name, keep, (maker, kept[name]), kept[name].with_suffix(".log"))
+        for name, maker in makers.items()
+        if not kept[name].exists()
+    ]
+    run_all(tasks, jobs, title)
+    return [json.loads(path.read_text(encoding="utf-8")) for path in kept.values()]
+
+
+def keep(maker: Maker, path: Path) -> None:
+    """Make the figures, and keep them."""
+    write_json(path, maker.figures())

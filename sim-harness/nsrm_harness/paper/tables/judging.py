@@ -1,0 +1,70 @@
+"""Models judged on files of episodes, in processes of their own; what is judged is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import nsrm
+
+from nsrm_harness.evaluation.metrics import evaluate_models
+from nsrm_harness.evaluation.observed import Boxes
+from nsrm_harness.paper.tables.cache import make_all
+from nsrm_harness.paper.tables.results import Row
+
+
+class Contender(NamedTuple):
+    """A model file, and what rows call it."""
+
+    name: str
+    seed: int
+    path: Path
+
+
+class Judging(NamedTuple):
+    """Models that are judged on one file."""
+
+    split: str
+    data: Path
+    contenders: tuple[Contender, ...]
+    boxes: Boxes | None
+    """None: baselines, which see the boxes of the mask."""
+
+    @property
+    def name(self) -> str:
+        """Of the file with its rows."""
+        return f"{self.split}-{self.boxes or 'baseline'}"
+
+    def figures(self) -> list[dict[str, Any]]:
+        """The rows, as JSON has them."""
+        return [asdict(row) for row in self.rows()]
+
+    def rows(self) -> list[Row]:
+        """One for each of the models."""
+        if self.boxes is None:
+            # Imported here: JAX takes seconds in each process, and the core does without.
+            from nsrm_harness.learning.baseline.evaluate import evaluate_baseline
+            from nsrm_harness.learning.baseline.file import read_baseline
+
+            metrics = [
+                evaluate_baseline(read_baseline(each.path).model, self.data)
+                for each in self.contenders
+            ]
+        else:
+            models = [nsrm.Model.load(each.path) for each in self.contenders]
+            metrics = evaluate_models(models, self.data, self.boxes, self.name)
+        return [
+            Row.of(self.split, each.name, each.seed, self.boxes or "mask", found)
+            for each, found in zip(self.contenders, metrics, strict=True)
+        ]
+
+
+def judge_all(judgings: Sequence[Judging], folder: Path, jobs: int, title: str) -> list[list[Row]]:
+    """The rows of each; those that are kept in `folder` are not made again.
+
+    Raises `TaskError`; what was judged before is kept.
+    """
+    made = make_all({judging.name: judging for judging in judgings}, folder, jobs, title)
+    return [[Row(**row) for row in rows] for rows in made]

@@ -1,0 +1,53 @@
+"""Lines of the report's tables, in Markdown, and what splits and measures are called in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from nsrm_harness.common.number_text import or_dash
+from nsrm_harness.paper.tables.results import MEASURES, Row, summarize
+
+HEADINGS = ("program", "O1", "O2", "IoU-2D", "IoU-3D")
+TITLES = {
+    "train": "training episodes, 1-2 steps",
+    "test": "test, 1-2 steps",
+    "novel_pairs": "attribute pairs never seen in training",
+    "steps_3": "3 steps, trained on 1-2",
+    "steps_4": "4 steps",
+    "steps_5": "5 steps",
+    "steps_6": "6 steps",
+    "steps_8": "8 steps",
+    "multi_attribute": "two attributes in each description, trained on one",
+    "objects_8": "8 objects, trained on 4-6",
+    "objects_10": "10 objects, trained on 4-6",
+    "paraphrase": "orders of words never heard in training",
+}
+
+
+def cells_of(rows: Sequence[Row]) -> list[str]:
+    """Each measure of a model's rows: the mean over the seeds, with least and greatest."""
+    cells = []
+    for measure in MEASURES:
+        summary = summarize(rows, measure)
+        if summary is None:
+            cells.append("-")
+        elif len(rows) == 1:
+            cells.append(number(summary.mean))
+        else:
+            cells.append(f"{summary.mean:.1f} ({summary.least:.1f}-{summary.greatest:.1f})")
+    return cells
+
+
+def number(value: float | None) -> str:
+    """A percentage, or a dash for none."""
+    return or_dash(value, ".1f")
+
+
+def header_of(first: str) -> str:
+    """The first two lines of a table of all measures."""
+    return line_of(first, HEADINGS) + "\n|---|" + "---:|" * len(HEADINGS)
+
+
+def line_of(first: str, cells: Iterable[str]) -> str:
+    """A line of a table."""
+    return f"| {first} | " + " | ".join(cells) + " |"

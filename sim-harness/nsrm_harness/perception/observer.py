@@ -1,0 +1,182 @@
+"""What camera, detector and model see of a scene. Pictures come from a source that is handed in."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, replace
+
+import nsrm
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.geometry.camera import Camera
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.perception.camera_source import CameraSource
+from nsrm_harness.perception.cuboids import Cuboids, faces
+from nsrm_harness.perception.detector import objects_in
+from nsrm_harness.perception.relief import PerceptionError, relief
+from nsrm_harness.perception.tracking import Tracker
+
+DARK = 8.0
+"""A picture's mean is brighter, of 255."""
+
+STAYED_M = 0.005
+"""An object that is seen nearer than that to where it was has not been moved."""
+WHOLE = 0.95
+"""Of the pixels that an object had where it stands; another covers it if fewer show it."""
+
+Location = NDArray[np.float32]
+"""x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """One picture and the objects found in it.
+
+    * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
+    * `labels`: `int32 [H, W]`, an object's number where it is seen
+    * `locations`: of what is seen of each, by number; the same object has the same number in all
+      pictures
+    * `whole`: of all of each, as it was seen before where another covers a part of it
+    * `covered`: the numbers of those
+    * `cuboids`: of all that are believed to be there, hidden ones included
+    * `taken_s`: when, by the world's clock
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    labels: NDArray[np.int32]
+    locations: Mapping[int, Location]
+    whole: Mapping[int, Location]
+    covered: frozenset[int]
+    cuboids: Mapping[int, Cuboid]
+    taken_s: float
+
+    def scene(self, model: nsrm.Model, camera: Camera) -> nsrm.Scene:
+        """What the model plans in."""
+        locations = np.array([*self.locations.values()], np.float32).reshape(-1, 5)
+        return model.observe(
+            self.rgb,
+            list(self.locations),
+            np.ascontiguousarray(locations[:, :4]),
+            np.ascontiguousarray(locations[:, 4]),
+            nsrm.Camera(**asdict(camera)),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Whole:
+    """An object of which nothing is hidden; `size`: how many pixels show it."""
+
+    location: Location
+    pose: Pose
+    size: int
+
+
+class DarkError(PerceptionError):
+    """A picture on which nothing can be seen."""
+
+
+class Observer:
+    """Observes what one camera shows: who is who in its pictures, and where all of them stand."""
+
+    def __init__(self, source: CameraSource) -> None:
+        self._source = source
+        self._tracker, self._cuboids = Tracker(), Cuboids(source.camera)
+        self._wholes: dict[int, _Whole] = {}
+
+    @property
+    def camera(self) -> Camera:
+        """The camera's calibration."""
+        return self._source.camera
+
+    @property
+    def now_s(self) -> float:
+        """By the clock that tells when pictures are taken."""
+        return self._source.now_s
+
+    def look(self, held: Collection[int] = ()) -> Sight:
+        """Takes a picture. Raises `DarkError` or another `PerceptionError`.
+
+        * `held`: the numbers of what the hand may hold, which is looked for in vain
+        """
+        image = self._source.take()
+        if image.rgb.mean() < DARK:
+            raise DarkError("the camera's picture is dark")
+        heights = relief(image.rgb, image.depth, self.camera)
+        found = objects_in(image.rgb, heights)
+        seen = faces(found, heights, self.camera)
+        numbers = self._tracker.update(image.rgb, found, seen, heights, self.camera, held)
+        self._cuboids.forget(self._tracker.forgotten)
+        for number in self._tracker.forgotten:
+            self._wholes.pop(number, None)
+        cuboids = self._cuboids.update(dict(zip(numbers, seen, strict=True)), heights)
+        rows = np.column_stack([found.boxes, found.depths])
+        locations = dict(zip(numbers, rows, strict=True))
+        sizes = np.bincount(found.labels.ravel(), minlength=len(found) + 1)[1:].tolist()
+        covered = frozenset(
+            number
+            for (number, location), size in zip(locations.items(), sizes, strict=True)
+            if not self._is_whole(number, _Whole(location, cuboids[number].pose, size))
+        )
+        return Sight(
+            image.rgb,
+            image.depth,
+            np.array((0, *numbers), np.int32)[found.labels],
+            locations,
+            {number: self._wholes[number].location for number in locations},
+            covered,
+            cuboids,
+            image.taken_s,
+        )
+
+    def _is_whole(self, number: int, now: _Whole) -> bool:
+        """Whether as much of an object is seen as ever where it stands; if so, that is kept."""
+        before = self._wholes.get(number)
+        if before is not None and before.pose.distance_m(now.pose) < STAYED_M:
+            if now.size < WHOLE * before.size:
+                return False
+            now = replace(now, size=max(now.size, before.size))
+        self._wholes[number] = now
+        return True
+
+
+@dataclass(frozen=True)
+class Names:
+    """What the model takes the objects for, by number.
+
+    * `words`: the likeliest value of each attribute type
+    * `colors`: the likeliest colour's red, green and blue in 0..1
+    """
+
+    words: Mapping[int, str]
+    colors: Mapping[int, tuple[float, float, float]]
+
+    def spoken(self, number: int) -> str:
+        """What tells an object from all others; one that was not there before has no words."""
+        words = self.words.get(number)
+        return f"object {number} ({words})" if words else f"object {number}"
+
+
+def names(model: nsrm.Model, domain: Domain, sight: Sight) -> Names:
+    """The objects' names as the model sees them."""
+    words: dict[int, str] = {}
+    colors: dict[int, tuple[float, float, float]] = {}
+    for number, location in sight.locations.items():
+        similarities = model.similarities(model.encode_crop(nsrm.crop(sight.rgb, location[:4])))
+        values = [
+            max(attribute.values, key=lambda value: similarities[value.name])
+            for attribute in domain.attributes
+        ]
+        words[number] = " ".join(value.name for value in reversed(values))
+        colors[number] = next(value.rgb for value in values if value.rgb is not None)
+    return Names(words, colors)
+
+
+def sub_goal(step: nsrm.PlannedStep) -> Pose:
+    """Where the centre of a step's object is to be."""
+    x, y, z = (float(value) for value in step.position)
+    i, j, k, w = (float(value) for value in step.orientation)
+    return Pose((x, y, z), (i, j, k, w))

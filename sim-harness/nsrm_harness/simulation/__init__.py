@@ -1,0 +1,1 @@
+"""The tabletop in PyBullet: blocks, physics, the Panda, renderers."""

@@ -1,0 +1,95 @@
+"""The tabletop with an arm that has motors, and moves blocks by touching them alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.bullet import pybullet
+from nsrm_harness.simulation.moving_arm import MovingArm
+from nsrm_harness.simulation.world import TIME_STEP_S, World
+
+TABLE = "table"
+
+
+class Contact(NamedTuple):
+    """Two that push against each other: the arm's links by name, "block 1", "table"."""
+
+    one: str
+    other: str
+
+
+class ArmWorld(World):
+    """As `World`, but the arm stands in its physics, and is moved by its motors; it is the body
+    that `nsrm_harness.manipulation` drives.
+
+    * `on_tick`: is called before each step of physics that the arm waits for
+    """
+
+    def __init__(self, on_tick: Callable[[], None] = lambda: None) -> None:
+        super().__init__()
+        self.on_tick = on_tick
+
+    def _build(self) -> None:
+        super()._build()
+        pybullet.setPhysicsEngineParameter(enableConeFriction=1, physicsClientId=self._client)
+        self._arm = MovingArm(self._client)
+
+    @property
+    def tick_s(self) -> float:
+        """Between two ticks."""
+        return TIME_STEP_S
+
+    def drive(self, joints: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
+        """What the joints follow, rad and rad/s, from the next tick on."""
+        self._arm.drive(joints, speeds)
+
+    def grip(self, opening_m: float, force_n: float) -> None:
+        """Where the fingers go with at most this force, from the next tick on."""
+        self._arm.grip(opening_m, force_n)
+
+    def joints(self) -> NDArray[np.float64]:
+        """The joints' angles `[7]`, radians."""
+        return self._arm.joints()
+
+    def opening_m(self) -> float:
+        """Between the fingers."""
+        return self._arm.opening_m()
+
+    def tick(self) -> None:
+        """A step of physics."""
+        self.on_tick()
+        self._set_global_parameters()
+        self._step()
+
+    def arm_links(self) -> dict[str, Pose]:
+        """The frame of each of the Panda's links in the world, by name."""
+        return self._arm.links()
+
+    def contacts(self, *block_ids: int) -> set[Contact]:
+        """What pushes against the arm or these blocks now."""
+        names = {body: f"block {number}" for number, body in self._bodies.items()}
+        names[self._table] = TABLE
+        points = [
+            *self._arm.contact_points(),
+            *(
+                point
+                for block_id in block_ids
+                for point in pybullet.getContactPoints(
+                    bodyA=self._body(block_id), physicsClientId=self._client
+                )
+            ),
+        ]
+        found = set()
+        for _, one, other, link, other_link, *_, force_n, _, _, _, _ in points:
+            if force_n > 0:
+                pair = (
+                    names.get(one) or self._arm.link_name(link),
+                    names.get(other) or self._arm.link_name(other_link),
+                )
+                found.add(Contact(*sorted(pair)))
+        return found

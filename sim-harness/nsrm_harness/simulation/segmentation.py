@@ -1,0 +1,86 @@
+"""Boxes and depths read off the renderer's segmentation mask, which stands in for a detector."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nsrm_harness.geometry.camera import MIN_VISIBLE_PX, Camera
+from nsrm_harness.simulation.render import Frame, Light, Renderer, Surfaces
+from nsrm_harness.simulation.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """Where a detector finds the blocks.
+
+    * `ids`: of the blocks seen, rising; a hidden block is missing
+    * `boxes`: `float32 [N, 4]`, x1, y1, x2, y2 as fractions of width and height
+    * `depths`: `float32 [N]`, mean depth over the block's visible pixels, metres
+    """
+
+    ids: tuple[int, ...]
+    boxes: NDArray[np.float32]
+    depths: NDArray[np.float32]
+
+    def location(self, block_id: int) -> NDArray[np.float32]:
+        """Box corners and mean depth `[5]` of a block that is seen."""
+        row = self.ids.index(block_id)
+        return np.append(self.boxes[row], self.depths[row])
+
+
+@dataclass(frozen=True, eq=False)
+class Observation(Located):
+    """What a camera with a detector gives: no simulator truth beyond the boxes' ids.
+
+    * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+
+
+def observe(renderer: Renderer, world: World, camera: Camera, light: Light) -> Observation:
+    """Takes a picture and reads boxes and depths off the segmentation mask, which
+    stands in for a detector."""
+    return observation(renderer.render(world, camera, light))
+
+
+def observation(frame: Frame) -> Observation:
+    """What is seen in a picture that was taken."""
+    found = located(frame)
+    return Observation(found.ids, found.boxes, found.depths, frame.rgb, frame.depth)
+
+
+def locate(renderer: Renderer, world: World, camera: Camera) -> Located:
+    """As `observe`, without the picture's colours."""
+    return located(renderer.surfaces(world, camera))
+
+
+def located(seen: Surfaces) -> Located:
+    """Boxes and mean depths of the ids in the mask."""
+    depth, mask = seen.depth, seen.mask
+    height, width = mask.shape
+    # Of truth values, NumPy finds those that aren't 0 several times as fast as of integers.
+    pixels = np.flatnonzero(mask != 0)
+    rows, columns = np.divmod(pixels, width)
+    found = mask.ravel()[pixels]
+    values = depth.ravel()[pixels].astype(np.float64)
+    ids, boxes, depths = [], [], []
+    for block_id in np.unique(found):
+        own = found == block_id
+        if np.count_nonzero(own) < MIN_VISIBLE_PX:
+            continue
+        x, y = columns[own], rows[own]
+        ids.append(int(block_id))
+        boxes.append(
+            (x.min() / width, y.min() / height, (x.max() + 1) / width, (y.max() + 1) / height)
+        )
+        depths.append(values[own].mean())
+    return Located(
+        tuple(ids),
+        np.array(boxes, dtype=np.float32).reshape(-1, 4),
+        np.array(depths, dtype=np.float32),
+    )

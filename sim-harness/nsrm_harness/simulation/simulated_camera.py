@@ -1,0 +1,30 @@
+"""The simulator as a source of pictures."""
+
+from __future__ import annotations
+
+from nsrm_harness.geometry.camera import Camera
+from nsrm_harness.perception.camera_source import RgbdImage
+from nsrm_harness.simulation.render import Light, Renderer
+from nsrm_harness.simulation.world import World
+
+
+class SimulatedCamera:
+    """A camera that looks at a world; a `CameraSource` on the world's clock."""
+
+    def __init__(self, renderer: Renderer, world: World, camera: Camera) -> None:
+        self._renderer, self._world, self._camera = renderer, world, camera
+
+    @property
+    def camera(self) -> Camera:
+        """Its calibration, which is exact."""
+        return self._camera
+
+    @property
+    def now_s(self) -> float:
+        """Simulated seconds."""
+        return self._world.time_s
+
+    def take(self) -> RgbdImage:
+        """A picture of the world as it stands now."""
+        frame = self._renderer.render(self._world, self._camera, Light())
+        return RgbdImage(frame.rgb, frame.depth, self._world.time_s)

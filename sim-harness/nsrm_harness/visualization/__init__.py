@@ -1,0 +1,1 @@
+"""Pictures, plots, films and recordings for people."""

@@ -1,0 +1,99 @@
+"""A recording's file: all of it or nothing."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.visualization.recording.episode import WORLD
+from nsrm_harness.visualization.recording.timeline import TIMELINE
+from nsrm_harness.visualization.recording.view import CAMERA, DEPTH
+
+APPLICATION = "nsrm"
+SUFFIX = ".rrd"
+EYE_M, LOOKS_AT_M = (1.45, 0.7, 0.9), (0.35, 0.0, 0.25)
+"""Whence the viewer shows the scene at first: table, arm and camera."""
+
+
+class RecordingError(HarnessError):
+    """A recording that can't be written."""
+
+
+@contextmanager
+def recorded(path: Path) -> Iterator[rr.RecordingStream]:
+    """What is logged within comes to stand at `path` in the end, unless something is raised.
+
+    Raises `RecordingError` at once where nothing can be written.
+    """
+    if path.suffix != SUFFIX:
+        raise RecordingError(f"{path}: the viewer opens files named *{SUFFIX} alone: so name it")
+    partial = path.with_name(f"{path.name}.part")
+    try:
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.touch()
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    # What can't be logged is a fault of ours; otherwise it would only be left out, with a warning.
+    rr.set_strict_mode(True)
+    stream = rr.RecordingStream(APPLICATION, send_properties=False)
+    try:
+        if not stream.is_enabled():
+            raise RecordingError("the environment variable RERUN turns recordings off: unset it")
+        stream.set_log_time_enabled(False)
+        stream.set_log_tick_enabled(False)
+        # Not into the file: where the disk is full, Rerun's own writer waits for ever.
+        memory = stream.memory_recording()
+        stream.send_blueprint(_blueprint())
+        yield stream
+        try:
+            partial.write_bytes(memory.drain_as_bytes())
+            partial.replace(path)
+        except OSError as error:
+            raise _unwritable(path, error) from error
+    finally:
+        stream.disconnect()
+        partial.unlink(missing_ok=True)
+
+
+def _unwritable(path: Path, error: OSError) -> RecordingError:
+    return RecordingError(f"{path}: {error.strerror}: choose another --record")
+
+
+def _blueprint() -> rrb.Blueprint:
+    """How the viewer shows it at first."""
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(
+                rrb.Spatial3DView(
+                    origin=WORLD,
+                    contents=["$origin/**", f"- {DEPTH}"],
+                    name="scene",
+                    eye_controls=rrb.EyeControls3D(
+                        position=EYE_M, look_target=LOOKS_AT_M, eye_up=(0.0, 0.0, 1.0)
+                    ),
+                ),
+                rrb.Spatial2DView(origin=CAMERA, name="camera"),
+                row_shares=[3, 2],
+            ),
+            rrb.Vertical(
+                rrb.TextDocumentView(origin="plan", name="plan"),
+                rrb.TimeSeriesView(origin="distances", name="distances, m"),
+                rrb.TimeSeriesView(origin="hand", name="fingers, m"),
+                rrb.TimeSeriesView(origin="joints", name="joints, rad/s"),
+                rrb.TextLogView(origin="events", name="events"),
+            ),
+            column_shares=[3, 2],
+        ),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE),
+    )

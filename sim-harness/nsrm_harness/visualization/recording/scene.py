@@ -1,0 +1,89 @@
+"""What is believed to stand on the table and what the hand is believed to hold, by pictures and
+fingers alone: drawn, and asked how near the arm is to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+
+import rerun as rr
+
+from nsrm_harness.geometry import panda
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.collision import HELD, Guard, Nearest, link_hulls
+from nsrm_harness.manipulation.kinematics import Joints, Kinematics
+from nsrm_harness.perception.observer import Names
+from nsrm_harness.visualization.recording.shapes import RGB, boxes
+from nsrm_harness.visualization.recording.timeline import Log
+
+OBJECTS = "world/objects"
+IN_HAND = f"world/arm/{panda.HAND_FRAME}/held"
+UNKNOWN_RGB: RGB = (0.6, 0.6, 0.6)
+"""Of what was not there when the objects were named."""
+
+
+class Scene:
+    """The objects from one picture to the next."""
+
+    def __init__(self, log: Log, known: Names) -> None:
+        self._log, self._known, self._kinematics = log, known, Kinematics()
+        self._standing: dict[int, Cuboid] = {}
+        self._held: tuple[int, Cuboid] | None = None
+        self._guard = self._watching(None)
+
+    def name(self, number: int) -> str:
+        """Of an object, for people."""
+        return f"object {number} ({self._known.words.get(number, 'new')})"
+
+    def rgb(self, number: int) -> RGB:
+        """The colour that an object is drawn in."""
+        return self._known.colors.get(number, UNKNOWN_RGB)
+
+    def seen(self, cuboids: Mapping[int, Cuboid]) -> None:
+        """All that stands there, by a picture."""
+        self._standing = dict(cuboids)
+        self._change(None)
+
+    def grasp(self, hand: Pose) -> None:
+        """The object that is nearest to the fingers' ends is in the hand."""
+        tip = hand @ Pose((0.0, 0.0, panda.FINGERTIP_M))
+        number = min(self._standing, key=lambda key: self._standing[key].pose.distance_m(tip))
+        cuboid = self._standing.pop(number)
+        in_hand = Cuboid(hand.inverse() @ cuboid.pose, cuboid.edges_m)
+        self._change((number, in_hand))
+
+    def let_go(self, hand: Pose) -> None:
+        """What was in the hand stands where the hand is."""
+        if self._held is not None:
+            number, in_hand = self._held
+            self._standing[number] = Cuboid(hand @ in_hand.pose, in_hand.edges_m)
+            self._change(None)
+
+    def lose(self) -> None:
+        """What was in the hand is where nobody knows."""
+        if self._held is not None:
+            self._change(None)
+
+    def nearest(self, joints: Joints, opening_m: float) -> Nearest:
+        """What of the arm and of what it holds is nearest to something that stands there or to the
+        table, 0 where it touches: what it grasps, and what it puts down, too."""
+        return self._guard.nearest(joints, opening_m)
+
+    def _change(self, held: tuple[int, Cuboid] | None) -> None:
+        if held is not None:
+            self._log.now(IN_HAND, self._boxes(dict([held])))
+        elif self._held is not None:
+            self._log.now(IN_HAND, rr.Clear(recursive=False))
+        self._held = held
+        self._log.now(OBJECTS, self._boxes(self._standing))
+        self._guard = self._watching(held and held[1])
+
+    def _watching(self, in_hand: Cuboid | None) -> Guard:
+        objects = {self.name(number): cuboid for number, cuboid in self._standing.items()}
+        return Guard(self._kinematics, objects, in_hand, combinations([*link_hulls(), HELD], 2))
+
+    def _boxes(self, cuboids: Mapping[int, Cuboid]) -> rr.Boxes3D:
+        names = [self.name(number) for number in cuboids]
+        colors = [self.rgb(number) for number in cuboids]
+        return boxes([*cuboids.values()], names, colors, solid=True)
