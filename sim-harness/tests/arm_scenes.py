@@ -16,7 +16,7 @@ from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.grasps import pointing_down
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
-from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.pick_and_place import PickAndPlace, PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import Look
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.simulation.arm_world import ArmWorld
@@ -96,16 +96,16 @@ def at_home(world: ArmWorld) -> bool:
     return float(np.abs(world.joints() - panda.READY_RAD).max()) < HOME_RAD
 
 
-class Noting(Planner):
+class Noting(PickAndPlacePlanner):
     """Keeps what it planned."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.carries: list[Carry] = []
+        self.carries: list[PickAndPlace] = []
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
-    ) -> Carry:
+    ) -> PickAndPlace:
         self.carries.append(super().carry(objects, name, goal, begin, **how))
         return self.carries[-1]
 

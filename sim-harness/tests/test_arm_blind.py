@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from another_process import TESTS, elsewhere
 
-from nsrm_harness.evaluation.manipulation_trials import disturbed, trial
+from nsrm_harness.evaluation.manipulation_trials import disturbed_episode, trial
 from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
 from nsrm_harness.manipulation import follow
 from nsrm_harness.manipulation.follow import Follower
@@ -28,8 +28,8 @@ TRUTH = (
 
 IMPORTING = """
 import importlib, pkgutil, sys
-import nsrm_harness.manipulation as arm
-for module in pkgutil.walk_packages(arm.__path__, "nsrm_harness.manipulation."):
+from nsrm_harness import manipulation
+for module in pkgutil.walk_packages(manipulation.__path__, "nsrm_harness.manipulation."):
     importlib.import_module(module.name)
 print(*sorted(sys.modules), sep="\\n")
 """
@@ -79,7 +79,7 @@ class Watch:
         self._is_on = False
         for name in self.ASKED:
             monkeypatch.setattr(ArmWorld, name, self._watched(getattr(ArmWorld, name)))
-        for of in (Follower, disturbed):
+        for of in (Follower, disturbed_episode):
             name = "follow" if of is Follower else "follow_blindly"
             monkeypatch.setattr(of, name, self._watching(getattr(of, name)))
 
@@ -110,7 +110,7 @@ class Watch:
         return str(frame.f_globals["__name__"])
 
 
-WATCHING = ("judge", "disturb", "disturbed")
+WATCHING = ("judge", "fault_injection", "disturbed_episode")
 """Of `nsrm_harness.evaluation.manipulation_trials`."""
 
 
@@ -133,8 +133,8 @@ def test_nobody_but_judge_and_disturber_asks_for_the_truth(monkeypatch: pytest.M
     assert any(asker.startswith("nsrm_harness.simulation.render.") for asker in watch.askers)
     assert others(watch.askers) == set()
     for loop in ("closed", "open"):
-        assert disturbed.run_disturbed("goal_taken", loop, 771, 0).steps
-    assert "nsrm_harness.evaluation.manipulation_trials.disturb" in watch.askers
+        assert disturbed_episode.run_disturbed("goal_taken", loop, 771, 0).steps
+    assert "nsrm_harness.evaluation.manipulation_trials.fault_injection" in watch.askers
     assert others(watch.askers) == set()
 
 
@@ -146,13 +146,13 @@ def test_an_arm_that_asks_for_the_truth_is_noticed(
     watch = Watch(monkeypatch)
     peeking: dict[str, Any] = {"__name__": "nsrm_harness.manipulation.peeking"}
     exec(f"def peek(world):\n    return world.{question}", peeking)
-    perform = follow.perform
+    reach = follow.reach_sub_goal
 
     def peeks(body: ArmWorld, *arguments: Any, **named: Any) -> Any:
         peeking["peek"](body)
-        return perform(body, *arguments, **named)
+        return reach(body, *arguments, **named)
 
-    monkeypatch.setattr(follow, "perform", peeks)
+    monkeypatch.setattr(follow, "reach_sub_goal", peeks)
     trial.run(row, 5, 0)
     assert others(watch.askers) == {"nsrm_harness.manipulation.peeking"}
 

@@ -29,8 +29,8 @@ from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import FailedError, perform
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import ManipulationError, reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.bullet import pybullet
 from nsrm_harness.simulation.render import Renderer
@@ -93,7 +93,7 @@ def test_a_block_is_carried_to_its_sub_goal_and_nothing_else_moves(
     before = world.poses()
     body, planner = Watched(world), Noting()
     look = pictured(world, renderer) if by_pictures else known(world)
-    performed = perform(body, planner, look, "1", goal)
+    performed = reach_sub_goal(body, planner, look, "1", goal)
     assert performed.name == "1" and performed.tries == 1 and performed.shifted == ()
     (carry,) = planner.carries
     target, after = carry.placement.cuboid.pose, world.poses()
@@ -120,7 +120,7 @@ def test_it_is_turned_as_little_as_the_sub_goal_allows(
     for begin_rad, goal_rad in ((0.3, 1.2), (0.1, -2.9)):
         block = Cuboid(Pose.upright(0.45, -0.1, 0.02, begin_rad), edges_m)
         goal = Pose.upright(0.55, 0.1, 0.02, goal_rad)
-        carry = Planner().carry({"block": block}, "block", goal, panda.READY_RAD)
+        carry = PickAndPlacePlanner().carry({"block": block}, "block", goal, panda.READY_RAD)
         target = carry.placement.cuboid
         assert target.edges_m == edges_m
         assert target.pose.distance_m(goal) < 1e-9
@@ -142,7 +142,7 @@ def test_a_block_is_not_turned_the_long_way_round(monkeypatch: pytest.MonkeyPatc
     beside_blue = Pose((0.3971, 0.0465, 0.02))
 
     def turned_rad() -> float:
-        carry = Planner().carry(objects, "red", beside_blue, panda.READY_RAD)
+        carry = PickAndPlacePlanner().carry(objects, "red", beside_blue, panda.READY_RAD)
         yaws = [
             KINEMATICS.hand(joints).yaw_rad()
             for way in carry.transfer
@@ -158,7 +158,7 @@ def test_a_block_is_not_turned_the_long_way_round(monkeypatch: pytest.MonkeyPatc
 def test_the_arm_is_driven_and_turns_within_the_makers_limits(world: ArmWorld) -> None:
     three(world)
     body = Watched(world)
-    perform(body, Planner(), known(world), "1", ON_THE_LARGE_ONE)
+    reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", ON_THE_LARGE_ONE)
     joints, speeds = (np.array(part) for part in zip(*body.driven, strict=True))
     assert (joints >= panda.LOWEST_RAD).all() and (joints <= panda.HIGHEST_RAD).all()
     assert (np.abs(speeds) <= panda.MAX_SPEED_RAD_S).all()
@@ -199,7 +199,7 @@ def test_the_block_is_held_by_friction_alone(
             monkeypatch.setattr(pybullet, name, forbid(name))
     with pytest.raises(pytest.fail.Exception, match="createConstraint"):
         pybullet.createConstraint()
-    perform(world, Planner(), known(world), "1", ON_THE_LARGE_ONE)
+    reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", ON_THE_LARGE_ONE)
     # To be able to close.
     monkeypatch.undo()
     assert world.pose(1).distance_m(ON_THE_LARGE_ONE) < PLACED_M
@@ -217,8 +217,8 @@ def test_without_friction_nothing_is_carried(world: ArmWorld) -> None:
             rollingFriction=0.0,
             physicsClientId=world._client,
         )
-    with pytest.raises(FailedError):
-        perform(world, Planner(), known(world), "1", BESIDE)
+    with pytest.raises(ManipulationError):
+        reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", BESIDE)
     assert world.pose(1).distance_m(before[1]) < 0.05
     assert at_home(world)
 
@@ -232,7 +232,7 @@ def test_only_the_fingers_touch_and_only_what_they_carry(world: ArmWorld) -> Non
         ("lego", 0.58, 0.08, 0, 0.0),
     )
     body = Watched(world)
-    perform(body, Planner(), known(world), "1", ON_THE_LARGE_ONE)
+    reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", ON_THE_LARGE_ONE)
     touched = set().union(*body.touched)
     assert touched == {(finger, "1") for finger in panda.FINGERS}
     assert 20 < sum(map(bool, body.touched)) < len(body.touched)
@@ -242,7 +242,7 @@ def carried() -> str:
     """The poses of all blocks and the joints after a carrying, to the last bit."""
     with closing(ArmWorld()) as world:
         three(world)
-        perform(world, Planner(), known(world), "1", ON_THE_LARGE_ONE)
+        reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", ON_THE_LARGE_ONE)
         return f"{world.poses()!r} {world.joints().tolist()!r}"
 
 

@@ -23,10 +23,10 @@ from arm_scenes import (
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose, Vector3
-from nsrm_harness.manipulation.errors import RefusedError, Why
-from nsrm_harness.manipulation.execute import Done
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
+from nsrm_harness.manipulation.execute import ExecutionResult
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.pick_and_place import PickAndPlace, PickAndPlacePlanner
 from nsrm_harness.manipulation.relocation import (
     FINGER_ROOM_M,
     HIGHEST_M,
@@ -34,10 +34,10 @@ from nsrm_harness.manipulation.relocation import (
     MAX_PLACES,
     MAX_PLANS,
     STEP_M,
-    Aside,
-    clearing,
+    Relocation,
+    plan_relocations,
 )
-from nsrm_harness.manipulation.retries import MAX_TRIES, FailedError, perform
+from nsrm_harness.manipulation.retries import MAX_TRIES, ManipulationError, reach_sub_goal
 from nsrm_harness.manipulation.stability import ROOM_M, gap_m
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.layout import PLACEMENT_SPACE
@@ -83,7 +83,7 @@ def world() -> Iterator[ArmWorld]:
 
 def refusal(objects: Mapping[str, Cuboid], goal: Pose) -> RefusedError:
     with pytest.raises(RefusedError) as caught:
-        Planner().carry(objects, "block", goal, panda.READY_RAD)
+        PickAndPlacePlanner().carry(objects, "block", goal, panda.READY_RAD)
     return caught.value
 
 
@@ -91,23 +91,25 @@ def cleared(
     objects: Mapping[str, Cuboid],
     goal: Pose,
     keep: Collection[str] = (),
-    planner: Planner | None = None,
-) -> tuple[Aside, ...]:
+    planner: PickAndPlacePlanner | None = None,
+) -> tuple[Relocation, ...]:
     """What is moved aside for the block."""
     why = refusal(objects, goal)
-    return clearing(planner or Planner(), objects, "block", goal, panda.READY_RAD, why, keep)
+    return plan_relocations(
+        planner or PickAndPlacePlanner(), objects, "block", goal, panda.READY_RAD, why, keep
+    )
 
 
-class Asked(Planner):
+class Asked(PickAndPlacePlanner):
     """Keeps what it was asked for, and what it planned."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.asked: list[tuple[Mapping[str, Cuboid], str, Pose, Carry | None]] = []
+        self.asked: list[tuple[Mapping[str, Cuboid], str, Pose, PickAndPlace | None]] = []
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
-    ) -> Carry:
+    ) -> PickAndPlace:
         self.asked.append((objects, name, goal, None))
         planned = super().carry(objects, name, goal, begin, **how)
         self.asked[-1] = (objects, name, goal, planned)
@@ -141,7 +143,9 @@ def test_what_stands_too_near_is_moved_aside_first(world: ArmWorld, scene: Any) 
     before = world.poses()
     keep = {str(number) for number in before} - movable
     marks: list[str] = []
-    performed = perform(world, Planner(), known(world), "1", goal, marks.append, keep=keep)
+    performed = reach_sub_goal(
+        world, PickAndPlacePlanner(), known(world), "1", goal, marks.append, keep=keep
+    )
     after = world.poses()
     assert {name for name, _ in performed.cleared} == moved
     for name, place in performed.cleared:
@@ -170,7 +174,7 @@ def test_where_nothing_is_too_near_nothing_is_moved_aside(world: ArmWorld) -> No
     put(world, ("small", 0.45, -0.1, 0, 0.3), ("small", 0.6, 0.0, 0, 0.0))
     planner = Asked()
     marks: list[str] = []
-    performed = perform(
+    performed = reach_sub_goal(
         world, planner, known(world), "1", Pose.upright(0.5, 0.2, 0.02), marks.append
     )
     assert performed.cleared == () and "aside" not in str(performed)
@@ -183,7 +187,7 @@ def test_those_in_the_way_are_named_and_nothing_else() -> None:
     # The one that needs to go less far comes first; the message names the nearest.
     objects = {"nearer": cube(0.6, 0.083), **NO_ROOM}
     why = refusal(objects, BESIDE_NEAR)
-    assert why.why is Why.NO_ROOM and why.in_the_way == ("near", "nearer")
+    assert why.why is RefusalReason.NO_ROOM and why.in_the_way == ("near", "nearer")
     assert "1 mm from nearer" in str(why)
 
 
@@ -196,35 +200,42 @@ def test_what_is_to_be_kept_is_kept() -> None:
 def test_without_a_clearing_the_first_refusal_stands(world: ArmWorld) -> None:
     goal, _, _ = no_way(world)
     with pytest.raises(RefusedError) as expected:
-        Planner().carry(known(world)(), "1", goal, world.joints())
+        PickAndPlacePlanner().carry(known(world)(), "1", goal, world.joints())
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), Planner(), known(world), "1", goal, keep=("2", "3"))
-    assert caught.value.why is Why.NO_WAY
+        reach_sub_goal(
+            Still(world), PickAndPlacePlanner(), known(world), "1", goal, keep=("2", "3")
+        )
+    assert caught.value.why is RefusalReason.NO_WAY
     assert str(caught.value) == str(expected.value)
 
 
 @pytest.mark.parametrize(
     ("objects", "name", "goal", "why"),
     [
-        (NO_ROOM, "unknown", BESIDE_NEAR, Why.UNSEEN),
-        ({**NO_ROOM, "on it": cube(0.45, -0.1, EDGE_M)}, "block", BESIDE_NEAR, Why.COVERED),
-        (NO_ROOM, "block", Pose.upright(0.6, 0.15, 0.06), Why.NO_SUPPORT),
-        (NO_ROOM, "block", Pose.upright(0.6, 0.025, 0.06), Why.UNSTABLE),
-        (NO_ROOM, "block", Pose.upright(0.93, 0.0, 0.02), Why.OUT_OF_REACH),
+        (NO_ROOM, "unknown", BESIDE_NEAR, RefusalReason.UNSEEN),
+        (
+            {**NO_ROOM, "on it": cube(0.45, -0.1, EDGE_M)},
+            "block",
+            BESIDE_NEAR,
+            RefusalReason.COVERED,
+        ),
+        (NO_ROOM, "block", Pose.upright(0.6, 0.15, 0.06), RefusalReason.NO_SUPPORT),
+        (NO_ROOM, "block", Pose.upright(0.6, 0.025, 0.06), RefusalReason.UNSTABLE),
+        (NO_ROOM, "block", Pose.upright(0.93, 0.0, 0.02), RefusalReason.OUT_OF_REACH),
     ],
 )
 def test_no_other_refusal_leads_to_a_clearing(
-    world: ArmWorld, objects: Mapping[str, Cuboid], name: str, goal: Pose, why: Why
+    world: ArmWorld, objects: Mapping[str, Cuboid], name: str, goal: Pose, why: RefusalReason
 ) -> None:
     planner = Asked()
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), planner, lambda: objects, name, goal)
+        reach_sub_goal(Still(world), planner, lambda: objects, name, goal)
     assert caught.value.why is why
-    assert caught.value.in_the_way == (("on it",) if why is Why.COVERED else ())
+    assert caught.value.in_the_way == (("on it",) if why is RefusalReason.COVERED else ())
     assert len(planner.asked) == 1
     # Whatever is said to stand there.
     other = RefusedError(why, "", ("near",))
-    asides = clearing(planner, objects, "block", goal, panda.READY_RAD, other)
+    asides = plan_relocations(planner, objects, "block", goal, panda.READY_RAD, other)
     assert asides == () and len(planner.asked) == 1
 
 
@@ -233,10 +244,10 @@ def test_where_there_is_no_free_place_nothing_is_moved(world: ArmWorld) -> None:
     # Without the one it would do.
     (within,) = refusal(FULL, goal).in_the_way
     rest = {name: cuboid for name, cuboid in FULL.items() if name != within}
-    Planner().carry(rest, "block", goal, panda.READY_RAD)
+    PickAndPlacePlanner().carry(rest, "block", goal, panda.READY_RAD)
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), Planner(), lambda: FULL, "block", goal)
-    assert caught.value.why is Why.NO_ROOM
+        reach_sub_goal(Still(world), PickAndPlacePlanner(), lambda: FULL, "block", goal)
+    assert caught.value.why is RefusalReason.NO_ROOM
 
 
 def test_what_carries_another_is_left_alone(world: ArmWorld) -> None:
@@ -245,8 +256,8 @@ def test_what_carries_another_is_left_alone(world: ArmWorld) -> None:
     stack = {"block": block, "lower": cube(0.6, 0.0), "upper": cube(0.6, 0.0, EDGE_M)}
     assert refusal(stack, goal).in_the_way == ("lower", "upper")
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), Planner(), lambda: stack, "block", goal)
-    assert caught.value.why is Why.NO_ROOM
+        reach_sub_goal(Still(world), PickAndPlacePlanner(), lambda: stack, "block", goal)
+    assert caught.value.why is RefusalReason.NO_ROOM
     # Side by side, both are moved.
     apart = {**stack, "upper": cube(0.6, 0.104)}
     assert {name for name, _ in cleared(apart, goal)} == {"lower", "upper"}
@@ -261,7 +272,7 @@ def test_what_it_is_put_on_stays() -> None:
     why = refusal(objects, goal)
     assert "second" in why.in_the_way
     rest = {name: cuboid for name, cuboid in objects.items() if name != "second"}
-    Planner().carry(rest, "block", goal, panda.READY_RAD)
+    PickAndPlacePlanner().carry(rest, "block", goal, panda.READY_RAD)
     assert cleared(objects, goal, beside) == ()
 
 
@@ -317,7 +328,7 @@ class Begins(Still):
 def test_all_is_planned_before_the_first_motion(world: ArmWorld) -> None:
     planner = Asked()
     with pytest.raises(MovedError):
-        perform(Begins(world), planner, lambda: NO_ROOM, "block", BESIDE_NEAR)
+        reach_sub_goal(Begins(world), planner, lambda: NO_ROOM, "block", BESIDE_NEAR)
     ((_, place),) = cleared(NO_ROOM, BESIDE_NEAR)
     planned = [part for part in planner.asked if part[3] is not None]
     with_it_aside = {**NO_ROOM, "near": Cuboid(place, CUBE)}
@@ -335,10 +346,10 @@ class Doubting(Asked):
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
-    ) -> Carry:
+    ) -> PickAndPlace:
         planned = super().carry(objects, name, goal, begin, **how)
         if name == "block" and "near" in objects:
-            raise RefusedError(Why.NO_WAY, "not proven", ("near",))
+            raise RefusedError(RefusalReason.NO_WAY, "not proven", ("near",))
         return planned
 
 
@@ -346,13 +357,15 @@ def test_nothing_moves_for_what_is_not_proven(world: ArmWorld) -> None:
     objects = {**NO_ROOM, "near": cube(0.55, 0.1)}
     planner = Doubting()
     with pytest.raises(RefusedError, match="not proven"):
-        perform(Still(world), planner, lambda: objects, "block", Pose.upright(0.45, -0.2, 0.02))
+        reach_sub_goal(
+            Still(world), planner, lambda: objects, "block", Pose.upright(0.45, -0.2, 0.02)
+        )
     # Once as it is, once without the other, with it in each place, and to where it would be set
     # down itself.
     assert len(planner.asked) == 2 + MAX_PLACES + 1
 
 
-class Choosy(Planner):
+class Choosy(PickAndPlacePlanner):
     """Does not carry the other to so many of the places that it is asked about."""
 
     def __init__(self, count: int) -> None:
@@ -361,10 +374,10 @@ class Choosy(Planner):
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
-    ) -> Carry:
+    ) -> PickAndPlace:
         if name == "near" and self._left:
             self._left -= 1
-            raise RefusedError(Why.OUT_OF_REACH, "not there")
+            raise RefusedError(RefusalReason.OUT_OF_REACH, "not there")
         return super().carry(objects, name, goal, begin, **how)
 
 
@@ -377,7 +390,7 @@ def test_where_a_blocker_can_not_be_carried_to_it_is_not_put() -> None:
     assert cleared(NO_ROOM, BESIDE_NEAR, planner=Choosy(MAX_PLACES)) == ()
 
 
-class Endless(Planner):
+class Endless(PickAndPlacePlanner):
     """Always has something else in its way, and counts."""
 
     def __init__(self) -> None:
@@ -386,26 +399,28 @@ class Endless(Planner):
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints, **how: bool
-    ) -> Carry:
+    ) -> PickAndPlace:
         self.count += 1
-        raise RefusedError(Why.NO_WAY, "", tuple(other for other in objects if other != name))
+        raise RefusedError(
+            RefusalReason.NO_WAY, "", tuple(other for other in objects if other != name)
+        )
 
 
 def test_planning_ends() -> None:
     planner = Endless()
-    why = RefusedError(Why.NO_WAY, "", tuple(FULL))
-    asides = clearing(planner, FULL, "block", BESIDE_NEAR, panda.READY_RAD, why)
+    why = RefusedError(RefusalReason.NO_WAY, "", tuple(FULL))
+    asides = plan_relocations(planner, FULL, "block", BESIDE_NEAR, panda.READY_RAD, why)
     assert asides == () and planner.count == MAX_PLANS
 
 
 def test_a_blocker_that_can_not_be_moved_is_given_up_in_words(world: ArmWorld) -> None:
     goal, _, _ = no_room(world)
     before = world.poses()
-    with pytest.raises(FailedError) as caught:
-        perform(Numb(world), Planner(), known(world), "1", goal)
+    with pytest.raises(ManipulationError) as caught:
+        reach_sub_goal(Numb(world), PickAndPlacePlanner(), known(world), "1", goal)
     words = str(caught.value)
     assert "2 stands in the way of 1 and was to be moved aside first" in words
-    assert Done.NOT_GRASPED.value in words and f"{MAX_TRIES} times" in words
+    assert ExecutionResult.NOT_GRASPED.value in words and f"{MAX_TRIES} times" in words
     after = world.poses()
     assert all(after[number].distance_m(before[number]) < STAYED_M for number in before)
     assert at_home(world)
@@ -414,7 +429,7 @@ def test_a_blocker_that_can_not_be_moved_is_given_up_in_words(world: ArmWorld) -
 def test_one_that_slips_is_moved_aside_at_another_try(world: ArmWorld) -> None:
     goal, _, _ = no_room(world)
     body = Numb(world, until="not grasped")
-    performed = perform(body, Planner(), known(world), "1", goal, body.mark)
+    performed = reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", goal, body.mark)
     ((name, place),) = performed.cleared
     assert world.pose(int(name)).distance_m(place) < PLACED_M
     assert world.pose(1).distance_m(goal) < PLACED_M
@@ -426,8 +441,8 @@ def test_where_the_block_fails_it_is_said_what_was_moved_for_it(world: ArmWorld)
     goal, _, _ = no_room(world)
     before = world.pose(2)
     body = Numb(world, since="cleared")
-    with pytest.raises(FailedError, match=r"^2 was moved aside first; then: 1 was tried"):
-        perform(body, Planner(), known(world), "1", goal, body.mark)
+    with pytest.raises(ManipulationError, match=r"^2 was moved aside first; then: 1 was tried"):
+        reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", goal, body.mark)
     assert world.pose(2).distance_m(before) > 0.02 and at_home(world)
 
 
@@ -440,6 +455,6 @@ def test_what_is_pushed_meanwhile_is_said(world: ArmWorld) -> None:
         if event == "above" and (pose := next(pushes, None)):
             world.place(3, pose)
 
-    performed = perform(world, Planner(), known(world), "1", goal, mark)
+    performed = reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", goal, mark)
     ((name, shift_m),) = performed.shifted
     assert performed.cleared and name == "3" and shift_m == pytest.approx(0.006, abs=0.001)

@@ -16,12 +16,12 @@ from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation import collision
 from nsrm_harness.manipulation.collision import (
+    ALLOWED_COLLISIONS,
     FAR_M,
     HELD,
     MARGIN_M,
     REACH_M,
-    TOUCHING,
-    Guard,
+    CollisionChecker,
     steps,
 )
 from nsrm_harness.manipulation.grasps import pointing_down
@@ -146,7 +146,7 @@ def test_links_are_as_far_from_boxes_as_pybullet_says(other: Other) -> None:
         other.turn(joints, opening_m)
         body = other.add(box)
         for link in LINKS:
-            guard = Guard(KINEMATICS, {"box": box}, ignored=all_but(link, "box", names))
+            guard = CollisionChecker(KINEMATICS, {"box": box}, ignored=all_but(link, "box", names))
             found = guard.nearest(joints, opening_m)
             assert found.pair == {link, "box"}
             told_m = other.distance_m(link, body)
@@ -163,13 +163,17 @@ def test_links_are_as_far_from_boxes_as_pybullet_says(other: Other) -> None:
 
 def test_links_are_as_far_from_each_other_as_pybullet_says(other: Other) -> None:
     rng = np.random.default_rng(4)
-    pairs = [pair for pair in itertools.combinations(LINKS, 2) if frozenset(pair) not in TOUCHING]
+    pairs = [
+        pair
+        for pair in itertools.combinations(LINKS, 2)
+        if frozenset(pair) not in ALLOWED_COLLISIONS
+    ]
     free = folded = 0
     for _ in range(200):
         joints, opening_m = random_joints(rng), float(rng.uniform(0.0, OPEN_M))
         other.turn(joints, opening_m)
         told_m = min(other.distance_m(one, other.arm, another) for one, another in pairs)
-        found = Guard(KINEMATICS, {}, ignored=[(link, TABLE) for link in LINKS]).nearest(
+        found = CollisionChecker(KINEMATICS, {}, ignored=[(link, TABLE) for link in LINKS]).nearest(
             joints, opening_m
         )
         if told_m > 0.002:
@@ -184,16 +188,16 @@ def test_links_are_as_far_from_each_other_as_pybullet_says(other: Other) -> None
 
 def test_the_hand_meets_the_table_where_its_fingertips_are() -> None:
     for height_m in (0.05, 0.01, 0.003):
-        found = Guard(KINEMATICS, {}).nearest(above(0.5, 0.1, height_m), OPEN_M)
+        found = CollisionChecker(KINEMATICS, {}).nearest(above(0.5, 0.1, height_m), OPEN_M)
         assert TABLE in found.pair and found.pair & {"panda_leftfinger", "panda_rightfinger"}
         assert found.distance_m == pytest.approx(height_m, abs=5e-4)
-    touch = Guard(KINEMATICS, {}).touches(above(0.5, 0.1, -0.005), OPEN_M)
+    touch = CollisionChecker(KINEMATICS, {}).touches(above(0.5, 0.1, -0.005), OPEN_M)
     assert touch is not None and TABLE in touch.pair and touch.distance_m == 0.0
 
 
 def test_a_message_names_both_and_how_near_they_come() -> None:
-    near = Guard(KINEMATICS, {}).touches(above(0.5, 0.1, 0.001), OPEN_M)
-    through = Guard(KINEMATICS, {}).touches(above(0.5, 0.1, -0.01), OPEN_M)
+    near = CollisionChecker(KINEMATICS, {}).touches(above(0.5, 0.1, 0.001), OPEN_M)
+    through = CollisionChecker(KINEMATICS, {}).touches(above(0.5, 0.1, -0.01), OPEN_M)
     assert "finger" in str(near) and TABLE in str(near) and "mm" in str(near)
     assert "finger" in str(through) and "touch" in str(through) and "mm" not in str(through)
 
@@ -204,11 +208,13 @@ def test_what_is_held_is_looked_at_too() -> None:
     # Below what is held, the block's upper face is 18 cm above the table.
     for gap_m in (0.01, 0.003, 0.001):
         objects = {"block": block_at(0.5, 0.0, 0.18 - gap_m - 0.02)}
-        assert Guard(KINEMATICS, objects).touches(joints, 0.04) is None
-        found = Guard(KINEMATICS, objects, in_hand).nearest(joints, 0.04)
+        assert CollisionChecker(KINEMATICS, objects).touches(joints, 0.04) is None
+        found = CollisionChecker(KINEMATICS, objects, in_hand).nearest(joints, 0.04)
         assert found.pair == {HELD, "block"}
         assert found.distance_m == pytest.approx(gap_m, abs=1e-4)
-    hit = Guard(KINEMATICS, {"block": block_at(0.5, 0.0, 0.17)}, in_hand).touches(joints, 0.04)
+    hit = CollisionChecker(KINEMATICS, {"block": block_at(0.5, 0.0, 0.17)}, in_hand).touches(
+        joints, 0.04
+    )
     assert hit is not None and hit.pair == {HELD, "block"} and hit.distance_m == 0.0
 
 
@@ -218,20 +224,30 @@ def test_what_is_held_turns_with_the_hand() -> None:
     held = KINEMATICS.hand(joints) @ long.pose
     end = held.matrix() @ (0.0999, 0.0, 0.0, 1.0)
     x, y, z = (float(value) for value in end[:3])
-    hit = Guard(KINEMATICS, {"end": block_at(x, y, z, 0.002)}, long).nearest(joints, 0.03)
+    hit = CollisionChecker(KINEMATICS, {"end": block_at(x, y, z, 0.002)}, long).nearest(
+        joints, 0.03
+    )
     assert hit.pair == {HELD, "end"} and hit.distance_m == 0.0
-    mirrored = Guard(KINEMATICS, {"end": block_at(x, -y, z, 0.002)}, long).nearest(joints, 0.03)
+    mirrored = CollisionChecker(KINEMATICS, {"end": block_at(x, -y, z, 0.002)}, long).nearest(
+        joints, 0.03
+    )
     assert mirrored.distance_m > 0.02
 
 
 def test_pairs_that_may_touch_are_not_looked_at() -> None:
     joints = above(0.5, 0.0, 0.01)
     objects = {"block": block_at(0.5, 0.04, 0.02)}
-    touch = Guard(KINEMATICS, objects).touches(joints, OPEN_M)
+    touch = CollisionChecker(KINEMATICS, objects).touches(joints, OPEN_M)
     assert touch is not None and "block" in touch.pair
     (finger,) = touch.pair - {"block"}
-    assert Guard(KINEMATICS, objects, ignored=[("block", finger)]).touches(joints, OPEN_M) is None
-    assert Guard(KINEMATICS, objects, ignored=[(finger, TABLE)]).touches(joints, OPEN_M) == touch
+    assert (
+        CollisionChecker(KINEMATICS, objects, ignored=[("block", finger)]).touches(joints, OPEN_M)
+        is None
+    )
+    assert (
+        CollisionChecker(KINEMATICS, objects, ignored=[(finger, TABLE)]).touches(joints, OPEN_M)
+        == touch
+    )
 
 
 def test_the_ready_pose_is_free_of_everything() -> None:
@@ -242,7 +258,7 @@ def test_the_ready_pose_is_free_of_everything() -> None:
     }
     for opening_m in (0.0, OPEN_M):
         for objects in ({}, towers):
-            guard = Guard(KINEMATICS, objects)
+            guard = CollisionChecker(KINEMATICS, objects)
             assert guard.nearest(panda.READY_RAD, opening_m).distance_m > 10 * MARGIN_M
             assert guard.touches(panda.READY_RAD, opening_m) is None
 
@@ -256,13 +272,13 @@ def test_along_a_trajectory_the_first_touch_is_told() -> None:
         name: Cuboid(Pose((0.5, y, 0.07)), (0.04, 0.002, 0.14))
         for name, y in (("first", -0.04), ("second", 0.04))
     }
-    guard = Guard(KINEMATICS, thin)
+    guard = CollisionChecker(KINEMATICS, thin)
     assert guard.touches(way.begin, 0.02) is None and guard.touches(way.end, 0.02) is None
     there, back = guard.along(way, 0.02), guard.along(way.reversed(), 0.02)
     assert there is not None and "first" in there.pair
     assert back is not None and "second" in back.pair
     low = {name: Cuboid(Pose((0.5, 0.0, 0.02)), (0.04, 0.04, 0.04)) for name in thin}
-    assert Guard(KINEMATICS, low).along(way, 0.02) is None
+    assert CollisionChecker(KINEMATICS, low).along(way, 0.02) is None
 
 
 def moving_points(joints: Joints) -> NDArray[np.float64]:
@@ -331,7 +347,7 @@ def test_an_arm_that_stays_is_looked_at_where_it_is() -> None:
     np.testing.assert_allclose(looked, np.tile(panda.READY_RAD, (len(looked), 1)))
 
 
-class Watched(Guard):
+class Watched(CollisionChecker):
     """Keeps what was looked at, and how far it may move from there."""
 
     looked: list[tuple[Joints, float]]
@@ -381,7 +397,7 @@ def test_only_steps_are_left_out_in_which_nothing_can_have_come_near() -> None:
     assert looked < 0.7 * stepped
 
 
-class Rounded(Guard):
+class Rounded(CollisionChecker):
     """Tells distances in tenths of a millimetre."""
 
     def _distance_m(self, i: int, j: int) -> float:
@@ -406,7 +422,7 @@ def test_behind_a_place_that_is_as_near_as_the_margin_it_is_looked_at_too() -> N
 
 def test_two_that_move_are_near_after_half_the_way() -> None:
     # The hand turns towards the arm itself: nothing stands there.
-    guard = Guard(KINEMATICS, {})
+    guard = CollisionChecker(KINEMATICS, {})
     folded = panda.READY_RAD + np.array([0.0, 0.0, 0.0, -0.3, 0.0, -1.2, 0.0])
     nearest = guard.nearest(folded, OPEN_M)
     assert TABLE not in nearest.pair and MARGIN_M < nearest.distance_m < 2 * FAR_M

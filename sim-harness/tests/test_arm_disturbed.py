@@ -13,30 +13,30 @@ from another_process import elsewhere
 from world_scenes import DOMAIN
 
 from nsrm_harness.data.seeds import generator
-from nsrm_harness.evaluation.manipulation_trials import disturbed
-from nsrm_harness.evaluation.manipulation_trials.disturb import (
-    DISTURBANCES,
-    DisturbedArm,
-    GraspFails,
-    SceneFrozen,
-)
-from nsrm_harness.evaluation.manipulation_trials.disturbed import (
+from nsrm_harness.evaluation.manipulation_trials import disturbed_episode
+from nsrm_harness.evaluation.manipulation_trials.disturbed_episode import (
     DISTURBED_ROWS,
     MOST_KINDS,
     Loop,
     run_disturbed,
 )
-from nsrm_harness.evaluation.manipulation_trials.episode import End
-from nsrm_harness.evaluation.manipulation_trials.judge import Judge, Verdict
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeEnd
+from nsrm_harness.evaluation.manipulation_trials.fault_injection import (
+    FAULTS,
+    FaultyArm,
+    GraspFails,
+    SceneFrozen,
+)
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementJudge, PlacementVerdict
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.execute import Done, carry_out
+from nsrm_harness.manipulation.execute import ExecutionResult, execute
 from nsrm_harness.manipulation.gripper import GripperError
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.observing import BlindError
-from nsrm_harness.manipulation.pick_and_place import Carry, Planner
-from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.observing import NoObservationError
+from nsrm_harness.manipulation.pick_and_place import PickAndPlace, PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError, wait
 from nsrm_harness.simulation.blocks import block_from_attributes
 
@@ -52,7 +52,7 @@ def episode(kind: str, loop: str) -> str:
     return repr(run_disturbed(kind, loop, SEED, 0))
 
 
-@pytest.mark.parametrize("kind", DISTURBANCES)
+@pytest.mark.parametrize("kind", FAULTS)
 def test_what_is_disturbed_ends_as_said_or_in_words(kind: str) -> None:
     ended = run_disturbed(kind, "closed", SEED, 0)
     assert ended.end == "succeeded", ended.why
@@ -92,16 +92,18 @@ def test_a_step_that_is_done_again_is_judged_by_its_last_attempt() -> None:
 def test_a_step_that_a_later_one_undoes_is_judged_too(
     loop: Loop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    index, end, told = 4, Judge.end, list[bool]()
+    index, end, told = 4, PlacementJudge.end, list[bool]()
 
-    def first_is_off(self: Judge, aside: Sequence[Pose] = (), *, anew: bool = False) -> Verdict:
+    def first_is_off(
+        self: PlacementJudge, aside: Sequence[Pose] = (), *, anew: bool = False
+    ) -> PlacementVerdict:
         told.append(anew)
         verdict = end(self, aside, anew=anew)
         return replace(verdict, off_m=0.02) if len(told) == 1 else verdict
 
     ended = run_disturbed("camera_dark", loop, 771, index)
     assert ended.end == "succeeded" and len(ended.steps) == 2, ended.why
-    monkeypatch.setattr(Judge, "end", first_is_off)
+    monkeypatch.setattr(PlacementJudge, "end", first_is_off)
     ended = run_disturbed("camera_dark", loop, 771, index)
     assert ended.end == "failed"
     assert ended.why.startswith("step 1 is not done as said (20.0 mm and")
@@ -117,25 +119,25 @@ def test_the_same_episode_in_another_process_is_the_same_to_the_last_bit() -> No
 
 
 def test_each_kind_has_a_row_with_the_loop_and_one_without_below_it() -> None:
-    assert len(DISTURBANCES) <= MOST_KINDS
+    assert len(FAULTS) <= MOST_KINDS
     names = [row.name for row in DISTURBED_ROWS]
-    assert names == [f"{kind}_{loop}" for kind in DISTURBANCES for loop in ("closed", "open")]
+    assert names == [f"{kind}_{loop}" for kind in FAULTS for loop in ("closed", "open")]
     assert all(row.goal == (0.95 if row.loop == "closed" else 0.0) for row in DISTURBED_ROWS)
 
 
 @pytest.fixture
-def arm() -> Iterator[DisturbedArm]:
-    with closing(DisturbedArm()) as made:
+def arm() -> Iterator[FaultyArm]:
+    with closing(FaultyArm()) as made:
         yield made
 
 
-def begun(arm: DisturbedArm, kind: str, steps: int = 2) -> disturbed._Disturbed:
+def begun(arm: FaultyArm, kind: str, steps: int = 2) -> disturbed_episode._Disturbed:
     """An episode that has begun, with the disturbance behind it."""
     for index in range(100):
         rng = generator(SEED, "arm_disturbed", index)
-        drawn, disturbance = disturbed._draw(kind, arm, rng, DOMAIN)
+        drawn, disturbance = disturbed_episode._draw(kind, arm, rng, DOMAIN)
         if len(drawn.task.moves) == steps and len(drawn.arrangement.blocks) > 4:
-            episode = disturbed._Disturbed(arm, drawn, None, disturbance, "closed")
+            episode = disturbed_episode._Disturbed(arm, drawn, None, disturbance, "closed")
             episode._begin(0)
             disturbance.has_acted = True
             return episode
@@ -145,58 +147,78 @@ def begun(arm: DisturbedArm, kind: str, steps: int = 2) -> disturbed._Disturbed:
 @pytest.mark.parametrize(
     ("kind", "error", "is_right"),
     [
-        ("grasp_fails", FailedError("red was tried 3 times", Done.NOT_GRASPED), True),
-        ("grasp_fails", FailedError("red was tried 3 times", Done.SLIPPED), True),
-        ("grasp_fails", FailedError("red: slipped at try 1, and now no room"), True),
-        ("grasp_fails", FailedError("red was tried 3 times", Done.PLACED), False),
-        ("grasp_fails", FailedError("red was tried 3 times", Done.TAKEN_BACK), False),
-        ("grasp_fails", BlindError("the picture is old"), False),
+        (
+            "grasp_fails",
+            ManipulationError("red was tried 3 times", ExecutionResult.NOT_GRASPED),
+            True,
+        ),
+        ("grasp_fails", ManipulationError("red was tried 3 times", ExecutionResult.SLIPPED), True),
+        ("grasp_fails", ManipulationError("red: slipped at try 1, and now no room"), True),
+        ("grasp_fails", ManipulationError("red was tried 3 times", ExecutionResult.PLACED), False),
+        (
+            "grasp_fails",
+            ManipulationError("red was tried 3 times", ExecutionResult.TAKEN_BACK),
+            False,
+        ),
+        ("grasp_fails", NoObservationError("the picture is old"), False),
         ("grasp_fails", StuckError("the joints"), False),
         ("grasp_fails", GripperError("the fingers"), True),
         ("controller_stops", StuckError("the joints"), True),
         ("controller_stops", GripperError("the fingers"), False),
-        ("controller_stops", FailedError("red was tried 3 times", Done.SLIPPED), False),
-        ("scene_frozen", BlindError("the picture is old"), True),
-        ("scene_frozen", FailedError("red was tried 3 times", Done.SLIPPED), False),
+        (
+            "controller_stops",
+            ManipulationError("red was tried 3 times", ExecutionResult.SLIPPED),
+            False,
+        ),
+        ("scene_frozen", NoObservationError("the picture is old"), True),
+        (
+            "scene_frozen",
+            ManipulationError("red was tried 3 times", ExecutionResult.SLIPPED),
+            False,
+        ),
         ("scene_frozen", StuckError("the joints"), False),
-        ("camera_dark", BlindError("the picture is dark"), False),
-        ("block_moved", FailedError("red was tried 3 times", Done.NOT_GRASPED), False),
+        ("camera_dark", NoObservationError("the picture is dark"), False),
+        (
+            "block_moved",
+            ManipulationError("red was tried 3 times", ExecutionResult.NOT_GRASPED),
+            False,
+        ),
     ],
 )
 def test_what_is_given_up_is_given_up_for_what_was_disturbed(
-    arm: DisturbedArm, kind: str, error: Exception, is_right: bool
+    arm: FaultyArm, kind: str, error: Exception, is_right: bool
 ) -> None:
     episode = begun(arm, kind)
     if isinstance(episode._disturbance, SceneFrozen):
         episode._disturbance._is_for_ever = True
     if isinstance(episode._disturbance, GraspFails):
         episode._disturbance._is_jam = True
-    told = End("failed", str(error))
+    told = EpisodeEnd("failed", str(error))
     assert episode._stopped(told, error).end == ("succeeded" if is_right else "failed")
-    assert episode._stopped(End("refused", "no room", "no room"), error).end == "refused"
+    assert episode._stopped(EpisodeEnd("refused", "no room", "no room"), error).end == "refused"
     episode._disturbance.has_acted = False
     assert episode._stopped(told, error).end == "failed"
 
 
-def test_fingers_that_slip_are_no_reason_for_fingers_that_do_not_move(arm: DisturbedArm) -> None:
+def test_fingers_that_slip_are_no_reason_for_fingers_that_do_not_move(arm: FaultyArm) -> None:
     episode = begun(arm, "grasp_fails")
     assert isinstance(episode._disturbance, GraspFails)
     episode._disturbance._is_jam = False
     error = GripperError("the fingers")
-    assert episode._stopped(End("failed", str(error)), error).end == "failed"
+    assert episode._stopped(EpisodeEnd("failed", str(error)), error).end == "failed"
 
 
-def test_a_scene_that_is_frozen_for_a_second_is_not_given_up(arm: DisturbedArm) -> None:
+def test_a_scene_that_is_frozen_for_a_second_is_not_given_up(arm: FaultyArm) -> None:
     episode = begun(arm, "scene_frozen")
     assert isinstance(episode._disturbance, SceneFrozen)
     episode._disturbance._is_for_ever = False
-    error = BlindError("the picture is old")
-    assert episode._stopped(End("failed", str(error)), error).end == "failed"
+    error = NoObservationError("the picture is old")
+    assert episode._stopped(EpisodeEnd("failed", str(error)), error).end == "failed"
 
 
 @pytest.mark.parametrize("is_said", [False, True])
 def test_what_was_grasped_is_excused_only_if_it_was_to_be_moved(
-    arm: DisturbedArm, is_said: bool
+    arm: FaultyArm, is_said: bool
 ) -> None:
     episode = begun(arm, "camera_dark")
     spoken_of = {move.moved for move in episode._moves}
@@ -219,7 +241,7 @@ def test_what_was_grasped_is_excused_only_if_it_was_to_be_moved(
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_what_was_said_to_be_moved_aside_is_excused(arm: DisturbedArm, number: int) -> None:
+def test_what_was_said_to_be_moved_aside_is_excused(arm: FaultyArm, number: int) -> None:
     episode = begun(arm, "camera_dark")
     spoken_of = {move.moved for move in episode._moves}
     free = sorted(set(range(len(arm.poses()))) - spoken_of)
@@ -227,12 +249,12 @@ def test_what_was_said_to_be_moved_aside_is_excused(arm: DisturbedArm, number: i
         x, y, z = arm.pose(block + 1).position
         arm.place(block + 1, Pose.upright(x + 0.01, y, z))
     said = (("red", arm.pose(free[number] + 1)),)
-    episode._performed.append(Performed("blue", 1, 0.0, 0.0, (), 1.0, said))
+    episode._performed.append(SubGoalReached("blue", 1, 0.0, 0.0, (), 1.0, said))
     episode._end(0)
     assert episode._others() == f"block {free[1 - number] + 1}"
 
 
-def put(arm: DisturbedArm) -> None:
+def put(arm: FaultyArm) -> None:
     """A block to be carried to `GOAL`, and another one."""
     blocks = [
         block_from_attributes(DOMAIN, {"color": color, "size": "small"})
@@ -242,27 +264,27 @@ def put(arm: DisturbedArm) -> None:
     assert arm.settle().at_rest
 
 
-def planned(arm: DisturbedArm) -> Carry:
+def planned(arm: FaultyArm) -> PickAndPlace:
     objects = {str(each.id): Cuboid(each.pose, each.block.edges_m) for each in arm.placed()}
-    return Planner().carry(objects, "1", GOAL, arm.joints())
+    return PickAndPlacePlanner().carry(objects, "1", GOAL, arm.joints())
 
 
-def carried(arm: DisturbedArm, mark: Callable[[str], None]) -> Done:
-    return carry_out(arm, planned(arm), mark)
+def carried(arm: FaultyArm, mark: Callable[[str], None]) -> ExecutionResult:
+    return execute(arm, planned(arm), mark)
 
 
 @pytest.mark.parametrize(
     ("event", "after_ticks"), [("begun", 300), ("grasped", 100), ("above", 40)]
 )
 def test_joints_that_do_not_follow_are_noticed_and_nothing_falls(
-    arm: DisturbedArm, event: str, after_ticks: int, monkeypatch: pytest.MonkeyPatch
+    arm: FaultyArm, event: str, after_ticks: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     put(arm)
     told = []
 
     def drive(joints: Joints, speeds: Joints) -> None:
         told.append(speeds)
-        DisturbedArm.drive(arm, joints, speeds)
+        FaultyArm.drive(arm, joints, speeds)
 
     monkeypatch.setattr(arm, "drive", drive)
     marks = []
@@ -299,7 +321,7 @@ def test_joints_that_do_not_follow_are_noticed_and_nothing_falls(
         assert pose.position[2] > 0.023
 
 
-def test_the_fingers_do_not_close_where_the_arm_has_not_quite_arrived(arm: DisturbedArm) -> None:
+def test_the_fingers_do_not_close_where_the_arm_has_not_quite_arrived(arm: FaultyArm) -> None:
     put(arm)
     carry = planned(arm)
     times_s = np.arange(0.0, carry.descend.duration_s, arm.tick_s)
@@ -315,14 +337,14 @@ def test_the_fingers_do_not_close_where_the_arm_has_not_quite_arrived(arm: Distu
     arm.on_tick = tick
     marks: list[str] = []
     with pytest.raises(StuckError):
-        carry_out(arm, carry, marks.append)
+        execute(arm, carry, marks.append)
     assert marks == []
     wait(arm, 1.0)
     assert arm.opening_m() == pytest.approx(carry.grasp.opening_m, abs=1e-3)
 
 
 def test_an_arm_that_opens_its_fingers_where_it_is_not_to_be_is_found_out(
-    arm: DisturbedArm,
+    arm: FaultyArm,
 ) -> None:
     put(arm)
     arm.grip(0.0, 20.0)
@@ -334,7 +356,7 @@ def test_an_arm_that_opens_its_fingers_where_it_is_not_to_be_is_found_out(
     assert arm.has_opened_astray
 
 
-def test_a_block_that_meets_another_one_is_taken_back(arm: DisturbedArm) -> None:
+def test_a_block_that_meets_another_one_is_taken_back(arm: FaultyArm) -> None:
     put(arm)
     before = arm.pose(1)
 
@@ -342,7 +364,7 @@ def test_a_block_that_meets_another_one_is_taken_back(arm: DisturbedArm) -> None
         if done == "lifted":
             arm.place(2, GOAL)
 
-    assert carried(arm, mark) is Done.TAKEN_BACK
+    assert carried(arm, mark) is ExecutionResult.TAKEN_BACK
     assert float(np.abs(arm.joints() - panda.READY_RAD).max()) < HOME_RAD
     wait(arm, 0.5)
     assert arm.slow()
@@ -350,21 +372,21 @@ def test_a_block_that_meets_another_one_is_taken_back(arm: DisturbedArm) -> None
     assert math.dist(arm.pose(1).position[:2], before.position[:2]) < 0.01
 
 
-def test_a_block_that_meets_nothing_is_put_down(arm: DisturbedArm) -> None:
+def test_a_block_that_meets_nothing_is_put_down(arm: FaultyArm) -> None:
     put(arm)
-    assert carried(arm, lambda done: None) is Done.PLACED
+    assert carried(arm, lambda done: None) is ExecutionResult.PLACED
     assert arm.pose(1).distance_m(GOAL) < 0.001
 
 
-def test_fingers_that_come_down_on_a_block_go_up_again(arm: DisturbedArm) -> None:
+def test_fingers_that_come_down_on_a_block_go_up_again(arm: FaultyArm) -> None:
     put(arm)
     before = arm.pose(1)
     marks: list[str] = []
     # It is believed to be 8 mm from where it is, along what the fingers close over.
     x, y, z = before.position
     objects = {"1": Cuboid(Pose.upright(x, y + 0.008, z), (0.04, 0.04, 0.04))}
-    carry = Planner().carry(objects, "1", GOAL, arm.joints())
-    assert carry_out(arm, carry, marks.append) is Done.NOT_GRASPED
+    carry = PickAndPlacePlanner().carry(objects, "1", GOAL, arm.joints())
+    assert execute(arm, carry, marks.append) is ExecutionResult.NOT_GRASPED
     assert marks == ["not grasped"]
     assert float(np.abs(arm.joints() - panda.READY_RAD).max()) < HOME_RAD
     assert arm.pose(1).distance_m(before) < 0.003

@@ -13,7 +13,7 @@ from arm_scenes import BESIDE, PLACED_M, STAYED_M, Through, at_home, known, put,
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.execute import Done, carry_out
+from nsrm_harness.manipulation.execute import ExecutionResult, execute
 from nsrm_harness.manipulation.gripper import (
     BEGIN_S,
     MOVE_S,
@@ -23,7 +23,7 @@ from nsrm_harness.manipulation.gripper import (
     open_fingers,
 )
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.robot_interface import StuckError, wait
 from nsrm_harness.simulation.arm_world import ArmWorld
 
@@ -187,19 +187,21 @@ def test_with_fingers_that_are_late_a_block_is_carried_as_well(
     world: ArmWorld, late_s: float
 ) -> None:
     three(world)
-    carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
+    carry = PickAndPlacePlanner().carry(known(world)(), "1", BESIDE, world.joints())
     body = Late(world, late_s)
-    assert carry_out(body, carry) is Done.PLACED
+    assert execute(body, carry) is ExecutionResult.PLACED
     assert body.off_m < THERE_M
     assert world.pose(1).distance_m(BESIDE) < PLACED_M and at_home(world)
 
 
 def test_the_arm_moves_when_fingers_that_closed_on_nothing_are_open_again(world: ArmWorld) -> None:
     put(world, ("lego", 0.45, -0.1, 0, 0.3))
-    carry = Planner().carry(known(world)(), "1", Pose.upright(0.5, 0.1, 0.025), world.joints())
+    carry = PickAndPlacePlanner().carry(
+        known(world)(), "1", Pose.upright(0.5, 0.1, 0.025), world.joints()
+    )
     world.place(1, Pose.upright(0.6, 0.2, 0.025))
     body = Late(world, 0.0)
-    assert carry_out(body, carry) is Done.NOT_GRASPED
+    assert execute(body, carry) is ExecutionResult.NOT_GRASPED
     # From shut to as wide as a large block they take 0.7 s.
     assert body.off_m < THERE_M
 
@@ -233,12 +235,12 @@ def test_a_hand_that_is_dead_is_noticed_and_the_arm_stays(
     world: ArmWorld, since: int, marks: list[str]
 ) -> None:
     three(world)
-    carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
+    carry = PickAndPlacePlanner().carry(known(world)(), "1", BESIDE, world.joints())
     body = Dead(world, since)
     done: list[str] = []
     # Those who know of joints alone take it for what it is, too.
     with pytest.raises(StuckError, match="look at its hand") as caught:
-        carry_out(body, carry, done.append)
+        execute(body, carry, done.append)
     assert isinstance(caught.value, GripperError)
     assert done == marks
     assert np.abs(body.driven[-1]).max() < 1e-12

@@ -12,7 +12,7 @@ from arm_scenes import PLACED_M, STAYED_M, Noting, known, put
 
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.grasps import CLEAR_M, NARROW_M
-from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.manipulation.retries import reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 GOAL = Pose.upright(0.5, -0.2, 0.02)
@@ -41,7 +41,7 @@ def test_a_block_is_held_where_its_neighbours_leave_room(
     put(world, *(("small", 0.5 + x, 0.05 + y, 0.0, 0.0) for x, y in ((0.0, 0.0), *neighbours)))
     before = world.poses()
     planner = Noting()
-    performed = perform(world, planner, known(world), "1", GOAL)
+    performed = reach_sub_goal(world, planner, known(world), "1", GOAL)
     assert performed.tries == 1 and performed.cleared == ()
     (carry,) = planner.carries
     held_m = (before[1].inverse() @ carry.grasp.hand).position

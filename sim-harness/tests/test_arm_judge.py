@@ -14,7 +14,7 @@ from arm_scenes import above
 from nsrm_harness import domain as domains
 from nsrm_harness.data.moves import Move, target
 from nsrm_harness.domain import Domain
-from nsrm_harness.evaluation.manipulation_trials.judge import Judge, turned_rad
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementJudge, turned_rad
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.robot_interface import wait
@@ -59,7 +59,7 @@ def on(domain: Domain) -> Move:
 def test_what_was_done_as_said_is_told_from_what_was_not(
     domain: Domain, standing: ArmWorld
 ) -> None:
-    judge, move = Judge(standing, [CUBE] * 3), on(domain)
+    judge, move = PlacementJudge(standing, [CUBE] * 3), on(domain)
     standing.on_tick = judge.tick
     goal = judge.begin(move)
     assert not judge.stands([move])
@@ -91,7 +91,7 @@ def test_what_was_done_as_said_is_told_from_what_was_not(
 
 
 def test_the_world_may_go_on_before_the_first_step(domain: Domain, standing: ArmWorld) -> None:
-    judge, move = Judge(standing, [CUBE] * 3), on(domain)
+    judge, move = PlacementJudge(standing, [CUBE] * 3), on(domain)
     standing.on_tick = judge.tick
     wait(standing, 0.5)
     standing.place(1, judge.begin(move))
@@ -122,7 +122,7 @@ def test_a_step_is_as_said_within_named_bounds(
     with closing(ArmWorld()) as world:
         world.spawn(blocks, places)
         world.settle()
-        judge = Judge(world, blocks)
+        judge = PlacementJudge(world, blocks)
         world.on_tick = judge.tick
         goal = judge.begin(left)
         assert goal == target(left, blocks, [world.pose(number) for number in (1, 2, 3)])
@@ -141,7 +141,7 @@ def test_a_step_is_as_said_within_named_bounds(
 def test_a_reference_that_someone_moves_is_the_reference_where_it_is_then(
     domain: Domain, standing: ArmWorld
 ) -> None:
-    judge, move = Judge(standing, [CUBE] * 3), on(domain)
+    judge, move = PlacementJudge(standing, [CUBE] * 3), on(domain)
     judge.begin(move)
     standing.place(2, Pose.upright(0.45, 0.0, 0.02))
     standing.place(1, Pose.upright(0.45, 0.0, 0.06))
@@ -160,7 +160,7 @@ def test_a_block_looks_the_same_after_a_quarter_of_a_turn() -> None:
 
 
 def test_what_the_arm_touches_is_seen(domain: Domain, standing: ArmWorld) -> None:
-    judge = Judge(standing, [CUBE] * 3)
+    judge = PlacementJudge(standing, [CUBE] * 3)
     # Down onto a block that it is not to grasp, with closed fingers.
     standing.grip(0.0, panda.GRIP_N)
     judge.begin(on(domain))
@@ -174,7 +174,7 @@ def test_what_the_arm_touches_is_seen(domain: Domain, standing: ArmWorld) -> Non
 def test_what_the_block_in_the_hand_touches_on_its_way_is_seen(
     domain: Domain, standing: ArmWorld
 ) -> None:
-    judge = Judge(standing, [CUBE] * 3)
+    judge = PlacementJudge(standing, [CUBE] * 3)
     standing.on_tick = judge.tick
     judge.begin(on(domain))
     standing.place(1, Pose.upright(0.4, 0.2, 0.06))
@@ -189,7 +189,7 @@ def test_what_the_block_in_the_hand_touches_on_its_way_is_seen(
 def test_the_fingers_may_touch_the_block_that_they_carry(
     domain: Domain, standing: ArmWorld
 ) -> None:
-    judge = Judge(standing, [CUBE] * 3)
+    judge = PlacementJudge(standing, [CUBE] * 3)
     judge.begin(on(domain))
     standing.on_tick = judge.tick
     descend(standing, 0.4, -0.2, 0.03)
@@ -203,7 +203,7 @@ def test_the_fingers_may_touch_the_block_that_they_carry(
 def test_what_a_block_that_is_carried_aside_touches_is_seen(
     domain: Domain, standing: ArmWorld
 ) -> None:
-    judge = Judge(standing, [CUBE] * 3)
+    judge = PlacementJudge(standing, [CUBE] * 3)
     judge.begin(on(domain))
     standing.on_tick = judge.tick
     descend(standing, 0.4, 0.2, 0.03)
@@ -225,7 +225,7 @@ def test_what_a_block_that_is_carried_aside_touches_is_seen(
 def test_what_a_block_stands_on_it_may_not_be_dragged_over(
     domain: Domain, standing: ArmWorld
 ) -> None:
-    judge = Judge(standing, [CUBE] * 3)
+    judge = PlacementJudge(standing, [CUBE] * 3)
     standing.on_tick = judge.tick
     for drag_m, touched in ((0.0, ()), (0.03, ("block 1 and table",))):
         judge.begin(on(domain))

@@ -11,7 +11,7 @@ import pytest
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation import paths as ways
+from nsrm_harness.manipulation import paths
 from nsrm_harness.manipulation.grasps import LEANS_RAD, pointing_down
 from nsrm_harness.manipulation.kinematics import LIMIT_MARGIN_RAD, Joints, Kinematics
 from nsrm_harness.manipulation.trajectory import (
@@ -30,7 +30,7 @@ TICK_S = 2e-4
 def lifted(x: float, y: float, yaw_rad: float, near: Joints, pace: float = 1.0) -> Along:
     """A line of the hand, straight up."""
     low, high = (pointing_down(x, y, z, yaw_rad) for z in (0.02, 0.12))
-    found = ways.line(KINEMATICS, low, high, near, pace)
+    found = paths.line(KINEMATICS, low, high, near, pace)
     assert found is not None, (x, y, yaw_rad)
     return found
 
@@ -130,7 +130,7 @@ def test_lines_keep_within_the_makers_limits_where_places_of_them_are_at_the_lim
         hand = KINEMATICS.hand(own)
         x, y, z = hand.position
         above = replace(hand, position=(x, y, z + 0.08))
-        along = ways.line(KINEMATICS, hand, above, own, 1.0)
+        along = paths.line(KINEMATICS, hand, above, own, 1.0)
         if along is None:
             continue
         joints = along.at(np.linspace(0.0, along.duration_s, 500)).joints
@@ -199,11 +199,11 @@ def test_a_line_that_can_not_be_followed_is_none() -> None:
     def along_y(x: float, yaw_rad: float) -> Along | None:
         left, right = (pointing_down(x, y, 0.1, yaw_rad) for y in (0.45, -0.45))
         assert KINEMATICS.joints(left, panda.READY_RAD) is not None
-        return ways.line(KINEMATICS, left, right, panda.READY_RAD, 1.0)
+        return paths.line(KINEMATICS, left, right, panda.READY_RAD, 1.0)
 
     def leads_out() -> Along | None:
         ends = pointing_down(0.5, 0.0, 0.1, 0.0), pointing_down(1.2, 0.0, 0.1, 0.0)
-        return ways.line(KINEMATICS, *ends, panda.READY_RAD, 1.0)
+        return paths.line(KINEMATICS, *ends, panda.READY_RAD, 1.0)
 
     assert along_y(0.45, 0.0) is not None
     assert leads_out() is None
@@ -213,10 +213,10 @@ def test_a_line_that_can_not_be_followed_is_none() -> None:
 
 def test_a_line_on_which_the_arm_would_fold_over_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     begin, end = (pointing_down(0.45, y, 0.1, -3.0) for y in (0.45, -0.45))
-    assert ways.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is None
+    assert paths.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is None
     # All of its places can be reached.
-    monkeypatch.setattr(ways, "MAX_OFF_RAD", math.inf)
-    assert ways.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is not None
+    monkeypatch.setattr(paths, "MAX_OFF_RAD", math.inf)
+    assert paths.line(KINEMATICS, begin, end, panda.READY_RAD, 1.0) is not None
 
 
 def test_a_line_on_which_the_elbow_swings_aside_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -224,10 +224,10 @@ def test_a_line_on_which_the_elbow_swings_aside_is_none(monkeypatch: pytest.Monk
     leans = (0.696307, 0.696307, 0.123112, -0.123112)
     near = np.array([-0.605, 0.6585, 0.3077, -1.7313, 0.2081, 2.2861, -1.124])
     ends = Pose((x, y, z), leans), Pose((x, y, z + 0.08), leans)
-    assert ways.line(KINEMATICS, *ends, near, 1.0) is None
+    assert paths.line(KINEMATICS, *ends, near, 1.0) is None
     # No two of these are far from each other, but no smooth way leads through all.
-    monkeypatch.setattr(ways, "MAX_OFF_RAD", math.inf)
-    found = ways.line(KINEMATICS, *ends, near, 1.0)
+    monkeypatch.setattr(paths, "MAX_OFF_RAD", math.inf)
+    found = paths.line(KINEMATICS, *ends, near, 1.0)
     assert found is not None and found.off_rad > 0.01
 
 

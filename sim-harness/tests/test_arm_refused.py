@@ -19,10 +19,10 @@ from arm_scenes import (
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.grasps import LOWEST_M, WIDEST_M, grasps, why_not_held
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 
@@ -75,26 +75,28 @@ def goal_unstable(world: ArmWorld) -> tuple[str, Pose]:
 @pytest.mark.parametrize(
     ("scene", "why", "words"),
     [
-        (goal_unseen, Why.UNSEEN, ["7"]),
-        (goal_covered, Why.COVERED, ["1", "2"]),
-        (goal_far, Why.OUT_OF_REACH, ["1"]),
-        (goal_out_of_a_gap, Why.NO_WAY, ["1", "finger"]),
-        (goal_in_a_gap, Why.NO_WAY, ["1", "finger"]),
-        (goal_without_support, Why.NO_SUPPORT, ["40 mm"]),
-        (goal_without_room, Why.NO_ROOM, ["3"]),
-        (goal_unstable, Why.UNSTABLE, ["3"]),
+        (goal_unseen, RefusalReason.UNSEEN, ["7"]),
+        (goal_covered, RefusalReason.COVERED, ["1", "2"]),
+        (goal_far, RefusalReason.OUT_OF_REACH, ["1"]),
+        (goal_out_of_a_gap, RefusalReason.NO_WAY, ["1", "finger"]),
+        (goal_in_a_gap, RefusalReason.NO_WAY, ["1", "finger"]),
+        (goal_without_support, RefusalReason.NO_SUPPORT, ["40 mm"]),
+        (goal_without_room, RefusalReason.NO_ROOM, ["3"]),
+        (goal_unstable, RefusalReason.UNSTABLE, ["3"]),
     ],
 )
 def test_what_can_not_be_done_is_refused_before_anything_moves(
     world: ArmWorld,
     scene: Callable[[ArmWorld], tuple[str, Pose]],
-    why: Why,
+    why: RefusalReason,
     words: list[str],
 ) -> None:
     name, goal = scene(world)
     poses, joints = world.poses(), world.joints()
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), Planner(), known(world), name, goal, keep=known(world)())
+        reach_sub_goal(
+            Still(world), PickAndPlacePlanner(), known(world), name, goal, keep=known(world)()
+        )
     assert caught.value.why is why
     assert all(word in str(caught.value) for word in words), str(caught.value)
     assert world.poses() == poses
@@ -116,7 +118,7 @@ def test_a_block_that_no_hand_can_hold_is_refused_with_its_measures(
     block = Cuboid(Pose.upright(0.5, 0.1, height / 2), (a, b, height))
     goal = Pose.upright(0.5, -0.1, height / 2)
     with pytest.raises(RefusedError, match="the hand can't hold block") as caught:
-        Planner().carry({"block": block}, "block", goal, panda.READY_RAD)
+        PickAndPlacePlanner().carry({"block": block}, "block", goal, panda.READY_RAD)
     assert all(word in str(caught.value) for word in words), str(caught.value)
     assert "reach" not in str(caught.value)
 

@@ -28,9 +28,14 @@ from arm_scenes import (
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.execute import Done, carry_out
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import MAX_TRIES, FailedError, perform, seen_turned_rad
+from nsrm_harness.manipulation.execute import ExecutionResult, execute
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import (
+    MAX_TRIES,
+    ManipulationError,
+    reach_sub_goal,
+    seen_turned_rad,
+)
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.render import Renderer
 
@@ -61,9 +66,9 @@ ELSEWHERE = Pose.upright(0.42, -0.22, 0.02, 0.1)
 def test_fingers_that_close_on_nothing_feel_it_and_the_arm_goes_home(world: ArmWorld) -> None:
     three(world)
     before = world.poses()
-    carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
+    carry = PickAndPlacePlanner().carry(known(world)(), "1", BESIDE, world.joints())
     marks: list[str] = []
-    assert carry_out(Snatched(world, ELSEWHERE), carry, marks.append) is Done.NOT_GRASPED
+    assert execute(Snatched(world, ELSEWHERE), carry, marks.append) is ExecutionResult.NOT_GRASPED
     assert at_home(world)
     assert marks[0] == "reached" and "grasped" not in marks and "lifted" not in marks
     after = world.poses()
@@ -78,7 +83,7 @@ def test_a_block_that_was_snatched_is_grasped_where_it_is_then(
     three(world)
     look = pictured(world, renderer) if by_pictures else known(world)
     body, planner = Snatched(world, ELSEWHERE), Noting()
-    performed = perform(body, planner, look, "1", ON_THE_LARGE_ONE)
+    performed = reach_sub_goal(body, planner, look, "1", ON_THE_LARGE_ONE)
     assert performed.tries == 2 and "try 2" in str(performed)
     first, second = planner.carries
     assert math.dist(second.grasp.hand.position[:2], ELSEWHERE.position[:2]) < 0.002
@@ -92,7 +97,9 @@ def test_what_stands_too_near_where_it_was_snatched_to_is_moved_aside(world: Arm
     amid = Pose.upright(0.5, 0.0, 0.02)
     before = world.poses()
     marks: list[str] = []
-    performed = perform(Snatched(world, amid), Planner(), known(world), "1", BESIDE, marks.append)
+    performed = reach_sub_goal(
+        Snatched(world, amid), PickAndPlacePlanner(), known(world), "1", BESIDE, marks.append
+    )
     assert performed.tries == 2
     assert marks.index("not grasped") < marks.index("clearing") < marks.index("cleared")
     # Those on two opposite sides of it.
@@ -110,9 +117,11 @@ def test_what_stands_too_near_where_it_was_snatched_to_is_moved_aside(world: Arm
 def test_where_it_was_snatched_to_it_may_be_out_of_reach(world: ArmWorld) -> None:
     put(world, ("small", 0.5, 0.2, 0.0, 0.3), *HEMMED_IN)
     amid = Pose.upright(0.5, 0.0, 0.02)
-    with pytest.raises(FailedError, match="at try 1, and now") as caught:
-        perform(Snatched(world, amid), Planner(), known(world), "1", BESIDE, keep="2345")
-    assert str(caught.value).startswith(f"1: {Done.NOT_GRASPED.value}")
+    with pytest.raises(ManipulationError, match="at try 1, and now") as caught:
+        reach_sub_goal(
+            Snatched(world, amid), PickAndPlacePlanner(), known(world), "1", BESIDE, keep="2345"
+        )
+    assert str(caught.value).startswith(f"1: {ExecutionResult.NOT_GRASPED.value}")
     assert world.pose(1).distance_m(amid) < STAYED_M and at_home(world)
 
 
@@ -120,9 +129,11 @@ def test_a_grasp_that_always_fails_ends_after_a_few_tries(world: ArmWorld) -> No
     three(world)
     before, planner = world.poses(), Noting()
     marks: list[str] = []
-    with pytest.raises(FailedError, match="1") as caught:
-        perform(Numb(world), planner, known(world), "1", BESIDE, marks.append)
-    assert Done.NOT_GRASPED.value in str(caught.value) and str(MAX_TRIES) in str(caught.value)
+    with pytest.raises(ManipulationError, match="1") as caught:
+        reach_sub_goal(Numb(world), planner, known(world), "1", BESIDE, marks.append)
+    assert ExecutionResult.NOT_GRASPED.value in str(caught.value) and str(MAX_TRIES) in str(
+        caught.value
+    )
     assert len(planner.carries) == marks.count("reached") == MAX_TRIES
     assert at_home(world)
     after = world.poses()
@@ -138,8 +149,8 @@ def test_an_arm_that_began_elsewhere_ends_in_the_ready_pose_whatever_happens(
         world.drive(joints, np.zeros(panda.JOINTS))
         world.tick()
     assert not at_home(world)
-    carry = Planner().carry(known(world)(), "1", BESIDE, world.joints())
-    assert carry_out(Numb(world), carry) is Done.NOT_GRASPED
+    carry = PickAndPlacePlanner().carry(known(world)(), "1", BESIDE, world.joints())
+    assert execute(Numb(world), carry) is ExecutionResult.NOT_GRASPED
     assert at_home(world)
 
 
@@ -170,7 +181,7 @@ def test_a_block_that_is_seen_turned_is_put_again(
 ) -> None:
     three(world)
     body, planner = Turned(world, math.radians(by_deg), 1), Noting()
-    performed = perform(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
+    performed = reach_sub_goal(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
     assert performed.tries == len(planner.carries) == tries
     assert square_off_rad(world.pose(1), BESIDE) < math.radians(5.0)
     assert math.dist(world.pose(1).position[:2], BESIDE.position[:2]) < 0.002 and at_home(world)
@@ -179,8 +190,8 @@ def test_a_block_that_is_seen_turned_is_put_again(
 def test_a_block_that_is_always_turned_is_given_up(world: ArmWorld, renderer: Renderer) -> None:
     three(world)
     body, planner = Turned(world, math.radians(20.0), 100), Noting()
-    with pytest.raises(FailedError, match="turned by 20°"):
-        perform(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
+    with pytest.raises(ManipulationError, match="turned by 20°"):
+        reach_sub_goal(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
     assert len(planner.carries) == MAX_TRIES and at_home(world)
 
 
@@ -252,9 +263,9 @@ def test_a_block_that_is_knocked_out_of_the_hand_is_missed(
 ) -> None:
     three(world)
     before = world.poses()
-    carry = Planner().carry(known(world)(), "1", ACROSS, world.joints())
+    carry = PickAndPlacePlanner().carry(known(world)(), "1", ACROSS, world.joints())
     body = Jolted(world, event, after_ticks, 1)
-    assert carry_out(body, carry, body.mark) is Done.SLIPPED
+    assert execute(body, carry, body.mark) is ExecutionResult.SLIPPED
     # With nothing in the hand, nothing is put down.
     assert "let go" not in body.marks
     assert at_home(world) and world.settle().at_rest
@@ -272,7 +283,7 @@ def test_one_that_was_knocked_out_is_fetched_where_it_fell(
 ) -> None:
     three(world)
     body, planner = Jolted(world, event, after_ticks, times), Noting()
-    performed = perform(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    performed = reach_sub_goal(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
     assert performed.tries == len(planner.carries) == body.marks.count("reached") == times + 1
     assert world.pose(1).distance_m(ACROSS) < 0.002
     assert at_home(world)
@@ -281,9 +292,11 @@ def test_one_that_was_knocked_out_is_fetched_where_it_fell(
 def test_one_that_is_always_knocked_out_is_given_up(world: ArmWorld, renderer: Renderer) -> None:
     three(world)
     body, planner = Jolted(world, "lifted", 60, 100), Noting()
-    with pytest.raises(FailedError, match="1") as caught:
-        perform(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
-    assert Done.SLIPPED.value in str(caught.value) and str(MAX_TRIES) in str(caught.value)
+    with pytest.raises(ManipulationError, match="1") as caught:
+        reach_sub_goal(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    assert ExecutionResult.SLIPPED.value in str(caught.value) and str(MAX_TRIES) in str(
+        caught.value
+    )
     assert len(planner.carries) == body.marks.count("reached") == MAX_TRIES
     assert at_home(world)
 
@@ -296,9 +309,9 @@ def test_one_that_falls_among_others_is_fetched_or_given_up_in_words(
     three(world)
     body, planner = Jolted(world, "lifted", after_ticks, 1), Noting()
     try:
-        performed = perform(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
-    except FailedError as failure:
-        assert Done.SLIPPED.value in str(failure)
+        performed = reach_sub_goal(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    except ManipulationError as failure:
+        assert ExecutionResult.SLIPPED.value in str(failure)
     else:
         assert performed.tries > 1 and performed.miss_m < 0.005
         assert world.pose(1).distance_m(ACROSS) < 0.005

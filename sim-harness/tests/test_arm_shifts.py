@@ -13,9 +13,9 @@ from test_arm_clear import no_room
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.displacements import SHIFTED_M, Shifts
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import MAX_TRIES, FailedError, Look, perform
+from nsrm_harness.manipulation.displacements import DISPLACED_M, DisplacementTracker
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import MAX_TRIES, Look, ManipulationError, reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 PUSHED_M = 0.006
@@ -53,7 +53,7 @@ def test_what_was_pushed_in_a_try_that_failed_is_told(world: ArmWorld) -> None:
     three(world)
     body = Numb(world, until="not grasped")
     mark = pushing(world, "reached", 3, also=body.mark)
-    performed = perform(body, Planner(), known(world), "1", BESIDE, mark)
+    performed = reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", BESIDE, mark)
     assert performed.tries == 2
     ((name, shift_m),) = performed.shifted
     assert name == "3" and shift_m == pytest.approx(PUSHED_M, abs=0.0005)
@@ -63,17 +63,21 @@ def test_what_was_pushed_in_a_try_that_failed_is_told(world: ArmWorld) -> None:
 def test_what_is_pushed_a_little_at_each_try_is_told(world: ArmWorld) -> None:
     three(world)
     body = Numb(world, until="not grasped")
-    mark = pushing(world, "reached", 3, 0.7 * SHIFTED_M, 2, body.mark)
-    performed = perform(body, Planner(), known(world), "1", BESIDE, mark)
+    mark = pushing(world, "reached", 3, 0.7 * DISPLACED_M, 2, body.mark)
+    performed = reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", BESIDE, mark)
     ((name, shift_m),) = performed.shifted
-    assert name == "3" and shift_m == pytest.approx(1.4 * SHIFTED_M, abs=0.0005)
+    assert name == "3" and shift_m == pytest.approx(1.4 * DISPLACED_M, abs=0.0005)
 
 
 def test_what_was_pushed_is_told_where_all_tries_fail(world: ArmWorld) -> None:
     three(world)
     body = Numb(world)
-    with pytest.raises(FailedError, match=r"; I stopped; 3 was pushed by 6\.\d mm$") as caught:
-        perform(body, Planner(), known(world), "1", BESIDE, pushing(world, "reached", 3))
+    with pytest.raises(
+        ManipulationError, match=r"; I stopped; 3 was pushed by 6\.\d mm$"
+    ) as caught:
+        reach_sub_goal(
+            body, PickAndPlacePlanner(), known(world), "1", BESIDE, pushing(world, "reached", 3)
+        )
     ((name, shift_m),) = caught.value.shifted
     assert name == "3" and shift_m == pytest.approx(PUSHED_M, abs=0.0005)
     assert at_home(world)
@@ -86,8 +90,8 @@ def test_what_was_pushed_is_told_where_clearing_fails_or_what_follows(
     goal, _, _ = no_room(world)
     body = Numb(world, since=until)
     mark = pushing(world, "reached", 3, also=body.mark)
-    with pytest.raises(FailedError) as caught:
-        perform(body, Planner(), known(world), "1", goal, mark)
+    with pytest.raises(ManipulationError) as caught:
+        reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", goal, mark)
     assert [name for name, _ in caught.value.shifted] == ["3"]
     assert str(caught.value).count("was pushed by") == 1
 
@@ -103,7 +107,9 @@ def test_what_is_no_longer_seen_is_told(world: ArmWorld) -> None:
         if event == "above":
             gone.append("3")
 
-    performed = perform(world, Planner(), unseen(known(world)), "1", BESIDE, mark)
+    performed = reach_sub_goal(
+        world, PickAndPlacePlanner(), unseen(known(world)), "1", BESIDE, mark
+    )
     assert performed.shifted == (("3", math.inf),)
     assert str(performed).endswith("; 3 is no longer seen")
     assert json.loads(json.dumps(performed.as_json(), allow_nan=False))["shifted_m"] == {"3": None}
@@ -116,7 +122,7 @@ def seen(**at_m: float) -> Mapping[str, Cuboid]:
 
 
 def test_what_was_carried_has_not_been_pushed() -> None:
-    shifts = Shifts()
+    shifts = DisplacementTracker()
     shifts.see(seen(red=0.0, blue=0.1, green=0.2))
     shifts.see(seen(red=0.0, blue=0.3, green=0.2), "blue")
     assert shifts.besides("red") == ()
@@ -126,7 +132,7 @@ def test_what_was_carried_has_not_been_pushed() -> None:
 
 
 def test_the_farthest_is_told_and_what_is_seen_again_is_not_lost() -> None:
-    shifts = Shifts()
+    shifts = DisplacementTracker()
     for blue in (0.1, 0.11, 0.1):
         shifts.see(seen(red=0.0, blue=blue))
     assert shifts.besides("red") == (("blue", pytest.approx(0.01)),)
@@ -142,11 +148,11 @@ def test_no_try_at_all_is_a_mistake_that_is_named_before_anything_moves(
 ) -> None:
     three(world)
     with pytest.raises(ValueError, match=f"tries: expected 1 or more, got {tries}"):
-        perform(Still(world), Planner(), known(world), "1", BESIDE, tries=tries)
+        reach_sub_goal(Still(world), PickAndPlacePlanner(), known(world), "1", BESIDE, tries=tries)
 
 
 def test_one_try_is_one(world: ArmWorld) -> None:
     three(world)
     assert MAX_TRIES > 1
-    with pytest.raises(FailedError, match="1 was tried once and is"):
-        perform(Numb(world), Planner(), known(world), "1", BESIDE, tries=1)
+    with pytest.raises(ManipulationError, match="1 was tried once and is"):
+        reach_sub_goal(Numb(world), PickAndPlacePlanner(), known(world), "1", BESIDE, tries=1)

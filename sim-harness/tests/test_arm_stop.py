@@ -13,11 +13,11 @@ from world_scenes import DOMAIN
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.execute import carry_out, go_back
+from nsrm_harness.manipulation.execute import execute, retreat
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Carry, Planner
+from nsrm_harness.manipulation.pick_and_place import PickAndPlace, PickAndPlacePlanner
 from nsrm_harness.manipulation.robot_interface import wait
-from nsrm_harness.manipulation.stopping import BACK_RAD, Braking, Part, StoppedError, back_along
+from nsrm_harness.manipulation.stopping import BACK_RAD, Braking, PathPart, StoppedError, back_along
 from nsrm_harness.manipulation.trajectory import Backwards, Trajectory
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.blocks import block_from_attributes
@@ -41,12 +41,12 @@ def world() -> Iterator[ArmWorld]:
         yield made
 
 
-def planned(world: ArmWorld) -> Carry:
+def planned(world: ArmWorld) -> PickAndPlace:
     objects = {str(each.id): Cuboid(each.pose, each.block.edges_m) for each in world.placed()}
-    return Planner().carry(objects, "1", GOAL, world.joints())
+    return PickAndPlacePlanner().carry(objects, "1", GOAL, world.joints())
 
 
-def all_ways(carry: Carry) -> list[Trajectory]:
+def all_ways(carry: PickAndPlace) -> list[Trajectory]:
     ways = [*carry.reach, carry.descend, carry.lift, *carry.transfer]
     return [*ways, carry.lower, carry.retreat, *carry.home]
 
@@ -66,7 +66,11 @@ def test_braking_and_going_on_keep_to_the_path_and_the_makers_limits(world: ArmW
             first = way.at(np.array([since_s]))
             stopped_s = braking.stopped_s
             assert since_s <= stopped_s <= way.duration_s
-            parts = [braking, Part(way, stopped_s, 0.0), Part(way, stopped_s, way.duration_s)]
+            parts = [
+                braking,
+                PathPart(way, stopped_s, 0.0),
+                PathPart(way, stopped_s, way.duration_s),
+            ]
             for part in parts:
                 moments = part.at(np.arange(0.0, part.duration_s + TICK_S, TICK_S))
                 assert off_path_rad(moments.joints, way) < 0.002
@@ -153,7 +157,7 @@ def test_it_stands_still_and_then_goes_back(
 
     world.on_tick = tick
     with pytest.raises(StoppedError, match="stands still") as caught:
-        carry_out(world, carry, mark, stop)
+        execute(world, carry, mark, stop)
     assert world.time_s - stopped_at_s[0] < BRAKED_S
     joints, pose = world.joints(), world.pose(1)
     wait(world, 1.0)
@@ -161,7 +165,7 @@ def test_it_stands_still_and_then_goes_back(
     assert world.pose(1).distance_m(pose) < STAYED_M
     is_held = world.opening_m() < carry.grasp.opening_m - 0.002
     assert is_held == held
-    go_back(world, caught.value.back)
+    retreat(world, caught.value.back)
     assert float(np.abs(world.joints() - panda.READY_RAD).max()) < HOME_RAD
     where = carry.placement.cuboid.pose if event == "let go" else before[1]
     assert world.pose(1).distance_m(where) < STAYED_M
@@ -183,15 +187,15 @@ def test_a_stop_on_the_way_back_is_one_too(world: ArmWorld) -> None:
         # In the middle of the transfer.
         length_s = sum(way.duration_s for way in (*carry.reach, carry.descend, carry.lift))
         ticks = round((length_s + carry.transfer[0].duration_s / 2) / world.tick_s)
-        carry_out(world, carry, stop=lambda: after(ticks))
+        execute(world, carry, stop=lambda: after(ticks))
     back = caught.value.back
     for _ in range(3):
         heights.append(world.pose(1).position[2])
         count = 0
         with pytest.raises(StoppedError) as caught:
-            go_back(world, back, stop=lambda: after(300))
+            retreat(world, back, stop=lambda: after(300))
         back = caught.value.back
     assert min(heights) > 0.05
-    go_back(world, back)
+    retreat(world, back)
     assert world.pose(1).distance_m(before) < STAYED_M
     assert float(np.abs(world.joints() - panda.READY_RAD).max()) < HOME_RAD

@@ -12,11 +12,11 @@ from test_arm_clear import Endless
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.errors import RefusedError, Why
-from nsrm_harness.manipulation.execute import Done
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.regrasp import stopover
-from nsrm_harness.manipulation.retries import FailedError, perform
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
+from nsrm_harness.manipulation.execute import ExecutionResult
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.regrasp import plan_regrasp
+from nsrm_harness.manipulation.retries import ManipulationError, reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 LEFT, RIGHT = Pose.upright(0.42, 0.093, 0.02), Pose.upright(0.42, 0.217, 0.02)
@@ -45,10 +45,12 @@ def objects(world: ArmWorld) -> Mapping[str, Cuboid]:
 def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) -> None:
     before = world.poses()
     with pytest.raises(RefusedError) as caught:
-        Planner().carry(objects(world), "1", LEFT, world.joints())
-    assert caught.value.why is Why.NO_WAY
+        PickAndPlacePlanner().carry(objects(world), "1", LEFT, world.joints())
+    assert caught.value.why is RefusalReason.NO_WAY
     marks: list[str] = []
-    performed = perform(world, Planner(), known(world), "1", LEFT, marks.append, keep=TOWER)
+    performed = reach_sub_goal(
+        world, PickAndPlacePlanner(), known(world), "1", LEFT, marks.append, keep=TOWER
+    )
     after = world.poses()
     ((name, place),) = performed.cleared
     # Whoever now stands nearest to that place was not to be moved.
@@ -62,46 +64,46 @@ def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) 
 
 def test_from_there_it_can_be_carried_on_and_each_time_it_is_the_same(world: ArmWorld) -> None:
     seen, ready = objects(world), panda.READY_RAD
-    why = RefusedError(Why.NO_WAY, "")
-    ((name, place),) = stopover(Planner(), seen, "1", LEFT, ready, why)
-    assert ((name, place),) == stopover(Planner(), seen, "1", LEFT, ready, why)
+    why = RefusedError(RefusalReason.NO_WAY, "")
+    ((name, place),) = plan_regrasp(PickAndPlacePlanner(), seen, "1", LEFT, ready, why)
+    assert ((name, place),) == plan_regrasp(PickAndPlacePlanner(), seen, "1", LEFT, ready, why)
     moved = {**seen, name: Cuboid(place, seen[name].edges_m)}
-    assert Planner().carry(seen, "1", place, ready).grasp.lean_rad != 0.0
-    assert Planner().carry(moved, "1", LEFT, ready).grasp.lean_rad != 0.0
+    assert PickAndPlacePlanner().carry(seen, "1", place, ready).grasp.lean_rad != 0.0
+    assert PickAndPlacePlanner().carry(moved, "1", LEFT, ready).grasp.lean_rad != 0.0
 
 
 def test_where_one_lean_does_nothing_is_set_down(world: ArmWorld) -> None:
-    assert perform(world, Planner(), known(world), "1", FREE).cleared == ()
+    assert reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", FREE).cleared == ()
 
 
-@pytest.mark.parametrize("why", [why for why in Why if why is not Why.NO_WAY])
-def test_no_other_refusal_leads_to_one(world: ArmWorld, why: Why) -> None:
+@pytest.mark.parametrize("why", [why for why in RefusalReason if why is not RefusalReason.NO_WAY])
+def test_no_other_refusal_leads_to_one(world: ArmWorld, why: RefusalReason) -> None:
     planner = Endless()
     seen = objects(world)
-    assert stopover(planner, seen, "1", LEFT, panda.READY_RAD, RefusedError(why, "")) == ()
+    assert plan_regrasp(planner, seen, "1", LEFT, panda.READY_RAD, RefusedError(why, "")) == ()
     assert planner.count == 0
 
 
 def test_where_it_does_not_help_the_first_refusal_stands(world: ArmWorld) -> None:
     planner = Endless()
     with pytest.raises(RefusedError) as caught:
-        perform(Still(world), planner, known(world), "4", FREE, keep=("1", "2", "3"))
-    assert caught.value.why is Why.NO_WAY
+        reach_sub_goal(Still(world), planner, known(world), "4", FREE, keep=("1", "2", "3"))
+    assert caught.value.why is RefusalReason.NO_WAY
     # To its sub-goal, and to where it would be set down.
     assert planner.count == 2
 
 
 def test_what_fails_on_the_way_is_told_in_words(world: ArmWorld) -> None:
-    with pytest.raises(FailedError) as caught:
-        perform(Numb(world), Planner(), known(world), "1", LEFT, keep=TOWER)
+    with pytest.raises(ManipulationError) as caught:
+        reach_sub_goal(Numb(world), PickAndPlacePlanner(), known(world), "1", LEFT, keep=TOWER)
     assert "1 was to be set down on the way: 1 was tried" in str(caught.value)
-    assert Done.NOT_GRASPED.value in str(caught.value) and at_home(world)
+    assert ExecutionResult.NOT_GRASPED.value in str(caught.value) and at_home(world)
 
 
 def test_what_fails_after_it_is_told_in_words(world: ArmWorld) -> None:
     body = Numb(world, since="cleared")
     with pytest.raises(
-        FailedError, match=r"^1 was set down on the way, to be held otherwise; then"
+        ManipulationError, match=r"^1 was set down on the way, to be held otherwise; then"
     ):
-        perform(body, Planner(), known(world), "1", LEFT, body.mark, keep=TOWER)
+        reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", LEFT, body.mark, keep=TOWER)
     assert at_home(world)

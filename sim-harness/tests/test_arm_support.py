@@ -8,7 +8,7 @@ import pytest
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose, Vector3
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.stability import (
     CENTRED_M,
     LEVEL_M,
@@ -59,7 +59,7 @@ def test_a_sub_goal_that_is_a_little_too_high_or_low_is_put_right(off_m: float) 
 def test_one_that_is_too_high_or_low_by_more_has_no_support(off_m: float) -> None:
     for base, foot_m in ((BASE, EDGE_M), (cube(X, 0.3), 0.0)):
         refused = refusal(cube(X, 0.0, foot_m + off_m), base=base)
-        assert refused.why is Why.NO_SUPPORT
+        assert refused.why is RefusalReason.NO_SUPPORT
         assert f"{1000 * abs(foot_m + off_m):.0f} mm" in str(refused)
         assert ("below" in str(refused)) == (foot_m + off_m < 0)
 
@@ -93,7 +93,7 @@ def test_a_neighbour_that_is_too_near_is_named(x: float, y: float) -> None:
         return cube(X + share * x, share * y)
 
     refused = refusal(beside(ROOM_M - MM), far=cube(X, -0.2), base=BASE)
-    assert refused.why is Why.NO_ROOM
+    assert refused.why is RefusalReason.NO_ROOM
     assert "base" in str(refused) and "far" not in str(refused)
     put = placement(beside(ROOM_M + MM).pose, BLOCK, {"base": BASE})
     assert put.support == (TABLE,)
@@ -104,7 +104,7 @@ def test_a_turned_neighbour_is_near_by_its_corner() -> None:
     # A corner reaches 8.3 mm farther out than a face would.
     gap_m = 0.008
     goal = cube(X + EDGE_M + gap_m)
-    assert refusal(goal, turned=turned).why is Why.NO_ROOM
+    assert refusal(goal, turned=turned).why is RefusalReason.NO_ROOM
     assert placement(goal.pose, BLOCK, {"straight": BASE}).support == (TABLE,)
 
 
@@ -114,20 +114,20 @@ def test_a_tower_is_in_the_way_of_what_is_put_beside_its_top_and_a_low_block_is_
     lower = cube(beside_m, edges=(EDGE_M, EDGE_M, 0.03))
     assert placement(goal.pose, BLOCK, {"base": BASE, "lower": lower}).support == ("base",)
     refused = refusal(goal, base=BASE, lower=lower, upper=cube(beside_m, 0.0, 0.03))
-    assert refused.why is Why.NO_ROOM
+    assert refused.why is RefusalReason.NO_ROOM
     assert "upper" in str(refused) and "lower" not in str(refused)
 
 
 def test_there_is_no_room_within_another_block() -> None:
     refused = refusal(cube(X + 0.01), base=BASE)
-    assert refused.why is Why.NO_ROOM and "base" in str(refused)
+    assert refused.why is RefusalReason.NO_ROOM and "base" in str(refused)
 
 
 def test_what_hangs_over_too_far_would_fall() -> None:
     half_m = EDGE_M / 2
     for off_m in (half_m - STABLE_M + MM, half_m + 0.005):
         refused = refusal(cube(X, -off_m, EDGE_M), base=BASE)
-        assert refused.why is Why.UNSTABLE
+        assert refused.why is RefusalReason.UNSTABLE
         assert "base" in str(refused) and "tower" not in str(refused)
     goal = cube(X, -(half_m - STABLE_M - MM), EDGE_M)
     assert placement(goal.pose, BLOCK, {"base": BASE}).cuboid.pose == goal.pose
@@ -139,7 +139,7 @@ def test_a_tower_falls_that_leans_though_each_block_alone_would_stand() -> None:
     # On the middle one it would stand, if that were fast.
     placement(leaning.pose, BLOCK, {"middle": tower["middle"]})
     refused = refusal(leaning, **tower)
-    assert refused.why is Why.UNSTABLE
+    assert refused.why is RefusalReason.UNSTABLE
     assert "tower" in str(refused) and "lowest" in str(refused) and "middle" not in str(refused)
     straight = cube(X + 0.012, 0.0, 2 * EDGE_M)
     assert placement(straight.pose, BLOCK, tower).support == ("middle",)
@@ -156,7 +156,7 @@ def test_the_larger_block_weighs_more() -> None:
         cube(X + 0.022, 0.0, 2 * EDGE_M, (0.04, 0.04, height_m)) for height_m in (0.037, 0.093)
     )
     assert placement(small.pose, small, tower).support == ("middle",)
-    assert refusal(large, **tower).why is Why.UNSTABLE
+    assert refusal(large, **tower).why is RefusalReason.UNSTABLE
 
 
 def test_a_bridge_stands_on_both_its_ends() -> None:
@@ -167,7 +167,7 @@ def test_a_bridge_stands_on_both_its_ends() -> None:
     # Its middle is above neither, and it isn't drawn to one's middle.
     assert put.cuboid.pose == beam.pose
     # On one end alone it would fall.
-    assert refusal(beam, left=left).why is Why.UNSTABLE
+    assert refusal(beam, left=left).why is RefusalReason.UNSTABLE
 
 
 def test_a_bridge_stands_on_ends_that_are_nearly_level_and_falls_if_they_are_not() -> None:
@@ -181,7 +181,7 @@ def test_a_bridge_stands_on_ends_that_are_nearly_level_and_falls_if_they_are_not
     assert sorted(put.support) == ["high", "low"]
     assert put.cuboid.bottom_m == pytest.approx(EDGE_M)
     refused = refusal(beam, **ends(0.008))
-    assert refused.why is Why.UNSTABLE and "high" in str(refused)
+    assert refused.why is RefusalReason.UNSTABLE and "high" in str(refused)
 
 
 def test_a_bridge_may_turn_over_what_its_ends_stand_on() -> None:
@@ -196,7 +196,7 @@ def test_a_bridge_may_turn_over_what_its_ends_stand_on() -> None:
 
     beam = cube(X, 0.0, 2 * EDGE_M, (0.04, 0.06, 0.04))
     refused = refusal(beam, **pillars(0.016))
-    assert refused.why is Why.UNSTABLE
+    assert refused.why is RefusalReason.UNSTABLE
     assert "tower" in str(refused) and "left lower and right lower" in str(refused)
     # It bears on them farther out, or they stand straighter.
     for wide, off_m in ((cube(X, 0.0, 2 * EDGE_M, (0.04, 0.12, 0.04)), 0.016), (beam, 0.011)):
@@ -223,7 +223,9 @@ def test_what_else_stands_on_a_block_weighs_too() -> None:
     goal = cube(X, 0.085, ON_SLAB_M)
     assert placement(goal.pose, BLOCK, on_slab()).support == ("slab",)
     refused = refusal(goal, **on_slab(load=0.04))
-    assert refused.why is Why.UNSTABLE and "tower" in str(refused) and "foot" in str(refused)
+    assert (
+        refused.why is RefusalReason.UNSTABLE and "tower" in str(refused) and "foot" in str(refused)
+    )
     # On the table they stand.
     on_table = {"slab": cube(X, edges=SLAB), "load": cube(X, 0.04, EDGE_M)}
     low = cube(X, 0.085, EDGE_M)
@@ -233,13 +235,13 @@ def test_what_else_stands_on_a_block_weighs_too() -> None:
 def test_a_block_on_the_other_side_holds_the_balance() -> None:
     goal = cube(X, 0.06, ON_SLAB_M)
     # Without it the centre of mass would be 10 mm off, and 7 mm stand.
-    assert refusal(goal, **on_slab(0.02)).why is Why.UNSTABLE
+    assert refusal(goal, **on_slab(0.02)).why is RefusalReason.UNSTABLE
     put = placement(goal.pose, BLOCK, on_slab(0.02, load=-0.04))
     assert put.support == ("slab",)
     # So do two of which one stands on the other.
     higher = {"higher": cube(X, -0.04, 3 * EDGE_M)}
     far = cube(X, 0.08, ON_SLAB_M)
-    assert refusal(far, **on_slab(0.02, load=-0.02)).why is Why.UNSTABLE
+    assert refusal(far, **on_slab(0.02, load=-0.02)).why is RefusalReason.UNSTABLE
     put = placement(far.pose, BLOCK, on_slab(0.02, load=-0.04) | higher)
     assert put.support == ("slab",)
 
@@ -247,7 +249,7 @@ def test_a_block_on_the_other_side_holds_the_balance() -> None:
 def test_what_is_seen_to_stand_though_it_would_fall_is_left_out() -> None:
     # The load alone would turn the slab over, and the block in the middle would not hold it.
     goal, others = cube(X, 0.0, ON_SLAB_M), on_slab(0.02, load=0.08)
-    assert refusal(others["load"], **on_slab(0.02)).why is Why.UNSTABLE
+    assert refusal(others["load"], **on_slab(0.02)).why is RefusalReason.UNSTABLE
     assert placement(goal.pose, BLOCK, others).support == ("slab",)
 
 

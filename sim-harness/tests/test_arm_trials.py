@@ -11,32 +11,32 @@ from another_process import elsewhere
 
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import main
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
 from nsrm_harness.evaluation.manipulation_trials import (
-    provenance as made_by,
-)
-from nsrm_harness.evaluation.manipulation_trials import (
+    provenance,
     trial,
 )
 from nsrm_harness.evaluation.manipulation_trials import (
     trials_report as report,
 )
-from nsrm_harness.evaluation.manipulation_trials.disturbed import DISTURBED_ROWS
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.judge import Verdict
-from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, Row, draw
+from nsrm_harness.evaluation.manipulation_trials.disturbed_episode import DISTURBED_ROWS
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
+from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, TrialRow, draw
 from nsrm_harness.evaluation.manipulation_trials.run_trials import TrialsError, episode, films, run
 
 BY_NAME = {row.name: row for row in ROWS}
-GOOD = Verdict(0.001, 0.0, 0.0, True, (), 5.0)
+GOOD = PlacementVerdict(0.001, 0.0, 0.0, True, (), 5.0)
 
 
-def ended(row: str, index: int, end: str, *steps: Verdict, kind: str = "") -> Ended:
+def ended(
+    row: str, index: int, end: str, *steps: PlacementVerdict, kind: str = ""
+) -> EpisodeResult:
     """How an episode ended."""
     why = "" if end == "succeeded" else "so it was"
-    return Ended(row, index, "put it there", end, why, kind, steps, (0.002,), (1,))
+    return EpisodeResult(row, index, "put it there", end, why, kind, steps, (0.002,), (1,))
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def test_the_control_is_given_the_truth_and_the_others_are_not(
 
 @pytest.mark.parametrize("row", [BY_NAME["steps_1"], DISTURBED_ROWS[0]], ids=lambda row: row.name)
 def test_a_worker_without_the_domain_s_file_carries_an_episode_out(
-    domain: Domain, monkeypatch: pytest.MonkeyPatch, row: Row
+    domain: Domain, monkeypatch: pytest.MonkeyPatch, row: TrialRow
 ) -> None:
     monkeypatch.setattr(domains, "load", lambda: pytest.fail("there is no such file"))
     assert episode(row, 5, 0, None, domain).row == row.name
@@ -88,28 +88,28 @@ def test_a_worker_without_the_domain_s_file_carries_an_episode_out(
 
 def test_what_was_broken_off_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, rows = tmp_path / "out" / "trials.jsonl", [BY_NAME["steps_1"]]
-    first = run(rows, 1, 5, Processes(1), path, quiet=True)
+    first = run(rows, 1, 5, LocalProcesses(1), path, quiet=True)
     kept = path.read_text()
     path.write_text(kept + '{"row": "steps_1", "ind')
-    monkeypatch.setattr(Processes, "each", lambda *_: pytest.fail("it was done again"))
+    monkeypatch.setattr(LocalProcesses, "each", lambda *_: pytest.fail("it was done again"))
     with pytest.raises(pytest.fail.Exception):
-        run(rows, 2, 5, Processes(1), path, quiet=True)
+        run(rows, 2, 5, LocalProcesses(1), path, quiet=True)
     assert path.read_text() == kept
-    monkeypatch.setattr(Processes, "each", lambda self, function, tasks: iter(list(tasks)[:0]))
-    assert run(rows, 1, 5, Processes(1), path, quiet=True) == first
+    monkeypatch.setattr(LocalProcesses, "each", lambda self, function, tasks: iter(list(tasks)[:0]))
+    assert run(rows, 1, 5, LocalProcesses(1), path, quiet=True) == first
     with pytest.raises(TrialsError, match="seed 5"):
-        run(rows, 1, 6, Processes(1), path, quiet=True)
+        run(rows, 1, 6, LocalProcesses(1), path, quiet=True)
     with monkeypatch.context() as changed:
-        changed.setattr(made_by, "digest", lambda: "another")
+        changed.setattr(provenance, "digest", lambda: "another")
         with pytest.raises(TrialsError, match=r"trials.jsonl: .* the code or the model: .* remove"):
-            run(rows, 1, 5, Processes(1), path, quiet=True)
+            run(rows, 1, 5, LocalProcesses(1), path, quiet=True)
     # As they were before it was written down.
     path.write_text(f'{{"seed": 5}}\n{kept.partition(chr(10))[2]}')
     with pytest.raises(TrialsError, match="the code or the model"):
-        run(rows, 1, 5, Processes(1), path, quiet=True)
+        run(rows, 1, 5, LocalProcesses(1), path, quiet=True)
     path.write_text("something else\n")
     with pytest.raises(TrialsError, match="no file of trials"):
-        run(rows, 1, 5, Processes(1), path, quiet=True)
+        run(rows, 1, 5, LocalProcesses(1), path, quiet=True)
 
 
 def test_a_changed_source_is_another_state_of_the_code(tmp_path: Path) -> None:
@@ -117,14 +117,14 @@ def test_a_changed_source_is_another_state_of_the_code(tmp_path: Path) -> None:
     source = tmp_path / "below" / "arm.py"
     source.write_text("a = 1\n")
     (tmp_path / "notes.txt").write_text("b")
-    first = made_by._of((tmp_path, "*.py"))
+    first = provenance._of((tmp_path, "*.py"))
     (tmp_path / "notes.txt").write_text("c")
-    assert made_by._of((tmp_path, "*.py")) == first
+    assert provenance._of((tmp_path, "*.py")) == first
     source.write_text("a = 2\n")
-    second = made_by._of((tmp_path, "*.py"))
+    second = provenance._of((tmp_path, "*.py"))
     source.rename(tmp_path / "arm.py")
-    assert len({first, second, made_by._of((tmp_path, "*.py"))}) == 3
-    assert made_by.digest() == made_by.digest() and len(made_by.digest()) == 64
+    assert len({first, second, provenance._of((tmp_path, "*.py"))}) == 3
+    assert provenance.digest() == provenance.digest() and len(provenance.digest()) == 64
 
 
 def test_films_of_an_earlier_run_are_removed_and_nothing_else(tmp_path: Path) -> None:
@@ -135,11 +135,11 @@ def test_films_of_an_earlier_run_are_removed_and_nothing_else(tmp_path: Path) ->
         for name in ("film.gif", "strip.png"):
             (folder / name).touch()
     (with_notes / "notes.txt").touch()
-    films([], [], 5, Processes(1), tmp_path)
+    films([], [], 5, LocalProcesses(1), tmp_path)
     assert not old.exists()
     assert {path.name for path in someones.iterdir()} == {"film.gif", "strip.png"}
     assert [path.name for path in with_notes.iterdir()] == ["notes.txt"]
-    films([], [], 5, Processes(1), tmp_path / "none")
+    films([], [], 5, LocalProcesses(1), tmp_path / "none")
 
 
 def test_rows_are_counted_and_told(tmp_path: Path) -> None:
@@ -205,7 +205,7 @@ def test_the_best_have_the_most_steps_and_are_the_least_off() -> None:
 def test_what_can_be_chance_is_told_from_what_can_not() -> None:
     row = BY_NAME["steps_1"]
 
-    def told(*ends: str, step: Verdict = GOOD) -> list[str]:
+    def told(*ends: str, step: PlacementVerdict = GOOD) -> list[str]:
         all_ended = [ended("steps_1", index, end, step) for index, end in enumerate(ends)]
         return report.missed(report.counted([row], all_ended))
 
@@ -227,7 +227,7 @@ def test_what_can_be_chance_is_told_from_what_can_not() -> None:
     ],
 )
 def test_a_row_of_enough_episodes_reaches_the_other_goals_too(
-    name: str, step: Verdict, missed: str
+    name: str, step: PlacementVerdict, missed: str
 ) -> None:
     def told(count: int) -> list[str]:
         all_ended = [ended(name, index, "succeeded", step) for index in range(count)]
@@ -242,7 +242,7 @@ def test_a_row_of_enough_episodes_reaches_the_other_goals_too(
 def test_a_row_of_enough_episodes_is_not_far_off_nor_refused_too_often() -> None:
     row, far = BY_NAME["steps_5"], replace(GOOD, off_m=0.006)
 
-    def told(*all_ended: Ended) -> list[str]:
+    def told(*all_ended: EpisodeResult) -> list[str]:
         return report.missed(report.counted([row], all_ended))
 
     good = [ended("steps_5", index, "succeeded", GOOD) for index in range(94)]

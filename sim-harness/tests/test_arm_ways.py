@@ -17,18 +17,18 @@ from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.panda import READY_RAD as READY
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation import paths as ways
-from nsrm_harness.manipulation.collision import Guard, Nearest, steps
-from nsrm_harness.manipulation.execute import Done, carry_out
-from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation import paths
+from nsrm_harness.manipulation.collision import CollisionChecker, Nearest, steps
+from nsrm_harness.manipulation.execute import ExecutionResult, execute
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.blocks import block_from_attributes
 
 
 def around(objects: Mapping[str, Cuboid], held: Cuboid | None = None) -> Any:
     """From one side of the work space to the other."""
-    guard = Guard(KINEMATICS, objects, held)
-    return ways.free(guard, above(0.5, -0.2, 0.15), above(0.5, 0.2, 0.15), 0.04, 0.8)
+    guard = CollisionChecker(KINEMATICS, objects, held)
+    return paths.free(guard, above(0.5, -0.2, 0.15), above(0.5, 0.2, 0.15), 0.04, 0.8)
 
 
 TOWER = {"tower": Cuboid(Pose((0.5, 0.0, 0.125)), (0.06, 0.06, 0.25))}
@@ -38,7 +38,7 @@ IN_HAND = Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), (0.04, 0.04, 0.04))
 @pytest.mark.parametrize("held", [None, IN_HAND])
 def test_there_is_a_way_around_a_tower(held: Cuboid | None) -> None:
     (straight,) = around({}, held)
-    guard = Guard(KINEMATICS, TOWER, held)
+    guard = CollisionChecker(KINEMATICS, TOWER, held)
     touch = guard.along(straight, 0.04)
     assert touch is not None and "tower" in touch.pair
     moves = around(TOWER, held)
@@ -60,11 +60,11 @@ def test_there_is_a_way_around_a_tower(held: Cuboid | None) -> None:
 def test_a_carrying_goes_around_a_tower_with_and_without_the_block() -> None:
     block = Cuboid(Pose((0.5, -0.2, 0.02)), (0.04, 0.04, 0.04))
     goal, begin = Pose((0.5, 0.2, 0.02)), above(0.5, 0.2, 0.12)
-    carry = Planner().carry({"block": block, **TOWER}, "block", goal, begin)
+    carry = PickAndPlacePlanner().carry({"block": block, **TOWER}, "block", goal, begin)
     in_hand = Cuboid(carry.grasp.hand.inverse() @ block.pose, block.edges_m)
     for parts, held in ((carry.reach, None), (carry.transfer, in_hand)):
-        guard = Guard(KINEMATICS, TOWER, held)
-        straight = ways.Straight(parts[0].begin, parts[-1].end)
+        guard = CollisionChecker(KINEMATICS, TOWER, held)
+        straight = paths.Straight(parts[0].begin, parts[-1].end)
         touch = guard.along(straight, panda.MAX_OPENING_M)
         assert touch is not None and "tower" in touch.pair
         assert len(parts) > 1
@@ -81,7 +81,7 @@ def test_where_there_is_no_way_it_is_told_what_stands_in_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wall = {"wall": Cuboid(Pose((0.5, 0.0, 0.6)), (1.4, 0.02, 1.18))}
-    monkeypatch.setattr(ways, "MAX_LOOKS", 100)
+    monkeypatch.setattr(paths, "MAX_LOOKS", 100)
     touch = around(wall)
     assert isinstance(touch, Nearest) and "wall" in touch.pair
     # At an end already.
@@ -96,18 +96,20 @@ def test_a_hand_that_would_touch_a_tower_leans_away_from_it() -> None:
     blocks = [block_from_attributes(DOMAIN, {"color": "red", "size": "lego"})] * 4
     blocks.append(block_from_attributes(DOMAIN, {"color": "blue", "size": "small"}))
     beside, goal = Pose.upright(0.5, 0.075, 0.02), Pose.upright(0.5, 0.2, 0.02)
-    carry = Planner().carry({"block": Cuboid(beside, small), **tower}, "block", goal, READY)
+    carry = PickAndPlacePlanner().carry(
+        {"block": Cuboid(beside, small), **tower}, "block", goal, READY
+    )
     assert carry.grasp.lean_rad != 0.0
     lean = math.acos(float(-carry.grasp.hand.rotation()[2, 2]))
     assert lean == pytest.approx(abs(carry.grasp.lean_rad))
     # Without the tower it does not.
-    alone = Planner().carry({"block": Cuboid(beside, small)}, "block", goal, READY)
+    alone = PickAndPlacePlanner().carry({"block": Cuboid(beside, small)}, "block", goal, READY)
     assert alone.grasp.lean_rad == 0.0
     with closing(ArmWorld()) as world:
         world.spawn(blocks, [*(cuboid.pose for cuboid in tower.values()), beside])
         assert world.settle().at_rest
         before = world.poses()
-        assert carry_out(world, carry) is Done.PLACED
+        assert execute(world, carry) is ExecutionResult.PLACED
         after = world.poses()
         assert all(after[number].distance_m(before[number]) < 0.0005 for number in range(1, 5))
         assert after[5].distance_m(goal) < 0.001

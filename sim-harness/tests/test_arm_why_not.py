@@ -12,11 +12,11 @@ from arm_scenes import PLACED_M, STAYED_M, at_home, known, put
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose, Vector3
-from nsrm_harness.manipulation import pick_and_place as carry
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation import pick_and_place
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.grasps import HOLDS, UPRIGHT
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.blocks import Block
 
@@ -38,7 +38,7 @@ def world() -> Iterator[ArmWorld]:
 
 def refusal(objects: Mapping[str, Cuboid], name: str, goal: Pose) -> RefusedError:
     with pytest.raises(RefusedError) as caught:
-        Planner().carry(objects, name, goal, panda.READY_RAD)
+        PickAndPlacePlanner().carry(objects, name, goal, panda.READY_RAD)
     return caught.value
 
 
@@ -49,7 +49,7 @@ def put_long(world: ArmWorld, pose: Pose) -> None:
 
 def set_down_on_the_way(world: ArmWorld, goal: Pose) -> None:
     """It is, and is where it was to go in the end."""
-    performed = perform(world, Planner(), known(world), "1", goal)
+    performed = reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", goal)
     assert [name for name, _ in performed.cleared] == ["1"]
     assert "set down on the way" in str(performed)
     assert world.pose(1).distance_m(goal) < PLACED_M and at_home(world)
@@ -58,10 +58,10 @@ def set_down_on_the_way(world: ArmWorld, goal: Pose) -> None:
 def test_what_turns_too_far_is_refused_for_that_and_set_down_on_the_way(
     world: ArmWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(carry, "HOLDS", HOLDS[:1])
+    monkeypatch.setattr(pick_and_place, "HOLDS", HOLDS[:1])
     put_long(world, NEAR_THE_BASE)
     why = refusal(known(world)(), "1", FAR_AND_TURNED)
-    assert why.why is Why.NO_WAY and why.in_the_way == ()
+    assert why.why is RefusalReason.NO_WAY and why.in_the_way == ()
     assert "turns it by 294°, and 120° are allowed" in str(why) and "reach" not in str(why)
     set_down_on_the_way(world, FAR_AND_TURNED)
 
@@ -70,9 +70,9 @@ def test_what_the_way_turns_around_is_moved_aside(
     world: ArmWorld, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Around the tower the block is turned, straight over the lower half of it not at all."""
-    monkeypatch.setattr(carry, "HOLDS", HOLDS[:1])
-    monkeypatch.setattr(carry, "LEANS_RAD", UPRIGHT)
-    monkeypatch.setattr(carry, "MAX_TURN_RAD", math.radians(1.0))
+    monkeypatch.setattr(pick_and_place, "HOLDS", HOLDS[:1])
+    monkeypatch.setattr(pick_and_place, "LEANS_RAD", UPRIGHT)
+    monkeypatch.setattr(pick_and_place, "MAX_TURN_RAD", math.radians(1.0))
     put(
         world,
         ("small", 0.5, -0.16, 0.0, 0.0),
@@ -81,10 +81,10 @@ def test_what_the_way_turns_around_is_moved_aside(
     )
     goal = Pose.upright(0.5, 0.16, 0.02)
     why = refusal(known(world)(), "1", goal)
-    assert why.why is Why.NO_WAY and why.in_the_way == ("3",)
+    assert why.why is RefusalReason.NO_WAY and why.in_the_way == ("3",)
     assert "1° are allowed; straight there, 3 would" in str(why)
     lower = world.pose(2)
-    performed = perform(world, Planner(), known(world), "1", goal)
+    performed = reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", goal)
     ((name, place),) = performed.cleared
     assert name == "3" and world.pose(3).distance_m(place) < PLACED_M
     assert world.pose(1).distance_m(goal) < PLACED_M
@@ -94,7 +94,7 @@ def test_what_the_way_turns_around_is_moved_aside(
 def test_what_no_hold_reaches_at_both_ends_is_set_down_on_the_way(world: ArmWorld) -> None:
     put_long(world, ONE_LEAN)
     why = refusal(known(world)(), "1", OTHER_LEAN)
-    assert why.why is Why.NO_WAY and why.in_the_way == ()
+    assert why.why is RefusalReason.NO_WAY and why.in_the_way == ()
     assert "no way to hold it reaches both" in str(why)
     set_down_on_the_way(world, OTHER_LEAN)
 
@@ -112,4 +112,4 @@ def test_what_is_out_of_reach_is_said(
 ) -> None:
     objects = {"block": Cuboid(Pose.upright(*begin, 0.02), (0.04, 0.04, 0.04))}
     why = refusal(objects, "block", Pose.upright(*goal, 0.02))
-    assert why.why is Why.OUT_OF_REACH and words in str(why)
+    assert why.why is RefusalReason.OUT_OF_REACH and words in str(why)

@@ -10,14 +10,14 @@ import numpy as np
 
 from nsrm_harness import domain as domains
 from nsrm_harness.data.tabletop import tabletop
-from nsrm_harness.demo.outcome import set_down
+from nsrm_harness.demo.carry_out import set_down
 from nsrm_harness.domain.grammar import Grammar
 from nsrm_harness.domain.program import Step
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.perception.observer import Observer, Sight
+from nsrm_harness.perception.observer import Observation, Observer
 from nsrm_harness.simulation.blocks import block_from_attributes
 from nsrm_harness.simulation.render import open_renderer
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
@@ -57,7 +57,7 @@ def test_a_predicted_scene_has_each_object_at_its_new_place_the_nearest_in_front
         2: np.array([40 / 80, 10 / 60, 50 / 80, 20 / 60, 0.9], np.float32),
     }
     depth = np.ones(mask.shape, np.float32)
-    sight = Sight(rgb, depth, mask, boxes, boxes, frozenset(), {}, 0.0)
+    sight = Observation(rgb, depth, mask, boxes, boxes, frozenset(), {}, 0.0)
     cutouts = {number: cut_out(sight, number) for number in boxes}
     assert np.asarray(cutouts[1])[0, 0, 3] == 0 and np.asarray(cutouts[1])[1, 1, 3] == 255
 
@@ -83,7 +83,7 @@ def test_the_outcome_tells_a_block_that_stays_from_one_that_falls() -> None:
         }
         nothing = np.zeros((1, 1, 3), np.uint8)
         depth, labels = nothing[..., 0].astype(np.float32), nothing[..., 0].astype(np.int32)
-        sight = Sight(nothing, depth, labels, {}, {}, frozenset(), cuboids, 0.0)
+        sight = Observation(nothing, depth, labels, {}, {}, frozenset(), cuboids, 0.0)
         stays, falls = set_down(
             world,
             sight,

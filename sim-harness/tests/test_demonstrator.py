@@ -11,17 +11,17 @@ import pytest
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import EpisodeSettingsError
 from nsrm_harness.data import demonstrator as module
-from nsrm_harness.data.demonstrator import Demonstrator, Episode, Wanted
+from nsrm_harness.data.demonstrator import Demonstrator, Episode, EpisodeRequest
 from nsrm_harness.data.moves import Move, target
 from nsrm_harness.data.programs import Descriptions
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.render import Frame, open_renderer
-from nsrm_harness.simulation.segmentation import Observation, observation
+from nsrm_harness.simulation.segmentation import SegmentedImage, segmented_image
 from nsrm_harness.simulation.world import Settled, World
 
 DOMAIN = domains.load()
-WANTED = Wanted(2, (4, 5), Descriptions(1, 2))
+WANTED = EpisodeRequest(2, (4, 5), Descriptions(1, 2))
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def demonstrator() -> Iterator[Demonstrator]:
     renderer.close()
 
 
-def make(demonstrator: Demonstrator, index: int, wanted: Wanted = WANTED) -> Episode:
+def make(demonstrator: Demonstrator, index: int, wanted: EpisodeRequest = WANTED) -> Episode:
     return demonstrator.episode(np.random.default_rng([77, index]), wanted)
 
 
@@ -149,10 +149,10 @@ def test_a_block_that_the_camera_does_not_see_is_left_out(
 ) -> None:
     calls = 0
 
-    def observe_less(frame: Frame) -> Observation:
+    def observe_less(frame: Frame) -> SegmentedImage:
         nonlocal calls
         calls += 1
-        seen = observation(frame)
+        seen = segmented_image(frame)
         return replace(seen, ids=seen.ids[:-1]) if calls <= 2 else seen
 
     monkeypatch.setattr(module, "observation", observe_less)
@@ -160,6 +160,6 @@ def test_a_block_that_the_camera_does_not_see_is_left_out(
 
 
 def test_settings_that_allow_no_episode_are_refused(demonstrator: Demonstrator) -> None:
-    no_share = Wanted(1, (4, 4), Descriptions(1, 2), shares=())
+    no_share = EpisodeRequest(1, (4, 4), Descriptions(1, 2), shares=())
     with pytest.raises(EpisodeSettingsError, match=r"after 400 attempts \(no program 400\)"):
         make(demonstrator, 0, no_share)

@@ -14,7 +14,7 @@ from nsrm_harness.common.errors import EpisodeSettingsError
 from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.generate import SPLITS, generate
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import Block, block_from_attributes
@@ -42,8 +42,8 @@ def differing(first: Path, second: Path) -> set[str]:
     with (
         Demonstrations(first) as a,
         Demonstrations(second) as b,
-        Judge(first) as left,
-        Judge(second) as right,
+        GroundTruth(first) as left,
+        GroundTruth(second) as right,
     ):
         assert a.sentences == b.sentences
         for index in range(len(a)):

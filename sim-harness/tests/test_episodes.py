@@ -14,7 +14,7 @@ import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import EpisodeFileError, EpisodeSettingsError
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.data import generate as module
 from nsrm_harness.data.file import (
     DEPTH_UNIT_M,
@@ -24,8 +24,8 @@ from nsrm_harness.data.file import (
     depth_from_units,
     depth_units,
 )
-from nsrm_harness.data.generate import SPLITS, Progress, Settings, generate
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.generate import SPLITS, Settings, ShardProgress, generate
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.moves import Move, target
 from nsrm_harness.data.programs import SHARES_OF, share
 
@@ -39,7 +39,7 @@ PACKAGE = Path(module.__file__).parent.parent
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Eleven episodes, made by two processes."""
     path = tmp_path_factory.mktemp("episodes") / "train.h5"
-    assert generate(SETTINGS, DOMAIN, path, Processes(2))
+    assert generate(SETTINGS, DOMAIN, path, LocalProcesses(2))
     return path
 
 
@@ -54,7 +54,7 @@ def test_the_file_is_the_same_after_an_interruption_and_with_one_process(
     class StopError(Exception):
         pass
 
-    def interrupt(progress: Progress) -> None:
+    def interrupt(progress: ShardProgress) -> None:
         if progress.done:
             raise StopError
 
@@ -111,7 +111,7 @@ def test_what_can_be_learned_from_is_there(episodes: Path) -> None:
 
 def test_without_final_pictures_everything_else_is_the_same(episodes: Path, tmp_path: Path) -> None:
     path = tmp_path / "lean.h5"
-    generate(replace(SETTINGS, final_image=False), DOMAIN, path, Processes(2))
+    generate(replace(SETTINGS, final_image=False), DOMAIN, path, LocalProcesses(2))
     with Demonstrations(episodes) as whole, Demonstrations(path) as lean:
         assert whole.sentences == lean.sentences
         for name in ("initial_boxes", "initial_depths", "final_boxes", "final_depths", "cameras"):
@@ -120,7 +120,7 @@ def test_without_final_pictures_everything_else_is_the_same(episodes: Path, tmp_
             np.testing.assert_array_equal(lean.initial_image(index), whole.initial_image(index))
             np.testing.assert_array_equal(lean.initial_depth(index), whole.initial_depth(index))
             assert lean.final_image(index) is None
-    with Judge(episodes) as whole_truth, Judge(path) as lean_truth:
+    with GroundTruth(episodes) as whole_truth, GroundTruth(path) as lean_truth:
         for index in range(11):
             lean, whole = (asdict(one.truth(index)) for one in (lean_truth, whole_truth))
             np.testing.assert_equal(lean, whole)
@@ -187,7 +187,7 @@ def test_shuffled_or_missing_truth_changes_nothing_that_is_learned_from(
         del file["evaluation"]
     assert observed_bytes(copied) == before
     with pytest.raises(EpisodeFileError, match="no part for evaluation"):
-        Judge(copied)
+        GroundTruth(copied)
 
 
 @pytest.mark.parametrize("name", (*OBSERVED, FINAL_IMAGE))
@@ -231,7 +231,7 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
 
 
 def test_the_judge_knows_what_happened(episodes: Path) -> None:
-    with Demonstrations(episodes) as demonstrations, Judge(episodes) as judge:
+    with Demonstrations(episodes) as demonstrations, GroundTruth(episodes) as judge:
         assert len(judge) == 11
         for index in range(11):
             truth = judge.truth(index)
@@ -252,7 +252,7 @@ def test_the_judge_knows_what_happened(episodes: Path) -> None:
 def test_sub_goals_are_where_the_program_says(episodes: Path) -> None:
     from nsrm_harness.simulation.blocks import block_from_attributes
 
-    with Judge(episodes) as judge:
+    with GroundTruth(episodes) as judge:
         truth = judge.truth(0)
     blocks = [block_from_attributes(DOMAIN, values) for values in truth.attributes]
     assert truth.edges_m == pytest.approx(np.array([block.edges_m for block in blocks]))
@@ -265,7 +265,7 @@ def test_another_domain_needs_another_file_only(tmp_path: Path) -> None:
     path = tmp_path / "workshop.h5"
     settings = Settings("test", 4, renderer="pybullet", attributes=(1, 3))
     generate(settings, WORKSHOP, path)
-    with Demonstrations(path) as demonstrations, Judge(path) as judge:
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
         assert demonstrations.domain == WORKSHOP
         actions = {action.name for action in WORKSHOP.actions}
         assert {step.action for step in judge.truth(0).program} <= actions

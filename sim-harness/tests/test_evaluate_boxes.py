@@ -13,7 +13,7 @@ import pytest
 
 from nsrm_harness.cli.main import main
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.evaluation.metrics import evaluate
 from nsrm_harness.evaluation.observed import objects_of
 
@@ -60,7 +60,7 @@ def test_the_detectors_boxes_lead_to_the_same_objects(episodes: Path, model: nsr
 def test_a_moved_block_that_is_missed_counts_as_wrong(
     episodes: Path, copied: Path, model: nsrm.Model
 ) -> None:
-    with Judge(copied) as judge:
+    with GroundTruth(copied) as judge:
         moved = judge.truth(0).steps[0].object_id - 1
     with h5py.File(copied, "r+") as file:
         depths = file["initial/depth"]

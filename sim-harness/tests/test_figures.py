@@ -15,13 +15,13 @@ from PIL import Image
 
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import main
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.domain.program import Step, canonical
-from nsrm_harness.evaluation.manipulation_trials.judge import Verdict
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
 from nsrm_harness.manipulation.follow import Follower
 from nsrm_harness.paper.figures import figures_report as report
+from nsrm_harness.paper.figures.run_figures import CompletedStep, VariationResult, run
 from nsrm_harness.paper.figures.scenes import FIGURES, Figure, draw
-from nsrm_harness.paper.figures.show import Done, Ended, run
 
 DOMAIN = domains.load()
 ON_BLUE, ON_CYAN = Step("MoveOn", ("cyan",), ("blue",)), Step("MoveOn", ("blue",), ("cyan",))
@@ -102,7 +102,7 @@ def test_what_is_not_as_said_is_told_with_its_reason(
 
 
 def test_the_files_count_how_variations_ended(tmp_path: Path) -> None:
-    first = Ended(3, 0, 7, FIGURES[1].sentence, "succeeded", "", ())
+    first = VariationResult(3, 0, 7, FIGURES[1].sentence, "succeeded", "", ())
     ended = [first, replace(first, variation=1, end="refused", why="no room"), replace(first)]
     report.write_csv(ended, tmp_path / "figures.csv")
     assert (tmp_path / "figures.csv").read_text(encoding="utf-8").split() == [
@@ -133,12 +133,19 @@ def test_the_command_writes_all_that_it_says(
 def test_a_figure_that_does_worse_than_chance_ends_with_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def each(_: Processes, function: object, tasks: Iterable[Any]) -> Iterator[tuple[Any, Ended]]:
+    def each(
+        _: LocalProcesses, function: object, tasks: Iterable[Any]
+    ) -> Iterator[tuple[Any, VariationResult]]:
         for key, (figure, seed, variation, *_rest) in tasks:
             end = "failed" if figure.number == 3 and variation < 3 else "succeeded"
-            yield key, Ended(figure.number, variation, seed, figure.sentence, end, "it fell", ())
+            yield (
+                key,
+                VariationResult(
+                    figure.number, variation, seed, figure.sentence, end, "it fell", ()
+                ),
+            )
 
-    monkeypatch.setattr(Processes, "each", each)
+    monkeypatch.setattr(LocalProcesses, "each", each)
     arguments = ("--jobs", 1, "--quiet", "--out", tmp_path, "--variations", 4)
     assert exit_code(*arguments) == 1
     told = capsys.readouterr().err
@@ -147,9 +154,9 @@ def test_a_figure_that_does_worse_than_chance_ends_with_1(
 
 
 def test_what_was_touched_is_told() -> None:
-    good = Verdict(0.001, 0.0, 0.0, True, (), 5.0)
-    done = Done(good, 0.0, 0.0, 1)
-    first = Ended(3, 0, 7, FIGURES[1].sentence, "succeeded", "", (done,))
+    good = PlacementVerdict(0.001, 0.0, 0.0, True, (), 5.0)
+    done = CompletedStep(good, 0.0, 0.0, 1)
+    first = VariationResult(3, 0, 7, FIGURES[1].sentence, "succeeded", "", (done,))
     touching = replace(done, verdict=replace(good, touched=("block 1 and panda_hand",)))
     ended = [first, replace(first, figure=4, steps=(done, touching))]
     assert report.missed([first]) == []

@@ -10,17 +10,17 @@ import nsrm
 import numpy as np
 import pytest
 
-from nsrm_harness.demo.outcome import carry
+from nsrm_harness.demo.carry_out import carry
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation import follow
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.follow import MAX_ATTEMPTS, Follower
-from nsrm_harness.manipulation.observing import PATIENCE_S, BlindError
-from nsrm_harness.manipulation.retries import FailedError, Look, Performed
+from nsrm_harness.manipulation.observing import PATIENCE_S, NoObservationError
+from nsrm_harness.manipulation.retries import Look, ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
-from nsrm_harness.perception.observer import DarkError, Sight
-from nsrm_harness.visualization.onlooker import Stopped
+from nsrm_harness.perception.observer import DarkImageError, Observation
+from nsrm_harness.visualization.demo_listener import Stopped
 
 CARRY_S = 5.0
 CUBE_M = (0.04, 0.04, 0.04)
@@ -59,7 +59,7 @@ class Scene:
         self.kept: list[set[str]] = []
         self.plans: list[int] = []
         self.dark_until_s = self.old_until_s = 0.0
-        self._last: Sight | None = None
+        self._last: Observation | None = None
 
     # The arm.
     def tick(self) -> None:
@@ -67,7 +67,7 @@ class Scene:
 
     def perform(
         self, body: object, planner: object, look: Look, name: str, goal: Pose, mark: object
-    ) -> Performed:
+    ) -> SubGoalReached:
         """As the true one: looks before and after, and tries again."""
         look()
         number = int(name.split()[-1])
@@ -77,22 +77,22 @@ class Scene:
             self.carried.append(name)
             self.happens.pop(len(self.carried), lambda: None)()
             if look()[name].pose == goal:
-                return Performed(name, number_of_try, 0.0, 0.0, (), CARRY_S)
-        raise FailedError(f"{name} was tried")
+                return SubGoalReached(name, number_of_try, 0.0, 0.0, (), CARRY_S)
+        raise ManipulationError(f"{name} was tried")
 
     # The camera.
-    def look(self) -> Sight:
+    def look(self) -> Observation:
         if self.now_s < self.dark_until_s:
-            raise DarkError("the camera's picture is dark")
+            raise DarkImageError("the camera's picture is dark")
         if self._last is None or self.now_s >= self.old_until_s:
             cuboids = {number: Cuboid(pose, CUBE_M) for number, pose in self.poses.items()}
             image = np.zeros((1, 1, 3), np.uint8)
             depth, labels = image[..., 0].astype(np.float32), image[..., 0].astype(np.int32)
-            self._last = Sight(image, depth, labels, {}, {}, frozenset(), cuboids, self.now_s)
+            self._last = Observation(image, depth, labels, {}, {}, frozenset(), cuboids, self.now_s)
         return self._last
 
     # The model.
-    def plan(self, sight: Sight, sentence: str, first: int = 0) -> SimpleNamespace:
+    def plan(self, sight: Observation, sentence: str, first: int = 0) -> SimpleNamespace:
         self.plans.append(first)
         poses = {number: cuboid.pose for number, cuboid in sight.cuboids.items()}
         planned = []
@@ -109,7 +109,7 @@ class Scene:
                 )
         return SimpleNamespace(steps=planned)
 
-    def follow(self) -> list[Performed]:
+    def follow(self) -> list[SubGoalReached]:
         scene = cast("Any", self)
         follower = Follower(
             scene, scene, scene, scene, begin=self.attempts.append, end=self.ended.append
@@ -136,12 +136,12 @@ class Scene:
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """The arm and the model's view are the scene's."""
 
-    def perform(body: Scene, *arguments: Any, keep: set[str]) -> Performed:
+    def perform(body: Scene, *arguments: Any, keep: set[str]) -> SubGoalReached:
         body.kept.append(keep)
         return body.perform(body, *arguments)
 
     monkeypatch.setattr(follow, "perform", perform)
-    monkeypatch.setattr(Sight, "scene", lambda self, model, camera: self)
+    monkeypatch.setattr(Observation, "scene", lambda self, model, camera: self)
 
 
 def test_steps_are_done_one_after_the_other_by_one_plan() -> None:
@@ -243,7 +243,7 @@ def test_what_does_not_stay_is_given_up_in_words() -> None:
     scene = Scene((1, 3), (2, 4))
     for number in range(1, 20):
         scene.happens[number] = scene.move(3)
-    with pytest.raises(FailedError, match="object 3") as caught:
+    with pytest.raises(ManipulationError, match="object 3") as caught:
         scene.follow()
     assert "object 3" in str(caught.value)
     assert scene.attempts == scene.ended == [0] * MAX_ATTEMPTS
@@ -253,7 +253,7 @@ def test_two_that_undo_each_other_are_given_up_too() -> None:
     scene = Scene((1, 3), (2, 4))
     for number in range(2, 20):
         scene.happens[number] = scene.move(1 + number % 2)
-    with pytest.raises(FailedError):
+    with pytest.raises(ManipulationError):
         scene.follow()
     assert max(map(scene.attempts.count, (0, 1))) == MAX_ATTEMPTS
 
@@ -288,7 +288,7 @@ def test_one_that_shows_nothing_new_any_more_ends_in_words(what: str, words: str
         scene.move(3)()
 
     scene.happens[1] = happens
-    with pytest.raises(BlindError, match=words):
+    with pytest.raises(NoObservationError, match=words):
         scene.follow()
     assert scene.carried == ["object 1"] and scene.attempts == scene.ended == [0]
     assert PATIENCE_S <= scene.now_s - CARRY_S < PATIENCE_S + 0.5
@@ -321,17 +321,17 @@ class Unable(Scene):
         super().__init__(*steps)
         self.error = error
 
-    def perform(self, *arguments: Any) -> Performed:
+    def perform(self, *arguments: Any) -> SubGoalReached:
         self.happens.pop(len(self.attempts), lambda: None)()
         self.now_s += CARRY_S
         arguments[2]()
         raise self.error
 
 
-REFUSED = RefusedError(Why.NO_ROOM, "it would be 1 mm from object 4")
+REFUSED = RefusedError(RefusalReason.NO_ROOM, "it would be 1 mm from object 4")
 
 
-@pytest.mark.parametrize("error", [REFUSED, FailedError("it was tried")])
+@pytest.mark.parametrize("error", [REFUSED, ManipulationError("it was tried")])
 def test_what_can_not_be_done_is_tried_again_only_if_something_else_has_changed(
     error: Exception,
 ) -> None:
@@ -360,7 +360,7 @@ def test_an_arm_that_does_not_follow_is_not_told_anything_more() -> None:
     assert scene.attempts == scene.ended == [0]
 
 
-def demonstrated(scene: Scene) -> tuple[list[Performed | Stopped], list[tuple[int, object]]]:
+def demonstrated(scene: Scene) -> tuple[list[SubGoalReached | Stopped], list[tuple[int, object]]]:
     """As the demonstration has it: how each step went in the end, and what was told meanwhile."""
     told: list[tuple[int, object]] = []
     made_up = cast("Any", scene)
@@ -387,7 +387,8 @@ def test_the_demonstration_tells_how_each_step_went_in_the_end() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "moved"), [(REFUSED, False), (FailedError("it fell"), True), (StuckError("it"), True)]
+    ("error", "moved"),
+    [(REFUSED, False), (ManipulationError("it fell"), True), (StuckError("it"), True)],
 )
 def test_the_demonstration_tells_why_it_stopped(error: Exception, moved: bool) -> None:
     outcomes, told = demonstrated(Unable(error, (1, 3), (2, 4)))

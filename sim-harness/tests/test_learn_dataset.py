@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.domain.tokens import Tokenizer
@@ -41,7 +41,7 @@ FEW_STEPS = TrainingConfig(
 @pytest.fixture(scope="module")
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("episodes") / "train.h5"
-    assert generate(SETTINGS, DOMAIN, path, Processes(2))
+    assert generate(SETTINGS, DOMAIN, path, LocalProcesses(2))
     return path
 
 

@@ -14,7 +14,7 @@ from nsrm_harness.learning.nonsense import known_gaps, nonsense
 from nsrm_harness.learning.objective import (
     Grounding,
     LossWeights,
-    Scene,
+    SceneArrays,
     entropy,
     exact_step,
     ground,
@@ -28,7 +28,7 @@ from nsrm_harness.learning.objective import (
     straight_through,
 )
 from nsrm_harness.learning.splits import (
-    Command,
+    TokenizedCommand,
     end_log_probability,
     split_log_probability,
     step_tokens,
@@ -100,7 +100,7 @@ def test_exact_step_is_the_sum_over_every_choice() -> None:
     low = rng.uniform(0.1, 0.5, (4, 2))
     before = np.concatenate([low, low + 0.1, rng.uniform(1, 1.2, (4, 1))], axis=1)
     present = np.array([True, True, True, False])
-    scene = Scene(jnp.array(before), jnp.array(before[::-1].copy()), jnp.array(present))
+    scene = SceneArrays(jnp.array(before), jnp.array(before[::-1].copy()), jnp.array(present))
     logits = [jnp.array(rng.normal(size=size)) for size in (3, 4, 4)]
     grounding = Grounding(*(jax.nn.log_softmax(each) for each in logits))
     simulator = MODEL.action.simulator
@@ -126,7 +126,7 @@ def test_exact_step_is_the_sum_over_every_choice() -> None:
 
 
 def test_exploration_spreads_the_actions() -> None:
-    scene = Scene(
+    scene = SceneArrays(
         jnp.array([[0.1, 0.1, 0.2, 0.2, 1.0], [0.5, 0.5, 0.6, 0.6, 1.0]]),
         jnp.array([[0.5, 0.3, 0.6, 0.4, 1.0], [0.5, 0.5, 0.6, 0.6, 1.0]]),
         jnp.ones(2, bool),
@@ -162,7 +162,7 @@ def test_actions_are_sampled_where_wanted() -> None:
     sure = jnp.log(jnp.array([1.0, 1e-9]))
     step = Grounding(action, sure, sure[::-1])
     before = jnp.array([[0.1, 0.1, 0.2, 0.2, 1.0], [0.5, 0.5, 0.7, 0.7, 1.1]])
-    scene = Scene(before, before[::-1], jnp.ones(2, bool))
+    scene = SceneArrays(before, before[::-1], jnp.ones(2, bool))
     weights = LossWeights(1.0, 0.1)
 
     def loss(key: jax.Array, actions: jax.Array, sample: bool) -> jax.Array:
@@ -192,7 +192,7 @@ def test_grounding_sums_out_the_group() -> None:
 
 
 def test_split_probabilities_sum_to_one_from_any_first_token() -> None:
-    command = Command(
+    command = TokenizedCommand(
         jnp.array([4, 0, 6, 0, 7, 0, 3, 0, 0, 0]),
         jnp.array(8),
         jnp.array([[0], [1], [2], [3]]),
@@ -225,7 +225,7 @@ def test_the_end_of_a_step_is_learned_with_and_without_another_behind_it() -> No
 
 
 def test_step_tokens_take_their_own_groups_along() -> None:
-    command = Command(
+    command = TokenizedCommand(
         jnp.array([4, 0, 6, 0, 7, 0, 3, 0, 0, 0]),
         jnp.array(8),
         jnp.array([[0], [1], [2], [3]]),

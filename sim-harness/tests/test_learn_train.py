@@ -20,7 +20,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.evaluation.metrics import WRONG, summarize
 from nsrm_harness.learning import decode, naming
 from nsrm_harness.learning.calibrate import fit_thresholds
-from nsrm_harness.learning.checkpoint import CheckpointError, Progress
+from nsrm_harness.learning.checkpoint import CheckpointError, TrainingProgress
 from nsrm_harness.learning.config import ConfigError, StageConfig, TrainingConfig, read_config
 from nsrm_harness.learning.dataset import TrainingSet
 from nsrm_harness.learning.export import (
@@ -109,7 +109,7 @@ def test_an_interrupted_run_ends_with_the_same_weights(
     same result."""
     epochs = 0
 
-    def stop(progress: Progress) -> None:
+    def stop(progress: TrainingProgress) -> None:
         nonlocal epochs
         epochs += 1
         if epochs in (1, 2, 5, 9):
@@ -128,7 +128,7 @@ def test_an_interrupted_run_ends_with_the_same_weights(
 def test_a_run_does_not_go_on_without_what_its_stage_began_with(
     domain: domains.Domain, few: TrainingSet, tmp_path: Path
 ) -> None:
-    def stop(progress: Progress) -> None:
+    def stop(progress: TrainingProgress) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -199,7 +199,7 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
     )
     told: list[tuple[str, int, int]] = []
 
-    def after_stage(name: str, model: Model, progress: Progress) -> None:
+    def after_stage(name: str, model: Model, progress: TrainingProgress) -> None:
         told.append((name, progress.stage, progress.attempt))
 
     result = train(domain, data, config, 1, tmp_path, quiet=True, after_stage=after_stage)

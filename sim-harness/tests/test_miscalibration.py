@@ -11,7 +11,7 @@ from world_scenes import DOMAIN
 
 from nsrm_harness.cli.main import main
 from nsrm_harness.evaluation.miscalibration.faults import FAULTS
-from nsrm_harness.evaluation.miscalibration.measure import Report, measure
+from nsrm_harness.evaluation.miscalibration.measure import MiscalibrationReport, measure
 from nsrm_harness.evaluation.miscalibration.scenes import KINDS, scenes
 from nsrm_harness.geometry.camera import default_camera
 
@@ -21,11 +21,11 @@ GROSS = ("5 cm in height", "depths -5 %", "depths +5 %", "tilted by -3", "tilted
 
 
 @pytest.fixture(scope="module")
-def report() -> Report:
+def report() -> MiscalibrationReport:
     return measure(nsrm.Model.pretrained(), DOMAIN, COUNT, 7, KINDS[:3])
 
 
-def test_no_calibrated_scene_is_refused(report: Report) -> None:
+def test_no_calibrated_scene_is_refused(report: MiscalibrationReport) -> None:
     rows = [row for row in report.rows if row.fault == "none"]
     assert {(row.kind, row.boxes) for row in rows} == {
         (kind.name, boxes) for kind in KINDS[:3] for boxes in ("mask", "detector")
@@ -34,20 +34,22 @@ def test_no_calibrated_scene_is_refused(report: Report) -> None:
     assert [row for row in rows if row.refused] == []
 
 
-def test_what_would_put_sub_goals_centimetres_off_is_always_found(report: Report) -> None:
+def test_what_would_put_sub_goals_centimetres_off_is_always_found(
+    report: MiscalibrationReport,
+) -> None:
     gross = [fault.name for fault in FAULTS if any(part in fault.name for part in GROSS)]
     assert len(gross) == 6
     assert {name: report.share(name) for name in gross} == dict.fromkeys(gross, 1.0)
 
 
-def test_other_units_and_conventions_are_told_as_such(report: Report) -> None:
+def test_other_units_and_conventions_are_told_as_such(report: MiscalibrationReport) -> None:
     causes = {fault.name for fault in FAULTS if fault.cause is not None}
     rows = [row for row in report.rows if row.fault in causes]
     assert len(causes) == 6
     assert [row for row in rows if row.known != row.scenes] == []
 
 
-def test_a_shift_along_the_table_is_not_found(report: Report) -> None:
+def test_a_shift_along_the_table_is_not_found(report: MiscalibrationReport) -> None:
     """What the documentation says can't be."""
     assert report.share("principal point +20 px in x") == 0.0
 
@@ -84,7 +86,7 @@ def test_the_command_prints_tables_or_json(capsys: pytest.CaptureFixture[str]) -
     assert {row["scenes"] for row in rows} == {1}
 
 
-def test_the_report_has_a_line_for_each_kind_and_fault(report: Report) -> None:
+def test_the_report_has_a_line_for_each_kind_and_fault(report: MiscalibrationReport) -> None:
     lines = str(report).splitlines()
     assert f"| {KINDS[0].name} | mask | {COUNT} | 0 |" in lines
     assert "| depths in millimetres | 100.0 % | 100.0 % |" in lines

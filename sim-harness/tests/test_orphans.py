@@ -11,21 +11,21 @@ from pathlib import Path
 
 import pytest
 
-from nsrm_harness.common.workers import Processes
-from nsrm_harness.paper.tables.processes import Task, run_all
+from nsrm_harness.common.workers import LocalProcesses
+from nsrm_harness.paper.tables.processes import ProcessTask, run_all
 
 TESTS = Path(__file__).parent
 
 
 def two_processes() -> None:
     """Ends when it is killed."""
-    for _ in Processes(2).each(sleep, [(n, ()) for n in range(2)]):
+    for _ in LocalProcesses(2).each(sleep, [(n, ()) for n in range(2)]):
         pass
 
 
 def two_tasks() -> None:
     """Ends when it is killed."""
-    run_all([Task(str(n), sleep, (), Path(os.devnull)) for n in range(2)], 2, "tasks")
+    run_all([ProcessTask(str(n), sleep, (), Path(os.devnull)) for n in range(2)], 2, "tasks")
 
 
 def sleep() -> None:

@@ -26,7 +26,7 @@ from nsrm_harness.perception.observer import Observer
 from nsrm_harness.perception.relief import PerceptionError, Relief, relief
 from nsrm_harness.simulation.blocks import block_from_attributes
 from nsrm_harness.simulation.render import Light, Renderer
-from nsrm_harness.simulation.segmentation import Observation, observe
+from nsrm_harness.simulation.segmentation import SegmentedImage, render_segmented
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 from nsrm_harness.simulation.world import World
 
@@ -49,11 +49,11 @@ def put(world: World, blocks: Sequence[tuple[str, str, float, float, float, floa
     world.spawn(made, poses)
 
 
-def look(renderer: Renderer, world: World, light: Light | None = None) -> Observation:
-    return observe(renderer, world, CAMERA, light or Light())
+def look(renderer: Renderer, world: World, light: Light | None = None) -> SegmentedImage:
+    return render_segmented(renderer, world, CAMERA, light or Light())
 
 
-def side_errors_px(found: Detections, seen: Observation) -> np.ndarray:
+def side_errors_px(found: Detections, seen: SegmentedImage) -> np.ndarray:
     """Largest distance of a side from the mask's, for each detection, all matched."""
     rows = match(found.boxes, seen.boxes)
     assert sorted(rows) == list(range(len(seen.boxes))), f"{len(found)} found: {rows}"

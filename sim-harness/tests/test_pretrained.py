@@ -9,7 +9,7 @@ from pathlib import Path
 import nsrm
 
 from nsrm_harness import domain as domains
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.evaluation.metrics import evaluate
 
@@ -20,7 +20,7 @@ LEAST = {"program": 0.97, "object": 0.97, "reference": 0.97, "iou_2d": 0.88}
 def test_the_committed_model_reaches_what_it_must(tmp_path: Path) -> None:
     path = tmp_path / "test.h5"
     settings = replace(SPLITS["test"], count=80, seed=9)
-    generate(settings, domains.load(), path, Processes(os.cpu_count() or 1))
+    generate(settings, domains.load(), path, LocalProcesses(os.cpu_count() or 1))
     model = nsrm.Model.pretrained()
     found = evaluate(model, path, quiet=True).as_json()
     said = model.info()["metrics"]

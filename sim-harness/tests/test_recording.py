@@ -24,9 +24,9 @@ from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.camera import FAR_M, default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import link_hulls
+from nsrm_harness.manipulation.collision import link_convex_hulls
 from nsrm_harness.manipulation.robot_interface import wait
-from nsrm_harness.perception.observer import Names, Sight
+from nsrm_harness.perception.observer import ObjectNames, Observation
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.visualization.recording.episode import Recording
 from nsrm_harness.visualization.recording.file import RecordingError, recorded
@@ -116,7 +116,7 @@ def test_all_that_is_promised_is_there_as_often_as_it_must_be(carried: Recorded)
     for entity in ("/world", "/world/table", "/world/camera"):
         assert [row.time_s for row in rows[entity]] == [None]
     moments = times(rows["/distances/nearest_m"])
-    links = [f"/world/arm/{link}" for link in link_hulls()]
+    links = [f"/world/arm/{link}" for link in link_convex_hulls()]
     for entity in ("/hand/opening_m", "/joints/speeds_rad_s", *links):
         assert times(rows[entity]) == moments, entity
     assert texts(rows["/events"])[:-1] == [
@@ -222,10 +222,10 @@ def test_what_the_fingers_lose_is_no_longer_drawn_until_it_is_seen(
     image, depth = np.zeros((480, 640, 3), np.uint8), np.ones((480, 640), np.float32)
     with recorded(path) as stream, closing(ArmWorld()) as world:
         recording = Recording(stream)
-        recording.begin(world, default_camera(), Names({}, {}), "")
+        recording.begin(world, default_camera(), ObjectNames({}, {}), "")
         for taken_s in (0.0, 1.0):
             labels = np.zeros((480, 640), np.int32)
-            sight = Sight(image, depth, labels, {}, {}, frozenset(), {7: cube}, taken_s)
+            sight = Observation(image, depth, labels, {}, {}, frozenset(), {7: cube}, taken_s)
             recording.looked(sight)
             if taken_s == 0.0:
                 world.grip(0.04, panda.GRIP_N)

@@ -22,7 +22,13 @@ from nsrm_harness.domain.program import Step
 from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError, split
 from nsrm_harness.evaluation.refusals import topics
 from nsrm_harness.evaluation.refusals.certainty import bins, calibration_error, risk_curve
-from nsrm_harness.evaluation.refusals.measure import COLUMNS, GOOD, Outcome, Report, report
+from nsrm_harness.evaluation.refusals.measure import (
+    COLUMNS,
+    GOOD,
+    RefusalReport,
+    SentenceResult,
+    report,
+)
 from nsrm_harness.evaluation.refusals.plot import draw_report
 from nsrm_harness.evaluation.refusals.reading import Reading
 from nsrm_harness.evaluation.refusals.sentences import (
@@ -290,16 +296,16 @@ def test_risk_by_hand() -> None:
     assert risk_curve([nan], [0], [1]).at(0.0) == (0.0, 0.0)
 
 
-def small_report() -> Report:
+def small_report() -> RefusalReport:
     """Three good sentences, one refused; four bad ones, one accepted."""
     outcomes = [
-        Outcome(GOOD, 0, "a", None, 0.99, "…", True),
-        Outcome(GOOD, 1, "b", None, 0.9, "…", False),
-        Outcome(GOOD, 2, "c", "ambiguous"),
-        Outcome("no_action", 0, "d", "unsure"),
-        Outcome("no_action", 1, "e", None, 0.95, "…"),
-        Outcome("misspelt", 1, "f", "unknown_word", suggestion="red"),
-        Outcome("misspelt", 2, "g", "unknown_word"),
+        SentenceResult(GOOD, 0, "a", None, 0.99, "…", True),
+        SentenceResult(GOOD, 1, "b", None, 0.9, "…", False),
+        SentenceResult(GOOD, 2, "c", "ambiguous"),
+        SentenceResult("no_action", 0, "d", "unsure"),
+        SentenceResult("no_action", 1, "e", None, 0.95, "…"),
+        SentenceResult("misspelt", 1, "f", "unknown_word", suggestion="red"),
+        SentenceResult("misspelt", 2, "g", "unknown_word"),
     ]
     return report(outcomes, "test", {"d": None, "e": None, "f": "red", "g": "blue"})
 

@@ -25,17 +25,17 @@ from nsrm_harness.nodes.config import RobotConfigError, read_config
 from nsrm_harness.nodes.controller import Answer, Controller, fault, stops_first
 from nsrm_harness.nodes.half_made import SEGMENTS, remove_segments
 from nsrm_harness.nodes.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
-from nsrm_harness.nodes.movers import SetsDown
+from nsrm_harness.nodes.movers import TeleportMover
 from nsrm_harness.nodes.ports import (
     BEAT_NS,
     LINE_NS,
     FeedbackOut,
     FramesOut,
-    Life,
+    Heartbeats,
     PortError,
-    Robot,
+    RobotServices,
 )
-from nsrm_harness.nodes.simulated_robot import FRAME_S, Stage
+from nsrm_harness.nodes.simulated_robot import FRAME_S, SimulatedRobot
 from nsrm_harness.perception.cuboids import faces
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief
@@ -139,7 +139,7 @@ def move(plan: int, number: int, object_id: int, position: tuple[float, float, f
 def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> None:
     ear = Ear()
     seen = {7: world.pose(1).position}
-    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(TeleportMover(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     there = move(5, 1, 7, (0.62, 0.0, 0.021))
     controller.obey(there)
     assert ear.outcomes() == [Outcome.ACCEPTED, Outcome.REACHED]
@@ -166,7 +166,7 @@ def test_a_command_is_carried_out_once_however_often_it_comes(world: World) -> N
 def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ear = Ear()
     seen = {7: world.pose(1).position, 8: (0.5, -0.6, 0.0)}
-    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(TeleportMover(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     for number, (object_id, position, outcome) in enumerate(
         [
             (9, (0.62, 0.0, 0.021), Outcome.IMPOSSIBLE),
@@ -206,7 +206,7 @@ def test_each_fault_of_a_command_is_named(field: str, value: object, why: str) -
 def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
     ear = Ear()
     seen = {7: world.pose(1).position}
-    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(TeleportMover(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     size = len(bytes(SubGoal()))
     rng = np.random.default_rng(7)
@@ -229,7 +229,7 @@ def test_who_sends_nonsense_moves_nothing_and_is_counted(world: World) -> None:
 def test_what_waited_too_long_or_was_given_up_moves_nothing(world: World) -> None:
     ear = Ear()
     seen = {7: world.pose(1).position}
-    controller = Controller(SetsDown(world, seen.get), ear, ear.reject, lambda: NOW_NS)
+    controller = Controller(TeleportMover(world, seen.get), ear, ear.reject, lambda: NOW_NS)
     before = world.poses()
     late = move(5, 1, 7, (0.62, 0.0, 0.021))
     late.until_ns = NOW_NS - 3_000_000
@@ -323,7 +323,7 @@ def test_a_segment_that_was_given_up_keeps_nobody_waiting(
     old, new = segment(place, "1_2", 60.0), segment(place, "3_4", 0.5)
     began_s = now_s
     # Which waits until the second one has been given up, too.
-    robot = Robot(read_config(place), "controller")
+    robot = RobotServices(read_config(place), "controller")
     assert not old.exists() and not new.exists()
     assert 0.5 < now_s - began_s < 0.6
     young = segment(place, "5_6", 0.5)
@@ -376,7 +376,7 @@ def test_a_clock_that_is_set_back_does_not_hold_up_the_camera(
     # An hour each time that it is asked for the time.
     times = iter(range(10**18, 0, -3600 * 10**9))
     monkeypatch.setattr(ports, "_clock", lambda: next(times))
-    stage = Stage.__new__(Stage)
+    stage = SimulatedRobot.__new__(SimulatedRobot)
     monkeypatch.setattr(stage, "turn", lambda: None)
     stop = _Turns(2)
     stage.run(cast(threading.Event, stop))
@@ -407,10 +407,10 @@ def test_too_little_shared_memory_is_refused(place: Path, monkeypatch: pytest.Mo
 
     leave(1 << 19)
     with pytest.raises(PortError, match=r"`node` wants 1.0 MB of shared memory, and 0.5 are left"):
-        Robot(read_config(place), "camera")
+        RobotServices(read_config(place), "camera")
     # One without blocks has no limit.
     leave(0, limit=0)
-    robot = Robot(read_config(place), "camera")
+    robot = RobotServices(read_config(place), "camera")
     leave(3 << 20)
     with pytest.raises(PortError, match=r"`camera` wants 5.0 MB .* and 3.1 are left in /dev/shm"):
         FramesOut(robot, 500, 285)
@@ -420,9 +420,9 @@ def test_too_little_shared_memory_is_refused(place: Path, monkeypatch: pytest.Mo
 DIES = """
 import os, signal, sys
 from pathlib import Path
-from nsrm_harness.robot.config import read_config
-from nsrm_harness.robot.ports import FeedbackOut, Robot
-held = FeedbackOut(Robot(read_config(Path(sys.argv[1])), "controller"))
+from nsrm_harness.nodes.config import read_config
+from nsrm_harness.nodes.ports import FeedbackOut, RobotServices
+held = FeedbackOut(RobotServices(read_config(Path(sys.argv[1])), "controller"))
 os.kill(os.getpid(), signal.SIGKILL)
 """
 
@@ -435,18 +435,18 @@ def die(place: Path) -> None:
 
 def test_a_dead_ones_place_is_free(place: Path) -> None:
     die(place)
-    heir = FeedbackOut(Robot(read_config(place), "controller"))
+    heir = FeedbackOut(RobotServices(read_config(place), "controller"))
     who = rf"`feedback`: all places are taken; .* or stop process {os.getpid()}$"
     with pytest.raises(PortError, match=who):
-        FeedbackOut(Robot(read_config(place), "controller"))
+        FeedbackOut(RobotServices(read_config(place), "controller"))
     # Nobody else goes by that name.
     with pytest.raises(PortError, match=r"or stop the process that has it$"):
-        FeedbackOut(Robot(read_config(place), "camera"))
+        FeedbackOut(RobotServices(read_config(place), "camera"))
     del heir
 
 
 def test_who_is_there_already_takes_a_dead_ones_place(place: Path) -> None:
-    robot = Robot(read_config(place), "controller")
+    robot = RobotServices(read_config(place), "controller")
     die(place)
     # Nobody has buried it: it is found when its place is wanted.
     heir = FeedbackOut(robot)
@@ -473,7 +473,7 @@ def test_a_clock_that_is_set_back_silences_nobody(
     now_ns = [NOW_NS]
     monkeypatch.setattr("nsrm_harness.nodes.ports._clock", lambda: now_ns[0])
     sent = Sent()
-    life = Life(cast(Any, sent), Role.CONTROLLER)
+    life = Heartbeats(cast(Any, sent), Role.CONTROLLER)
     hour_ns = 3600 * LINE_NS
     times_ns = [NOW_NS, NOW_NS + BEAT_NS - 1, NOW_NS + BEAT_NS]
     for now_ns[0] in [*times_ns, *(time_ns - hour_ns for time_ns in times_ns)]:

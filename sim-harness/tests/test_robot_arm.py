@@ -11,7 +11,7 @@ import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.data.tabletop import tabletop
-from nsrm_harness.evaluation.manipulation_trials.disturb import DisturbedArm
+from nsrm_harness.evaluation.manipulation_trials.fault_injection import FaultyArm
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
@@ -19,8 +19,8 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.robot_interface import wait
 from nsrm_harness.nodes.controller import Answer, Controller
 from nsrm_harness.nodes.messages import Kind, Outcome, SubGoal
-from nsrm_harness.nodes.movers import Carries
-from nsrm_harness.perception.observer import Observer, Sight, sub_goal
+from nsrm_harness.nodes.movers import ArmMover
+from nsrm_harness.perception.observer import Observation, Observer, sub_goal
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.simulation.render import Renderer
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
@@ -40,12 +40,12 @@ class Scene:
 
     def __init__(self, renderer: Renderer, seed: int, sentence: str | None = None) -> None:
         scene = tabletop(domains.load(), seed)
-        self.world = DisturbedArm()
+        self.world = FaultyArm()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
         self.eyes = Observer(SimulatedCamera(renderer, self.world, default_camera()))
         model = nsrm.Model.pretrained()
-        self.sight: Sight = self.eyes.look()
+        self.sight: Observation = self.eyes.look()
         plan = model.plan(self.sight.scene(model, default_camera()), sentence or scene.sentence)
         self.steps = list(plan.steps)
         self.said: list[Outcome] = []
@@ -54,7 +54,7 @@ class Scene:
         self.told: list[tuple[Outcome, int]] = []
         self.waiting: list[SubGoal] = []
         self.while_working: Callable[[], None] = lambda: None
-        self.arm = Carries(self.world, self.look, self._work, self._is_stopped)
+        self.arm = ArmMover(self.world, self.look, self._work, self._is_stopped)
         self.controller = Controller(self.arm, self._say, self._reject, lambda: NOW_NS)
 
     def _work(self) -> None:

@@ -17,7 +17,7 @@ import pytest
 from PIL import Image
 
 from nsrm_harness.cli.main import main
-from nsrm_harness.common.workers import Processes, Workers
+from nsrm_harness.common.workers import LocalProcesses, Workers
 from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
 from nsrm_harness.evaluation.manipulation_trials.speed import (
     checks,
@@ -26,7 +26,11 @@ from nsrm_harness.evaluation.manipulation_trials.speed import (
 from nsrm_harness.evaluation.manipulation_trials.speed import (
     speed_report as report,
 )
-from nsrm_harness.evaluation.manipulation_trials.speed.episode import Episode, SpeedError, mixed
+from nsrm_harness.evaluation.manipulation_trials.speed.episode import (
+    SpeedEpisode,
+    SpeedError,
+    mixed,
+)
 from nsrm_harness.evaluation.manipulation_trials.speed.measure_speed import check_same, rounds
 from nsrm_harness.evaluation.manipulation_trials.speed.profile import (
     PARTS,
@@ -151,7 +155,7 @@ def test_work_begins_when_all_workers_are_warm(monkeypatch: pytest.MonkeyPatch) 
             asked.append(key)
             yield key, function(*arguments)
 
-    def warm_up(_: Episode) -> bool:
+    def warm_up(_: SpeedEpisode) -> bool:
         nonlocal process
         process = next(working, 1)
         was_cold = process in cold
@@ -164,7 +168,7 @@ def test_work_begins_when_all_workers_are_warm(monkeypatch: pytest.MonkeyPatch) 
 
     ended = SimpleNamespace(tries=(1, 1, 2))
     monkeypatch.setattr(throughput, "warm_up", warm_up)
-    monkeypatch.setattr(Episode, "carry_out", lambda _: ended)
+    monkeypatch.setattr(SpeedEpisode, "carry_out", lambda _: ended)
     workers = cast(Workers, SimpleNamespace(count=2, each=each))
     told: list[int] = []
     measured = measure("two", lambda: nullcontext(workers), mixed(2, 0), lambda: told.append(1))
@@ -182,7 +186,7 @@ def test_work_begins_when_all_workers_are_warm(monkeypatch: pytest.MonkeyPatch) 
 def test_the_command_writes_all_that_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(Processes, "each", Here.each)
+    monkeypatch.setattr(LocalProcesses, "each", Here.each)
     monkeypatch.setattr(checks, "SCENES", 1)
     monkeypatch.setattr(checks, "CONFIGURATIONS", 4)
     out = tmp_path / "made" / "here"

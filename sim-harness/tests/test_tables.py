@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 
 from nsrm_harness import domain as domains
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.evaluation.metrics import Metrics
 from nsrm_harness.paper.tables.compare import BEFORE, Comparison, Cost
 from nsrm_harness.paper.tables.detections import COLUMNS, DetectorRow, table_of
-from nsrm_harness.paper.tables.figures import draw_comparison
 from nsrm_harness.paper.tables.lines import TITLES
+from nsrm_harness.paper.tables.plots import draw_comparison
 from nsrm_harness.paper.tables.publish import (
     BEGIN,
     END,
@@ -26,8 +26,8 @@ from nsrm_harness.paper.tables.publish import (
     with_figures,
 )
 from nsrm_harness.paper.tables.results import (
+    ResultRow,
     ResultsError,
-    Row,
     Summary,
     read_rows,
     select,
@@ -35,10 +35,10 @@ from nsrm_harness.paper.tables.results import (
     write_records,
     write_rows,
 )
-from nsrm_harness.paper.tables.run_tables import FIRST_MODELS, Outcome, StudyError, Tables
+from nsrm_harness.paper.tables.run_tables import FIRST_MODELS, StudyError, Tables, TablesResult
 from nsrm_harness.paper.tables.study import JUDGED, full_study, quick_study
 from nsrm_harness.paper.tables.tables_report import REFUSALS, TABLES, markdown
-from nsrm_harness.paper.tables.times import Times, Took
+from nsrm_harness.paper.tables.times import PartTime, ReportTimes
 from nsrm_harness.paper.tables.variants import (
     EXACT,
     SAMPLED,
@@ -54,7 +54,7 @@ FOUND = (
     DetectorRow("after_3_5", 2.0, 200, 1018, 1.0, 0.999, 0.989, 0.989, 0.977, 0.34, 1.7, 36.0),
 )
 ROWS = tuple(
-    Row(split, model, seed, boxes, 2000, program, 99.0 + seed / 10, 98.0, 96.0, 95.0)
+    ResultRow(split, model, seed, boxes, 2000, program, 99.0 + seed / 10, 98.0, 96.0, 95.0)
     for split in JUDGED
     for model, boxes, program in (
         ("nsrm", "mask", 97.0),
@@ -63,7 +63,11 @@ ROWS = tuple(
     )
     for seed in range(3)
 )
-TOOK = (Took("data", 900.0), Took("models and baselines", 1500.0), Took(FIRST_MODELS, 660.0))
+TOOK = (
+    PartTime("data", 900.0),
+    PartTime("models and baselines", 1500.0),
+    PartTime(FIRST_MODELS, 660.0),
+)
 REFUSED = (
     "seed,kind,set,count,refused,wrongly_accepted\n0,negation,validation,9,1,8\n"
     "0,negation,test,8,7,1\n1,negation,test,8,8,0\n"
@@ -81,8 +85,8 @@ def report(tmp_path: Path) -> Path:
 
 def test_shares_become_percentages() -> None:
     metrics = Metrics(7, None, 0.5, 0.25, 0.123456, 1.0, 0.001, 0.002, {})
-    row = Row.of("test", "baseline", 1, "mask", metrics)
-    assert row == Row("test", "baseline", 1, "mask", 7, None, 50.0, 25.0, 12.35, 100.0)
+    row = ResultRow.of("test", "baseline", 1, "mask", metrics)
+    assert row == ResultRow("test", "baseline", 1, "mask", 7, None, 50.0, 25.0, 12.35, 100.0)
 
 
 def test_rows_are_read_back(report: Path) -> None:
@@ -120,7 +124,7 @@ def test_seeds_are_summed_up() -> None:
 
 def test_the_report_tells_every_split_and_the_papers_figures() -> None:
     text = markdown(
-        Outcome(ROWS, (), FOUND, ("abc", "def"), Path("m"), Path("e"), TOOK, 2), full_study(5)
+        TablesResult(ROWS, (), FOUND, ("abc", "def"), Path("m"), Path("e"), TOOK, 2), full_study(5)
     )
     assert all(title in text for title in TITLES.values())
     assert "| paper, model | 56.8 | 54.7 | 53.6 | 27.2 | 12.9 |" in text
@@ -151,7 +155,7 @@ def a_comparison() -> Comparison:
         for seed in variant.seeds:
             program = 90.0 if variant.name == SAMPLED and seed == 1 else 99.0
             rows += [
-                Row(split, name, seed, "mask", 2000, program, 99.0, 99.0, 96.0, 95.0)
+                ResultRow(split, name, seed, "mask", 2000, program, 99.0, 99.0, 96.0, 95.0)
                 for name in names
                 for split in COMPARED
             ]
@@ -161,7 +165,9 @@ def a_comparison() -> Comparison:
         (
             each,
             tuple(
-                Row(each.name, name, seed, "mask", 500, 99.0 - each.size, 98.0, 98.0, 96.0, 95.0)
+                ResultRow(
+                    each.name, name, seed, "mask", 500, 99.0 - each.size, 98.0, 98.0, 96.0, 95.0
+                )
                 for name, seed in (("nsrm", 0), ("nsrm", 1), ("varied training", 0))
             ),
         )
@@ -171,7 +177,7 @@ def a_comparison() -> Comparison:
 
 
 def test_the_report_tells_what_the_parts_are_worth() -> None:
-    outcome = Outcome(ROWS, (), FOUND, ("abc",), Path("m"), Path("e"), TOOK, 2)
+    outcome = TablesResult(ROWS, (), FOUND, ("abc",), Path("m"), Path("e"), TOOK, 2)
     text = markdown(outcome, full_study(5), a_comparison())
     assert "| no joint training | 99.0 (99.0-99.0) | 95.0 (95.0-95.0) |" in text
     assert "| REINFORCE | 97.2 (90.0-99.0) |" in text and "| 5 | 2.0 |" in text
@@ -254,25 +260,25 @@ def test_times_go_on_where_the_making_was_broken_off(
 
     monkeypatch.setattr(time, "monotonic", lambda: now_s)
     path = tmp_path / "times.json"
-    with pytest.raises(KeyboardInterrupt), Times(path).of("data"):
+    with pytest.raises(KeyboardInterrupt), ReportTimes(path).of("data"):
         spend(0.5)
         raise KeyboardInterrupt
-    assert Times(path).all() == (Took("data", 0.5),)
-    times = Times(path)
+    assert ReportTimes(path).all() == (PartTime("data", 0.5),)
+    times = ReportTimes(path)
     with times.of("data"):
         spend(0.25)
         with times.of("a part") as end:
             spend(1.0)
             end()
             spend(2.0)
-    assert times.all() == (Took("data", 3.75), Took("a part", 1.0))
+    assert times.all() == (PartTime("data", 3.75), PartTime("a part", 1.0))
 
 
 def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
     domain = domains.load()
-    Tables(quick_study(1), domain, tmp_path, Processes(1))
-    Tables(quick_study(1), domain, tmp_path, Processes(1))
+    Tables(quick_study(1), domain, tmp_path, LocalProcesses(1))
+    Tables(quick_study(1), domain, tmp_path, LocalProcesses(1))
     with pytest.raises(StudyError, match="begun with another study"):
-        Tables(quick_study(2), domain, tmp_path, Processes(1))
+        Tables(quick_study(2), domain, tmp_path, LocalProcesses(1))
     with pytest.raises(StudyError, match="begun with another domain"):
-        Tables(quick_study(1), domains.load(WORKSHOP), tmp_path, Processes(1))
+        Tables(quick_study(1), domains.load(WORKSHOP), tmp_path, LocalProcesses(1))

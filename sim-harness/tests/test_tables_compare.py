@@ -10,7 +10,7 @@ import nsrm
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.evaluation.metrics import evaluate
 from nsrm_harness.learning.export import read_model
@@ -22,7 +22,7 @@ MODEL = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.
 def test_without_the_core_the_figures_are_the_same(tmp_path: Path) -> None:
     path = tmp_path / "test.h5"
     settings = replace(SPLITS["test"], count=30, seed=9)
-    generate(settings, domains.load(), path, Processes(os.cpu_count() or 1))
+    generate(settings, domains.load(), path, LocalProcesses(os.cpu_count() or 1))
     through = evaluate(nsrm.Model.load(MODEL), path, quiet=True)
     without = judge_without_core(read_model(MODEL), path)
     # What the core refuses as unsure is planned without it.

@@ -10,12 +10,12 @@ import nsrm
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.common.workers import Processes
+from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.evaluation.metrics import evaluate
 from nsrm_harness.paper.tables.judging import Contender, Judging, judge_all
 from nsrm_harness.paper.tables.processes import TaskError
-from nsrm_harness.paper.tables.results import Row
+from nsrm_harness.paper.tables.results import ResultRow
 
 MODEL = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
 CONTENDERS = (Contender("nsrm", 0, MODEL), Contender("other", 3, MODEL))
@@ -25,7 +25,7 @@ CONTENDERS = (Contender("nsrm", 0, MODEL), Contender("other", 3, MODEL))
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("episodes") / "test.h5"
     settings = replace(SPLITS["test"], count=6, seed=9)
-    generate(settings, domains.load(), path, Processes(os.cpu_count() or 1))
+    generate(settings, domains.load(), path, LocalProcesses(os.cpu_count() or 1))
     return path
 
 
@@ -38,7 +38,7 @@ def test_rows_are_those_of_one_process_and_are_kept(episodes: Path, tmp_path: Pa
     model = nsrm.Model.load(MODEL)
     assert found == [
         [
-            Row.of("test", each.name, each.seed, judging.boxes or "", metrics)
+            ResultRow.of("test", each.name, each.seed, judging.boxes or "", metrics)
             for metrics in [evaluate(model, episodes, judging.boxes or "mask", quiet=True)]
             for each in judging.contenders
         ]

@@ -13,7 +13,7 @@ from PIL import Image
 from nsrm_harness import domain as domains
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.domain.program import Step
-from nsrm_harness.evaluation.metrics import Judged
+from nsrm_harness.evaluation.metrics import JudgedPlans
 from nsrm_harness.paper.tables.actions import draw_actions
 from nsrm_harness.paper.tables.concepts import draw_concepts
 from nsrm_harness.paper.tables.failures import draw_failures, what_went_wrong, worst_episodes
@@ -29,29 +29,29 @@ def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def worst(episodes: Path) -> list[Judged]:
+def worst(episodes: Path) -> list[JudgedPlans]:
     return worst_episodes(nsrm.Model.pretrained(), episodes)
 
 
 @pytest.fixture(scope="module")
-def planned(worst: Sequence[Judged]) -> Judged:
+def planned(worst: Sequence[JudgedPlans]) -> JudgedPlans:
     return next(judged for judged in worst if judged.score.program)
 
 
-def meant(judged: Judged, **changes: object) -> Judged:
+def meant(judged: JudgedPlans, **changes: object) -> JudgedPlans:
     """The same plan, judged by another first step."""
     first, *rest = judged.truth.steps
     steps = (replace(first, **changes), *rest)
     return replace(judged, truth=replace(judged.truth, steps=steps))
 
 
-def test_the_worst_come_first(worst: Sequence[Judged]) -> None:
+def test_the_worst_come_first(worst: Sequence[JudgedPlans]) -> None:
     assert len(worst) == 5
     merits = [(judged.score.program, judged.score.iou_3d) for judged in worst]
     assert merits == sorted(merits)
 
 
-def test_what_went_wrong_is_told(planned: Judged) -> None:
+def test_what_went_wrong_is_told(planned: JudgedPlans) -> None:
     assert what_went_wrong(planned).startswith("Understood; off along x, y, z: step 1 by ")
     step = planned.truth.steps[0].step
     for changes, words in (
@@ -66,7 +66,7 @@ def test_what_went_wrong_is_told(planned: Judged) -> None:
     assert "detector" in what_went_wrong(replace(planned, outcome=None))
 
 
-def test_pictures_are_drawn(worst: list[Judged], episodes: Path, tmp_path: Path) -> None:
+def test_pictures_are_drawn(worst: list[JudgedPlans], episodes: Path, tmp_path: Path) -> None:
     draw_failures(worst, episodes, tmp_path / "failures.png")
     draw_actions(nsrm.Model.pretrained(), domains.load(), tmp_path / "actions.png")
     draw_concepts(PRETRAINED, episodes, tmp_path / "concepts.png")

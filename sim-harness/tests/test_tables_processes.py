@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from nsrm_harness.paper.tables.processes import Task, TaskError, run_all
+from nsrm_harness.paper.tables.processes import ProcessTask, TaskError, run_all
 
 
 def test_every_task_runs_and_its_words_are_kept(tmp_path: Path) -> None:
-    tasks = [Task(name, print, (name,), tmp_path / name / "log.txt") for name in "abc"]
-    ended: list[Task] = []
+    tasks = [ProcessTask(name, print, (name,), tmp_path / name / "log.txt") for name in "abc"]
+    ended: list[ProcessTask] = []
     run_all(tasks, 2, "tasks", ended.append)
     assert sorted(ended) == tasks
     assert [task.log.read_text(encoding="utf-8") for task in tasks] == ["a\n", "b\n", "c\n"]
@@ -25,9 +25,9 @@ def test_every_task_runs_and_its_words_are_kept(tmp_path: Path) -> None:
 
 def test_a_failure_is_told_and_ends_the_others(tmp_path: Path) -> None:
     tasks = [
-        Task("slow", stay, (tmp_path / "stayed",), tmp_path / "slow.txt"),
-        Task("bad", sys.exit, ("no data there",), tmp_path / "bad.txt"),
-        Task("late", print, ("late",), tmp_path / "late.txt"),
+        ProcessTask("slow", stay, (tmp_path / "stayed",), tmp_path / "slow.txt"),
+        ProcessTask("bad", sys.exit, ("no data there",), tmp_path / "bad.txt"),
+        ProcessTask("late", print, ("late",), tmp_path / "late.txt"),
     ]
     with pytest.raises(TaskError, match=r"bad: failed: no data there \(more in .*bad\.txt\)"):
         run_all(tasks, 2, "tasks")
@@ -55,9 +55,9 @@ def interruptible() -> Iterator[None]:
 @pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_ends_every_process(tmp_path: Path) -> None:
     tasks = [
-        Task("slow", stay, (tmp_path / "stayed",), tmp_path / "slow.txt"),
-        Task("pressing", press_ctrl_c, (tmp_path / "slow.txt",), tmp_path / "pressing.txt"),
-        Task("late", print, ("late",), tmp_path / "late.txt"),
+        ProcessTask("slow", stay, (tmp_path / "stayed",), tmp_path / "slow.txt"),
+        ProcessTask("pressing", press_ctrl_c, (tmp_path / "slow.txt",), tmp_path / "pressing.txt"),
+        ProcessTask("late", print, ("late",), tmp_path / "late.txt"),
     ]
     with pytest.raises(KeyboardInterrupt):
         run_all(tasks, 2, "tasks")

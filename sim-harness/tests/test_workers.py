@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.common.workers import Processes, RayCluster, WorkersError
+from nsrm_harness.common.workers import LocalProcesses, RayCluster, WorkersError
 
 
 def episodes(*options: str | Path) -> subprocess.CompletedProcess[str]:
@@ -24,10 +24,10 @@ def episodes(*options: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_processes_tell_what_is_finished_by_key() -> None:
-    found = dict(Processes(2).each(divmod, [(n, (n, 3)) for n in range(5)]))
+    found = dict(LocalProcesses(2).each(divmod, [(n, (n, 3)) for n in range(5)]))
     assert found == {n: divmod(n, 3) for n in range(5)}
     with pytest.raises(ZeroDivisionError):
-        list(Processes(1).each(divmod, [("bad", (1, 0))]))
+        list(LocalProcesses(1).each(divmod, [("bad", (1, 0))]))
 
 
 def test_a_cluster_of_two_makes_the_same_bytes(tmp_path: Path) -> None:

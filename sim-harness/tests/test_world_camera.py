@@ -12,7 +12,7 @@ from nsrm_harness.geometry.camera import FAR_M, NEAR_M, Camera, default_camera, 
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.layout import PLACEMENT_SPACE, WORK_SPACE
 from nsrm_harness.simulation.render import Surfaces
-from nsrm_harness.simulation.segmentation import MIN_VISIBLE_PX, located
+from nsrm_harness.simulation.segmentation import MIN_VISIBLE_PX, segmented_objects
 
 
 def test_the_image_has_the_world_the_right_way_round():
@@ -99,7 +99,7 @@ def test_boxes_and_depths_are_those_of_the_mask():
     depth = np.full(mask.shape, 2.0, dtype=np.float32)
     depth[mask == 3] = 0.5
     depth[10:15, 4:12] = 1.0
-    seen = located(Surfaces(depth, mask))
+    seen = segmented_objects(Surfaces(depth, mask))
     assert seen.ids == (3, 7), "9 is too small to be seen"
     np.testing.assert_array_equal(
         seen.boxes,
@@ -110,7 +110,7 @@ def test_boxes_and_depths_are_those_of_the_mask():
 
 def test_an_empty_table_gives_an_empty_observation():
     mask = np.zeros((4, 4), dtype=np.int32)
-    seen = located(Surfaces(np.ones((4, 4), np.float32), mask))
+    seen = segmented_objects(Surfaces(np.ones((4, 4), np.float32), mask))
     assert seen.ids == ()
     assert seen.boxes.shape == (0, 4) and seen.depths.shape == (0,)
 

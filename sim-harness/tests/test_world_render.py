@@ -16,7 +16,7 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import block_from_attributes
 from nsrm_harness.simulation.layout import WORK_SPACE
 from nsrm_harness.simulation.render import VARIABLE, Light, Renderer, RendererError, open_renderer
-from nsrm_harness.simulation.segmentation import observation, observe
+from nsrm_harness.simulation.segmentation import render_segmented, segmented_image
 from nsrm_harness.simulation.world import World
 
 KINDS = ["gl", "pybullet"]
@@ -89,7 +89,7 @@ def test_both_renderers_show_the_same(renderers: dict[str, Renderer], seed: int)
     for surfaces, frame in zip(alone, (a, b), strict=True):
         assert np.array_equal(surfaces.mask, frame.mask)
         assert np.array_equal(surfaces.depth, frame.depth)
-    seen, other = observation(a), observation(b)
+    seen, other = segmented_image(a), segmented_image(b)
     assert seen.ids == other.ids and len(seen.ids) >= 4
     boxes = np.rint(seen.boxes * [640, 480, 640, 480]).astype(int)
     others = np.rint(other.boxes * [640, 480, 640, 480]).astype(int)
@@ -174,7 +174,7 @@ def picture_digest(kind: str) -> str:
     renderer = open_renderer(kind)
     with World() as world:
         build_scene(world, 4)
-        seen = observe(renderer, world, default_camera(), Light())
+        seen = render_segmented(renderer, world, default_camera(), Light())
     renderer.close()
     parts = (seen.rgb, seen.depth, seen.boxes, seen.depths)
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()

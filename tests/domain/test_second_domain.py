@@ -15,7 +15,7 @@ from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import commands
 from nsrm_harness.data.calibration import Calibration
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.learning import calibrate
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
 from nsrm_harness.learning.dataset import training_set
@@ -115,7 +115,7 @@ def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:
     model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
     names = {value.name for value in domain.concepts}
     actions = {action.name for action in domain.actions}
-    with Demonstrations(trained.test) as demonstrations, Judge(trained.test) as judge:
+    with Demonstrations(trained.test) as demonstrations, GroundTruth(trained.test) as judge:
         for index, sentence in enumerate(demonstrations.sentences):
             truth = judge.truth(index)
             try:

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from nsrm_harness.nodes.processes import Processes
+from nsrm_harness.nodes.processes import ProcessGroup
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARED_MEMORY = Path("/dev/shm")
@@ -97,7 +97,7 @@ def test_a_planner_in_a_control_loop_carries_a_sentence_out_and_prints_its_ticks
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     nsrm, loop = str(built / "nsrm"), str(built / "examples" / "control_loop")
     told = ["--robot", f"loop-{os.getpid()}"]
-    with Processes() as processes:
+    with ProcessGroup() as processes:
         world = [sys.executable, "-m", "nsrm_harness.cli", "world", "--seed=4", "--no-arm", *told]
         # Until it is told to end.
         length = ["--seconds", "3600", "--limits-s", "3600"]
@@ -180,7 +180,7 @@ def test_one_configuration_serves_all_processes(tmp_path_factory: pytest.TempPat
         'robot = "left"\nhosts = "several"\nline = "broadcast"\n'
         f'[shared_memory]\nroot = "{tmp_path / "m"}"\nprefix = "{prefix}"\n{LIMITS}'
     )
-    with Processes() as processes:
+    with ProcessGroup() as processes:
         world = [sys.executable, "-m", "nsrm_harness.cli", "world", "--seed", "4", *told]
         line = processes.start("world", world, "try: ")
         assert "robot left, seed 4" in line

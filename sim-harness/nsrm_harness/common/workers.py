@@ -47,7 +47,7 @@ class Workers(Protocol):
         ...
 
 
-class Processes:
+class LocalProcesses:
     """Processes of this machine."""
 
     def __init__(self, count: int) -> None:

@@ -31,7 +31,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.geometry.camera import Camera, default_camera
 from nsrm_harness.simulation.layout import LayoutError, sample_layout
 from nsrm_harness.simulation.render import Light, open_renderer
-from nsrm_harness.simulation.segmentation import observe
+from nsrm_harness.simulation.segmentation import render_segmented
 from nsrm_harness.simulation.world import World
 
 KIND = "nsrm calibration"
@@ -95,7 +95,7 @@ def make_calibration(
         for index in range(scenes):
             rng = generator(seed, "calibration", index)
             _arrange(rng, domain, world)
-            seen = observe(drawing, world, camera, Light.sample(rng))
+            seen = render_segmented(drawing, world, camera, Light.sample(rng))
             known = world.poses()
             for row, block_id in enumerate(seen.ids):
                 location = np.append(seen.boxes[row], seen.depths[row]).astype(np.float32)

@@ -32,10 +32,15 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import Block
 from nsrm_harness.simulation.layout import LayoutError, sample_layout
 from nsrm_harness.simulation.render import Light, Renderer
-from nsrm_harness.simulation.segmentation import Located, Observation, locate, observation
+from nsrm_harness.simulation.segmentation import (
+    SegmentedImage,
+    SegmentedObjects,
+    render_objects,
+    segmented_image,
+)
 from nsrm_harness.simulation.world import World
 
-Seen = TypeVar("Seen", bound=Located)
+Seen = TypeVar("Seen", bound=SegmentedObjects)
 
 MAX_SHIFT_M = 0.002
 MAX_MISS_M = 0.005
@@ -45,7 +50,7 @@ MAX_ATTEMPTS = 400
 
 
 @dataclass(frozen=True)
-class Wanted:
+class EpisodeRequest:
     """What is wanted of an episode."""
 
     steps: int
@@ -70,7 +75,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class SubGoal:
+class DemonstratedSubGoal:
     """Where a step left the block that it moved."""
 
     #: Index of the moved block, counting from 0.
@@ -86,22 +91,22 @@ class SubGoal:
 class Episode:
     """A demonstration. The first four are what can be learned from; the rest is truth."""
 
-    initial: Observation
-    final: Located
+    initial: SegmentedImage
+    final: SegmentedObjects
     sentence: Sentence
     camera: Camera
     program: Program
     blocks: tuple[Block, ...]
     initial_poses: tuple[Pose, ...]
     final_poses: tuple[Pose, ...]
-    sub_goals: tuple[SubGoal, ...]
+    sub_goals: tuple[DemonstratedSubGoal, ...]
     #: Attempts left out before this one, by reason.
     rejected: Counter[str]
 
     @property
-    def final_picture(self) -> Observation:
+    def final_picture(self) -> SegmentedImage:
         """The final scene as the camera saw it, if that was wanted."""
-        if not isinstance(self.final, Observation):
+        if not isinstance(self.final, SegmentedImage):
             raise EpisodeSettingsError("the episode was made without a picture of its final scene")
         return self.final
 
@@ -124,7 +129,7 @@ class Demonstrator:
                     domain, held_out=True, held_out_phrases=phrases
                 )
 
-    def episode(self, rng: np.random.Generator, wanted: Wanted) -> Episode:
+    def episode(self, rng: np.random.Generator, wanted: EpisodeRequest) -> Episode:
         """The next episode that `rng` gives and the rules accept.
 
         Raises `EpisodeSettingsError` after `MAX_ATTEMPTS` attempts.
@@ -140,7 +145,9 @@ class Demonstrator:
             f"({describe(rejected)}): ask for fewer steps or other numbers of objects"
         )
 
-    def _attempt(self, rng: np.random.Generator, wanted: Wanted, rejected: Counter[str]) -> Episode:
+    def _attempt(
+        self, rng: np.random.Generator, wanted: EpisodeRequest, rejected: Counter[str]
+    ) -> Episode:
         arrangement, task = self._draw(rng, wanted)
         grammar = self._grammars[wanted.held_out_wordings, wanted.held_out_phrases]
         sentence = grammar.sentence(rng, task.program)
@@ -151,9 +158,9 @@ class Demonstrator:
         light = disturbance.lit(light, disturbing)
         camera = disturbance.moved(default_camera(), disturbing)
 
-        def observe() -> Observation:
+        def observe() -> SegmentedImage:
             frame = self._renderer.render(self._world, camera, light)
-            seen = observation(disturbance.measured(frame, disturbing))
+            seen = segmented_image(disturbance.measured(frame, disturbing))
             return _all_seen(seen, range(len(arrangement.blocks)))
 
         self._world.reset()
@@ -161,8 +168,8 @@ class Demonstrator:
         self._settle()
         initial_poses = self._poses()
         initial = observe()
-        sub_goals: list[SubGoal] = []
-        final: Located = initial
+        sub_goals: list[DemonstratedSubGoal] = []
+        final: SegmentedObjects = initial
         # What a disturbance does to depth it does to pictures.
         pictured = wanted.final_image or disturbance != UNDISTURBED
         for number, move in enumerate(task.moves, start=1):
@@ -172,9 +179,11 @@ class Demonstrator:
                 seen = final = observe()
             else:
                 needed = range(len(arrangement.blocks)) if last else [move.moved]
-                seen = final = _all_seen(locate(self._renderer, self._world, camera), needed)
+                seen = final = _all_seen(
+                    render_objects(self._renderer, self._world, camera), needed
+                )
             location = seen.location(move.moved + 1)
-            sub_goals.append(SubGoal(move.moved, move.reference, pose, location))
+            sub_goals.append(DemonstratedSubGoal(move.moved, move.reference, pose, location))
         return Episode(
             initial,
             final,
@@ -188,7 +197,7 @@ class Demonstrator:
             rejected,
         )
 
-    def _draw(self, rng: np.random.Generator, wanted: Wanted) -> tuple[Arrangement, Task]:
+    def _draw(self, rng: np.random.Generator, wanted: EpisodeRequest) -> tuple[Arrangement, Task]:
         least, most = wanted.objects
         count = int(rng.integers(least, most + 1))
         blocks = sample_blocks(rng, self._domain, count, wanted.exclude, wanted.novel)

@@ -24,8 +24,8 @@ import h5py
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import EpisodeFileError, EpisodeSettingsError
 from nsrm_harness.common.json_text import json_text
-from nsrm_harness.common.workers import Processes, Workers
-from nsrm_harness.data.demonstrator import Demonstrator, Wanted
+from nsrm_harness.common.workers import LocalProcesses, Workers
+from nsrm_harness.data.demonstrator import Demonstrator, EpisodeRequest
 from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
 from nsrm_harness.data.file import KIND, SCHEMA, open_checked
 from nsrm_harness.data.programs import SHARES_OF, Descriptions
@@ -155,7 +155,7 @@ SPLITS = {
 
 
 @dataclass(frozen=True)
-class Progress:
+class ShardProgress:
     """How far the making is: episodes done, attempts rejected so far, by reason."""
 
     done: int
@@ -167,7 +167,7 @@ def generate(
     domain: domains.Domain,
     path: Path,
     workers: Workers | None = None,
-    report: Callable[[Progress], None] = lambda progress: None,
+    report: Callable[[ShardProgress], None] = lambda progress: None,
 ) -> bool:
     """Makes the file, or goes on with it; returns whether there was anything to do.
 
@@ -189,14 +189,14 @@ def generate(
     for start in ready:
         rejected += _rejected(_shard(work, start))
         done += min(SHARD, settings.count - start)
-    report(Progress(done, rejected))
+    report(ShardProgress(done, rejected))
     missing = [start for start in starts if start not in ready]
     tasks = [(start, (settings, domain.as_json(), start)) for start in missing]
-    for start, content in (workers or Processes(1)).each(make_shard, tasks):
+    for start, content in (workers or LocalProcesses(1)).each(make_shard, tasks):
         _write_whole(_shard(work, start), content)
         rejected += _rejected(_shard(work, start))
         done += min(SHARD, settings.count - start)
-        report(Progress(done, rejected))
+        report(ShardProgress(done, rejected))
     _join(settings, domain, work, path)
     shutil.rmtree(work)
     return True
@@ -228,9 +228,9 @@ def _demonstrator(domain_json: str, kind: str) -> tuple[Demonstrator, str]:
     return Demonstrator(domain, World(), renderer), f"{renderer.name}: {renderer.description}"
 
 
-def _wanted(settings: Settings, index: int) -> Wanted:
+def _wanted(settings: Settings, index: int) -> EpisodeRequest:
     least, most = settings.steps
-    return Wanted(
+    return EpisodeRequest(
         steps=least + index % (most - least + 1),
         objects=settings.objects,
         descriptions=Descriptions(*settings.attributes),

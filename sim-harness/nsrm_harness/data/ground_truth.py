@@ -58,7 +58,7 @@ class Truth:
         return " ".join(reversed(self.attributes[block_id - 1].values()))
 
 
-class Judge:
+class GroundTruth:
     """The truth about the episodes of a file. A context manager."""
 
     def __init__(self, path: Path | str) -> None:
@@ -71,7 +71,7 @@ class Judge:
     def __len__(self) -> int:
         return len(self._file["count"])
 
-    def __enter__(self) -> Judge:
+    def __enter__(self) -> GroundTruth:
         return self
 
     def __exit__(

@@ -30,7 +30,7 @@ from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.demonstrator import Episode
 from nsrm_harness.data.file import camera_row, depth_units
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.simulation.segmentation import Located, Observation
+from nsrm_harness.simulation.segmentation import SegmentedImage, SegmentedObjects
 
 #: Steps for which there is room: the core's capacity.
 MAX_STEPS = 8
@@ -151,9 +151,9 @@ class EpisodeWriter:
         self._tables["camera"][row] = camera_row(episode.camera)
         self._texts["sentence"][row] = episode.sentence.text
 
-    def _scene(self, row: int, when: str, seen: Located) -> None:
+    def _scene(self, row: int, when: str, seen: SegmentedObjects) -> None:
         name = f"{when}/rgb"
-        if isinstance(seen, Observation) and name in self._images:
+        if isinstance(seen, SegmentedImage) and name in self._images:
             chunk = zlib.compress(seen.rgb.tobytes(), COMPRESSION)
             self._images[name].id.write_direct_chunk((row, 0, 0, 0), chunk)
         blocks = np.array(seen.ids) - 1

@@ -8,10 +8,10 @@ from typing import Any
 
 import nsrm
 
-from nsrm_harness.visualization.onlooker import Outcome
+from nsrm_harness.visualization.demo_listener import StepResult
 
 
-def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[Outcome]) -> str:
+def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[StepResult]) -> str:
     """Program, groundings, sub-goals, explanations and outcomes, a line each."""
     lines = ["program"]
     lines += [f"  {line}" for line in plan.program.notation.splitlines()]
@@ -31,7 +31,7 @@ def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[Outcom
     return "\n".join(lines)
 
 
-def as_json(plan: nsrm.Plan, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def as_json(plan: nsrm.Plan, outcomes: Sequence[StepResult]) -> dict[str, Any]:
     """The plan as `nsrm plan --json` gives it, each step with its outcome."""
     return {
         "program": plan.program.notation,

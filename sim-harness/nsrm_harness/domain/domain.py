@@ -77,7 +77,7 @@ class Action:
 
 
 @dataclass(frozen=True)
-class Grammar:
+class GrammarWords:
     """How a command is said. An empty string: may be left out."""
 
     openings: tuple[str, ...]
@@ -109,7 +109,7 @@ class Domain:
     name: str
     attributes: tuple[Attribute, ...]
     actions: tuple[Action, ...]
-    grammar: Grammar
+    grammar: GrammarWords
     held_out: HeldOut | None
     #: :meth:`as_json`'s text, kept so that the file's content travels unchanged.
     document: str
@@ -231,8 +231,8 @@ def _action(table: Table) -> Action:
     return Action(name, place, direction, phrases)
 
 
-def _grammar(table: Table) -> Grammar:
-    grammar = Grammar(
+def _grammar(table: Table) -> GrammarWords:
+    grammar = GrammarWords(
         openings=table.phrases("openings"),
         verbs=table.phrases("verbs"),
         nouns=table.phrases("nouns"),
@@ -339,7 +339,7 @@ def _check_held_out(root: Table, domain: Domain) -> None:
                 raise root.error("held_out", f"{word!r} in {text!r} is a word of no other wording")
 
 
-def _grammar_words(grammar: Grammar, actions: Iterable[Action]) -> set[str]:
+def _grammar_words(grammar: GrammarWords, actions: Iterable[Action]) -> set[str]:
     texts = [
         *grammar.openings,
         *grammar.verbs,

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import Judge, StepTruth, Truth
+from nsrm_harness.data.ground_truth import GroundTruth, StepTruth, Truth
 from nsrm_harness.evaluation.detector.match import match
 from nsrm_harness.evaluation.observed import Boxes, chunks, objects_of, observe_episode
 from nsrm_harness.perception.relief import PerceptionError
@@ -175,7 +175,7 @@ def evaluate_models(
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedPlans:
     """What a model makes of an episode, and how well."""
 
     index: int
@@ -192,9 +192,9 @@ def judge_episodes(
     name: str = "evaluate",
     quiet: bool = False,
     pace: Pace | None = None,
-) -> Iterator[list[Judged]]:
+) -> Iterator[list[JudgedPlans]]:
     """Each episode of a file as each model plans it, in the models' order."""
-    with Demonstrations(path) as demonstrations, Judge(path) as judge:
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
         for model in models:
             check_domain(model, demonstrations)
         for chunk in chunks(demonstrations, name, quiet):
@@ -224,7 +224,7 @@ class _Scene:
     """See `judge_plan`."""
 
 
-def _scene(demonstrations: Demonstrations, judge: Judge, index: int, boxes: Boxes) -> _Scene:
+def _scene(demonstrations: Demonstrations, judge: GroundTruth, index: int, boxes: Boxes) -> _Scene:
     sentence, truth = demonstrations.sentences[index], judge.truth(index)
     try:
         objects = objects_of(demonstrations, index, boxes)
@@ -238,12 +238,12 @@ def _scene(demonstrations: Demonstrations, judge: Judge, index: int, boxes: Boxe
     return _Scene(index, observed, sentence, truth, true_ids)
 
 
-def _judged(scene: _Scene, outcome: nsrm.Plan | nsrm.Refused | None) -> Judged:
+def _judged(scene: _Scene, outcome: nsrm.Plan | nsrm.Refused | None) -> JudgedPlans:
     score = WRONG
     if isinstance(outcome, nsrm.Plan):
         truth = scene.truth
         score = judge_plan(outcome.steps, truth.steps, truth.edges_m, scene.true_ids)
-    return Judged(scene.index, scene.truth, outcome, score)
+    return JudgedPlans(scene.index, scene.truth, outcome, score)
 
 
 def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
@@ -258,7 +258,7 @@ def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
 
 def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
     """Judge a plan for each episode of a file."""
-    with Judge(path) as judge:
+    with GroundTruth(path) as judge:
         truths = [judge.truth(index) for index in range(len(judge))]
     scores = [
         judge_plan(steps, truth.steps, truth.edges_m)

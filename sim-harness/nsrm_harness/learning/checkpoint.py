@@ -19,7 +19,7 @@ class CheckpointError(HarnessError):
 
 
 @dataclass
-class Progress:
+class TrainingProgress:
     """Where a run stands."""
 
     stage: int = 0
@@ -43,7 +43,7 @@ class Checkpoints:
         self._index = folder / "checkpoint.json"
         self._run = hashlib.sha256(run.encode()).hexdigest()
 
-    def save(self, progress: Progress, state: Any) -> None:
+    def save(self, progress: TrainingProgress, state: Any) -> None:
         """Write the arrays under a new name, then let the index point to them."""
         self._folder.mkdir(parents=True, exist_ok=True)
         name = f"checkpoint-{progress.stage}-{progress.epoch}.eqx"
@@ -56,7 +56,7 @@ class Checkpoints:
             if old.name != name:
                 old.unlink()
 
-    def progress(self) -> Progress | None:
+    def progress(self) -> TrainingProgress | None:
         """Where the run stood, or nothing if there is no checkpoint."""
         if not self._index.exists():
             return None
@@ -66,14 +66,14 @@ class Checkpoints:
                 f"{self._index}: from a run with other data, seed or configuration; "
                 "give another folder with --out, or begin anew without --resume"
             )
-        return Progress(**content["progress"])
+        return TrainingProgress(**content["progress"])
 
-    def begin(self, progress: Progress, model: Any) -> None:
+    def begin(self, progress: TrainingProgress, model: Any) -> None:
         """Keep the model with which a stage begins."""
         self._folder.mkdir(parents=True, exist_ok=True)
         eqx.tree_serialise_leaves(self._begun(progress), model)
 
-    def begun(self, progress: Progress, like: Any) -> Any:
+    def begun(self, progress: TrainingProgress, like: Any) -> Any:
         """The model with which the stage began, in the structure of `like`."""
         if not self._begun(progress).exists():
             raise CheckpointError(
@@ -82,7 +82,7 @@ class Checkpoints:
             )
         return eqx.tree_deserialise_leaves(self._begun(progress), like)
 
-    def _begun(self, progress: Progress) -> Path:
+    def _begun(self, progress: TrainingProgress) -> Path:
         return self._folder / f"begun-{progress.attempt}-{progress.stage}.eqx"
 
     def state(self, like: Any) -> Any:

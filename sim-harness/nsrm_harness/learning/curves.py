@@ -9,10 +9,10 @@ import matplotlib as mpl
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
-from nsrm_harness.learning.checkpoint import Progress
+from nsrm_harness.learning.checkpoint import TrainingProgress
 
 
-def draw_curves(progress: Progress, path: Path) -> None:
+def draw_curves(progress: TrainingProgress, path: Path) -> None:
     """The loss of each stage over its epochs, as a PNG."""
     names = [name for name, losses in progress.losses.items() if losses]
     figure, axes = plt.subplots(

@@ -17,8 +17,8 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.learning.config import TrainingConfig
 from nsrm_harness.learning.dataset import GROUPS_PER_STEP, TrainingSet, roomy
 from nsrm_harness.learning.model import GROUP_TOKEN, MISSING, Model, Parse, filter_scene
-from nsrm_harness.learning.objective import Scene, move, scene_loss
-from nsrm_harness.learning.splits import Command, split_log_probability, step_tokens
+from nsrm_harness.learning.objective import SceneArrays, move, scene_loss
+from nsrm_harness.learning.splits import TokenizedCommand, split_log_probability, step_tokens
 
 CHUNK = 128
 """Rows that are worked on at once."""
@@ -44,24 +44,31 @@ class Choices(NamedTuple):
 class SplitTable(NamedTuple):
     """For a command from token `first` on, the loss of its step ending after each token `[T]`."""
 
-    command: Command
+    command: TokenizedCommand
     first: Array
     losses: Array
 
 
-def commands(data: TrainingSet, chosen: np.ndarray) -> Command:
+def commands(data: TrainingSet, chosen: np.ndarray) -> TokenizedCommand:
     """The chosen sentences with a leading axis."""
     s = data.sentences
-    return Command(*(jnp.asarray(a[chosen]) for a in (s.tokens, s.length, s.groups, s.group_count)))
+    return TokenizedCommand(
+        *(jnp.asarray(a[chosen]) for a in (s.tokens, s.length, s.groups, s.group_count))
+    )
 
 
-def scenes(data: TrainingSet, chosen: np.ndarray) -> Scene:
+def scenes(data: TrainingSet, chosen: np.ndarray) -> SceneArrays:
     """The chosen scenes with a leading axis."""
-    return Scene(*(jnp.asarray(a[chosen]) for a in (data.before, data.after, data.present)))
+    return SceneArrays(*(jnp.asarray(a[chosen]) for a in (data.before, data.after, data.present)))
 
 
 def choose_step(
-    model: Model, command: Command, similarities: Array, present: Array, first: Array, end: Array
+    model: Model,
+    command: TokenizedCommand,
+    similarities: Array,
+    present: Array,
+    first: Array,
+    end: Array,
 ) -> tuple[Array, Array, Array]:
     """Action, object and reference of the step that has the tokens `first..end`."""
     tokens, valid, groups = step_tokens(command, first, end)
@@ -77,7 +84,7 @@ def choose_step(
 
 @eqx.filter_jit
 def _carry_out(
-    model: Model, command: Command, similarities: Array, scene: Scene, bounds: Array
+    model: Model, command: TokenizedCommand, similarities: Array, scene: SceneArrays, bounds: Array
 ) -> tuple[Choices, Array]:
     """Rows of commands cut at `bounds` `[R, 3]`: choices and the final locations `[R, M, 5]`.
 
@@ -142,7 +149,7 @@ def carry_out(
 
 
 @eqx.filter_jit
-def _losses(locations: Array, scene: Scene, config: TrainingConfig) -> Array:
+def _losses(locations: Array, scene: SceneArrays, config: TrainingConfig) -> Array:
     return jax.vmap(lambda at, scene: scene_loss(at, scene, config.loss))(locations, scene)
 
 
@@ -181,9 +188,11 @@ def split_table(
 
 @eqx.filter_jit
 def _weigh_actions(
-    model: Model, command: Command, similarities: Array, scene: Scene
+    model: Model, command: TokenizedCommand, similarities: Array, scene: SceneArrays
 ) -> tuple[Array, Array]:
-    def one(command: Command, similarities: Array, scene: Scene) -> tuple[Array, Array]:
+    def one(
+        command: TokenizedCommand, similarities: Array, scene: SceneArrays
+    ) -> tuple[Array, Array]:
         first, end = jnp.array(0), command.length
         tokens, valid, _ = step_tokens(command, first, end)
         logits = model.language.parse(tokens, valid).action
@@ -254,8 +263,8 @@ class Decisions(NamedTuple):
 
 
 @eqx.filter_jit
-def _decide(model: Model, command: Command, first: Array) -> Decisions:
-    def one(command: Command, first: Array) -> Decisions:
+def _decide(model: Model, command: TokenizedCommand, first: Array) -> Decisions:
+    def one(command: TokenizedCommand, first: Array) -> Decisions:
         log_probability = split_log_probability(model.language.splitter, command, first)
         # h_t > 1/2 where ending here is likelier than anything later.
         rest = jax.lax.cumlogsumexp(log_probability, reverse=True)

@@ -376,7 +376,7 @@ class Simulator(eqx.Module):
         return corners(base + SIMULATOR_SCALE * change)
 
 
-class Action(eqx.Module):
+class ActionModule(eqx.Module):
     """Holds the simulator under the name that it has in the model file."""
 
     simulator: Simulator
@@ -393,14 +393,14 @@ class Model(eqx.Module):
 
     language: Language
     vision: Vision
-    action: Action
+    action: ActionModule
     camera: PixelToCamera
 
     def __init__(self, dimensions: Dimensions, key: Array, residual: bool = True):
         language, vision, action = jax.random.split(key, 3)
         self.language = Language(dimensions, language)
         self.vision = Vision(dimensions, vision)
-        self.action = Action(Simulator(dimensions.actions, action, residual))
+        self.action = ActionModule(Simulator(dimensions.actions, action, residual))
         # The centre of the visible surface, until it is fitted (calibrate.py).
         self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
 

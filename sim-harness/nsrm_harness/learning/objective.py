@@ -41,7 +41,7 @@ class LossWeights:
     """w2, on one minus the intersection over union of the boxes."""
 
 
-class Scene(NamedTuple):
+class SceneArrays(NamedTuple):
     """A scene before and after: locations `[M, 5]` (corners, depth) and who is there `[M]`."""
 
     before: Array
@@ -76,7 +76,7 @@ def location_loss(predicted: Array, target: Array, weights: LossWeights) -> Arra
     return weights.square * square + weights.overlap * overlap
 
 
-def scene_loss(predicted: Array, scene: Scene, weights: LossWeights) -> Array:
+def scene_loss(predicted: Array, scene: SceneArrays, weights: LossWeights) -> Array:
     """Average over the objects that are there: predicted locations `[M, 5]` -> scalar."""
     losses = location_loss(predicted, scene.after, weights)
     return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
@@ -146,7 +146,7 @@ def ground(parse: Parse, tokens: Array, groups: Array, similarities: Array, pres
 def exact_step(
     simulator: Callable[[Array, Array, Array], Array],
     grounding: Grounding,
-    scene: Scene,
+    scene: SceneArrays,
     weights: LossWeights,
     temperature: float,
     exploration: Array | float = 0.0,
@@ -194,7 +194,7 @@ def sampled_steps(
     key: Array,
     model: Model,
     steps: list[Grounding],
-    scene: Scene,
+    scene: SceneArrays,
     weights: LossWeights,
     temperature: float,
     sample_actions: bool = False,

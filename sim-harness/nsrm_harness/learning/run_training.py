@@ -13,7 +13,7 @@ from nsrm_harness.data.calibration import Calibration
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.evaluation import metrics as evaluate
 from nsrm_harness.learning import calibrate, curves
-from nsrm_harness.learning.checkpoint import Progress
+from nsrm_harness.learning.checkpoint import TrainingProgress
 from nsrm_harness.learning.config import TrainingConfig
 from nsrm_harness.learning.dataset import training_set
 from nsrm_harness.learning.export import ModelFile, WorkSpace, write_metrics, write_model
@@ -74,7 +74,7 @@ def fit(
     camera = calibrate.fit_camera(Calibration.load(files.calibration))
     say(f"camera map: {camera.median_m * 1e3:.2f} mm median, {camera.p95_m * 1e3:.2f} mm p95")
 
-    def fitted(model: Model, progress: Progress) -> ModelFile:
+    def fitted(model: Model, progress: TrainingProgress) -> ModelFile:
         certainty = calibrate.fit_certainty(model, validation)
         say(
             f"certainty of actions: {certainty.before:.4f}, right {certainty.right:.4f}; logits "
@@ -100,7 +100,7 @@ def fit(
         space = WorkSpace(WORK_SPACE.min, WORK_SPACE.max)
         return ModelFile(model, domain, found.thresholds, space, training=training)
 
-    def stage_done(name: str, model: Model, progress: Progress) -> None:
+    def stage_done(name: str, model: Model, progress: TrainingProgress) -> None:
         after_stage(name, lambda: fitted(name_actions(model, domain)[0], progress))
 
     result = train(domain, data, config, seed, out, resume, after_stage=stage_done)

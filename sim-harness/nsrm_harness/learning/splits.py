@@ -11,7 +11,7 @@ from jax import Array
 from nsrm_harness.learning.model import GROUP_TOKEN, MISSING, Splitter
 
 
-class Command(NamedTuple):
+class TokenizedCommand(NamedTuple):
     """A sentence as arrays; see `dataset.Sentences` for shapes without the leading axis."""
 
     tokens: Array
@@ -21,7 +21,7 @@ class Command(NamedTuple):
 
 
 def step_tokens(
-    command: Command, first: Array, end: Array, width: int | None = None
+    command: TokenizedCommand, first: Array, end: Array, width: int | None = None
 ) -> tuple[Array, Array, Array]:
     """The tokens `first..end` moved to the front: tokens `[W]`, valid `[W]`, groups `[G, K]`.
 
@@ -38,7 +38,7 @@ def step_tokens(
     return tokens, valid, groups
 
 
-def split_log_probability(splitter: Splitter, command: Command, first: Array) -> Array:
+def split_log_probability(splitter: Splitter, command: TokenizedCommand, first: Array) -> Array:
     """Log probability that the step which begins at `first` ends after each token `[T]`.
 
     Counted from the command's first token; see `end_log_probability`; -1e9 outside.

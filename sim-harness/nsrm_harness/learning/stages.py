@@ -25,7 +25,7 @@ from nsrm_harness.learning.model import GROUP_TOKEN, MISSING, Model, Splitter, f
 from nsrm_harness.learning.nonsense import is_reserved, known_gaps, nonsense
 from nsrm_harness.learning.objective import (
     Grounding,
-    Scene,
+    SceneArrays,
     entropy,
     exact_step,
     ground,
@@ -36,7 +36,7 @@ from nsrm_harness.learning.objective import (
     soft_minimum,
 )
 from nsrm_harness.learning.splits import (
-    Command,
+    TokenizedCommand,
     end_log_probability,
     split_log_probability,
     step_tokens,
@@ -71,8 +71,8 @@ class Demonstration(NamedTuple):
     """One demonstration: its command, its scene, where its crops are `[M]`, and the token with
     which its first step usually would end."""
 
-    command: Command
-    scene: Scene
+    command: TokenizedCommand
+    scene: SceneArrays
     crop_of: Array
     usual_end: Array
 
@@ -115,7 +115,7 @@ def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
     """The chosen episodes as one tree with a leading axis; commands padded to their longest."""
     tokens, length, groups, count = decode.commands(data, chosen)
     width = roomy(int(length.max()))
-    command = Command(tokens[:, :width], length, groups[:, : count.max()], count)
+    command = TokenizedCommand(tokens[:, :width], length, groups[:, : count.max()], count)
     crop_of = jnp.asarray(data.crop_of[chosen])
     usual_end = jnp.asarray(data.sentences.usual_ends()[chosen])
     return Demonstration(command, decode.scenes(data, chosen), crop_of, usual_end)
@@ -155,7 +155,7 @@ def see(model: Model, crops: Array, crop_of: Array, key: Array) -> Array:
 
 def ground_step(
     model: Model,
-    command: Command,
+    command: TokenizedCommand,
     similarities: Array,
     present: Array,
     first: Array,
@@ -310,7 +310,7 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
     def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         table: SplitTable = batch[0]
 
-        def one(key: Array, command: Command, first: Array, losses: Array) -> Array:
+        def one(key: Array, command: TokenizedCommand, first: Array, losses: Array) -> Array:
             log_probability = split_log_probability(model.language.splitter, command, first)
             if config.split_gradient == REINFORCE:
                 spread = config.split_spread * jnp.maximum(1.0 - 2.0 * done, 0.0)
@@ -374,7 +374,7 @@ def simulator_stage(
     _some(chosen, "simulator: no command that the model can carry out")
     scenes = demonstrations(data, chosen).scene
 
-    def rollout(model: Model, scene: Scene, choices: Choices) -> Array:
+    def rollout(model: Model, scene: SceneArrays, choices: Choices) -> Array:
         simulator = model.action.simulator
         locations = scene.before
         for step in range(choices.action.shape[0]):

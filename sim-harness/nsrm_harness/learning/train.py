@@ -23,7 +23,7 @@ from tqdm import tqdm
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.domain import Domain
 from nsrm_harness.learning import decode, stages
-from nsrm_harness.learning.checkpoint import Checkpoints, Progress
+from nsrm_harness.learning.checkpoint import Checkpoints, TrainingProgress
 from nsrm_harness.learning.config import TrainingConfig
 from nsrm_harness.learning.dataset import TrainingSet
 from nsrm_harness.learning.model import Dimensions, Model
@@ -59,7 +59,7 @@ NEXT_ATTEMPT = 1_000_003
 """Added to the seed for each further attempt."""
 
 
-class State(NamedTuple):
+class TrainingState(NamedTuple):
     """What changes during a stage."""
 
     model: Any
@@ -73,7 +73,7 @@ class Result(NamedTuple):
     model: Model
     named: bool
     """Whether each action was learned as one of its own; see `naming`."""
-    progress: Progress
+    progress: TrainingProgress
 
 
 def untrained(domain: Domain, data: TrainingSet, seed: int, residual: bool = True) -> Model:
@@ -95,8 +95,10 @@ def train(
     folder: Path,
     resume: bool = False,
     quiet: bool = False,
-    after_epoch: Callable[[Progress], None] = lambda progress: None,
-    after_stage: Callable[[str, Model, Progress], None] = lambda name, model, progress: None,
+    after_epoch: Callable[[TrainingProgress], None] = lambda progress: None,
+    after_stage: Callable[[str, Model, TrainingProgress], None] = lambda name, model, progress: (
+        None
+    ),
 ) -> Result:
     """Train from the start, or go on from the checkpoint in `folder`.
 
@@ -106,7 +108,7 @@ def train(
     """
     run = json_text([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
-    progress = (checkpoints.progress() if resume else None) or Progress()
+    progress = (checkpoints.progress() if resume else None) or TrainingProgress()
     model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual)
     state = None
     if progress.epoch > 0 or progress.stage > 0:
@@ -209,12 +211,12 @@ class Fit:
         self._rate = optax.cosine_decay_schedule(stage.config.learning_rate, steps, FINAL_RATE)
         self._step: Callable[..., tuple[list[Array], Array]] | None = None
 
-    def start(self, model: eqx.Module) -> State:
+    def start(self, model: eqx.Module) -> TrainingState:
         """The state before the first epoch."""
         trained = eqx.filter(model, trainable(model, self._trains))
-        return State(model, OPTIMIZER.init(trained))
+        return TrainingState(model, OPTIMIZER.init(trained))
 
-    def epoch(self, state: State, epoch: int) -> tuple[State, float]:
+    def epoch(self, state: TrainingState, epoch: int) -> tuple[TrainingState, float]:
         """One pass; returns the mean loss too."""
         rng = np.random.default_rng([self._seed, self._number, epoch])
         key = jax.random.fold_in(jax.random.key(self._seed), self._number * 100_000 + epoch)
@@ -240,7 +242,7 @@ class Fit:
             )
             losses.append(loss)
         trained, optimizer = jax.tree.unflatten(structure, changing)
-        state = State(eqx.combine(trained, kept), optimizer)
+        state = TrainingState(eqx.combine(trained, kept), optimizer)
         return state, float(np.mean(jax.device_get(losses)))
 
 
@@ -297,8 +299,8 @@ def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
     return jax.tree_util.tree_map_with_path(is_trained, model)
 
 
-def _start(model: Model, stage: int) -> State:
+def _start(model: Model, stage: int) -> TrainingState:
     """A state with the structure that the stage's has."""
     trains = list(TRAINS.values())[stage]
     trained = eqx.filter(model, trainable(model, trains))
-    return State(model, OPTIMIZER.init(trained))
+    return TrainingState(model, OPTIMIZER.init(trained))

@@ -31,7 +31,7 @@ HELD = "held"
 MARGIN_M = 0.002
 """That is kept from everything but what is to be touched."""
 
-TOUCHING: frozenset[frozenset[str]] = frozenset(
+ALLOWED_COLLISIONS: frozenset[frozenset[str]] = frozenset(
     frozenset(pair)
     for pair in (
         # Hulls of neighbours overlap in every configuration, or nearly touch.
@@ -83,7 +83,7 @@ class Nearest:
         return f"{one} would come within {math.ceil(1000 * self.distance_m)} mm of {other}"
 
 
-class Guard:
+class CollisionChecker:
     """Looks at configurations among solids.
 
     * `objects`: what stands there, by name; not what is held
@@ -101,7 +101,7 @@ class Guard:
         alive: Callable[[], None] = lambda: None,
     ) -> None:
         self._kinematics, self._alive = kinematics, alive
-        self._ignored = TOUCHING | {frozenset(pair) for pair in ignored}
+        self._ignored = ALLOWED_COLLISIONS | {frozenset(pair) for pair in ignored}
         self._links = {
             name: fcl.CollisionObject(hull, fcl.Transform()) for name, hull in _hulls().items()
         }
@@ -265,20 +265,20 @@ def _ball(name: str, held: Cuboid | None) -> tuple[NDArray[np.float64], float]:
 
 @lru_cache(maxsize=1)
 def _vertices() -> dict[str, NDArray[np.float64]]:
-    return {name: np.array(mesh.vertices) for name, mesh in link_hulls().items()}
+    return {name: np.array(mesh.vertices) for name, mesh in link_convex_hulls().items()}
 
 
 @lru_cache(maxsize=1)
 def _hulls() -> dict[str, fcl.Convex]:
     hulls = {}
-    for name, mesh in link_hulls().items():
+    for name, mesh in link_convex_hulls().items():
         faces = np.insert(np.array(mesh.faces), 0, 3, axis=1).flatten()
         hulls[name] = fcl.Convex(np.array(mesh.vertices), len(mesh.faces), faces)
     return hulls
 
 
 @lru_cache(maxsize=1)
-def link_hulls() -> dict[str, trimesh.Trimesh]:
+def link_convex_hulls() -> dict[str, trimesh.Trimesh]:
     """Convex hull of each link's collision mesh, in the link's frame."""
     meshes = {}
     for link in ElementTree.parse(panda.URDF).getroot().iter("link"):

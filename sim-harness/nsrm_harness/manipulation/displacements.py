@@ -8,15 +8,15 @@ from collections.abc import Mapping
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 
-SHIFTED_M = 0.003
+DISPLACED_M = 0.003
 """Another block that is seen farther from where it was has been moved."""
 
-Shifted = tuple[tuple[str, float], ...]
+Displacements = tuple[tuple[str, float], ...]
 """The names of what else was moved, and how far at most, metres; infinitely far if it is no
 longer seen."""
 
 
-class Shifts:
+class DisplacementTracker:
     """How far each object is seen from where it stood at first, or from where it was put since:
     from look to look a block may be pushed by less than is noticed."""
 
@@ -37,17 +37,17 @@ class Shifts:
             self._farthest_m[name] = max(shift_m, self._farthest_m.get(name, 0.0))
         self._unseen = self._stood.keys() - objects.keys()
 
-    def besides(self, name: str) -> Shifted:
+    def besides(self, name: str) -> Displacements:
         """What else has moved than this."""
         shifts = (
             (other, math.inf if other in self._unseen else shift_m)
             for other, shift_m in self._farthest_m.items()
             if other != name
         )
-        return tuple((other, shift_m) for other, shift_m in shifts if shift_m > SHIFTED_M)
+        return tuple((other, shift_m) for other, shift_m in shifts if shift_m > DISPLACED_M)
 
 
-def in_words(shifted: Shifted) -> str:
+def in_words(shifted: Displacements) -> str:
     """Behind other words; empty if nothing has moved."""
     return "".join(
         f"; {name} was pushed by {1000 * shift_m:.1f} mm"

@@ -7,7 +7,7 @@ from enum import Enum
 from nsrm_harness.common.errors import HarnessError
 
 
-class Why(Enum):
+class RefusalReason(Enum):
     """What stands in the way."""
 
     UNSEEN = "unseen"
@@ -27,7 +27,7 @@ class RefusedError(HarnessError):
       it might be done; the nearest to being far enough away first
     """
 
-    def __init__(self, why: Why, message: str, in_the_way: tuple[str, ...] = ()) -> None:
+    def __init__(self, why: RefusalReason, message: str, in_the_way: tuple[str, ...] = ()) -> None:
         super().__init__(message)
         self.why = why
         self.in_the_way = in_the_way

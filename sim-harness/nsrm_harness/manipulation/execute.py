@@ -13,17 +13,17 @@ import numpy as np
 from nsrm_harness.manipulation.grasps import Grasp
 from nsrm_harness.manipulation.gripper import close_fingers, open_fingers
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Carry
-from nsrm_harness.manipulation.robot_interface import Body, StuckError, wait
+from nsrm_harness.manipulation.pick_and_place import PickAndPlace
+from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError, wait
 from nsrm_harness.manipulation.stopping import (
     Braking,
+    RetreatPath,
     Stop,
     StoppedError,
-    WayBack,
     back_along,
     back_from,
+    never_stopped,
     on_from,
-    unstopped,
 )
 from nsrm_harness.manipulation.trajectory import Backwards, Moments, Trajectory
 
@@ -51,7 +51,7 @@ def unmarked(event: str) -> None:
     """Tells nobody."""
 
 
-class Done(Enum):
+class ExecutionResult(Enum):
     """How a carrying ended, as far as the hand can feel."""
 
     PLACED = "placed"
@@ -60,7 +60,9 @@ class Done(Enum):
     TAKEN_BACK = "taken back, as something is in the way"
 
 
-def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unstopped) -> Done:
+def execute(
+    body: RobotInterface, carry: PickAndPlace, mark: Mark = unmarked, stop: Stop = never_stopped
+) -> ExecutionResult:
     """Does all that was planned, and ends in the ready pose whatever happens to the block.
 
     Bounded: motions by their durations, fingers as in `open_fingers`. Raises `StuckError`, of the
@@ -71,23 +73,23 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unst
     begin = carry.reach[0].begin
     body.drive(begin, np.zeros_like(begin))
     open_fingers(body, grasp.opening_m)
-    _follow(body, carry.reach, _Halt(stop, back_from, WayBack()))
-    from_here = WayBack(ways=tuple(Backwards(way) for way in carry.reach[::-1]))
+    _follow(body, carry.reach, _Halt(stop, back_from, RetreatPath()))
+    from_here = RetreatPath(ways=tuple(Backwards(way) for way in carry.reach[::-1]))
     try:
         _follow(body, [carry.descend], _Halt(stop, back_from, from_here), lag_rad=TOUCH_RAD)
     except StuckError:
         up = back_along(body.joints(), carry.descend)
-        _follow(body, (*up, *carry.back), _Halt(stop, on_from, WayBack()))
+        _follow(body, (*up, *carry.back), _Halt(stop, on_from, RetreatPath()))
         mark("not grasped")
-        return Done.NOT_GRASPED
+        return ExecutionResult.NOT_GRASPED
     mark("reached")
     held_m = close_fingers(body)
-    away = WayBack(grasp=grasp, home=(carry.lift, *carry.back))
+    away = RetreatPath(grasp=grasp, home=(carry.lift, *carry.back))
     if abs(held_m - grasp.width_m) > WIDTH_M:
         open_fingers(body, grasp.opening_m)
-        _follow(body, away.home, _Halt(stop, on_from, WayBack()))
+        _follow(body, away.home, _Halt(stop, on_from, RetreatPath()))
         mark("not grasped")
-        return Done.NOT_GRASPED
+        return ExecutionResult.NOT_GRASPED
     mark("grasped")
     least_m = held_m - SLIP_M
     if not _follow(body, [carry.lift], _Halt(stop, back_from, away), least_m):
@@ -106,39 +108,41 @@ def carry_out(body: Body, carry: Carry, mark: Mark = unmarked, stop: Stop = unst
     wait(body, CALM_S)
     open_fingers(body, grasp.opening_m)
     mark("let go")
-    _follow(body, (carry.retreat, *carry.home), _Halt(stop, on_from, WayBack()))
+    _follow(body, (carry.retreat, *carry.home), _Halt(stop, on_from, RetreatPath()))
     mark("home")
-    return Done.PLACED if holds else Done.SLIPPED
+    return ExecutionResult.PLACED if holds else ExecutionResult.SLIPPED
 
 
-def go_back(body: Body, back: WayBack, stop: Stop = unstopped) -> None:
+def retreat(body: RobotInterface, back: RetreatPath, stop: Stop = never_stopped) -> None:
     """What was held is put down where it was taken, and the arm goes to where it began.
 
-    Raises `StuckError` and `StoppedError`, as `carry_out`.
+    Raises `StuckError` and `StoppedError`, as `execute`.
     """
     _follow(body, back.ways, _Halt(stop, on_from, replace(back, ways=())))
     if back.grasp is not None:
         wait(body, CALM_S)
         open_fingers(body, back.grasp.opening_m)
-    _follow(body, back.home, _Halt(stop, on_from, WayBack()))
+    _follow(body, back.home, _Halt(stop, on_from, RetreatPath()))
 
 
 def _without_it(
-    body: Body, grasp: Grasp, home: tuple[Trajectory, ...], mark: Mark, stop: Stop
-) -> Done:
+    body: RobotInterface, grasp: Grasp, home: tuple[Trajectory, ...], mark: Mark, stop: Stop
+) -> ExecutionResult:
     """The block is lost: goes home high above the others and puts nothing down."""
     open_fingers(body, grasp.opening_m)
-    _follow(body, home, _Halt(stop, on_from, WayBack()))
+    _follow(body, home, _Halt(stop, on_from, RetreatPath()))
     mark("slipped")
-    return Done.SLIPPED
+    return ExecutionResult.SLIPPED
 
 
-def _take_back(body: Body, carry: Carry, mark: Mark, stop: Stop) -> Done:
+def _take_back(
+    body: RobotInterface, carry: PickAndPlace, mark: Mark, stop: Stop
+) -> ExecutionResult:
     """What was to be lowered has met something: puts it down where it was.
 
     Raises `StuckError` if it was no block that the joints have met.
     """
-    away = WayBack(grasp=carry.grasp, home=(carry.lift, *carry.back))
+    away = RetreatPath(grasp=carry.grasp, home=(carry.lift, *carry.back))
     down = replace(away, ways=(Backwards(carry.lift),))
     up = back_along(body.joints(), carry.lower)
     ways = (*up, *(Backwards(way) for way in carry.transfer[::-1]))
@@ -149,9 +153,9 @@ def _take_back(body: Body, carry: Carry, mark: Mark, stop: Stop) -> Done:
         # What it has met may hang below it, and stands now.
         up = back_along(body.joints(), down.ways[0])
         away = replace(away, home=(*up, *carry.back))
-    go_back(body, away, stop)
+    retreat(body, away, stop)
     mark("taken back")
-    return Done.TAKEN_BACK
+    return ExecutionResult.TAKEN_BACK
 
 
 @dataclass(frozen=True)
@@ -160,12 +164,12 @@ class _Halt:
     what follows then."""
 
     stop: Stop
-    way_back: Callable[[Sequence[Trajectory], int, float, WayBack], WayBack]
-    then: WayBack
+    way_back: Callable[[Sequence[Trajectory], int, float, RetreatPath], RetreatPath]
+    then: RetreatPath
 
 
 def _follow(
-    body: Body,
+    body: RobotInterface,
     ways: Sequence[Trajectory],
     halt: _Halt,
     least_m: float = 0.0,
@@ -193,7 +197,7 @@ def _follow(
     return holds
 
 
-def _brake(body: Body, braking: Braking) -> None:
+def _brake(body: RobotInterface, braking: Braking) -> None:
     moments = _at_ticks(body, braking)
     for joints, speeds in zip(moments.joints, moments.speeds, strict=True):
         body.drive(joints, speeds)
@@ -201,13 +205,13 @@ def _brake(body: Body, braking: Braking) -> None:
         _check_lag(body, joints, LAG_RAD)
 
 
-def _at_ticks(body: Body, way: Trajectory | Braking) -> Moments:
+def _at_ticks(body: RobotInterface, way: Trajectory | Braking) -> Moments:
     """Of those to come; at the last one it is at rest, at or behind its end."""
     ticks = math.ceil(way.duration_s / body.tick_s)
     return way.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
 
 
-def _check_lag(body: Body, told: Joints, most_rad: float) -> None:
+def _check_lag(body: RobotInterface, told: Joints, most_rad: float) -> None:
     now = body.joints()
     lag_rad = float(np.abs(now - told).max())
     if lag_rad > most_rad:

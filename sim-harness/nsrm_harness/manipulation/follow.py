@@ -13,25 +13,25 @@ import nsrm
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.displacements import SHIFTED_M
+from nsrm_harness.manipulation.displacements import DISPLACED_M
 from nsrm_harness.manipulation.errors import RefusedError
-from nsrm_harness.manipulation.execute import Done, Mark, unmarked
-from nsrm_harness.manipulation.observing import BlindError, look_patiently
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import FailedError, Performed, perform
-from nsrm_harness.manipulation.robot_interface import Body
+from nsrm_harness.manipulation.execute import ExecutionResult, Mark, unmarked
+from nsrm_harness.manipulation.observing import NoObservationError, observe_with_timeout
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached, reach_sub_goal
+from nsrm_harness.manipulation.robot_interface import RobotInterface
 from nsrm_harness.manipulation.stability import resting_on
-from nsrm_harness.perception.observer import Observer, Sight, sub_goal
+from nsrm_harness.perception.observer import Observation, Observer, sub_goal
 from nsrm_harness.perception.relief import PerceptionError
 
 MAX_ATTEMPTS = 3
-"""At one step of a sentence; each has the tries of `perform`."""
+"""At one step of a sentence; each has the tries of `reach_sub_goal`."""
 COVERED_M = 0.010
 """So far off one may be seen that bears another, which hides a part of it, as long as that one has
 stayed where it was."""
 
 
-class _OvertakenError(FailedError):
+class _OvertakenError(ManipulationError):
     """What a block was to go to is no longer where the plan has it."""
 
 
@@ -61,7 +61,7 @@ class _Belief:
         """The indices of the steps that are to be done, in order."""
         return [index for index in range(len(self.steps)) if index not in self.done]
 
-    def moved(self, sight: Sight) -> set[int]:
+    def moved(self, sight: Observation) -> set[int]:
         """The objects that are seen elsewhere, or not at all."""
         shifts_m = {
             number: sight.cuboids[number].pose.distance_m(pose)
@@ -72,7 +72,7 @@ class _Belief:
         stayed = {
             number: sight.cuboids[number]
             for number, shift_m in shifts_m.items()
-            if shift_m <= SHIFTED_M
+            if shift_m <= DISPLACED_M
         }
         return {
             number
@@ -120,25 +120,25 @@ class Follower:
     * `performed`: all of those so far
     """
 
-    body: Body
-    planner: Planner
+    body: RobotInterface
+    planner: PickAndPlacePlanner
     eyes: Observer
     model: nsrm.Model
     name: Callable[[int], str] = numbered
     mark: Mark = unmarked
-    looked: Callable[[Sight], object] = nothing
+    looked: Callable[[Observation], object] = nothing
     begin: Callable[[int], object] = nothing
     end: Callable[[int], None] = nothing
-    reached: Callable[[int, Performed], None] = nothing
-    performed: list[Performed] = field(default_factory=list, init=False)
-    _sight: Sight | None = field(default=None, init=False)
+    reached: Callable[[int, SubGoalReached], None] = nothing
+    performed: list[SubGoalReached] = field(default_factory=list, init=False)
+    _sight: Observation | None = field(default=None, init=False)
 
     def follow(self, sentence: str) -> None:
         """Has the arm do what a sentence says.
 
         Raises `nsrm.Refused` if it has no plan, `RefusedError` if a sub-goal can't be reached as
-        it looks now, `FailedError` if it was tried and is not done: the arm is in its ready pose
-        then. Raises `StuckError` where it stands.
+        it looks now, `ManipulationError` if it was tried and is not done: the arm is in its ready
+        pose then. Raises `StuckError` where it stands.
         """
         sight = self._look()
         belief = _Belief(self._plan(sight, sentence, 0), _poses(sight))
@@ -146,14 +146,14 @@ class Follower:
         while left := belief.left():
             index, step = left[0], belief.steps[left[0]]
             if attempts[index] == MAX_ATTEMPTS:
-                raise FailedError(self._did_not_stay(step), Done.PLACED)
+                raise ManipulationError(self._did_not_stay(step), ExecutionResult.PLACED)
             attempts[index] += 1
             self.begin(index)
             try:
                 performed = self._perform(step, belief)
-            except BlindError:
+            except NoObservationError:
                 raise
-            except (RefusedError, FailedError):
+            except (RefusedError, ManipulationError):
                 # What it moves itself was tried often enough.
                 has_changed = bool(belief.moved(self._seen()) - {step.object_id})
                 if not has_changed or attempts[index] == MAX_ATTEMPTS:
@@ -172,11 +172,11 @@ class Follower:
                     first = belief.left()[0]
                     belief.steps[first:] = self._plan(self._seen(), sentence, first)
 
-    def _plan(self, sight: Sight, sentence: str, first: int) -> list[nsrm.PlannedStep]:
+    def _plan(self, sight: Observation, sentence: str, first: int) -> list[nsrm.PlannedStep]:
         scene = sight.scene(self.model, self.eyes.camera)
         return list(self.model.plan(scene, sentence, first).steps)
 
-    def _perform(self, step: nsrm.PlannedStep, belief: _Belief) -> Performed:
+    def _perform(self, step: nsrm.PlannedStep, belief: _Belief) -> SubGoalReached:
         def look() -> Mapping[str, Cuboid]:
             sight = self._look()
             if step.reference_id in belief.moved(sight):
@@ -184,7 +184,7 @@ class Follower:
                 raise _OvertakenError(f"{reference} is no longer where it was; I stopped")
             return {self.name(number): cuboid for number, cuboid in sight.cuboids.items()}
 
-        return perform(
+        return reach_sub_goal(
             self.body,
             self.planner,
             look,
@@ -201,15 +201,15 @@ class Follower:
             "stay where it was; I stopped"
         )
 
-    def _seen(self) -> Sight:
+    def _seen(self) -> Observation:
         """What was seen last: the arm has not moved since."""
         return self._sight or self._look()
 
-    def _look(self) -> Sight:
-        """A picture that is taken now. Raises `BlindError` if there is none for `PATIENCE_S`."""
+    def _look(self) -> Observation:
+        """A picture taken now. Raises `NoObservationError` if there is none for `PATIENCE_S`."""
         begun_s = self.eyes.now_s
 
-        def look() -> Sight:
+        def look() -> Observation:
             sight = self.eyes.look()
             if sight.taken_s < begun_s:
                 age_s = self.eyes.now_s - sight.taken_s
@@ -217,10 +217,10 @@ class Follower:
             return sight
 
         self._sight = None
-        self._sight = sight = look_patiently(self.body, look, lambda: self.eyes.now_s)
+        self._sight = sight = observe_with_timeout(self.body, look, lambda: self.eyes.now_s)
         self.looked(sight)
         return sight
 
 
-def _poses(sight: Sight) -> dict[int, Pose]:
+def _poses(sight: Observation) -> dict[int, Pose]:
     return {number: cuboid.pose for number, cuboid in sight.cuboids.items()}

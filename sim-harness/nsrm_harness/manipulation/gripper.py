@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 from nsrm_harness.geometry.panda import GRIP_N
-from nsrm_harness.manipulation.robot_interface import Body, StuckError, wait
+from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError, wait
 
 LOOK_S = 0.02
 """Between two looks at how far they are open."""
@@ -28,7 +28,7 @@ class GripperError(StuckError):
     stay as they are: what they do later would surprise who stands there."""
 
 
-def open_fingers(body: Body, opening_m: float) -> None:
+def open_fingers(body: RobotInterface, opening_m: float) -> None:
     """To that opening, from a wider or a narrower one.
 
     Bounded by `BEGIN_S` and `MOVE_S`. Raises `GripperError` if they don't get there.
@@ -38,7 +38,7 @@ def open_fingers(body: Body, opening_m: float) -> None:
         raise _stuck(body, opening_m, "stopped on the way")
 
 
-def close_fingers(body: Body) -> float:
+def close_fingers(body: RobotInterface) -> float:
     """Until they meet something, or each other; gives how far they are open then.
 
     Bounded as `open_fingers`. Raises `GripperError` if they don't move, or don't come to a stand.
@@ -47,7 +47,7 @@ def close_fingers(body: Body) -> float:
     return body.opening_m()
 
 
-def _move(body: Body, opening_m: float) -> None:
+def _move(body: RobotInterface, opening_m: float) -> None:
     begin_m = body.opening_m()
     body.grip(opening_m, GRIP_N)
     # Those that are there have nowhere to go.
@@ -57,7 +57,7 @@ def _move(body: Body, opening_m: float) -> None:
         raise _stuck(body, opening_m, f"still moved after {MOVE_S} s")
 
 
-def _has_begun(body: Body, begin_m: float) -> bool:
+def _has_begun(body: RobotInterface, begin_m: float) -> bool:
     for _ in range(round(BEGIN_S / LOOK_S)):
         wait(body, LOOK_S)
         if abs(body.opening_m() - begin_m) > BEGUN_M:
@@ -65,7 +65,7 @@ def _has_begun(body: Body, begin_m: float) -> bool:
     return False
 
 
-def _stands(body: Body) -> bool:
+def _stands(body: RobotInterface) -> bool:
     before_m = math.inf
     for _ in range(round(MOVE_S / LOOK_S)):
         wait(body, LOOK_S)
@@ -76,7 +76,7 @@ def _stands(body: Body) -> bool:
     return False
 
 
-def _stuck(body: Body, opening_m: float, how: str) -> GripperError:
+def _stuck(body: RobotInterface, opening_m: float, how: str) -> GripperError:
     now_m = body.opening_m()
     body.grip(now_m, GRIP_N)
     return GripperError(

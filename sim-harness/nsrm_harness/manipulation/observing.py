@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from nsrm_harness.manipulation.retries import FailedError
-from nsrm_harness.manipulation.robot_interface import Body, wait
+from nsrm_harness.manipulation.retries import ManipulationError
+from nsrm_harness.manipulation.robot_interface import RobotInterface, wait
 from nsrm_harness.perception.relief import PerceptionError
 
 PATIENCE_S, PAUSE_S = 3.0, 0.1
@@ -15,17 +15,19 @@ PATIENCE_S, PAUSE_S = 3.0, 0.1
 Seen = TypeVar("Seen")
 
 
-class BlindError(FailedError):
+class NoObservationError(ManipulationError):
     """There is no new picture in which anything can be seen."""
 
 
-def look_patiently(body: Body, look: Callable[[], Seen], now_s: Callable[[], float]) -> Seen:
+def observe_with_timeout(
+    body: RobotInterface, look: Callable[[], Seen], now_s: Callable[[], float]
+) -> Seen:
     """What is seen on the first picture on which anything is; the arm stands meanwhile.
 
     * `look`: takes a picture, and raises `PerceptionError` where nothing can be seen on it
     * `now_s`: the time
 
-    Raises `BlindError` if there is none for `PATIENCE_S`.
+    Raises `NoObservationError` if there is none for `PATIENCE_S`.
     """
     begun_s = now_s()
     while True:
@@ -33,5 +35,5 @@ def look_patiently(body: Body, look: Callable[[], Seen], now_s: Callable[[], flo
             return look()
         except PerceptionError as error:
             if now_s() - begun_s > PATIENCE_S:
-                raise BlindError(f"{error}; I stopped") from None
+                raise NoObservationError(f"{error}; I stopped") from None
         wait(body, PAUSE_S)

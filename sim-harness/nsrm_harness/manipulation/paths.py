@@ -13,7 +13,7 @@ from ompl import util as ompl
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import MARGIN_M, Guard, Nearest
+from nsrm_harness.manipulation.collision import MARGIN_M, CollisionChecker, Nearest
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
 from nsrm_harness.manipulation.trajectory import Along, Straight, Trajectory
 
@@ -64,7 +64,7 @@ def turned_rad(kinematics: Kinematics, ways: Sequence[Trajectory]) -> float:
 
 
 def free(
-    guard: Guard, begin: Joints, end: Joints, opening_m: float, pace: float
+    guard: CollisionChecker, begin: Joints, end: Joints, opening_m: float, pace: float
 ) -> list[Trajectory] | Nearest:
     """Moves from here to there that touch nothing; what the straight one touches if none is
     found. The same ones each time."""
@@ -86,7 +86,7 @@ def free(
     return found or touch
 
 
-def _sampled(guard: Guard, begin: Joints, end: Joints, opening_m: float) -> list[Joints]:
+def _sampled(guard: CollisionChecker, begin: Joints, end: Joints, opening_m: float) -> list[Joints]:
     """Places of a free way, by RRT-Connect (Kuffner and LaValle, 2000); empty if none was found
     in a bounded number of steps."""
     # Otherwise it would depend on what was planned before.

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import HELD, Guard, Nearest
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.collision import HELD, CollisionChecker, Nearest
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.grasps import HOLDS, LEANS_RAD, UPRIGHT, Grasp, grasps, why_not_held
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
 from nsrm_harness.manipulation.paths import free, line, turned_rad
@@ -35,7 +35,7 @@ more; some joints that reach it take the long way round, 270° (docs/decisions/a
 
 
 @dataclass(frozen=True, eq=False)
-class Carry:
+class PickAndPlace:
     """What the arm does, in this order.
 
     * the fingers open as far as the grasp says; `reach`: to above the block
@@ -77,8 +77,8 @@ class _Task:
     others: Mapping[str, Cuboid]
     begin: Joints
     put: Placement
-    before: Guard
-    after: Guard
+    before: CollisionChecker
+    after: CollisionChecker
 
     def held_by(self, grasp: Grasp) -> tuple[Cuboid, Pose]:
         """The block in the hand's frame, and where the hand lets it go."""
@@ -119,7 +119,7 @@ class _Failed(NamedTuple):
     why: Nearest | _TurnsTooFar | _OutOfReach
 
 
-class Planner:
+class PickAndPlacePlanner:
     """Plans how things are carried. One for each thread.
 
     * `alive`: is called every few milliseconds while it plans, which may take seconds
@@ -138,7 +138,7 @@ class Planner:
         begin: Joints,
         *,
         leaning: bool = True,
-    ) -> Carry:
+    ) -> PickAndPlace:
         """How a block is carried to its sub-goal.
 
         * `objects`: all that is seen, by name
@@ -150,15 +150,17 @@ class Planner:
         Raises `RefusedError`.
         """
         if name not in objects:
-            raise RefusedError(Why.UNSEEN, f"{name} is not seen")
+            raise RefusedError(RefusalReason.UNSEEN, f"{name} is not seen")
         block = objects[name]
         others = {key: cuboid for key, cuboid in objects.items() if key != name}
         if on_it := resting_on(block, others):
             raise RefusedError(
-                Why.COVERED, f"{' and '.join(on_it)} stands on {name}: move it first", tuple(on_it)
+                RefusalReason.COVERED,
+                f"{' and '.join(on_it)} stands on {name}: move it first",
+                tuple(on_it),
             )
         if why := why_not_held(block):
-            raise RefusedError(Why.NO_GRASP, f"the hand can't hold {name}: {why}")
+            raise RefusedError(RefusalReason.NO_GRASP, f"the hand can't hold {name}: {why}")
         try:
             put = placement(goal, block, others)
         except RefusedError as refusal:
@@ -184,12 +186,12 @@ class Planner:
             ways = _least_turns_first(grasps(block, leans_rad, places, clear_m))
             for task, grasp in itertools.product(tasks, ways):
                 found = self._by(grasp, task)
-                if isinstance(found, Carry):
+                if isinstance(found, PickAndPlace):
                     return found
                 failed.append(_Failed(grasp, task, found))
         raise self._refusal(name, others, failed)
 
-    def _by(self, grasp: Grasp, task: _Task) -> Carry | Nearest | _TurnsTooFar | _OutOfReach:
+    def _by(self, grasp: Grasp, task: _Task) -> PickAndPlace | Nearest | _TurnsTooFar | _OutOfReach:
         """All motions by one grasp, or what is against it."""
         self._alive()
         opening, put = grasp.opening_m, task.put
@@ -238,7 +240,7 @@ class Planner:
         back = free(before, up.end, panda.READY_RAD, opening, self._pace)
         if isinstance(back, Nearest):
             return back
-        return Carry(
+        return PickAndPlace(
             grasp,
             put,
             tuple(reach),
@@ -267,30 +269,33 @@ class Planner:
                 key for touch in (*around, *touches) for key in sorted(touch.pair)
             )
             return RefusedError(
-                Why.NO_WAY,
+                RefusalReason.NO_WAY,
                 f"{name} can't be carried there: {turns[0] if turns else touches[0]}",
                 tuple(key for key in touched if key in others),
             )
         if all(each.why is _OutOfReach.BLOCK for each in failed):
             return RefusedError(
-                Why.OUT_OF_REACH, f"the arm does not reach {name} from above: move it nearer"
+                RefusalReason.OUT_OF_REACH,
+                f"the arm does not reach {name} from above: move it nearer",
             )
         elsewhere = (each for each in failed if each.why is _OutOfReach.BLOCK)
         if any(self._up_from(task.held_by(grasp)[1], task.begin) for grasp, task, _ in elsewhere):
             return RefusedError(
-                Why.NO_WAY,
+                RefusalReason.NO_WAY,
                 f"{name} can't be carried there: no way to hold it reaches both where it stands "
                 "and where it goes",
             )
         return RefusedError(
-            Why.OUT_OF_REACH, f"the arm does not reach the sub-goal of {name} from above"
+            RefusalReason.OUT_OF_REACH, f"the arm does not reach the sub-goal of {name} from above"
         )
 
     def _up_from(self, hand: Pose, near: Joints) -> Along | None:
         """The line of the hand straight up from there; None if the arm can't follow it."""
         return line(self._kinematics, hand, _above(hand, RISE_M), near, self._pace)
 
-    def _touch(self, guard: Guard, hand: Pose, near: Joints, opening_m: float) -> Nearest | None:
+    def _touch(
+        self, guard: CollisionChecker, hand: Pose, near: Joints, opening_m: float
+    ) -> Nearest | None:
         """What is touched with the hand there; None also where it does not reach."""
         joints = self._kinematics.joints(hand, near)
         return None if joints is None else guard.touches(joints, opening_m)
@@ -300,8 +305,8 @@ class Planner:
         objects: Mapping[str, Cuboid],
         held: Cuboid | None = None,
         ignored: Iterable[tuple[str, str]] = (),
-    ) -> Guard:
-        return Guard(self._kinematics, objects, held, ignored, self._alive)
+    ) -> CollisionChecker:
+        return CollisionChecker(self._kinematics, objects, held, ignored, self._alive)
 
 
 def _fingers_and(name: str) -> list[tuple[str, str]]:

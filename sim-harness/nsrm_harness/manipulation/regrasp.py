@@ -8,29 +8,29 @@ from collections.abc import Collection, Mapping
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.relocation import Aside, with_room
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.relocation import Relocation, with_room
 from nsrm_harness.manipulation.stability import gap_m
 
 
-def stopover(
-    planner: Planner,
+def plan_regrasp(
+    planner: PickAndPlacePlanner,
     objects: Mapping[str, Cuboid],
     name: str,
     goal: Pose,
     begin: Joints,
     refusal: RefusedError,
-) -> tuple[Aside, ...]:
+) -> tuple[Relocation, ...]:
     """Where a block is set down, so that it can be taken up again by other faces, or leaning
     otherwise, and carried to its sub-goal; empty if that does not help. The place that is the
     farthest from all else is tried alone: what fails there will hardly do elsewhere.
 
-    * `objects`, `begin`: see `Planner.carry`
+    * `objects`, `begin`: see `PickAndPlacePlanner.carry`
     * `refusal`: why it can't be carried at once
     """
-    if refusal.why is not Why.NO_WAY:
+    if refusal.why is not RefusalReason.NO_WAY:
         return ()
     block = objects[name]
     others = [cuboid for key, cuboid in objects.items() if key != name]

@@ -10,9 +10,9 @@ from itertools import islice
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.pick_and_place import Planner
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.stability import gap_m, resting_on, supporting
 
 MAX_BLOCKERS = 2
@@ -30,19 +30,19 @@ FINGER_ROOM_M = 0.034
 """Around a blocker in its new place: a finger is 26 mm thick, comes 3 mm beside the block and
 keeps 2 mm from the next one; the rest is for what is seen a little off."""
 
-Aside = tuple[str, Pose]
+Relocation = tuple[str, Pose]
 """The name of what is carried first, and where its centre is put."""
 
 
-def clearing(
-    planner: Planner,
+def plan_relocations(
+    planner: PickAndPlacePlanner,
     objects: Mapping[str, Cuboid],
     name: str,
     goal: Pose,
     begin: Joints,
     refusal: RefusedError,
     keep: Collection[str] = (),
-) -> tuple[Aside, ...]:
+) -> tuple[Relocation, ...]:
     """What is moved aside, in this order, so that a block can be carried to its sub-goal; empty if
     nothing is found. As few blockers as possible, each to one of the nearest places. The same
     ones each time.
@@ -54,7 +54,7 @@ def clearing(
 
     What carries something stays too. Bounded: at most `MAX_PLANS` times a block's motions.
     """
-    if refusal.why not in (Why.NO_ROOM, Why.NO_WAY):
+    if refusal.why not in (RefusalReason.NO_ROOM, RefusalReason.NO_WAY):
         return ()
     return _Search(planner, objects, name, goal, begin, keep).asides(refusal)
 
@@ -62,7 +62,7 @@ def clearing(
 class _Search:
     def __init__(
         self,
-        planner: Planner,
+        planner: PickAndPlacePlanner,
         objects: Mapping[str, Cuboid],
         name: str,
         goal: Pose,
@@ -79,7 +79,7 @@ class _Search:
         self._refusals: dict[frozenset[str], RefusedError | None] = {}
         self._plans = 0
 
-    def asides(self, refusal: RefusedError) -> tuple[Aside, ...]:
+    def asides(self, refusal: RefusedError) -> tuple[Relocation, ...]:
         """First by one blocker, then by more."""
         refusals: dict[tuple[str, ...], RefusedError] = {(): refusal}
         for _ in range(MAX_BLOCKERS):
@@ -97,10 +97,10 @@ class _Search:
             refusals = further
         return ()
 
-    def _places(self, blockers: tuple[str, ...]) -> tuple[Aside, ...]:
+    def _places(self, blockers: tuple[str, ...]) -> tuple[Relocation, ...]:
         """Where each blocker in turn is put; empty if one of them has no place."""
         objects, begin = self._objects, self._begin
-        found: list[Aside] = []
+        found: list[Relocation] = []
         for number, blocker in enumerate(blockers, start=1):
             place = self._place(objects, blocker, blockers[number:], begin)
             if place is None:
@@ -139,7 +139,7 @@ class _Search:
     ) -> RefusedError | None:
         if self._plans == MAX_PLANS:
             # With nothing in the way, so that nothing further is tried.
-            return RefusedError(Why.NO_WAY, "enough was planned")
+            return RefusedError(RefusalReason.NO_WAY, "enough was planned")
         self._plans += 1
         try:
             self._planner.carry(objects, name, goal, begin, leaning=False)

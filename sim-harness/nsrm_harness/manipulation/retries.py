@@ -12,14 +12,14 @@ from typing import Any
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.displacements import Shifted, Shifts, in_words
-from nsrm_harness.manipulation.errors import RefusedError, Why
-from nsrm_harness.manipulation.execute import Done, Mark, carry_out, unmarked
-from nsrm_harness.manipulation.pick_and_place import Carry, Planner
-from nsrm_harness.manipulation.regrasp import stopover
-from nsrm_harness.manipulation.relocation import Aside, clearing
-from nsrm_harness.manipulation.robot_interface import Body
-from nsrm_harness.manipulation.stopping import Stop, unstopped
+from nsrm_harness.manipulation.displacements import Displacements, DisplacementTracker, in_words
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
+from nsrm_harness.manipulation.execute import ExecutionResult, Mark, execute, unmarked
+from nsrm_harness.manipulation.pick_and_place import PickAndPlace, PickAndPlacePlanner
+from nsrm_harness.manipulation.regrasp import plan_regrasp
+from nsrm_harness.manipulation.relocation import Relocation, plan_relocations
+from nsrm_harness.manipulation.robot_interface import RobotInterface
+from nsrm_harness.manipulation.stopping import Stop, never_stopped
 from nsrm_harness.perception.cuboids import EDGE_M
 
 MAX_TRIES = 3
@@ -32,14 +32,14 @@ partly covered and yet seems whole may be off by 3°. In 152 steps none was seen
 Look = Callable[[], Mapping[str, Cuboid]]
 """Takes a picture; gives all that is believed to stand there, by name."""
 Tell = Callable[[Sequence[str]], object]
-"""Is told the names of what is carried first, before it is: see `Performed.cleared`."""
+"""Is told the names of what is carried first, before it is: see `SubGoalReached.cleared`."""
 
 
 def untold(names: Sequence[str]) -> None:
     """Tells nobody."""
 
 
-class FailedError(HarnessError):
+class ManipulationError(HarnessError):
     """Something has moved, but not as it was to; the arm is at rest in its ready pose.
 
     * `what`: what went wrong
@@ -51,16 +51,16 @@ class FailedError(HarnessError):
     def __init__(
         self,
         what: str,
-        done: Done | None = None,
-        why: Why | None = None,
-        shifted: Shifted = (),
+        done: ExecutionResult | None = None,
+        why: RefusalReason | None = None,
+        shifted: Displacements = (),
     ) -> None:
         super().__init__(what + in_words(shifted))
         self.what, self.done, self.why, self.shifted = what, done, why, shifted
 
 
 @dataclass(frozen=True)
-class Performed:
+class SubGoalReached:
     """How a sub-goal was reached, by what is seen afterwards.
 
     * `corrected_m`: between the model's sub-goal and where the block was meant to go
@@ -75,9 +75,9 @@ class Performed:
     tries: int
     corrected_m: float
     miss_m: float
-    shifted: Shifted
+    shifted: Displacements
     motion_s: float
-    cleared: tuple[Aside, ...] = ()
+    cleared: tuple[Relocation, ...] = ()
 
     @property
     def aside(self) -> list[Pose]:
@@ -113,9 +113,9 @@ class Performed:
         }
 
 
-def perform(
-    body: Body,
-    planner: Planner,
+def reach_sub_goal(
+    body: RobotInterface,
+    planner: PickAndPlacePlanner,
     look: Look,
     name: str,
     goal: Pose,
@@ -123,9 +123,9 @@ def perform(
     *,
     keep: Collection[str] = (),
     tries: int = MAX_TRIES,
-    stop: Stop = unstopped,
+    stop: Stop = never_stopped,
     tell: Tell = untold,
-) -> Performed:
+) -> SubGoalReached:
     """Carries a block to its sub-goal; what only stands too near is moved aside first, or the block
     itself is set down on the way.
 
@@ -133,41 +133,42 @@ def perform(
     * `tries`: of anything that is carried, at most; 1 or more
 
     Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
-    `FailedError` if it was tried and is not done; `StuckError` and `StoppedError` as `carry_out`.
+    `ManipulationError` if it was tried and is not done; `StuckError` and `StoppedError` as
+    `execute`.
     """
     if tries < 1:
         raise ValueError(f"tries: expected 1 or more, got {tries}")
     hands = _Hands(body, planner, look, mark, tries, stop, tell)
 
-    def before(objects: Mapping[str, Cuboid], refusal: RefusedError) -> tuple[Aside, ...]:
+    def before(objects: Mapping[str, Cuboid], refusal: RefusedError) -> tuple[Relocation, ...]:
         begin = body.joints()
-        return clearing(planner, objects, name, goal, begin, refusal, keep) or stopover(
+        return plan_relocations(planner, objects, name, goal, begin, refusal, keep) or plan_regrasp(
             planner, objects, name, goal, begin, refusal
         )
 
     return hands.carry(hands.see(), name, goal, before)
 
 
-Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Aside, ...]]
+Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Relocation, ...]]
 """What is carried first, so that what was refused among these objects can be done."""
 
 
-def _nothing(*_: object) -> tuple[Aside, ...]:
+def _nothing(*_: object) -> tuple[Relocation, ...]:
     return ()
 
 
 @dataclass(frozen=True)
 class _Hands:
-    """What carries, as in `perform`."""
+    """What carries, as in `reach_sub_goal`."""
 
-    body: Body
-    planner: Planner
+    body: RobotInterface
+    planner: PickAndPlacePlanner
     look: Look
     mark: Mark
     tries: int
     stop: Stop
     tell: Tell
-    shifts: Shifts = field(default_factory=Shifts)
+    shifts: DisplacementTracker = field(default_factory=DisplacementTracker)
 
     def see(self, carried: str | None = None) -> Mapping[str, Cuboid]:
         """All that is believed to stand there.
@@ -180,13 +181,13 @@ class _Hands:
 
     def carry(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, before: Before = _nothing
-    ) -> Performed:
+    ) -> SubGoalReached:
         """Carries a block to its sub-goal as it looks, and again as it looks then; each time what
-        is to be carried first is. Raises as `perform`."""
-        first: list[Performed] = []
-        cleared: tuple[Aside, ...] = ()
+        is to be carried first is. Raises as `reach_sub_goal`."""
+        first: list[SubGoalReached] = []
+        cleared: tuple[Relocation, ...] = ()
         motion_s = 0.0
-        done = Done.PLACED
+        done = ExecutionResult.PLACED
         for number in range(1, self.tries + 1):
             try:
                 carry = self.planner.carry(objects, name, goal, self.body.joints())
@@ -201,7 +202,7 @@ class _Hands:
                 first += self._clear(objects, name, asides)
                 objects = self.see()
                 carry = self._carry_after(cleared, objects, name, goal)
-            done = carry_out(self.body, carry, self.mark, self.stop)
+            done = execute(self.body, carry, self.mark, self.stop)
             motion_s += carry.duration_s
             objects = self.see(name)
             target = carry.placement.cuboid.pose
@@ -209,8 +210,8 @@ class _Hands:
             if name in objects:
                 miss_m = objects[name].pose.distance_m(target)
                 turned_rad = seen_turned_rad(objects[name], carry.placement.cuboid)
-            if done is Done.PLACED and miss_m <= PLACED_M and turned_rad <= TURNED_RAD:
-                return Performed(
+            if done is ExecutionResult.PLACED and miss_m <= PLACED_M and turned_rad <= TURNED_RAD:
+                return SubGoalReached(
                     name,
                     number,
                     carry.placement.corrected_m,
@@ -229,22 +230,22 @@ class _Hands:
         raise self._failed(name, cleared, why, done)
 
     def _clear(
-        self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Aside, ...]
-    ) -> list[Performed]:
-        """Carries away what stands in the way of a block. Raises `FailedError`."""
+        self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Relocation, ...]
+    ) -> list[SubGoalReached]:
+        """Carries away what stands in the way of a block. Raises `ManipulationError`."""
         self.tell([blocker for blocker, _ in asides])
         self.mark("clearing")
         done = []
         for blocker, place in asides:
             try:
                 done.append(self.carry(objects, blocker, place))
-            except (RefusedError, FailedError) as error:
+            except (RefusedError, ManipulationError) as error:
                 what = (
                     f"{name} was to be set down on the way"
                     if blocker == name
                     else f"{blocker} stands in the way of {name} and was to be moved aside first"
                 )
-                has_failed = isinstance(error, FailedError)
+                has_failed = isinstance(error, ManipulationError)
                 how, last = (error.what, error.done) if has_failed else (str(error), None)
                 raise self._failed(name, (), f"{what}: {how}", last, error.why) from None
             objects = self.see()
@@ -252,9 +253,9 @@ class _Hands:
         return done
 
     def _carry_after(
-        self, cleared: tuple[Aside, ...], objects: Mapping[str, Cuboid], name: str, goal: Pose
-    ) -> Carry:
-        """What was refused before the last of these were moved. Raises `FailedError`."""
+        self, cleared: tuple[Relocation, ...], objects: Mapping[str, Cuboid], name: str, goal: Pose
+    ) -> PickAndPlace:
+        """What was refused before the last of these were moved. Raises `ManipulationError`."""
         try:
             return self.planner.carry(objects, name, goal, self.body.joints())
         except RefusedError as refusal:
@@ -263,14 +264,14 @@ class _Hands:
     def _failed(
         self,
         name: str,
-        asides: tuple[Aside, ...],
+        asides: tuple[Relocation, ...],
         what: str,
-        done: Done | None = None,
-        why: Why | None = None,
-    ) -> FailedError:
+        done: ExecutionResult | None = None,
+        why: RefusalReason | None = None,
+    ) -> ManipulationError:
         """What went wrong, behind what was done before it, with what else has moved."""
         what = f"{_first(name, asides)}; then: {what}" if asides else what
-        return FailedError(what, done, why, self.shifts.besides(name))
+        return ManipulationError(what, done, why, self.shifts.besides(name))
 
 
 def seen_turned_rad(seen: Cuboid, put: Cuboid) -> float:
@@ -300,7 +301,7 @@ def _long_yaw_rad(cuboid: Cuboid) -> float:
     return cuboid.pose.yaw_rad() + (math.pi / 2 if b > a else 0.0)
 
 
-def _first(name: str, asides: tuple[Aside, ...]) -> str:
+def _first(name: str, asides: tuple[Relocation, ...]) -> str:
     """What was done before a block was carried to its sub-goal."""
     names = list(dict(asides))
     if names == [name]:

@@ -13,7 +13,7 @@ class StuckError(HarnessError):
     is, with its fingers as they are: what they hold would fall."""
 
 
-class Body(Protocol):
+class RobotInterface(Protocol):
     """An arm with a hand, as its controller has it: a simulated or a real one."""
 
     @property
@@ -42,7 +42,7 @@ class Body(Protocol):
         ...
 
 
-def wait(body: Body, time_s: float) -> None:
+def wait(body: RobotInterface, time_s: float) -> None:
     """Lets so much time go by, and a tick at least: else what is waited for would seem to stand."""
     for _ in range(max(1, round(time_s / body.tick_s))):
         body.tick()

@@ -17,7 +17,7 @@ from shapely.ops import nearest_points
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.errors import RefusedError, Why
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 
 K = TypeVar("K")
 
@@ -64,7 +64,7 @@ def placement(goal: Pose, block: Cuboid, others: Mapping[str, Cuboid]) -> Placem
     if not under and abs(foot_m) > LEVEL_M:
         what = "above the table with nothing under it" if foot_m > 0 else "below the table's top"
         raise RefusedError(
-            Why.NO_SUPPORT,
+            RefusalReason.NO_SUPPORT,
             f"the sub-goal's foot is {1000 * abs(foot_m):.0f} mm {what}",
         )
     under = {name: other for name, other in under.items() if level_m - other.top_m <= TOUCH_M}
@@ -124,7 +124,7 @@ def _check_room(placed: Cuboid, others: Mapping[str, Cuboid]) -> None:
         near.sort(key=lambda name: gap_m(placed, others[name]), reverse=True)
         least_m = gap_m(placed, others[near[-1]])
         raise RefusedError(
-            Why.NO_ROOM,
+            RefusalReason.NO_ROOM,
             f"it would be {1000 * least_m:.0f} mm from {near[-1]}; {1000 * ROOM_M:.0f} mm are kept",
             tuple(near),
         )
@@ -146,7 +146,7 @@ def _check_stability(
         if not stands:
             what = "it" if len(tower) == 1 else "the tower"
             raise RefusedError(
-                Why.UNSTABLE,
+                RefusalReason.UNSTABLE,
                 f"{what} would fall from {' and '.join(fast)}: its centre of mass is not above it",
             )
         tower |= fast

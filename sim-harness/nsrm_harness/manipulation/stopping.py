@@ -44,13 +44,13 @@ Stop = Callable[[], bool]
 """Whether the arm is to stop; is asked at each tick."""
 
 
-def unstopped() -> bool:
+def never_stopped() -> bool:
     """It is not."""
     return False
 
 
 @dataclass(frozen=True, eq=False)
-class WayBack:
+class RetreatPath:
     """From where the arm was stopped to its ready pose, with what it holds put down.
 
     * `ways`: first these, with the fingers as they are
@@ -66,7 +66,7 @@ class WayBack:
 class StoppedError(HarnessError):
     """The arm was stopped and stands still, with its fingers as they are."""
 
-    def __init__(self, back: WayBack) -> None:
+    def __init__(self, back: RetreatPath) -> None:
         super().__init__("the arm was stopped on its way and stands still there")
         self.back = back
 
@@ -98,7 +98,7 @@ class Braking:
         return _at_pace(self._way, self._since_s + gone_s, pace, change)
 
 
-class Part:
+class PathPart:
     """A trajectory from one of its moments to another, on or back, slowly and from rest to rest."""
 
     def __init__(self, way: Trajectory, begin_s: float, end_s: float) -> None:
@@ -116,16 +116,22 @@ class Part:
         return _at_pace(self._way, self._begin_s + place, pace, change)
 
 
-def back_from(ways: Sequence[Trajectory], index: int, moment_s: float, then: WayBack) -> WayBack:
+def back_from(
+    ways: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
+) -> RetreatPath:
     """The way back from a moment of one of some ways: the same ones backwards, and `then`."""
     before = tuple(Backwards(way) for way in ways[:index][::-1])
-    return replace(then, ways=(Part(ways[index], moment_s, 0.0), *before, *then.ways))
+    return replace(then, ways=(PathPart(ways[index], moment_s, 0.0), *before, *then.ways))
 
 
-def on_from(ways: Sequence[Trajectory], index: int, moment_s: float, then: WayBack) -> WayBack:
+def on_from(
+    ways: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
+) -> RetreatPath:
     """What is left of some ways from a moment of one of them, and `then`."""
     way = ways[index]
-    return replace(then, ways=(Part(way, moment_s, way.duration_s), *ways[index + 1 :], *then.ways))
+    return replace(
+        then, ways=(PathPart(way, moment_s, way.duration_s), *ways[index + 1 :], *then.ways)
+    )
 
 
 def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]:
@@ -141,7 +147,7 @@ def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]
     off_rad = np.abs(path - joints).max(axis=1)
     before = np.flatnonzero(off_rad[: int(off_rad.argmin())] >= BACK_RAD)
     index = int(before[-1]) if len(before) else 0
-    return Straight(joints, path[index], BACK_PACE), Part(way, float(times_s[index]), 0.0)
+    return Straight(joints, path[index], BACK_PACE), PathPart(way, float(times_s[index]), 0.0)
 
 
 def _at_pace(

@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose, Vector3
-from nsrm_harness.manipulation.errors import RefusedError, Why
-from nsrm_harness.manipulation.execute import Done, go_back
-from nsrm_harness.manipulation.observing import look_patiently
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import FailedError, perform
+from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
+from nsrm_harness.manipulation.execute import ExecutionResult, retreat
+from nsrm_harness.manipulation.observing import observe_with_timeout
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import ManipulationError, reach_sub_goal
 from nsrm_harness.manipulation.robot_interface import StuckError
-from nsrm_harness.manipulation.stopping import StoppedError, WayBack
+from nsrm_harness.manipulation.stopping import RetreatPath, StoppedError
 from nsrm_harness.nodes.controller import Answer, Tell
 from nsrm_harness.nodes.messages import Outcome, SubGoal
 from nsrm_harness.simulation.arm_world import ArmWorld
@@ -29,27 +29,27 @@ TICKS = 20
 _LOG = logging.getLogger(__name__)
 
 FAILURES = {
-    Done.PLACED: Outcome.MISPLACED,
-    Done.NOT_GRASPED: Outcome.NOT_GRASPED,
-    Done.SLIPPED: Outcome.DROPPED,
-    Done.TAKEN_BACK: Outcome.MISPLACED,
+    ExecutionResult.PLACED: Outcome.MISPLACED,
+    ExecutionResult.NOT_GRASPED: Outcome.NOT_GRASPED,
+    ExecutionResult.SLIPPED: Outcome.DROPPED,
+    ExecutionResult.TAKEN_BACK: Outcome.MISPLACED,
 }
 """What a controller says of a carrying that ended so, and the block is not seen where it was to
 go."""
 REFUSALS = {
-    Why.UNSEEN: Outcome.IMPOSSIBLE,
-    Why.COVERED: Outcome.COVERED,
-    Why.NO_GRASP: Outcome.CANNOT_HOLD,
-    Why.NO_SUPPORT: Outcome.WOULD_FALL,
-    Why.UNSTABLE: Outcome.WOULD_FALL,
-    Why.NO_ROOM: Outcome.NO_PATH,
-    Why.OUT_OF_REACH: Outcome.OUT_OF_REACH,
-    Why.NO_WAY: Outcome.NO_PATH,
+    RefusalReason.UNSEEN: Outcome.IMPOSSIBLE,
+    RefusalReason.COVERED: Outcome.COVERED,
+    RefusalReason.NO_GRASP: Outcome.CANNOT_HOLD,
+    RefusalReason.NO_SUPPORT: Outcome.WOULD_FALL,
+    RefusalReason.UNSTABLE: Outcome.WOULD_FALL,
+    RefusalReason.NO_ROOM: Outcome.NO_PATH,
+    RefusalReason.OUT_OF_REACH: Outcome.OUT_OF_REACH,
+    RefusalReason.NO_WAY: Outcome.NO_PATH,
 }
 """And of one that was not begun, or not begun again."""
 
 
-class SetsDown:
+class TeleportMover:
     """Without an arm: a block is taken from where it is seen and let go above its sub-goal.
 
     * `seen`: where an object is seen, world frame, metres; None if it never was
@@ -73,7 +73,7 @@ class SetsDown:
         return Answer(Outcome.MISPLACED if missed else Outcome.REACHED)
 
 
-class Carries:
+class ArmMover:
     """The arm carries a block from where it is seen to its sub-goal, once; what only stands too
     near is moved aside first.
 
@@ -91,9 +91,9 @@ class Carries:
         stop: Callable[[], bool],
     ) -> None:
         self._look, self._alive, self._asked_to_stop = look, alive, stop
-        self._planner = Planner(alive=self._while_planning)
+        self._planner = PickAndPlacePlanner(alive=self._while_planning)
         self._world, self._ticks, self._stop = world, 0, False
-        self._back: WayBack | None = None
+        self._back: RetreatPath | None = None
         self._stuck = ""
         self._plan, self._meant = 0, set[int]()
         self._carried: frozenset[int] = frozenset()
@@ -125,7 +125,7 @@ class Carries:
             tell(Answer(Outcome.CLEARING, numbers))
 
         try:
-            performed = perform(
+            performed = reach_sub_goal(
                 self._world,
                 self._planner,
                 self._seen,
@@ -140,11 +140,11 @@ class Carries:
         except RefusedError as refusal:
             _LOG.warning("not begun: %s", refusal)
             return Answer(REFUSALS[refusal.why], tuple(map(_number, refusal.in_the_way)))
-        except FailedError as failure:
+        except ManipulationError as failure:
             _LOG.warning("%s", failure)
             if failure.done is None:
                 # One that is not tried again has no other end without a reason.
-                return Answer(REFUSALS[failure.why or Why.UNSEEN])
+                return Answer(REFUSALS[failure.why or RefusalReason.UNSEEN])
             return Answer(FAILURES[failure.done])
         except _StoppedPlanningError:
             return Answer(Outcome.STOPPED)
@@ -161,7 +161,7 @@ class Carries:
 
     def _seen(self) -> Mapping[str, Cuboid]:
         """All that is believed to stand there, by name."""
-        seen = look_patiently(self._world, self._look, lambda: self._world.time_s)
+        seen = observe_with_timeout(self._world, self._look, lambda: self._world.time_s)
         return {_name(number): cuboid for number, cuboid in seen.items()}
 
     def tidy_up(self) -> None:
@@ -172,7 +172,7 @@ class Carries:
             return
         _LOG.warning("the arm goes back, and puts down what it holds where it was")
         try:
-            go_back(self._world, back)
+            retreat(self._world, back)
         except StuckError as error:
             _LOG.error("%s", error)
             self._stuck = str(error)

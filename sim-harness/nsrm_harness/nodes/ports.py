@@ -64,7 +64,7 @@ def go_by_wall_clock() -> None:
     _clock = time.time_ns
 
 
-class Robot:
+class RobotServices:
     """A process's place among those of one robot."""
 
     def __init__(self, config: RobotConfig, role: str) -> None:
@@ -208,7 +208,7 @@ class Robot:
 
     def _events(self, service: str) -> Any:
         builder = self._builder(service).event()
-        # As `nsrm_ipc::service::Robot::events` has it.
+        # As `nsrm_ipc::service::RobotServices::events` has it.
         builder = builder.event_id_max_value(0)
         builder = builder.max_notifiers(ONLOOKERS).max_listeners(ONLOOKERS)
         return self._open(service, builder.max_nodes(2 * ONLOOKERS))
@@ -259,10 +259,10 @@ def _is_due(next_ns: int, now_ns: int, every_ns: int) -> bool:
     return not 0 < next_ns - now_ns <= every_ns
 
 
-class Life:
+class Heartbeats:
     """Says ten times a second that a process lives, and how much it has passed over."""
 
-    def __init__(self, robot: Robot, role: int) -> None:
+    def __init__(self, robot: RobotServices, role: int) -> None:
         self._publisher = robot.publisher("heartbeat", Heartbeat)
         self._beat = Heartbeat(started_ns=now_ns(), role=role)
         self._next_ns = self._next_line_ns = 0
@@ -290,7 +290,7 @@ class Life:
 class CommandsIn:
     """What the controller is told, in order."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: RobotServices) -> None:
         self._subscriber = robot.subscriber("sub_goal", SubGoal)
 
     def __iter__(self) -> CommandsIn:
@@ -306,7 +306,7 @@ class CommandsIn:
 class FeedbackOut:
     """What the controller says of it."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: RobotServices) -> None:
         self._publisher = robot.publisher("feedback", Feedback)
         self._bell = robot.bell("feedback")
         self._sequence = 0
@@ -330,7 +330,7 @@ class FeedbackOut:
 class FramesOut:
     """What the camera sees, written where its readers find it."""
 
-    def __init__(self, robot: Robot, width: int, height: int) -> None:
+    def __init__(self, robot: RobotServices, width: int, height: int) -> None:
         self._size = width * height * 7
         self._publisher = robot.frames_out(self._size)
         self._bell = robot.bell("camera")

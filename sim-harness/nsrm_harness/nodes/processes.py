@@ -19,13 +19,13 @@ class ProcessError(HarnessError):
     """A process ended that should not have, or did not when it should."""
 
 
-class Processes:
+class ProcessGroup:
     """A context manager: whoever was started in it has ended behind it."""
 
     def __init__(self) -> None:
         self._running: list[tuple[str, subprocess.Popen[str], _Lines]] = []
 
-    def __enter__(self) -> Processes:
+    def __enter__(self) -> ProcessGroup:
         return self
 
     def start(self, name: str, command: Sequence[str], ready: str) -> str:

@@ -15,8 +15,15 @@ from nsrm_harness.geometry.pose import Vector3
 from nsrm_harness.nodes.config import RobotConfig
 from nsrm_harness.nodes.controller import Controller, Mover, stops_first
 from nsrm_harness.nodes.messages import CameraFrame, CameraMessage, Role, State, SubGoal
-from nsrm_harness.nodes.movers import Carries, SetsDown
-from nsrm_harness.nodes.ports import CommandsIn, FeedbackOut, FramesOut, Life, Robot, now_ns
+from nsrm_harness.nodes.movers import ArmMover, TeleportMover
+from nsrm_harness.nodes.ports import (
+    CommandsIn,
+    FeedbackOut,
+    FramesOut,
+    Heartbeats,
+    RobotServices,
+    now_ns,
+)
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.simulation.arm_world import ArmWorld
@@ -30,7 +37,7 @@ BURIAL_FRAMES = 2
 """After how many frames the dead are looked for."""
 
 
-class Stage:
+class SimulatedRobot:
     """The tabletop of a seed, seen and moved by messages alone."""
 
     def __init__(
@@ -44,11 +51,11 @@ class Stage:
     ) -> None:
         """Raises `PortError` if the robot has a camera or a controller already."""
         self._camera = default_camera()
-        self._robot = Robot(config, "controller")
+        self._robot = RobotServices(config, "controller")
         self._commands = CommandsIn(self._robot)
         self._feedback = FeedbackOut(self._robot)
         self._frames = FramesOut(self._robot, self._camera.width, self._camera.height)
-        self._life = Life(self._robot, Role.CONTROLLER)
+        self._life = Heartbeats(self._robot, Role.CONTROLLER)
         self._listener = self._robot.listener("sub_goal")
         self._seen: Mapping[int, Cuboid] = {}
         self._sequence = 0
@@ -62,11 +69,11 @@ class Stage:
         self._ending = threading.Event()
         self._waiting: list[SubGoal] = []
         self._arm = (
-            Carries(self.world, self._look_again, self._work, self._is_stopped)
+            ArmMover(self.world, self._look_again, self._work, self._is_stopped)
             if isinstance(self.world, ArmWorld)
             else None
         )
-        mover: Mover = self._arm or SetsDown(self.world, self._position)
+        mover: Mover = self._arm or TeleportMover(self.world, self._position)
         self._controller = Controller(mover, self._feedback.say, self._life.reject, now_ns)
 
     def close(self) -> None:

@@ -32,7 +32,7 @@ Location = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class Observation:
     """One picture and the objects found in it.
 
     * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
@@ -75,7 +75,7 @@ class _Whole:
     size: int
 
 
-class DarkError(PerceptionError):
+class DarkImageError(PerceptionError):
     """A picture on which nothing can be seen."""
 
 
@@ -97,14 +97,14 @@ class Observer:
         """By the clock that tells when pictures are taken."""
         return self._source.now_s
 
-    def look(self, held: Collection[int] = ()) -> Sight:
-        """Takes a picture. Raises `DarkError` or another `PerceptionError`.
+    def look(self, held: Collection[int] = ()) -> Observation:
+        """Takes a picture. Raises `DarkImageError` or another `PerceptionError`.
 
         * `held`: the numbers of what the hand may hold, which is looked for in vain
         """
         image = self._source.take()
         if image.rgb.mean() < DARK:
-            raise DarkError("the camera's picture is dark")
+            raise DarkImageError("the camera's picture is dark")
         heights = relief(image.rgb, image.depth, self.camera)
         found = objects_in(image.rgb, heights)
         seen = faces(found, heights, self.camera)
@@ -121,7 +121,7 @@ class Observer:
             for (number, location), size in zip(locations.items(), sizes, strict=True)
             if not self._is_whole(number, _Whole(location, cuboids[number].pose, size))
         )
-        return Sight(
+        return Observation(
             image.rgb,
             image.depth,
             np.array((0, *numbers), np.int32)[found.labels],
@@ -144,7 +144,7 @@ class Observer:
 
 
 @dataclass(frozen=True)
-class Names:
+class ObjectNames:
     """What the model takes the objects for, by number.
 
     * `words`: the likeliest value of each attribute type
@@ -160,7 +160,7 @@ class Names:
         return f"object {number} ({words})" if words else f"object {number}"
 
 
-def names(model: nsrm.Model, domain: Domain, sight: Sight) -> Names:
+def name_objects(model: nsrm.Model, domain: Domain, sight: Observation) -> ObjectNames:
     """The objects' names as the model sees them."""
     words: dict[int, str] = {}
     colors: dict[int, tuple[float, float, float]] = {}
@@ -172,7 +172,7 @@ def names(model: nsrm.Model, domain: Domain, sight: Sight) -> Names:
         ]
         words[number] = " ".join(value.name for value in reversed(values))
         colors[number] = next(value.rgb for value in values if value.rgb is not None)
-    return Names(words, colors)
+    return ObjectNames(words, colors)
 
 
 def sub_goal(step: nsrm.PlannedStep) -> Pose:

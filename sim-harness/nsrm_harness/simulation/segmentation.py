@@ -13,7 +13,7 @@ from nsrm_harness.simulation.world import World
 
 
 @dataclass(frozen=True, eq=False)
-class Located:
+class SegmentedObjects:
     """Where a detector finds the blocks.
 
     * `ids`: of the blocks seen, rising; a hidden block is missing
@@ -32,7 +32,7 @@ class Located:
 
 
 @dataclass(frozen=True, eq=False)
-class Observation(Located):
+class SegmentedImage(SegmentedObjects):
     """What a camera with a detector gives: no simulator truth beyond the boxes' ids.
 
     * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
@@ -42,24 +42,26 @@ class Observation(Located):
     depth: NDArray[np.float32]
 
 
-def observe(renderer: Renderer, world: World, camera: Camera, light: Light) -> Observation:
+def render_segmented(
+    renderer: Renderer, world: World, camera: Camera, light: Light
+) -> SegmentedImage:
     """Takes a picture and reads boxes and depths off the segmentation mask, which
     stands in for a detector."""
-    return observation(renderer.render(world, camera, light))
+    return segmented_image(renderer.render(world, camera, light))
 
 
-def observation(frame: Frame) -> Observation:
+def segmented_image(frame: Frame) -> SegmentedImage:
     """What is seen in a picture that was taken."""
-    found = located(frame)
-    return Observation(found.ids, found.boxes, found.depths, frame.rgb, frame.depth)
+    found = segmented_objects(frame)
+    return SegmentedImage(found.ids, found.boxes, found.depths, frame.rgb, frame.depth)
 
 
-def locate(renderer: Renderer, world: World, camera: Camera) -> Located:
-    """As `observe`, without the picture's colours."""
-    return located(renderer.surfaces(world, camera))
+def render_objects(renderer: Renderer, world: World, camera: Camera) -> SegmentedObjects:
+    """As `render_segmented`, without the picture's colours."""
+    return segmented_objects(renderer.surfaces(world, camera))
 
 
-def located(seen: Surfaces) -> Located:
+def segmented_objects(seen: Surfaces) -> SegmentedObjects:
     """Boxes and mean depths of the ids in the mask."""
     depth, mask = seen.depth, seen.mask
     height, width = mask.shape
@@ -79,7 +81,7 @@ def located(seen: Surfaces) -> Located:
             (x.min() / width, y.min() / height, (x.max() + 1) / width, (y.max() + 1) / height)
         )
         depths.append(values[own].mean())
-    return Located(
+    return SegmentedObjects(
         tuple(ids),
         np.array(boxes, dtype=np.float32).reshape(-1, 4),
         np.array(depths, dtype=np.float32),

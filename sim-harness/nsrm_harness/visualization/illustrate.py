@@ -20,7 +20,7 @@ Names = dict[int, tuple[str, tuple[float, float, float]]]
 """Label and colour of each block by id."""
 
 
-class Step(Protocol):
+class DrawnStep(Protocol):
     """What of a step is drawn: `StepTruth` and `nsrm.PlannedStep` have it."""
 
     @property
@@ -59,7 +59,7 @@ def draw_steps(
     demonstrations: Demonstrations,
     truth: Truth,
     index: int,
-    steps: Sequence[Step],
+    steps: Sequence[DrawnStep],
     caption: str,
 ) -> Image.Image:
     """The initial scene with arrows for `steps`, which may be the true ones or a plan's."""
@@ -85,7 +85,7 @@ def _names(domain: Domain, truth: Truth) -> Names:
     }
 
 
-def _marks(names: Names, boxes: np.ndarray, steps: Sequence[Step]) -> list[BoxMark]:
+def _marks(names: Names, boxes: np.ndarray, steps: Sequence[DrawnStep]) -> list[BoxMark]:
     numbered = list(enumerate(steps, start=1))
     return [
         BoxMark(

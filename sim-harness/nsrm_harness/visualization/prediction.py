@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from nsrm_harness.perception.observer import Location, Sight
+from nsrm_harness.perception.observer import Location, Observation
 
 
-def cut_out(sight: Sight, number: int) -> Image.Image:
+def cut_out(sight: Observation, number: int) -> Image.Image:
     """The pixels of an object inside its box, transparent around it."""
     height, width = sight.labels.shape
     left, top, right, bottom = (

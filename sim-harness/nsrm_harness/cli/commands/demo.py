@@ -13,9 +13,9 @@ from nsrm_harness import domain as domains
 from nsrm_harness.cli.commands.options import arm_option, seed_option
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
-from nsrm_harness.demo.show import show
+from nsrm_harness.demo.run_demo import show
 from nsrm_harness.simulation.render import open_renderer
-from nsrm_harness.visualization.onlooker import Onlooker, Stopped
+from nsrm_harness.visualization.demo_listener import DemoListener, Stopped
 
 
 @click.command("demo")
@@ -79,10 +79,10 @@ def command(
 
 
 @contextmanager
-def _recording(path: Path | None) -> Iterator[Onlooker]:
+def _recording(path: Path | None) -> Iterator[DemoListener]:
     """Who writes the recording; without a path, nobody."""
     if path is None:
-        yield Onlooker()
+        yield DemoListener()
         return
     try:
         from nsrm_harness.visualization.recording.episode import Recording

@@ -25,7 +25,7 @@ from nsrm_harness.cli.commands.options import (
 from nsrm_harness.common.workers import Workers
 from nsrm_harness.data.demonstrator import describe
 from nsrm_harness.data.disturbance import Disturbance
-from nsrm_harness.data.generate import SPLITS, Progress, Settings, generate
+from nsrm_harness.data.generate import SPLITS, Settings, ShardProgress, generate
 from nsrm_harness.simulation.render import KINDS
 
 
@@ -108,11 +108,11 @@ def command(
 
 def _generate(settings: Settings, domain: domains.Domain, path: Path, workers: Workers) -> None:
     begun = time.monotonic()
-    last = Progress(0, Counter())
+    last = ShardProgress(0, Counter())
     there: int | None = None
     with tqdm(total=settings.count, unit="episode", disable=None) as bar:
 
-        def report(progress: Progress) -> None:
+        def report(progress: ShardProgress) -> None:
             nonlocal last, there
             last = progress
             there = progress.done if there is None else there

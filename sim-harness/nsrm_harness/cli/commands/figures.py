@@ -29,8 +29,8 @@ def command(variations: int, seed: int, jobs: int, ray: str | None, quiet: bool,
     """
     from nsrm_harness import domain as domains
     from nsrm_harness.paper.figures import figures_report as report
+    from nsrm_harness.paper.figures.run_figures import run
     from nsrm_harness.paper.figures.scenes import FIGURES
-    from nsrm_harness.paper.figures.show import run
 
     make_folder(out)
     domain = domains.load()

@@ -9,7 +9,7 @@ import click
 
 from nsrm_harness.data.demonstrator import describe
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.visualization.illustrate import draw_episode
 
 
@@ -24,7 +24,7 @@ from nsrm_harness.visualization.illustrate import draw_episode
 )
 def command(file: Path, index: int, out: Path | None) -> None:
     """Draw episode INDEX (counted from 0) of FILE: before, after, boxes, sentence."""
-    with Demonstrations(file) as demonstrations, Judge(file) as judge:
+    with Demonstrations(file) as demonstrations, GroundTruth(file) as judge:
         truth = judge.truth(index)
         picture = draw_episode(demonstrations, truth, index)
         sentence = demonstrations.sentences[index]

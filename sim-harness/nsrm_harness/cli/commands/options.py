@@ -14,7 +14,7 @@ from click.decorators import FC
 
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import HarnessError
-from nsrm_harness.common.workers import Processes, RayCluster, Workers
+from nsrm_harness.common.workers import LocalProcesses, RayCluster, Workers
 from nsrm_harness.data.disturbance import Disturbance
 
 
@@ -138,7 +138,7 @@ def make_folder(path: Path) -> None:
 def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
     """Who works under `jobs_option` and `ray_option`."""
     if ray is None:
-        yield Processes(jobs)
+        yield LocalProcesses(jobs)
         return
     with RayCluster(ray, jobs) as cluster:
         yield cluster

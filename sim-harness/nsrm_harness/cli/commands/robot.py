@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from nsrm_harness.cli.commands.options import arm_option, seed_option
-from nsrm_harness.nodes.processes import Processes
+from nsrm_harness.nodes.processes import ProcessGroup
 
 
 @click.command("robot")
@@ -46,7 +46,7 @@ def command(
     """
     place = ["--robot", f"demo-{os.getpid()}"]
     place += ["--config", str(config)] if config else []
-    with Processes() as processes:
+    with ProcessGroup() as processes:
         arm = "--arm" if with_arm else "--no-arm"
         world = [sys.executable, "-m", "nsrm_harness.cli", "world"]
         told = processes.start("world", [*world, *place, "--seed", str(seed), arm], "try: ")

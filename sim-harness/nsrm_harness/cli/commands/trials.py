@@ -46,7 +46,7 @@ def command(
     Exit code 1 if a goal was missed otherwise than by chance.
     """
     from nsrm_harness.evaluation.manipulation_trials import trials_report as report
-    from nsrm_harness.evaluation.manipulation_trials.disturbed import DISTURBED_ROWS
+    from nsrm_harness.evaluation.manipulation_trials.disturbed_episode import DISTURBED_ROWS
     from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
     from nsrm_harness.evaluation.manipulation_trials.run_trials import films, run
 

@@ -12,7 +12,7 @@ import click
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.commands.options import arm_option, seed_option
 from nsrm_harness.nodes.config import read_config
-from nsrm_harness.nodes.simulated_robot import Stage
+from nsrm_harness.nodes.simulated_robot import SimulatedRobot
 from nsrm_harness.simulation.render import open_renderer
 
 
@@ -39,7 +39,7 @@ def command(robot: str | None, file: Path | None, seed: int, with_arm: bool) -> 
         signal.signal(number, lambda *_: stop.set())
     with (
         closing(open_renderer()) as renderer,
-        closing(Stage(domains.load(), renderer, seed, config, with_arm=with_arm)) as stage,
+        closing(SimulatedRobot(domains.load(), renderer, seed, config, with_arm=with_arm)) as stage,
     ):
         stage.look()
         click.echo(f"world: robot {config.robot}, seed {seed}; try: {stage.sentence}")

@@ -77,7 +77,7 @@ class Measure:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedPicture:
     """A picture, what was found in it, and the least overlap that a true or a found
     box has with its best partner."""
 
@@ -86,7 +86,7 @@ class Judged:
     worst: float
 
 
-def measure(pictures: Iterable[Picture]) -> tuple[Measure, list[Judged]]:
+def measure(pictures: Iterable[Picture]) -> tuple[Measure, list[JudgedPicture]]:
     """Runs the detector on every picture; also gives the `DRAWN` worst ones, the worst
     first.
 
@@ -100,8 +100,8 @@ def measure(pictures: Iterable[Picture]) -> tuple[Measure, list[Judged]]:
         cv2.setNumThreads(threads)
 
 
-def _measure(pictures: Iterable[Picture]) -> tuple[Measure, list[Judged]]:
-    worst: list[Judged] = []
+def _measure(pictures: Iterable[Picture]) -> tuple[Measure, list[JudgedPicture]]:
+    worst: list[JudgedPicture] = []
     objects = detections = 0
     seconds: list[float] = []
     ious: list[float] = []
@@ -125,7 +125,7 @@ def _measure(pictures: Iterable[Picture]) -> tuple[Measure, list[Judged]]:
             there = _place(picture.camera, picture.boxes[true], float(picture.depths[true]))
             place_errors.append(float(np.linalg.norm(here - there)))
         best = [part.max(initial=0.0) for part in (*overlap, *overlap.T)]
-        worst.append(Judged(picture, found, float(min(best, default=1.0))))
+        worst.append(JudgedPicture(picture, found, float(min(best, default=1.0))))
         worst = sorted(worst, key=lambda judged: judged.worst)[:DRAWN]
     if not seconds:
         raise PerceptionError("no scenes to measure on")
@@ -159,7 +159,7 @@ def _place(camera: Camera, box: NDArray[np.float32], depth_m: float) -> NDArray[
     return camera.back_project((column, row, depth_m))
 
 
-def draw(judged: list[Judged]) -> Image.Image:
+def draw(judged: list[JudgedPicture]) -> Image.Image:
     """The pictures side by side with the boxes found, numbered, in the objects' mean
     colours."""
     drawings, titles = [], []

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from nsrm_harness.data.demonstrator import Demonstrator, Wanted
+from nsrm_harness.data.demonstrator import Demonstrator, EpisodeRequest
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.programs import Descriptions
 from nsrm_harness.data.seeds import generator
@@ -62,7 +62,7 @@ def after_programs(
     with closing(open_renderer(renderer)) as drawing, World() as world:
         demonstrator = Demonstrator(domain, world, drawing)
         for index in range(count):
-            wanted = Wanted(least + index % (most - least + 1), OBJECTS, Descriptions(1, 2))
+            wanted = EpisodeRequest(least + index % (most - least + 1), OBJECTS, Descriptions(1, 2))
             episode = demonstrator.episode(generator(seed, "perception", index), wanted)
             seen = episode.final_picture
             yield Picture(seen.rgb, seen.depth, episode.camera, seen.boxes, seen.depths)

@@ -12,14 +12,14 @@ from pathlib import Path
 import nsrm
 
 from nsrm_harness.data.moves import Move
-from nsrm_harness.evaluation.manipulation_trials.judge import Judge, Verdict
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementJudge, PlacementVerdict
 from nsrm_harness.evaluation.manipulation_trials.rows import Drawn
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusedError
 from nsrm_harness.manipulation.execute import unmarked
 from nsrm_harness.manipulation.follow import Follower
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.simulation.arm_world import ArmWorld
@@ -28,7 +28,7 @@ from nsrm_harness.visualization.film import Film
 
 
 @dataclass(frozen=True)
-class Ended:
+class EpisodeResult:
     """How an episode ended.
 
     * `end`: "succeeded", "refused" (a sub-goal was, with a reason, before it moved anything) or
@@ -36,7 +36,7 @@ class Ended:
     * `why`: the reason, or what was not as said
     * `kind`: of a refusal: the model's, or one of `arm.refused.Why`; empty otherwise
     * `steps`: a verdict of each attempt at one
-    * `corrected_m`, `tries`: of each sub-goal that was reached: see `Performed`
+    * `corrected_m`, `tries`: of each sub-goal that was reached: see `SubGoalReached`
     """
 
     row: str
@@ -45,21 +45,21 @@ class Ended:
     end: str
     why: str
     kind: str
-    steps: tuple[Verdict, ...]
+    steps: tuple[PlacementVerdict, ...]
     corrected_m: tuple[float, ...]
     tries: tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class End:
-    """`end`, `why` and `kind` of `Ended`."""
+class EpisodeEnd:
+    """`end`, `why` and `kind` of `EpisodeResult`."""
 
     end: str
     why: str = ""
     kind: str = ""
 
 
-class Episode(ABC):
+class TrialEpisode(ABC):
     """What all episodes have in common.
 
     * `films`: folder in which it is shown as `film.gif` and `strip.png`
@@ -71,13 +71,13 @@ class Episode(ABC):
         self._world, self._drawn, self._films = world, drawn, films
         self._moves, self._step = drawn.task.moves, 0
         self._film = Film(world, renderer(), small=True) if films else None
-        self._judge = Judge(world, drawn.arrangement.blocks)
-        self._verdicts: list[Verdict] = []
-        self._performed: list[Performed] = []
+        self._judge = PlacementJudge(world, drawn.arrangement.blocks)
+        self._verdicts: list[PlacementVerdict] = []
+        self._performed: list[SubGoalReached] = []
         self._others_tick = world.on_tick
         world.on_tick = self._tick
 
-    def carry_out(self, row: str, index: int) -> Ended:
+    def carry_out(self, row: str, index: int) -> EpisodeResult:
         """To its end, whatever that is.
 
         * `row`, `index`: which one it is, for the record
@@ -86,7 +86,7 @@ class Episode(ABC):
         if self._film and self._films:
             self._films.mkdir(parents=True, exist_ok=True)
             self._film.save(self._films)
-        return Ended(
+        return EpisodeResult(
             row,
             index,
             self._drawn.sentence,
@@ -98,15 +98,15 @@ class Episode(ABC):
             tuple(done.tries for done in self._performed),
         )
 
-    def _end_of(self) -> End:
+    def _end_of(self) -> EpisodeEnd:
         try:
             self._follow()
         except nsrm.Refused as refusal:
-            return self._stopped(End("refused", str(refusal), refusal.kind), refusal)
+            return self._stopped(EpisodeEnd("refused", str(refusal), refusal.kind), refusal)
         except RefusedError as refusal:
-            return self._stopped(End("refused", str(refusal), refusal.why.value), refusal)
-        except (FailedError, StuckError) as failure:
-            return self._stopped(End("failed", str(failure)), failure)
+            return self._stopped(EpisodeEnd("refused", str(refusal), refusal.why.value), refusal)
+        except (ManipulationError, StuckError) as failure:
+            return self._stopped(EpisodeEnd("failed", str(failure)), failure)
         return self._followed()
 
     def _follow(self) -> None:
@@ -131,10 +131,10 @@ class Episode(ABC):
         """Where blocks were put in the step that ends that need not stay where they were."""
 
     @abstractmethod
-    def _followed(self) -> End:
+    def _followed(self) -> EpisodeEnd:
         """By the truth, after nothing was refused and no failure told."""
 
-    def _stopped(self, told: End, error: Exception) -> End:
+    def _stopped(self, told: EpisodeEnd, error: Exception) -> EpisodeEnd:
         """By the truth, after the arm has said so.
 
         * `error`: as it was raised
@@ -159,7 +159,7 @@ class Episode(ABC):
         if verdict.seconds > 0:
             self._verdicts.append(replace(verdict, step=self._step))
 
-    def _verdict(self) -> Verdict:
+    def _verdict(self) -> PlacementVerdict:
         return self._judge.end(self._aside())
 
 
@@ -185,6 +185,6 @@ def model() -> nsrm.Model:
 
 
 @lru_cache(maxsize=1)
-def planner() -> Planner:
+def planner() -> PickAndPlacePlanner:
     """This process's."""
-    return Planner()
+    return PickAndPlacePlanner()

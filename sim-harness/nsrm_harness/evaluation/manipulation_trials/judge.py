@@ -23,10 +23,10 @@ APART_TICKS = 50
 
 
 @dataclass(frozen=True)
-class Verdict:
+class PlacementVerdict:
     """How a step went.
 
-    * `off_m`, `off_rad`: from the true relation to its reference: see `Judge.end`
+    * `off_m`, `off_rad`: from the true relation to its reference: see `PlacementJudge.end`
     * `shift_m`: the farthest that another block was moved
     * `at_rest`: all blocks, at its end
     * `touched`: what the arm or the block in its hand pushed against, and should not have
@@ -80,7 +80,7 @@ class _Hold:
         return {contact for contact, pose in self.met if pose.distance_m(self.end) > NEAR_M}
 
 
-class Judge:
+class PlacementJudge:
     """Watches a world while its arm carries steps out.
 
     * `blocks`: of the world, by index: the id without one
@@ -112,7 +112,7 @@ class Judge:
         for number in self._held:
             self._hold(number, now)
 
-    def end(self, aside: Sequence[Pose] = (), *, anew: bool = False) -> Verdict:
+    def end(self, aside: Sequence[Pose] = (), *, anew: bool = False) -> PlacementVerdict:
         """The step has ended.
 
         * `aside`: where other blocks were put that it was said of that they are moved
@@ -136,7 +136,7 @@ class Judge:
             if not {one, other} & set(panda.FINGERS) or not {one, other} & carried
         )
         there = target(self._move, self._blocks, after) if anew else self._target
-        return Verdict(
+        return PlacementVerdict(
             after[moved].distance_m(there),
             turned_rad(after[moved], there),
             max(shifts, default=0.0),

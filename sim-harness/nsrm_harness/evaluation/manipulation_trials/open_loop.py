@@ -7,16 +7,16 @@ from collections.abc import Callable
 
 import nsrm
 
-from nsrm_harness.manipulation.execute import Mark, carry_out
+from nsrm_harness.manipulation.execute import Mark, execute
 from nsrm_harness.manipulation.follow import numbered
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.robot_interface import Body
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.robot_interface import RobotInterface
 from nsrm_harness.perception.observer import Observer, sub_goal
 
 
 def follow_blindly(
-    body: Body,
-    planner: Planner,
+    body: RobotInterface,
+    planner: PickAndPlacePlanner,
     eyes: Observer,
     model: nsrm.Model,
     sentence: str,
@@ -37,7 +37,7 @@ def follow_blindly(
         begin(index)
         try:
             carry = planner.carry(believed, name, sub_goal(step), body.joints())
-            carry_out(body, carry, mark)
+            execute(body, carry, mark)
         finally:
             end(index)
         believed[name] = carry.placement.cuboid

@@ -26,7 +26,7 @@ NAMED_BY = Descriptions(1, 2)
 
 
 @dataclass(frozen=True)
-class Row:
+class TrialRow:
     """Episodes of one kind.
 
     * `goal`: share that is to succeed
@@ -46,13 +46,13 @@ class Row:
 
 
 ROWS = (
-    Row("steps_1", "one step", 0.99, 1),
-    Row("steps_2", "two steps", 0.98, 2),
-    Row("steps_3", "three steps", 0.97, 3),
-    Row("steps_5", "five steps", 0.95, 5),
-    Row("stack_3", "stacks of three", 0.99, 2, is_stack=True),
-    Row("stack_4", "stacks of four", 0.97, 3, is_stack=True),
-    Row("control", "three steps, true poses and sub-goals", 0.998, 3, is_control=True),
+    TrialRow("steps_1", "one step", 0.99, 1),
+    TrialRow("steps_2", "two steps", 0.98, 2),
+    TrialRow("steps_3", "three steps", 0.97, 3),
+    TrialRow("steps_5", "five steps", 0.95, 5),
+    TrialRow("stack_3", "stacks of three", 0.99, 2, is_stack=True),
+    TrialRow("stack_4", "stacks of four", 0.97, 3, is_stack=True),
+    TrialRow("control", "three steps, true poses and sub-goals", 0.998, 3, is_control=True),
 )
 
 
@@ -65,7 +65,7 @@ class Drawn:
     sentence: str
 
 
-def draw(row: Row, rng: np.random.Generator, domain: Domain) -> Drawn:
+def draw(row: TrialRow, rng: np.random.Generator, domain: Domain) -> Drawn:
     """One episode of a row."""
     for _ in range(MAX_TRIES):
         blocks = sample_blocks(rng, domain, int(rng.integers(BLOCKS[0], BLOCKS[1] + 1)))

@@ -16,12 +16,14 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.common.workers import Workers
 from nsrm_harness.domain import Domain
-from nsrm_harness.evaluation.manipulation_trials import provenance as made_by
-from nsrm_harness.evaluation.manipulation_trials import trial
-from nsrm_harness.evaluation.manipulation_trials.disturbed import DisturbedRow, run_disturbed
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.judge import Verdict
-from nsrm_harness.evaluation.manipulation_trials.rows import Row
+from nsrm_harness.evaluation.manipulation_trials import provenance, trial
+from nsrm_harness.evaluation.manipulation_trials.disturbed_episode import (
+    DisturbedRow,
+    run_disturbed,
+)
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
+from nsrm_harness.evaluation.manipulation_trials.rows import TrialRow
 
 FILMED = ("film.gif", "strip.png")
 """What there is in a folder of `films`,"""
@@ -34,8 +36,8 @@ class TrialsError(HarnessError):
 
 
 def run(
-    rows: Sequence[Row], episodes: int, seed: int, workers: Workers, path: Path, *, quiet: bool
-) -> list[Ended]:
+    rows: Sequence[TrialRow], episodes: int, seed: int, workers: Workers, path: Path, *, quiet: bool
+) -> list[EpisodeResult]:
     """The first `episodes` episodes of each row.
 
     * `path`: of the file of one line an episode, behind a first one that says which seed, and by
@@ -63,7 +65,9 @@ def run(
     return [kept[row.name, index] for row in rows for index in range(episodes)]
 
 
-def episode(row: Row, seed: int, index: int, films: Path | None, domain: Domain) -> Ended:
+def episode(
+    row: TrialRow, seed: int, index: int, films: Path | None, domain: Domain
+) -> EpisodeResult:
     """An episode of any row: see `trial.run`."""
     if isinstance(row, DisturbedRow):
         return run_disturbed(row.kind, row.loop, seed, index, films, domain)
@@ -71,7 +75,11 @@ def episode(row: Row, seed: int, index: int, films: Path | None, domain: Domain)
 
 
 def films(
-    shown: Sequence[Ended], rows: Sequence[Row], seed: int, workers: Workers, folder: Path
+    shown: Sequence[EpisodeResult],
+    rows: Sequence[TrialRow],
+    seed: int,
+    workers: Workers,
+    folder: Path,
 ) -> None:
     """Carries these episodes out again, each filmed into a folder of its own; what was filmed
     there before is removed."""
@@ -88,7 +96,7 @@ def films(
         pass
 
 
-def _folder_of(ended: Ended) -> str:
+def _folder_of(ended: EpisodeResult) -> str:
     return f"{ended.end}-{ended.row}-{ended.index}"
 
 
@@ -103,14 +111,14 @@ def _remove_films(folder: Path) -> None:
             each.rmdir()
 
 
-def _kept(path: Path, seed: int) -> Iterator[Ended]:
+def _kept(path: Path, seed: int) -> Iterator[EpisodeResult]:
     """What a run that was broken off has left; its last line may be half written."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     first, _, rest = text.partition("\n")
-    made = made_by.digest()
+    made = provenance.digest()
     if not rest and not text.endswith("\n"):
-        head = json_text({"seed": seed, "made_by": made})
+        head = json_text({"seed": seed, "provenance": made})
         path.write_text(f"{head}\n", encoding="utf-8")
         return
     whole = text[: text.rfind("\n") + 1]
@@ -121,18 +129,18 @@ def _kept(path: Path, seed: int) -> Iterator[Ended]:
         head = json.loads(first)
         if head["seed"] != seed:
             raise TrialsError(f"{path}: trials of seed {head['seed']}: another --out")
-        if head.get("made_by") != made:
+        if head.get("provenance") != made:
             raise TrialsError(
                 f"{path}: trials by another state of the code or the model: another --out, or "
                 "remove it"
             )
         for line in rest.splitlines():
             fields = json.loads(line)
-            steps = (Verdict(**step) for step in fields["steps"])
+            steps = (PlacementVerdict(**step) for step in fields["steps"])
             fields["steps"] = tuple(replace(step, touched=tuple(step.touched)) for step in steps)
             for several in ("corrected_m", "tries"):
                 fields[several] = tuple(fields[several])
-            yield Ended(**fields)
+            yield EpisodeResult(**fields)
     except (ValueError, KeyError, TypeError) as error:
         raise TrialsError(
             f"{path}: {error}: no file of trials; remove it, or another --out"

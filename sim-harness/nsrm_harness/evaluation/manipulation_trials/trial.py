@@ -10,30 +10,30 @@ from nsrm_harness import domain as domains
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
 from nsrm_harness.evaluation.manipulation_trials.episode import (
-    End,
-    Ended,
-    Episode,
+    EpisodeEnd,
+    EpisodeResult,
+    TrialEpisode,
     lasting,
     planner,
     renderer,
 )
-from nsrm_harness.evaluation.manipulation_trials.rows import Row, draw
+from nsrm_harness.evaluation.manipulation_trials.rows import TrialRow, draw
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.retries import perform
+from nsrm_harness.manipulation.retries import reach_sub_goal
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 
 def run(
-    row: Row,
+    row: TrialRow,
     seed: int,
     index: int,
     films: Path | None = None,
     domain: Domain | None = None,
-) -> Ended:
+) -> EpisodeResult:
     """Carries one episode out; the same in any process.
 
     * `films`: folder in which it is shown as `film.gif` and `strip.png`
@@ -45,7 +45,7 @@ def run(
         return kind(world, drawn, films).carry_out(row.name, index)
 
 
-class _ByModel(Episode):
+class _ByModel(TrialEpisode):
     """The model plans from pictures."""
 
     _reached = 0
@@ -61,13 +61,13 @@ class _ByModel(Episode):
         reached = self._performed[self._reached :]
         return [place for done in reached for place in done.aside]
 
-    def _followed(self) -> End:
+    def _followed(self) -> EpisodeEnd:
         for number, verdict in enumerate(self._verdicts, start=1):
             if not verdict.is_as_said:
-                return End("failed", f"attempt {number} at a step was not as said")
+                return EpisodeEnd("failed", f"attempt {number} at a step was not as said")
         if not self._judge.stands(lasting(self._moves)):
-            return End("failed", "what was done did not stay")
-        return End("succeeded")
+            return EpisodeEnd("failed", "what was done did not stay")
+        return EpisodeEnd("succeeded")
 
 
 class _ByTruth(_ByModel):
@@ -77,7 +77,7 @@ class _ByTruth(_ByModel):
         for index, move in enumerate(self._moves):
             goal = self._begin(index)
             self._performed.append(
-                perform(
+                reach_sub_goal(
                     self._world,
                     planner(),
                     self._true_objects,

@@ -16,9 +16,9 @@ from matplotlib import pyplot as plt
 from numpy.typing import NDArray
 
 from nsrm_harness.evaluation.manipulation_trials.confidence_interval import is_worse
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.judge import Verdict
-from nsrm_harness.evaluation.manipulation_trials.rows import Row
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
+from nsrm_harness.evaluation.manipulation_trials.rows import TrialRow
 
 CORRECTED_MM = 1.0
 ENOUGH = 100
@@ -47,8 +47,8 @@ GIVEN_UP = "given_up"
 class Line:
     """A row, counted."""
 
-    row: Row
-    ended: tuple[Ended, ...]
+    row: TrialRow
+    ended: tuple[EpisodeResult, ...]
 
     @property
     def ends(self) -> Counter[str]:
@@ -61,7 +61,7 @@ class Line:
         return sum(each.end == "succeeded" and bool(each.why) for each in self.ended)
 
     @property
-    def steps(self) -> list[Verdict]:
+    def steps(self) -> list[PlacementVerdict]:
         """All that were carried out."""
         return [step for each in self.ended for step in each.steps]
 
@@ -101,7 +101,7 @@ class Line:
         )
 
 
-def _last(ended: Ended) -> list[Verdict]:
+def _last(ended: EpisodeResult) -> list[PlacementVerdict]:
     """The last attempt at each step but the one at which was rightly given up."""
     last = {step.step: step for step in ended.steps}
     if ended.end == "succeeded" and ended.why and ended.steps:
@@ -117,7 +117,7 @@ def _decimals(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
 
 
-def counted(rows: Sequence[Row], ended: Sequence[Ended]) -> list[Line]:
+def counted(rows: Sequence[TrialRow], ended: Sequence[EpisodeResult]) -> list[Line]:
     """The rows with what became of their episodes."""
     return [Line(row, tuple(each for each in ended if each.row == row.name)) for row in rows]
 
@@ -238,24 +238,24 @@ def _percent(count: int, whole: int) -> str:
     return f"{100 * count / max(whole, 1):.1f} %"
 
 
-def worst(lines: Sequence[Line], count: int) -> list[Ended]:
+def worst(lines: Sequence[Line], count: int) -> list[EpisodeResult]:
     """Those that ended worst, of rows with a goal: failed ones, refused ones, then the farthest
     off."""
     order = ("failed", "refused", "succeeded")
     return sorted(_aimed(lines), key=lambda each: (order.index(each.end), -_off_m(each)))[:count]
 
 
-def best(lines: Sequence[Line], count: int) -> list[Ended]:
+def best(lines: Sequence[Line], count: int) -> list[EpisodeResult]:
     """Those that were done best, of rows with a goal: of the most steps, the least off."""
     done = [each for each in _aimed(lines) if each.end == "succeeded"]
     return sorted(done, key=lambda each: (-len(each.steps), _off_m(each)))[:count]
 
 
-def _aimed(lines: Sequence[Line]) -> list[Ended]:
+def _aimed(lines: Sequence[Line]) -> list[EpisodeResult]:
     return [each for line in lines if line.row.goal for each in line.ended]
 
 
-def _off_m(ended: Ended) -> float:
+def _off_m(ended: EpisodeResult) -> float:
     return max((step.off_m for step in ended.steps), default=0.0)
 
 

@@ -15,7 +15,7 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.domain import Domain
 from nsrm_harness.evaluation.detector.scenes import Picture
 from nsrm_harness.evaluation.miscalibration.faults import FAULTS, Fault
-from nsrm_harness.evaluation.miscalibration.scenes import KINDS, Kind, scenes
+from nsrm_harness.evaluation.miscalibration.scenes import KINDS, SceneKind, scenes
 from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.perception.detector import MAX_OBJECTS, detect
 from nsrm_harness.perception.relief import PerceptionError
@@ -51,7 +51,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Row:
+class MiscalibrationRow:
     """Scenes of a kind with a fault; `boxes`: where the boxes are from, "mask" or "detector".
 
     `known`: refused for the fault's own cause, None where it has none.
@@ -66,10 +66,10 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Report:
+class MiscalibrationReport:
     """All rows, a kind's together."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[MiscalibrationRow, ...]
 
     def as_json(self) -> list[dict[str, Any]]:
         """The rows by name."""
@@ -100,15 +100,15 @@ def measure(
     domain: Domain,
     count: int,
     seed: int,
-    kinds: Sequence[Kind] = KINDS,
+    kinds: Sequence[SceneKind] = KINDS,
     report: Callable[[], object] = lambda: None,
-) -> Report:
+) -> MiscalibrationReport:
     """`count` scenes of each kind; `report` is called after each of them.
 
     The detector looks with the calibrated camera. Raises `HarnessError` where no scene of a
     kind could be used.
     """
-    rows: list[Row] = []
+    rows: list[MiscalibrationRow] = []
     for kind in kinds:
         seen: dict[str, list[Seen]] = {"mask": [], "detector": []}
         for picture in scenes(kind, domain, count, seed):
@@ -121,10 +121,12 @@ def measure(
                     f"{kind.name}: no scene of {count} can be used: a larger --count"
                 )
             rows += [_row(model, kind, boxes, observed, fault) for fault in FAULTS]
-    return Report(tuple(rows))
+    return MiscalibrationReport(tuple(rows))
 
 
-def _row(model: nsrm.Model, kind: Kind, boxes: str, seen: Iterable[Seen], fault: Fault) -> Row:
+def _row(
+    model: nsrm.Model, kind: SceneKind, boxes: str, seen: Iterable[Seen], fault: Fault
+) -> MiscalibrationRow:
     causes: Counter[str | None] = Counter()
     scenes = 0
     for each in seen:
@@ -132,7 +134,7 @@ def _row(model: nsrm.Model, kind: Kind, boxes: str, seen: Iterable[Seen], fault:
         if (refusal := each.refusal(model, fault)) is not None:
             causes[refusal.details["cause"]] += 1
     known = None if fault.cause is None else causes[fault.cause]
-    return Row(kind.name, boxes, fault.name, scenes, causes.total(), known)
+    return MiscalibrationRow(kind.name, boxes, fault.name, scenes, causes.total(), known)
 
 
 def _detected(picture: Picture) -> list[Seen]:

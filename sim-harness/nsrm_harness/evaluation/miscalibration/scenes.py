@@ -18,7 +18,7 @@ from nsrm_harness.evaluation.detector.scenes import Picture, with_noise
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.simulation.layout import MAX_YAW_RAD, LayoutError, sample_layout
 from nsrm_harness.simulation.render import Light, Renderer, open_renderer
-from nsrm_harness.simulation.segmentation import observation
+from nsrm_harness.simulation.segmentation import segmented_image
 from nsrm_harness.simulation.world import World
 
 ONTO = 0.7
@@ -27,7 +27,7 @@ STREAM = "miscalibration"
 
 
 @dataclass(frozen=True)
-class Kind:
+class SceneKind:
     """A kind of scenes. Blocks may hide one another, wholly too.
 
     * `objects`: least and most number of blocks; `moves`: most of them that are moved
@@ -45,21 +45,21 @@ class Kind:
 
 
 KINDS = (
-    Kind("as in training", (4, 6), 2),
-    Kind("towers of many blocks", (2, 12), 8),
-    Kind("few blocks", (2, 4), 3),
-    Kind("turned by up to 45 degrees", (3, 5), 0, yaw_rad=math.radians(45.0)),
-    Kind(
+    SceneKind("as in training", (4, 6), 2),
+    SceneKind("towers of many blocks", (2, 12), 8),
+    SceneKind("few blocks", (2, 4), 3),
+    SceneKind("turned by up to 45 degrees", (3, 5), 0, yaw_rad=math.radians(45.0)),
+    SceneKind(
         "camera elsewhere, other light",
         (4, 8),
         4,
         disturbance=Disturbance(camera_m=0.02, camera_deg=2.0, light=0.3, color=0.2),
     ),
-    Kind("noise of 2 mm on depth", (4, 8), 4, noise_m=0.002, dropout=0.01),
+    SceneKind("noise of 2 mm on depth", (4, 8), 4, noise_m=0.002, dropout=0.01),
 )
 
 
-def scenes(kind: Kind, domain: Domain, count: int, seed: int) -> Iterator[Picture]:
+def scenes(kind: SceneKind, domain: Domain, count: int, seed: int) -> Iterator[Picture]:
     """Scenes of a kind, each with its own random numbers."""
     pictures = _scenes(kind, domain, count, seed)
     if kind.noise_m > 0.0:
@@ -67,7 +67,7 @@ def scenes(kind: Kind, domain: Domain, count: int, seed: int) -> Iterator[Pictur
     return pictures
 
 
-def _scenes(kind: Kind, domain: Domain, count: int, seed: int) -> Iterator[Picture]:
+def _scenes(kind: SceneKind, domain: Domain, count: int, seed: int) -> Iterator[Picture]:
     first = count * KINDS.index(kind)
     with closing(open_renderer("auto")) as drawing, World() as world:
         for index in range(first, first + count):
@@ -75,17 +75,17 @@ def _scenes(kind: Kind, domain: Domain, count: int, seed: int) -> Iterator[Pictu
 
 
 def _scene(
-    kind: Kind, domain: Domain, world: World, drawing: Renderer, rng: np.random.Generator
+    kind: SceneKind, domain: Domain, world: World, drawing: Renderer, rng: np.random.Generator
 ) -> Picture:
     while not _arrange(kind, domain, world, rng):
         pass
     camera = kind.disturbance.moved(default_camera(), rng)
     light = kind.disturbance.lit(Light.sample(rng), rng)
-    seen = observation(drawing.render(world, camera, light))
+    seen = segmented_image(drawing.render(world, camera, light))
     return Picture(seen.rgb, seen.depth, camera, seen.boxes, seen.depths)
 
 
-def _arrange(kind: Kind, domain: Domain, world: World, rng: np.random.Generator) -> bool:
+def _arrange(kind: SceneKind, domain: Domain, world: World, rng: np.random.Generator) -> bool:
     """Blocks on the table, some moved; whether they found room and stand."""
     blocks = sample_blocks(rng, domain, int(rng.integers(kind.objects[0], kind.objects[1] + 1)))
     try:

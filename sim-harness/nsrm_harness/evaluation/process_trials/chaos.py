@@ -55,7 +55,7 @@ class _Ask:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ChaosVerdict:
     """What a journal says.
 
     * `faults`: what must not be; none, if all is well
@@ -84,7 +84,7 @@ class Verdict:
         return "\n".join(lines)
 
 
-def judge(lines: Iterable[Line]) -> Verdict:
+def judge(lines: Iterable[Line]) -> ChaosVerdict:
     """What the lines of a journal say, in the order of time."""
     lines = list(lines)
     of = {what: [line for line in lines if line["what"] == what] for what in _KINDS}
@@ -118,7 +118,7 @@ def judge(lines: Iterable[Line]) -> Verdict:
         "nodes that ended by themselves": len(_early_ends(of)),
     }
     times = tuple(after_ns / 1e6 for after_ns in noticed)
-    return Verdict(tuple(faults), counts, times, tuple(_told_ms(of, asks)))
+    return ChaosVerdict(tuple(faults), counts, times, tuple(_told_ms(of, asks)))
 
 
 TOO_LATE = "came too late"

@@ -27,7 +27,7 @@ class LatencyError(HarnessError):
 
 
 @dataclass(frozen=True, eq=False)
-class Times:
+class LatencySamples:
     """What was measured.
 
     * `us`: rising, microseconds
@@ -45,7 +45,7 @@ class Times:
         return len(self.us)
 
 
-Rows = dict[tuple[str, str], Times]
+Rows = dict[tuple[str, str], LatencySamples]
 """By what was measured and how."""
 
 
@@ -56,7 +56,7 @@ def read(path: Path) -> Rows:
         for line in path.read_text(encoding="utf-8").splitlines():
             row = json.loads(line)
             us = np.array(row["times_ns"], dtype=np.float64) / 1000.0
-            rows[row["what"], row["how"]] = Times(us)
+            rows[row["what"], row["how"]] = LatencySamples(us)
     except (OSError, ValueError, KeyError) as error:
         raise LatencyError(f"{path}: {error}") from error
     if not {PIPE, EVENT} <= rows.keys():
@@ -128,7 +128,7 @@ def draw(rows: Rows, path: Path) -> None:
     plt.close(figure)
 
 
-def _tail(axis: Axes, times: Times, color: str, line: str, label: str) -> None:
+def _tail(axis: Axes, times: LatencySamples, color: str, line: str, label: str) -> None:
     # The last one has none behind it, which has no logarithm.
     longer = 1.0 - np.arange(1, times.count) / times.count
     axis.step(times.us[:-1], longer, line, color=color, label=label, where="post")

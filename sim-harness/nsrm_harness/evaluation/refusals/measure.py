@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from nsrm_harness.common.errors import EpisodeFileError
 from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import Judge, Truth
+from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.evaluation.metrics import EvaluationError, check_domain, judge_plan
 from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
 from nsrm_harness.evaluation.refusals.certainty import (
@@ -42,7 +42,7 @@ GOOD = "good"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SentenceResult:
     """What came of one sentence."""
 
     kind: str
@@ -72,11 +72,11 @@ class KindCount:
     #: By kind of refusal.
     reasons: dict[str, int]
     #: The most confident of those that were accepted.
-    examples: tuple[Outcome, ...]
+    examples: tuple[SentenceResult, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Report:
+class RefusalReport:
     """What a model refuses and what not."""
 
     set: str
@@ -147,16 +147,16 @@ class Report:
 
 def measure(
     model: nsrm.Model, path: Path, which: str, count: int = COUNT, quiet: bool = False
-) -> Report:
+) -> RefusalReport:
     """Plan the sentences of a file and those that must be refused in its scenes."""
-    with Demonstrations(path) as demonstrations, Judge(path) as judge:
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
         _check(model, demonstrations, which)
         truths = [judge.truth(index) for index in range(len(judge))]
         items = make_items(demonstrations.domain, situations(truths), which, count)
         by_scene: dict[int, list[Item]] = {}
         for item in items:
             by_scene.setdefault(item.scene, []).append(item)
-        outcomes: list[Outcome] = []
+        outcomes: list[SentenceResult] = []
         meant: dict[str, str | None] = {item.sentence: item.meant for item in items}
         for chunk in chunks(demonstrations, "refusals", quiet):
             planned: list[Item] = []
@@ -180,20 +180,24 @@ def situations(truths: Sequence[Truth]) -> list[Situation]:
     return [Situation(index, truth.attributes, truth.program) for index, truth in enumerate(truths)]
 
 
-def outcome_of(item: Item, plan: nsrm.Plan | nsrm.Refused, truth: Truth | None) -> Outcome:
+def outcome_of(item: Item, plan: nsrm.Plan | nsrm.Refused, truth: Truth | None) -> SentenceResult:
     """What came of a sentence; `truth`: what it means, where it means anything."""
     if isinstance(plan, nsrm.Refused):
-        return Outcome(item.kind, item.scene, item.sentence, plan.kind, suggestion=plan.suggestion)
+        return SentenceResult(
+            item.kind, item.scene, item.sentence, plan.kind, suggestion=plan.suggestion
+        )
     right = False
     if truth is not None:
         score = judge_plan(plan.steps, truth.steps, truth.edges_m)
         right = score.program and score.object and score.reference
-    return Outcome(
+    return SentenceResult(
         item.kind, item.scene, item.sentence, None, plan.confidence, plan.program.notation, right
     )
 
 
-def report(outcomes: Sequence[Outcome], which: str, meant: dict[str, str | None]) -> Report:
+def report(
+    outcomes: Sequence[SentenceResult], which: str, meant: dict[str, str | None]
+) -> RefusalReport:
     """Counts by kind, and what the confidences are worth; `meant`: misspelt words by sentence."""
     good = [each for each in outcomes if each.kind == GOOD]
     bad = [each for each in outcomes if each.kind != GOOD]
@@ -211,7 +215,7 @@ def report(outcomes: Sequence[Outcome], which: str, meant: dict[str, str | None]
 
     misspelt = [each for each in bad if meant.get(each.sentence)]
     offered = [each.suggestion == meant[each.sentence] for each in misspelt]
-    return Report(
+    return RefusalReport(
         set=which,
         kinds=tuple(_count(kind, which, bad) for kind in KINDS),
         good=len(good),
@@ -224,7 +228,7 @@ def report(outcomes: Sequence[Outcome], which: str, meant: dict[str, str | None]
     )
 
 
-def _count(kind: str, which: str, outcomes: Sequence[Outcome]) -> KindCount:
+def _count(kind: str, which: str, outcomes: Sequence[SentenceResult]) -> KindCount:
     own = [each for each in outcomes if each.kind == kind]
     accepted = [each for each in own if each.refusal is None]
     accepted.sort(key=lambda each: -(each.confidence or 0.0))
@@ -239,7 +243,7 @@ def _count(kind: str, which: str, outcomes: Sequence[Outcome]) -> KindCount:
     )
 
 
-def _reasons(outcomes: Sequence[Outcome]) -> dict[str, int]:
+def _reasons(outcomes: Sequence[SentenceResult]) -> dict[str, int]:
     counts = Counter(each.refusal for each in outcomes if each.refusal is not None)
     return dict(sorted(counts.items()))
 

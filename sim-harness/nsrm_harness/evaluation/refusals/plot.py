@@ -12,13 +12,13 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
 from nsrm_harness.evaluation.refusals.certainty import calibration_error
-from nsrm_harness.evaluation.refusals.measure import Report
+from nsrm_harness.evaluation.refusals.measure import RefusalReport
 
 #: Confidences crowd near 1, so that what they leave to 1 is drawn, down to this.
 LEAST_DOUBT = 1e-5
 
 
-def draw_report(report: Report, path: Path) -> None:
+def draw_report(report: RefusalReport, path: Path) -> None:
     """Both diagrams as a PNG."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained")
     _draw_risk(report, left)
@@ -28,7 +28,7 @@ def draw_report(report: Report, path: Path) -> None:
     plt.close(figure)
 
 
-def _draw_risk(report: Report, axis: Axes) -> None:
+def _draw_risk(report: RefusalReport, axis: Axes) -> None:
     curve = report.curve
     axis.step(curve.coverage, curve.risk, where="post", color="tab:blue")
     axis.axvline(0.5, color="0.6", linestyle=":", linewidth=1)
@@ -42,7 +42,7 @@ def _draw_risk(report: Report, axis: Axes) -> None:
     axis.grid(alpha=0.3)
 
 
-def _draw_calibration(report: Report, axis: Axes) -> None:
+def _draw_calibration(report: RefusalReport, axis: Axes) -> None:
     doubts = np.geomspace(LEAST_DOUBT, 1.0, 200)
     axis.plot(doubts, 1.0 - doubts, color="0.6", linestyle=":", linewidth=1, label="calibrated")
     for name, parts, color in (

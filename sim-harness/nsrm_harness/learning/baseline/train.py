@@ -26,7 +26,7 @@ from nsrm_harness.learning.dataset import TrainingSet
 from nsrm_harness.learning.objective import (
     Grounding,
     LossWeights,
-    Scene,
+    SceneArrays,
     exact_step,
     location_loss,
     scene_loss,
@@ -80,7 +80,7 @@ class Lesson(NamedTuple):
     tokens: Array
     length: Array
     count: Array
-    scene: Scene
+    scene: SceneArrays
     crop_of: Array
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.tokens import UnknownWordError, split
 from nsrm_harness.learning.dataset import roomy
@@ -58,7 +58,7 @@ def parts(sentence: str, ends: Sequence[int]) -> list[str]:
 
 def read_ends(path: Path) -> list[list[int]]:
     """Where each step of each sentence of an episode file ends: all that is read of the truth."""
-    with Judge(path) as judge:
+    with GroundTruth(path) as judge:
         return [[step.end for step in judge.truth(index).steps] for index in range(len(judge))]
 
 

@@ -10,15 +10,15 @@ from pathlib import Path
 
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.evaluation.manipulation_trials.confidence_interval import is_worse
+from nsrm_harness.paper.figures.run_figures import VariationResult
 from nsrm_harness.paper.figures.scenes import FIGURES
-from nsrm_harness.paper.figures.show import Ended
 
 ENDS = ("succeeded", "refused", "failed")
 GOAL = 0.98
 """Share of a figure's variations that is to succeed."""
 
 
-def text(ended: Sequence[Ended]) -> str:
+def text(ended: Sequence[VariationResult]) -> str:
     """A table in Markdown, and why what did not succeed did not."""
     lines = [
         "| figure | sentence | variations | succeeded | refused | failed |",
@@ -40,7 +40,7 @@ def text(ended: Sequence[Ended]) -> str:
     return "\n".join(lines)
 
 
-def missed(ended: Sequence[Ended]) -> list[str]:
+def missed(ended: Sequence[VariationResult]) -> list[str]:
     """Figures that do worse than chance allows of an arm that reaches `GOAL`, and contacts that
     nothing had foreseen."""
     found = []
@@ -56,7 +56,7 @@ def missed(ended: Sequence[Ended]) -> list[str]:
     return found
 
 
-def write_csv(ended: Sequence[Ended], path: Path) -> None:
+def write_csv(ended: Sequence[VariationResult], path: Path) -> None:
     """A line a figure: how many variations ended how."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -64,13 +64,13 @@ def write_csv(ended: Sequence[Ended], path: Path) -> None:
         writer.writerows(_rows(ended))
 
 
-def write_jsonl(ended: Sequence[Ended], path: Path) -> None:
+def write_jsonl(ended: Sequence[VariationResult], path: Path) -> None:
     """A line an episode."""
     lines = [json_text(asdict(each), ensure_ascii=False) + "\n" for each in ended]
     path.write_text("".join(lines), encoding="utf-8")
 
 
-def _rows(ended: Sequence[Ended]) -> list[tuple[int, ...]]:
+def _rows(ended: Sequence[VariationResult]) -> list[tuple[int, ...]]:
     rows = []
     for number in sorted({each.figure for each in ended}):
         counts = Counter(each.end for each in ended if each.figure == number)

@@ -68,14 +68,14 @@ FIGURES = (
 
 
 @dataclass(frozen=True)
-class Scene:
+class FigureScene:
     """Blocks on the table, and the moves that a figure's sentence commands there."""
 
     arrangement: Arrangement
     moves: tuple[Move, ...]
 
 
-def draw(figure: Figure, domain: Domain, seed: int, variation: int) -> Scene:
+def draw(figure: Figure, domain: Domain, seed: int, variation: int) -> FigureScene:
     """Blocks at random, each that is named the only one of its name, where there is room for
     every step."""
     rng = generator(seed, "figures", 10 * variation + figure.number)
@@ -89,7 +89,7 @@ def draw(figure: Figure, domain: Domain, seed: int, variation: int) -> Scene:
         except LayoutError:
             continue
         if _has_room(arrangement, moves):
-            return Scene(arrangement, moves)
+            return FigureScene(arrangement, moves)
     raise HarnessError(
         f"figure {figure.number}, variation {variation}: no scene after {MAX_TRIES} tries: "
         "another seed"

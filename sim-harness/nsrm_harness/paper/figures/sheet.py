@@ -9,7 +9,7 @@ import nsrm
 from PIL import Image
 
 from nsrm_harness.paper.figures.scenes import Figure
-from nsrm_harness.perception.observer import Location, Names, Sight
+from nsrm_harness.perception.observer import Location, ObjectNames, Observation
 from nsrm_harness.visualization.pictures import (
     Arrow,
     BoxMark,
@@ -35,7 +35,7 @@ class Sheet:
         self._figure = figure
         self._panels: list[tuple[str, Image.Image]] = []
 
-    def add_scene(self, sight: Sight, known: Names) -> None:
+    def add_scene(self, sight: Observation, known: ObjectNames) -> None:
         """What is seen first, and what the model takes the objects for."""
         self._first, self._known = sight, known
         marks = [self._mark(number, box, f"{number} ") for number, box in sight.locations.items()]
@@ -52,7 +52,7 @@ class Sheet:
             locations[step.object_id] = step.location
         self._add("The predicted sub-goals, step by step", annotate(self._first.rgb, marks, arrows))
 
-    def add_step(self, number: int, sight: Sight, outcome: str) -> None:
+    def add_step(self, number: int, sight: Observation, outcome: str) -> None:
         """What is seen after a step: its block, and dashed its sub-goal."""
         step = self._plan.steps[number - 1]
         seen = sight.locations.get(step.object_id)

@@ -22,7 +22,7 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import Block, block_from_attributes
 from nsrm_harness.simulation.layout import WORK_SPACE
 from nsrm_harness.simulation.render import Renderer, open_renderer
-from nsrm_harness.simulation.segmentation import locate
+from nsrm_harness.simulation.segmentation import render_objects
 from nsrm_harness.simulation.world import World
 
 ROWS, COLUMNS = 5, 7
@@ -80,7 +80,7 @@ def _seen(
     """Box and depth `[5]` of a block that stands alone."""
     world.reset()
     world.spawn([block], [Pose.upright(*at, block.edges_m[2] / 2)])
-    return locate(renderer, world, default_camera()).location(1)
+    return render_objects(renderer, world, default_camera()).location(1)
 
 
 def _draw(

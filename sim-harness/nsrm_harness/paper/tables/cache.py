@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from nsrm_harness.paper.tables.processes import Task, run_all
+from nsrm_harness.paper.tables.processes import ProcessTask, run_all
 from nsrm_harness.paper.tables.results import write_json
 
 
@@ -26,7 +26,7 @@ def make_all(makers: Mapping[str, Maker], folder: Path, jobs: int, title: str) -
     """
     kept = {name: folder / f"{name}.json" for name in makers}
     tasks = [
-        Task(name, keep, (maker, kept[name]), kept[name].with_suffix(".log"))
+        ProcessTask(name, keep, (maker, kept[name]), kept[name].with_suffix(".log"))
         for name, maker in makers.items()
         if not kept[name].exists()
     ]

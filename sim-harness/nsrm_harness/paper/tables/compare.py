@@ -21,8 +21,8 @@ from nsrm_harness.learning.export import ModelFile, write_model, write_whole
 from nsrm_harness.learning.run_training import Files, fit
 from nsrm_harness.paper.tables import variants
 from nsrm_harness.paper.tables.judging import Contender, Judging
-from nsrm_harness.paper.tables.processes import Task, run_all
-from nsrm_harness.paper.tables.results import Row
+from nsrm_harness.paper.tables.processes import ProcessTask, run_all
+from nsrm_harness.paper.tables.results import ResultRow
 from nsrm_harness.paper.tables.run_tables import Tables
 from nsrm_harness.paper.tables.study import FAMILIES
 from nsrm_harness.paper.tables.trainings import keep_compiled
@@ -48,12 +48,12 @@ class Cost:
 class Comparison:
     """What the report tells of variants and of disturbed scenes."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ResultRow, ...]
     """Variants: `model` is the name."""
     costs: tuple[Cost, ...]
     merged: tuple[tuple[str, int], ...]
     """Variants and seeds that learned two actions as one."""
-    disturbed: tuple[tuple[DisturbedSet, tuple[Row, ...]], ...]
+    disturbed: tuple[tuple[DisturbedSet, tuple[ResultRow, ...]], ...]
 
 
 def compare(
@@ -77,7 +77,7 @@ def compare(
         if not (out / JUDGED_FILE).exists():
             files = replace(tables.files(FAMILIES[0]), train=tables.data(variant.train))
             arguments = (variant, files, seed, out, tests)
-            tasks.append(Task(out.name, train_and_judge, arguments, out / "log.txt"))
+            tasks.append(ProcessTask(out.name, train_and_judge, arguments, out / "log.txt"))
     run_all(tasks, tables.workers.count, "variants")
     contenders = _contenders(tables, runs)
     judgings = [
@@ -86,7 +86,7 @@ def compare(
     judged = tables.judge(judgings, "disturbed scenes")
     found = [json.loads((out / JUDGED_FILE).read_text(encoding="utf-8")) for *_, out in runs]
     return Comparison(
-        rows=tuple(Row(**row) for one in found for row in one["rows"]),
+        rows=tuple(ResultRow(**row) for one in found for row in one["rows"]),
         costs=tuple(
             Cost(variant.name, seed, stage, seconds)
             for (variant, seed, _), one in zip(runs, found, strict=True)
@@ -117,7 +117,7 @@ def train_and_judge(
     if variant.before_last:
         for split, path in tests.items():
             metrics = evaluate(nsrm.Model.load(before), path)
-            rows.append(Row.of(split, variant.name + BEFORE, seed, "mask", metrics))
+            rows.append(ResultRow.of(split, variant.name + BEFORE, seed, "mask", metrics))
     content: dict[str, Any] = {
         "rows": [asdict(row) for row in rows],
         "seconds": fitted.seconds,
@@ -126,17 +126,20 @@ def train_and_judge(
     write_whole(out / JUDGED_FILE, json_text(content, indent=1).encode())
 
 
-def _judge(name: str, file: ModelFile, path: Path, seed: int, tests: dict[str, Path]) -> list[Row]:
+def _judge(
+    name: str, file: ModelFile, path: Path, seed: int, tests: dict[str, Path]
+) -> list[ResultRow]:
     """Through the core, if it knows such a model."""
     if not file.model.action.simulator.residual:
         return [
-            Row.of(split, name, seed, "mask", judge_without_core(file, test))
+            ResultRow.of(split, name, seed, "mask", judge_without_core(file, test))
             for split, test in tests.items()
         ]
     write_model(path, file)
     model = nsrm.Model.load(path)
     return [
-        Row.of(split, name, seed, "mask", evaluate(model, test)) for split, test in tests.items()
+        ResultRow.of(split, name, seed, "mask", evaluate(model, test))
+        for split, test in tests.items()
     ]
 
 

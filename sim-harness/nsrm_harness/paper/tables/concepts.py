@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import Judge
+from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.domain import Domain
 from nsrm_harness.learning.export import read_model
 
@@ -48,7 +48,7 @@ def _scores(
     """Names of the kinds of blocks, and for each its mean cosine with each concept `[kinds, C]`."""
     order = [value.name for value in domain.concepts]
     found: defaultdict[str, list[list[float]]] = defaultdict(list)
-    with Demonstrations(episodes) as demonstrations, Judge(episodes) as judge:
+    with Demonstrations(episodes) as demonstrations, GroundTruth(episodes) as judge:
         for index in range(min(EPISODES, len(demonstrations))):
             image, truth = demonstrations.initial_image(index), judge.truth(index)
             for row in range(len(truth.attributes)):

@@ -11,7 +11,7 @@ from PIL import Image
 
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import StepTruth
-from nsrm_harness.evaluation.metrics import Judged, judge_episodes
+from nsrm_harness.evaluation.metrics import JudgedPlans, judge_episodes
 from nsrm_harness.visualization.illustrate import draw_steps
 
 COUNT = 20
@@ -23,18 +23,18 @@ PALETTE = 192
 """Colours of the sheet: a third of the bytes."""
 
 
-def worst_episodes(model: nsrm.Model, path: Path) -> list[Judged]:
+def worst_episodes(model: nsrm.Model, path: Path) -> list[JudgedPlans]:
     """The `COUNT` worst, the worst first: wrong programs, then wrong objects, then by IoU."""
     judged = (each for (each,) in judge_episodes([model], path, name="worst episodes"))
     return heapq.nsmallest(COUNT, judged, key=_merit)
 
 
-def _merit(judged: Judged) -> tuple[float, ...]:
+def _merit(judged: JudgedPlans) -> tuple[float, ...]:
     score = judged.score
     return (score.program, score.object and score.reference, score.iou_3d)
 
 
-def what_went_wrong(judged: Judged) -> str:
+def what_went_wrong(judged: JudgedPlans) -> str:
     """In words, a sentence for each step that is not as meant; for right ones how far off."""
     if judged.outcome is None:
         return "The detector can't use the picture."
@@ -77,7 +77,7 @@ def _misses(planned: list[nsrm.PlannedStep], meant: tuple[StepTruth, ...]) -> st
     return f"Understood; off along x, y, z: {'; '.join(parts)}."
 
 
-def draw_failures(worst: list[Judged], path: Path, out: Path) -> None:
+def draw_failures(worst: list[JudgedPlans], path: Path, out: Path) -> None:
     """All of them on one sheet: the plan, where there is one, over the initial scene."""
     tiles = []
     with Demonstrations(path) as demonstrations:

@@ -12,7 +12,7 @@ import nsrm
 from nsrm_harness.evaluation.metrics import evaluate_models
 from nsrm_harness.evaluation.observed import Boxes
 from nsrm_harness.paper.tables.cache import make_all
-from nsrm_harness.paper.tables.results import Row
+from nsrm_harness.paper.tables.results import ResultRow
 
 
 class Contender(NamedTuple):
@@ -41,7 +41,7 @@ class Judging(NamedTuple):
         """The rows, as JSON has them."""
         return [asdict(row) for row in self.rows()]
 
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[ResultRow]:
         """One for each of the models."""
         if self.boxes is None:
             # Imported here: JAX takes seconds in each process, and the core does without.
@@ -56,15 +56,17 @@ class Judging(NamedTuple):
             models = [nsrm.Model.load(each.path) for each in self.contenders]
             metrics = evaluate_models(models, self.data, self.boxes, self.name)
         return [
-            Row.of(self.split, each.name, each.seed, self.boxes or "mask", found)
+            ResultRow.of(self.split, each.name, each.seed, self.boxes or "mask", found)
             for each, found in zip(self.contenders, metrics, strict=True)
         ]
 
 
-def judge_all(judgings: Sequence[Judging], folder: Path, jobs: int, title: str) -> list[list[Row]]:
+def judge_all(
+    judgings: Sequence[Judging], folder: Path, jobs: int, title: str
+) -> list[list[ResultRow]]:
     """The rows of each; those that are kept in `folder` are not made again.
 
     Raises `TaskError`; what was judged before is kept.
     """
     made = make_all({judging.name: judging for judging in judgings}, folder, jobs, title)
-    return [[Row(**row) for row in rows] for rows in made]
+    return [[ResultRow(**row) for row in rows] for rows in made]

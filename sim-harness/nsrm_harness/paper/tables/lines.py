@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from nsrm_harness.common.number_text import or_dash
-from nsrm_harness.paper.tables.results import MEASURES, Row, summarize
+from nsrm_harness.paper.tables.results import MEASURES, ResultRow, summarize
 
 HEADINGS = ("program", "O1", "O2", "IoU-2D", "IoU-3D")
 TITLES = {
@@ -24,7 +24,7 @@ TITLES = {
 }
 
 
-def cells_of(rows: Sequence[Row]) -> list[str]:
+def cells_of(rows: Sequence[ResultRow]) -> list[str]:
     """Each measure of a model's rows: the mean over the seeds, with least and greatest."""
     cells = []
     for measure in MEASURES:

@@ -21,7 +21,7 @@ class TaskError(HarnessError):
     """A task that failed in its process."""
 
 
-class Task(NamedTuple):
+class ProcessTask(NamedTuple):
     """A function that a module has at its top, and its arguments."""
 
     name: str
@@ -32,10 +32,10 @@ class Task(NamedTuple):
 
 
 def run_all(
-    tasks: Sequence[Task],
+    tasks: Sequence[ProcessTask],
     jobs: int,
     title: str,
-    done: Callable[[Task], None] = lambda task: None,
+    done: Callable[[ProcessTask], None] = lambda task: None,
 ) -> None:
     """Run every task, at most `jobs` at a time, each on a processor of its own; `done` is told of
     each when it has ended.
@@ -45,7 +45,7 @@ def run_all(
     # "spawn": a forked child would share the parent's threads and their locks.
     context = multiprocessing.get_context("spawn")
     waiting = list(tasks)
-    running: dict[Any, tuple[Task, BaseProcess, int]] = {}
+    running: dict[Any, tuple[ProcessTask, BaseProcess, int]] = {}
     free = _processors()[: max(jobs, 1)]
     with tqdm(total=len(tasks), desc=f"{title:>22}") as bar:
         try:
@@ -71,7 +71,7 @@ def run_all(
                 process.terminate()
 
 
-def _run(task: Task, processor: int) -> None:
+def _run(task: ProcessTask, processor: int) -> None:
     end_with_parent()
     task.log.parent.mkdir(parents=True, exist_ok=True)
     with task.log.open("a", encoding="utf-8") as log:

@@ -11,7 +11,7 @@ from typing import Any
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.paper.tables.lines import HEADINGS, TITLES
 from nsrm_harness.paper.tables.published_figures import ROWS, TABLES
-from nsrm_harness.paper.tables.results import MEASURES, Row, read_rows, select, summarize
+from nsrm_harness.paper.tables.results import MEASURES, ResultRow, read_rows, select, summarize
 from nsrm_harness.paper.tables.study import JUDGED
 from nsrm_harness.paper.tables.tables_report import REFUSAL_COLUMNS, REFUSALS
 from nsrm_harness.paper.tables.tables_report import TABLES as TABLES_FILE
@@ -53,7 +53,7 @@ def with_figures(readme: str, report: Path) -> str:
     return f"{before}{BEGIN}\n{block}\n{END}{after}"
 
 
-def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
+def figures(rows: Sequence[ResultRow], refusals: Sequence[dict[str, Any]]) -> str:
     """The README's table, means over the seeds with the paper's beside them, and a sentence.
 
     A split that the report does not have is left out.
@@ -86,7 +86,7 @@ def figures(rows: Sequence[Row], refusals: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def _with_detector(rows: Sequence[Row]) -> str:
+def _with_detector(rows: Sequence[ResultRow]) -> str:
     chosen = select(rows, "test", "nsrm", "detector")
     told = [f"{name} {_cell('', m, chosen)}" for name, m in zip(HEADINGS, MEASURES, strict=True)]
     return (
@@ -95,7 +95,7 @@ def _with_detector(rows: Sequence[Row]) -> str:
     )
 
 
-def _cell(split: str, measure: str, rows: Sequence[Row]) -> str:
+def _cell(split: str, measure: str, rows: Sequence[ResultRow]) -> str:
     summary = summarize(rows, measure)
     if summary is None:
         return "-"

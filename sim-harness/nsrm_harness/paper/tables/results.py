@@ -22,7 +22,7 @@ class ResultsError(HarnessError):
 
 
 @dataclass(frozen=True)
-class Row:
+class ResultRow:
     """A model of one seed on one split; percentages."""
 
     split: str
@@ -40,7 +40,7 @@ class Row:
     iou_3d: float
 
     @classmethod
-    def of(cls, split: str, model: str, seed: int, boxes: str, metrics: Metrics) -> Row:
+    def of(cls, split: str, model: str, seed: int, boxes: str, metrics: Metrics) -> ResultRow:
         """From shares."""
         shares = (
             metrics.program,
@@ -54,7 +54,7 @@ class Row:
         return cls(split, model, seed, boxes, metrics.episodes, program, o1, o2, iou_2d, iou_3d)
 
 
-COLUMNS = tuple(field.name for field in fields(Row))
+COLUMNS = tuple(field.name for field in fields(ResultRow))
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Summary:
     greatest: float
 
 
-def summarize(rows: Sequence[Row], measure: str) -> Summary | None:
+def summarize(rows: Sequence[ResultRow], measure: str) -> Summary | None:
     """None where a row has no such measure or there is none."""
     values = [getattr(row, measure) for row in rows]
     if not values or None in values:
@@ -74,13 +74,13 @@ def summarize(rows: Sequence[Row], measure: str) -> Summary | None:
     return Summary(fmean(values), min(values), max(values))
 
 
-def select(rows: Iterable[Row], split: str, model: str, boxes: str) -> list[Row]:
+def select(rows: Iterable[ResultRow], split: str, model: str, boxes: str) -> list[ResultRow]:
     """The rows of all seeds."""
     wanted = (split, model, boxes)
     return [row for row in rows if (row.split, row.model, row.boxes) == wanted]
 
 
-def write_rows(path: Path, rows: Sequence[Row]) -> None:
+def write_rows(path: Path, rows: Sequence[ResultRow]) -> None:
     """Under `COLUMNS`; the baseline's program stays empty."""
     write_records(path, COLUMNS, rows)
 
@@ -93,7 +93,7 @@ def write_records(path: Path, columns: Sequence[str], records: Sequence[object])
         writer.writerows([getattr(record, name) for name in columns] for record in records)
 
 
-def read_rows(path: Path) -> list[Row]:
+def read_rows(path: Path) -> list[ResultRow]:
     """What `write_rows` wrote."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -113,8 +113,8 @@ def write_json(path: Path, content: Any) -> None:
     partial.replace(path)
 
 
-def _row(values: Sequence[str]) -> Row:
+def _row(values: Sequence[str]) -> ResultRow:
     split, model, seed, boxes, episodes, program, *rest = values
     o1, o2, iou_2d, iou_3d = map(float, rest)
     share = float(program) if program else None
-    return Row(split, model, int(seed), boxes, int(episodes), share, o1, o2, iou_2d, iou_3d)
+    return ResultRow(split, model, int(seed), boxes, int(episodes), share, o1, o2, iou_2d, iou_3d)

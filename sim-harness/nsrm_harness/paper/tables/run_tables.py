@@ -19,20 +19,20 @@ from tqdm import tqdm
 
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
-from nsrm_harness.common.workers import Processes, Workers
+from nsrm_harness.common.workers import LocalProcesses, Workers
 from nsrm_harness.data.calibration import make_calibration
-from nsrm_harness.data.generate import Progress, Settings, generate
+from nsrm_harness.data.generate import Settings, ShardProgress, generate
 from nsrm_harness.domain import Domain
 from nsrm_harness.evaluation.observed import Boxes
-from nsrm_harness.evaluation.refusals.measure import Report, measure
+from nsrm_harness.evaluation.refusals.measure import RefusalReport, measure
 from nsrm_harness.learning.run_training import Files
 from nsrm_harness.paper.tables import detections
 from nsrm_harness.paper.tables.detections import DetectorRow, Sighting, detect_all
 from nsrm_harness.paper.tables.judging import Contender, Judging, judge_all
-from nsrm_harness.paper.tables.processes import Task, run_all
-from nsrm_harness.paper.tables.results import Row, write_json
+from nsrm_harness.paper.tables.processes import ProcessTask, run_all
+from nsrm_harness.paper.tables.results import ResultRow, write_json
 from nsrm_harness.paper.tables.study import FAMILIES, Family, Study
-from nsrm_harness.paper.tables.times import Times, Took
+from nsrm_harness.paper.tables.times import PartTime, ReportTimes
 from nsrm_harness.paper.tables.trainings import Training, packed, train, train_elsewhere, unpack
 
 REFUSAL_SETS = ("validation", "test")
@@ -52,14 +52,14 @@ class SeedReport:
     """What the model of a seed refuses."""
 
     seed: int
-    report: Report
+    report: RefusalReport
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TablesResult:
     """All that the report tells."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ResultRow, ...]
     refusals: tuple[SeedReport, ...]
     """Of each model: on validation, where thresholds are chosen, and on test."""
     detections: tuple[DetectorRow, ...]
@@ -69,7 +69,7 @@ class Outcome:
     """The first seed's model file, of which there are pictures."""
     episodes: Path
     """The test episodes that they show."""
-    times: tuple[Took, ...]
+    times: tuple[PartTime, ...]
     processes: int
     """How many worked at a time."""
 
@@ -88,9 +88,9 @@ class Tables:
         self.study, self._domain, self.folder = study, domain, folder
         self.workers = workers
         self._commits = self._claim()
-        self._times = Times(folder / "times.json")
+        self._times = ReportTimes(folder / "times.json")
 
-    def make(self) -> Outcome:
+    def make(self) -> TablesResult:
         """Everything; broken off, a further call goes on."""
         with self._times.of("data"):
             for split in self.study.splits():
@@ -108,7 +108,7 @@ class Tables:
             )
         with self._times.of("detector"):
             seen = detect_all(self._sightings(), self.folder / "figures", self.workers.count)
-        return Outcome(
+        return TablesResult(
             rows=tuple(rows),
             refusals=refusals,
             detections=seen,
@@ -169,7 +169,7 @@ class Tables:
         """A file of episodes, unless it is there."""
         with tqdm(total=settings.count, unit="episode", desc=f"{name:>22}") as bar:
 
-            def report(progress: Progress) -> None:
+            def report(progress: ShardProgress) -> None:
                 bar.update(progress.done - bar.n)
 
             generate(settings, self._domain, self.data(name), self.workers, report)
@@ -196,8 +196,8 @@ class Tables:
                     end()
 
             done()
-            if isinstance(self.workers, Processes):
-                tasks = [Task(t.out.name, train, (t,), t.out / "log.txt") for t in missing]
+            if isinstance(self.workers, LocalProcesses):
+                tasks = [ProcessTask(t.out.name, train, (t,), t.out / "log.txt") for t in missing]
                 run_all(tasks, self.workers.count, TRAININGS, lambda task: done(task.log.parent))
                 return
             sent = ((training.out, packed(training)) for training in missing)
@@ -221,7 +221,7 @@ class Tables:
         baseline, *others = trainings[count:]
         return [first, baseline, *models, *others]
 
-    def judge(self, judgings: Sequence[Judging], title: str) -> list[list[Row]]:
+    def judge(self, judgings: Sequence[Judging], title: str) -> list[list[ResultRow]]:
         """The rows of each, made on this machine unless they are there."""
         return judge_all(judgings, self.folder / "figures", self.workers.count, title)
 
@@ -256,7 +256,7 @@ class Tables:
             Contender("baseline", seed, run / "baseline.safetensors") for seed, run in runs
         )
 
-    def _refusals(self, which: str, seed: int) -> Report:
+    def _refusals(self, which: str, seed: int) -> RefusalReport:
         model = nsrm.Model.load(self.model(FAMILIES[0], seed))
         return measure(model, self.data(which), which, self.study.refusals)
 

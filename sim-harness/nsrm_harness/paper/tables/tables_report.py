@@ -19,13 +19,18 @@ from nsrm_harness.paper.tables.concepts import draw_concepts
 from nsrm_harness.paper.tables.detections import COLUMNS as DETECTOR_COLUMNS
 from nsrm_harness.paper.tables.detections import table_of
 from nsrm_harness.paper.tables.failures import draw_failures, worst_episodes
-from nsrm_harness.paper.tables.figures import draw_comparison, draw_steps
 from nsrm_harness.paper.tables.lines import TITLES, cells_of, header_of, line_of, number
 from nsrm_harness.paper.tables.parts import comparison_sections
-from nsrm_harness.paper.tables.results import MEASURES, Row, select, write_records, write_rows
-from nsrm_harness.paper.tables.run_tables import FIRST_MODELS, REFUSAL_SETS, Outcome, SeedReport
+from nsrm_harness.paper.tables.plots import draw_comparison, draw_steps
+from nsrm_harness.paper.tables.results import MEASURES, ResultRow, select, write_records, write_rows
+from nsrm_harness.paper.tables.run_tables import (
+    FIRST_MODELS,
+    REFUSAL_SETS,
+    SeedReport,
+    TablesResult,
+)
 from nsrm_harness.paper.tables.study import FAMILIES, JUDGED, QUICK, Study
-from nsrm_harness.paper.tables.times import Took
+from nsrm_harness.paper.tables.times import PartTime
 
 REPORT = "README.md"
 TABLES = "tables.csv"
@@ -39,7 +44,7 @@ TIMES = "times.csv"
 
 
 def write_report(
-    outcome: Outcome,
+    outcome: TablesResult,
     study: Study,
     domain: Domain,
     folder: Path,
@@ -49,7 +54,7 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / TABLES, outcome.rows)
     write_records(folder / DETECTOR, DETECTOR_COLUMNS, outcome.detections)
-    write_records(folder / TIMES, [field.name for field in fields(Took)], outcome.times)
+    write_records(folder / TIMES, [field.name for field in fields(PartTime)], outcome.times)
     _write_refusals(folder / REFUSALS, outcome.refusals)
     draw_steps(outcome.rows, folder / "steps.png")
     model = nsrm.Model.load(outcome.model)
@@ -68,7 +73,7 @@ def write_report(
     (folder / REPORT).write_text(markdown(outcome, study, comparison), encoding="utf-8")
 
 
-def markdown(outcome: Outcome, study: Study, comparison: Comparison | None = None) -> str:
+def markdown(outcome: TablesResult, study: Study, comparison: Comparison | None = None) -> str:
     """The text of the report."""
     *of_paper, beyond, with_detector = tables_of(outcome.rows)
     sections = [
@@ -109,7 +114,7 @@ def markdown(outcome: Outcome, study: Study, comparison: Comparison | None = Non
     return "\n\n".join(sections) + "\n"
 
 
-def tables_of(rows: Sequence[Row]) -> list[str]:
+def tables_of(rows: Sequence[ResultRow]) -> list[str]:
     """The paper's tables, those beyond them, and those with the detector's boxes."""
     return [
         *(_paper_table(rows, split) for split in JUDGED if split in paper.TABLES),
@@ -118,7 +123,7 @@ def tables_of(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def _origin(outcome: Outcome, study: Study) -> str:
+def _origin(outcome: TablesResult, study: Study) -> str:
     seeds = ", ".join(map(str, study.seeds))
     families = "; ".join(
         f"{family.train}: {study.settings(family.train).count}" for family in FAMILIES
@@ -132,7 +137,7 @@ def _origin(outcome: Outcome, study: Study) -> str:
     )
 
 
-def _times(times: Sequence[Took], processes: int) -> str:
+def _times(times: Sequence[PartTime], processes: int) -> str:
     whole = sum(took.seconds for took in times if took.part != FIRST_MODELS)
     parts = [(took.part, took.seconds) for took in times]
     lines = ["| part | minutes |", "|---|---:|"]
@@ -147,7 +152,7 @@ def _commits(commits: Sequence[str]) -> str:
     return f"commit{'s' if len(commits) > 1 else ''} {', '.join(commits)}"
 
 
-def _paper_table(rows: Sequence[Row], split: str) -> str:
+def _paper_table(rows: Sequence[ResultRow], split: str) -> str:
     lines = [f"### Table {paper.TABLES[split]}", "", header_of("")]
     for model, name in (("baseline", "baseline"), ("nsrm", "model")):
         figures = paper.ROWS[split, model]
@@ -158,7 +163,7 @@ def _paper_table(rows: Sequence[Row], split: str) -> str:
     return "\n".join(lines)
 
 
-def _table(rows: Sequence[Row], splits: Iterable[str], boxes: str) -> str:
+def _table(rows: Sequence[ResultRow], splits: Iterable[str], boxes: str) -> str:
     lines = [header_of("split")]
     for split in splits:
         for model, name in (("nsrm", ""), ("baseline", ", baseline")):

@@ -13,24 +13,26 @@ from nsrm_harness.paper.tables.results import write_json
 
 
 @dataclass(frozen=True)
-class Took:
+class PartTime:
     """A part of the making and its time on the clock."""
 
     part: str
     seconds: float
 
 
-class Times:
+class ReportTimes:
     """The times of all parts, in a file."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
-    def all(self) -> tuple[Took, ...]:
+    def all(self) -> tuple[PartTime, ...]:
         """In the order in which they were begun for the first time."""
         if not self._path.exists():
             return ()
-        return tuple(Took(**took) for took in json.loads(self._path.read_text(encoding="utf-8")))
+        return tuple(
+            PartTime(**took) for took in json.loads(self._path.read_text(encoding="utf-8"))
+        )
 
     @contextmanager
     def of(self, part: str) -> Iterator[Callable[[], None]]:
@@ -53,4 +55,4 @@ class Times:
     def _add(self, part: str, seconds: float) -> None:
         seconds_of = {took.part: took.seconds for took in self.all()}
         seconds_of[part] = round(seconds_of.get(part, 0.0) + seconds, 3)
-        write_json(self._path, [asdict(Took(*item)) for item in seconds_of.items()])
+        write_json(self._path, [asdict(PartTime(*item)) for item in seconds_of.items()])

@@ -17,7 +17,7 @@ from nsrm_harness.geometry.mesh import Mesh
 from nsrm_harness.simulation.blocks import block_mesh
 from nsrm_harness.simulation.render.frame import Frame, Surfaces
 from nsrm_harness.simulation.render.light import Light
-from nsrm_harness.simulation.render.scene import Part, robot_parts, shadow_parts, surroundings
+from nsrm_harness.simulation.render.scene import RenderPart, robot_parts, shadow_parts, surroundings
 from nsrm_harness.simulation.world import World
 
 SAMPLES = 4
@@ -168,13 +168,13 @@ class GlRenderer:
         for mesh in list(self._meshes):
             self._forget(mesh)
 
-    def _draw_color(self, parts: Iterable[Part]) -> None:
+    def _draw_color(self, parts: Iterable[RenderPart]) -> None:
         for part in parts:
             self._color["world_from_body"].write(_columns(part.pose.matrix()))
             self._color["surface"].value = part.mesh.rgb
             self._arrays(part.mesh)[0].render()
 
-    def _draw_ids(self, parts: Iterable[tuple[Part, int]]) -> None:
+    def _draw_ids(self, parts: Iterable[tuple[RenderPart, int]]) -> None:
         for part, block_id in parts:
             self._id["world_from_body"].write(_columns(part.pose.matrix()))
             self._id["id"].value = block_id
@@ -204,10 +204,12 @@ class GlRenderer:
         return self._meshes[mesh]
 
 
-def _parts(world: World, camera: Camera) -> tuple[list[tuple[Part, int]], list[tuple[Part, int]]]:
+def _parts(
+    world: World, camera: Camera
+) -> tuple[list[tuple[RenderPart, int]], list[tuple[RenderPart, int]]]:
     """Blocks and robot, then what is behind them, each with its id: from front to
     back, so that the large faces fill only what is left."""
-    standing = [(Part(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
+    standing = [(RenderPart(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
     standing += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
     return standing, [(part, 0) for part in surroundings()]
 

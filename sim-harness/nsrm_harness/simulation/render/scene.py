@@ -32,7 +32,7 @@ LAYER_STEP_M = 0.00005
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class RenderPart:
     """A mesh where it stands."""
 
     mesh: Mesh
@@ -44,16 +44,16 @@ _CORNER_SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (
 
 
 @lru_cache(maxsize=1)
-def surroundings() -> tuple[Part, ...]:
+def surroundings() -> tuple[RenderPart, ...]:
     """Table and floor, the nearer first."""
     (x0, y0, _), (x1, y1, _) = TABLE_LOW, TABLE_HIGH
     floor = [(-6.0, -6.0), (3.0, -6.0), (3.0, 6.0), (-6.0, 6.0)]
     floor_mesh = level_polygons([floor], FLOOR_Z_M, FLOOR_RGB)
     table = box((x0, y0, TABLE_LOW[2]), (x1, y1, 0.0), TABLE_RGB)
-    return (Part(table, _ORIGIN), Part(floor_mesh, _ORIGIN))
+    return (RenderPart(table, _ORIGIN), RenderPart(floor_mesh, _ORIGIN))
 
 
-def robot_parts(links: dict[str, Pose], camera: Camera) -> Iterator[Part]:
+def robot_parts(links: dict[str, Pose], camera: Camera) -> Iterator[RenderPart]:
     """The meshes of the links that may be in the camera's view."""
     for visual in arm.link_visuals():
         if visual.link in links:
@@ -61,7 +61,7 @@ def robot_parts(links: dict[str, Pose], camera: Camera) -> Iterator[Part]:
             center = pose.rotation() @ visual.center + np.array(pose.position)
             if _in_view(center, visual.radius_m, camera):
                 for mesh in visual.meshes:
-                    yield Part(mesh, pose)
+                    yield RenderPart(mesh, pose)
 
 
 def _in_view(center: NDArray[np.float64], radius: float, camera: Camera) -> bool:
@@ -81,7 +81,7 @@ def _in_view(center: NDArray[np.float64], radius: float, camera: Camera) -> bool
     return True
 
 
-def shadow_parts(blocks: Sequence[PlacedBlock], light: Light) -> Iterator[Part]:
+def shadow_parts(blocks: Sequence[PlacedBlock], light: Light) -> Iterator[RenderPart]:
     """The blocks' shadows on the table: flat layers, the larger the lighter.
 
     Each layer is the outline that a smaller or larger lamp would cast. A layer's
@@ -98,7 +98,7 @@ def shadow_parts(blocks: Sequence[PlacedBlock], light: Light) -> Iterator[Part]:
         red, green, blue = (float(v) for v in np.array(TABLE_RGB) * kept / full)
         outlines = [_convex_hull(points) for points in (ground + away * spread * widths).tolist()]
         height = (layer + 1) * LAYER_STEP_M
-        yield Part(level_polygons(outlines, height, (red, green, blue)), _ORIGIN)
+        yield RenderPart(level_polygons(outlines, height, (red, green, blue)), _ORIGIN)
 
 
 def _cast(

@@ -21,7 +21,7 @@ from nsrm_harness.simulation.bullet import connect_direct, pybullet
 from nsrm_harness.simulation.render.backdrop import backdrop
 from nsrm_harness.simulation.render.frame import Frame, Surfaces
 from nsrm_harness.simulation.render.light import Light
-from nsrm_harness.simulation.render.scene import Part, robot_parts, shadow_parts
+from nsrm_harness.simulation.render.scene import RenderPart, robot_parts, shadow_parts
 from nsrm_harness.simulation.world import PlacedBlock, World
 
 OVERSAMPLING = 2
@@ -60,7 +60,7 @@ class TinyRenderer:
     def surfaces(self, world: World, camera: Camera) -> Surfaces:
         """The same picture without its colours."""
         solid = [(part, 0) for part in robot_parts(world.arm_links(), camera)]
-        solid += [(Part(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
+        solid += [(RenderPart(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
         id_of_body = self._arrange(solid)
         _, buffer, bodies = self._shoot(camera, Light())
         # Bodies are numbered from 0 by PyBullet; -1, the last entry, is none.
@@ -93,7 +93,7 @@ class TinyRenderer:
                 total += samples[row::OVERSAMPLING, column::OVERSAMPLING]
         return (total // count).astype(np.uint8)
 
-    def _arrange(self, parts: Iterable[tuple[Part, int]]) -> dict[int, int]:
+    def _arrange(self, parts: Iterable[tuple[RenderPart, int]]) -> dict[int, int]:
         """Puts a body at each part, hides all others; block id of each body."""
         free = {mesh: list(bodies) for mesh, bodies in self._bodies.items()}
         id_of_body: dict[int, int] = {}
@@ -123,7 +123,7 @@ class TinyRenderer:
             body, pose.position, pose.orientation, physicsClientId=self._client
         )
 
-    def _body(self, part: Part) -> int:
+    def _body(self, part: RenderPart) -> int:
         mesh = part.mesh
         shape = pybullet.createVisualShape(
             pybullet.GEOM_MESH,

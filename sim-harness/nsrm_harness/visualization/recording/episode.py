@@ -11,11 +11,11 @@ import rerun as rr
 from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.perception.observer import Names, Sight, sub_goal
+from nsrm_harness.perception.observer import ObjectNames, Observation, sub_goal
 from nsrm_harness.simulation.world import TABLE_HIGH, TABLE_LOW, World
-from nsrm_harness.visualization.onlooker import Onlooker, Outcome, Stopped
+from nsrm_harness.visualization.demo_listener import DemoListener, StepResult, Stopped
 from nsrm_harness.visualization.recording.motion import AXES_M, Motion
-from nsrm_harness.visualization.recording.scene import Scene
+from nsrm_harness.visualization.recording.scene import RecordedScene
 from nsrm_harness.visualization.recording.shapes import RGB, boxes, frame
 from nsrm_harness.visualization.recording.timeline import Log
 from nsrm_harness.visualization.recording.view import View
@@ -28,18 +28,18 @@ UNPLANNED = ("not grasped", "slipped", "taken back", "clearing")
 """What the arm does only where something is not as it was to be."""
 
 
-class Recording(Onlooker):
+class Recording(DemoListener):
     """Writes down all that it is told."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
         self._steps: Sequence[nsrm.PlannedStep] = ()
-        self._sight: Sight | None = None
+        self._sight: Observation | None = None
 
-    def begin(self, world: World, camera: Camera, known: Names, sentence: str) -> None:
+    def begin(self, world: World, camera: Camera, known: ObjectNames, sentence: str) -> None:
         """The table, and what was said."""
         self._log, self._sentence = Log(self._stream, world), sentence
-        self._scene = Scene(self._log, known)
+        self._scene = RecordedScene(self._log, known)
         self._view = View(self._log, camera, self._scene)
         self._motion = Motion(self._log, self._scene)
         self._log.always(WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
@@ -47,7 +47,7 @@ class Recording(Onlooker):
         self._log.always(TABLE, rr.Boxes3D(mins=[TABLE_LOW], sizes=[size_m], colors=[TABLE_RGB]))
         self._event(f"sentence: {sentence}")
 
-    def looked(self, sight: Sight) -> None:
+    def looked(self, sight: Observation) -> None:
         """The picture and what is seen in it."""
         if self._sight is not None and sight.taken_s <= self._sight.taken_s:
             return  # Nothing has moved since.
@@ -88,7 +88,7 @@ class Recording(Onlooker):
         level = rr.TextLogLevel.WARN if event in UNPLANNED else rr.TextLogLevel.INFO
         self._event(event, level)
 
-    def ended(self, index: int, outcome: Outcome) -> None:
+    def ended(self, index: int, outcome: StepResult) -> None:
         """How a step went."""
         level = rr.TextLogLevel.ERROR if isinstance(outcome, Stopped) else rr.TextLogLevel.INFO
         self._event(f"step {index + 1}: {outcome}", level)

@@ -10,12 +10,12 @@ import rerun as rr
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import link_hulls
+from nsrm_harness.manipulation.collision import link_convex_hulls
 from nsrm_harness.manipulation.execute import SLIP_M
 from nsrm_harness.manipulation.kinematics import Joints
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.world import TIME_STEP_S
-from nsrm_harness.visualization.recording.scene import Scene
+from nsrm_harness.visualization.recording.scene import RecordedScene
 from nsrm_harness.visualization.recording.timeline import TIMELINE, Log, duration
 
 SAMPLE_S = 0.02
@@ -41,12 +41,12 @@ class _Moment:
 class Motion:
     """Watches the arm of a world while its ticks go by."""
 
-    def __init__(self, log: Log, scene: Scene) -> None:
+    def __init__(self, log: Log, scene: RecordedScene) -> None:
         self._log, self._world, self._scene = log, log.world, scene
         self._moments: list[_Moment] = []
         self._ticks, self._pair = 0, ""
         self._held_m: float | None = None
-        for link, hull in link_hulls().items():
+        for link, hull in link_convex_hulls().items():
             log.always(
                 f"{ARM}/{link}",
                 rr.Mesh3D(

@@ -11,9 +11,9 @@ import rerun as rr
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import HELD, Guard, Nearest, link_hulls
+from nsrm_harness.manipulation.collision import HELD, CollisionChecker, Nearest, link_convex_hulls
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
-from nsrm_harness.perception.observer import Names
+from nsrm_harness.perception.observer import ObjectNames
 from nsrm_harness.visualization.recording.shapes import RGB, boxes
 from nsrm_harness.visualization.recording.timeline import Log
 
@@ -23,10 +23,10 @@ UNKNOWN_RGB: RGB = (0.6, 0.6, 0.6)
 """Of what was not there when the objects were named."""
 
 
-class Scene:
+class RecordedScene:
     """The objects from one picture to the next."""
 
-    def __init__(self, log: Log, known: Names) -> None:
+    def __init__(self, log: Log, known: ObjectNames) -> None:
         self._log, self._known, self._kinematics = log, known, Kinematics()
         self._standing: dict[int, Cuboid] = {}
         self._held: tuple[int, Cuboid] | None = None
@@ -79,9 +79,11 @@ class Scene:
         self._log.now(OBJECTS, self._boxes(self._standing))
         self._guard = self._watching(held and held[1])
 
-    def _watching(self, in_hand: Cuboid | None) -> Guard:
+    def _watching(self, in_hand: Cuboid | None) -> CollisionChecker:
         objects = {self.name(number): cuboid for number, cuboid in self._standing.items()}
-        return Guard(self._kinematics, objects, in_hand, combinations([*link_hulls(), HELD], 2))
+        return CollisionChecker(
+            self._kinematics, objects, in_hand, combinations([*link_convex_hulls(), HELD], 2)
+        )
 
     def _boxes(self, cuboids: Mapping[int, Cuboid]) -> rr.Boxes3D:
         names = [self.name(number) for number in cuboids]

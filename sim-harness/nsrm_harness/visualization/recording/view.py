@@ -11,9 +11,9 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from nsrm_harness.geometry.camera import FAR_M, NEAR_M, Camera
-from nsrm_harness.perception.observer import Sight
+from nsrm_harness.perception.observer import Observation
 from nsrm_harness.perception.relief import measurements
-from nsrm_harness.visualization.recording.scene import Scene
+from nsrm_harness.visualization.recording.scene import RecordedScene
 from nsrm_harness.visualization.recording.shapes import RGB, boxes, frame
 from nsrm_harness.visualization.recording.timeline import Log
 
@@ -43,7 +43,7 @@ def depth_units(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
 class View:
     """Pictures, one after the other."""
 
-    def __init__(self, log: Log, camera: Camera, scene: Scene) -> None:
+    def __init__(self, log: Log, camera: Camera, scene: RecordedScene) -> None:
         self._log, self._camera, self._scene = log, camera, scene
         log.always(
             CAMERA,
@@ -58,7 +58,7 @@ class View:
             ),
         )
 
-    def show(self, sight: Sight) -> None:
+    def show(self, sight: Observation) -> None:
         """A picture, its depths and the boxes of what is found in it."""
         rgb = _png(np.ascontiguousarray(sight.rgb[..., ::-1]))
         self._log.now(PICTURE, rr.EncodedImage(contents=rgb, media_type=PNG))
@@ -83,7 +83,7 @@ class View:
             ),
         )
 
-    def ground(self, sight: Sight, steps: Sequence[nsrm.PlannedStep]) -> None:
+    def ground(self, sight: Observation, steps: Sequence[nsrm.PlannedStep]) -> None:
         """What the steps move and refer to, where it is seen, in the picture and in space."""
         roles: dict[int, list[str]] = {}
         for index, step in enumerate(steps, start=1):
@@ -101,7 +101,7 @@ class View:
 
     def _boxes(
         self,
-        sight: Sight,
+        sight: Observation,
         numbers: Sequence[int],
         labels: Sequence[str],
         colors: Sequence[RGB],
@@ -120,7 +120,7 @@ class View:
 
 
 def _cuboids(
-    sight: Sight, numbers: Sequence[int], labels: Sequence[str], colors: Sequence[RGB]
+    sight: Observation, numbers: Sequence[int], labels: Sequence[str], colors: Sequence[RGB]
 ) -> rr.Boxes3D:
     return boxes([sight.cuboids[number] for number in numbers], labels, colors)
 

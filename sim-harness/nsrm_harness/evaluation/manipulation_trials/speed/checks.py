@@ -20,7 +20,7 @@ from nsrm_harness.evaluation.manipulation_trials.speed.episode import SpeedError
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import Guard
+from nsrm_harness.manipulation.collision import CollisionChecker
 from nsrm_harness.manipulation.grasps import pointing_down
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
 from nsrm_harness.simulation.blocks import Block
@@ -40,7 +40,7 @@ Draw = Callable[[np.random.Generator, Kinematics], Joints | None]
 
 
 @dataclass(frozen=True, eq=False)
-class Looks:
+class CheckTimes:
     """The times of many looks, seconds.
 
     * `where`: one of `PLACES`
@@ -72,7 +72,7 @@ PLACES: dict[str, Draw] = {
 """How a configuration is drawn, by title."""
 
 
-def looks(seed: int) -> list[Looks]:
+def looks(seed: int) -> list[CheckTimes]:
     """Times in random free configurations, each place with and without a block in the hand."""
     kinematics = Kinematics()
     found: dict[tuple[str, bool], list[tuple[float, float]]] = {}
@@ -81,15 +81,15 @@ def looks(seed: int) -> list[Looks]:
         objects, held = _scene(rng)
         for where, draw in PLACES.items():
             for in_hand in (None, held):
-                guard = Guard(kinematics, objects, in_hand)
+                guard = CollisionChecker(kinematics, objects, in_hand)
                 opening_m = panda.MAX_OPENING_M if in_hand is None else in_hand.edges_m[1]
                 times = found.setdefault((where, in_hand is not None), [])
                 for joints in _free(rng, kinematics, guard, opening_m, draw):
                     times.append(_times(guard, joints, opening_m))
-    return [Looks(where, holds, *np.array(times).T) for (where, holds), times in found.items()]
+    return [CheckTimes(where, holds, *np.array(times).T) for (where, holds), times in found.items()]
 
 
-def _times(guard: Guard, joints: Joints, opening_m: float) -> tuple[float, float]:
+def _times(guard: CollisionChecker, joints: Joints, opening_m: float) -> tuple[float, float]:
     began_s = time.thread_time()
     guard.touches(joints, opening_m)
     between_s = time.thread_time()
@@ -98,7 +98,11 @@ def _times(guard: Guard, joints: Joints, opening_m: float) -> tuple[float, float
 
 
 def _free(
-    rng: np.random.Generator, kinematics: Kinematics, guard: Guard, opening_m: float, draw: Draw
+    rng: np.random.Generator,
+    kinematics: Kinematics,
+    guard: CollisionChecker,
+    opening_m: float,
+    draw: Draw,
 ) -> Iterator[Joints]:
     """Configurations in which nothing is too near to anything."""
     for _ in range(CONFIGURATIONS):

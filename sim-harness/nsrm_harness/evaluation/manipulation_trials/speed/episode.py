@@ -9,8 +9,8 @@ from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.domain import Domain
 from nsrm_harness.evaluation.manipulation_trials import trial
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, Row
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, TrialRow
 
 WARM_UP = 1_000_000
 """The index of a worker's first episode: none that is measured."""
@@ -23,26 +23,26 @@ class SpeedError(HarnessError):
 
 
 @dataclass(frozen=True)
-class Episode:
+class SpeedEpisode:
     """One of the trials'."""
 
-    row: Row
+    row: TrialRow
     seed: int
     index: int
     domain: Domain
 
-    def carry_out(self) -> Ended:
+    def carry_out(self) -> EpisodeResult:
         """The same in any process."""
         return trial.run(self.row, self.seed, self.index, domain=self.domain)
 
 
-def mixed(count: int, seed: int) -> list[Episode]:
+def mixed(count: int, seed: int) -> list[SpeedEpisode]:
     """The first episodes of the trials, of each row in turn."""
     domain = domains.load()
-    return [Episode(ROWS[n % len(ROWS)], seed, n // len(ROWS), domain) for n in range(count)]
+    return [SpeedEpisode(ROWS[n % len(ROWS)], seed, n // len(ROWS), domain) for n in range(count)]
 
 
-def warm_up(episode: Episode) -> bool:
+def warm_up(episode: SpeedEpisode) -> bool:
     """Carries one like it out if this process has carried none out; whether it did."""
     global _is_warm
     if _is_warm:

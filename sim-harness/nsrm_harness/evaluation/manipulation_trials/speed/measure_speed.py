@@ -7,10 +7,14 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 
-from nsrm_harness.common.workers import Processes, RayCluster
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.speed.checks import Looks, looks
-from nsrm_harness.evaluation.manipulation_trials.speed.episode import Episode, SpeedError, mixed
+from nsrm_harness.common.workers import LocalProcesses, RayCluster
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.speed.checks import CheckTimes, looks
+from nsrm_harness.evaluation.manipulation_trials.speed.episode import (
+    SpeedEpisode,
+    SpeedError,
+    mixed,
+)
 from nsrm_harness.evaluation.manipulation_trials.speed.profile import Profiled, profiled
 from nsrm_harness.evaluation.manipulation_trials.speed.throughput import Measured, measure
 
@@ -29,7 +33,7 @@ class Speed:
     load: float
     throughput: tuple[Measured, ...]
     profile: tuple[Profiled, ...]
-    looks: tuple[Looks, ...]
+    looks: tuple[CheckTimes, ...]
 
 
 def run(
@@ -48,7 +52,7 @@ def run(
     on_ray = _on_ray(episodes, done) if with_ray else ()
     throughput = (*(_by_processes(each, episodes, done) for each in _counts(jobs)), *on_ray)
     profile = _profile(episodes, done)
-    ((_, times),) = Processes(1).each(looks, [("looks", (seed,))])
+    ((_, times),) = LocalProcesses(1).each(looks, [("looks", (seed,))])
     for title, ended in (
         *((measured.title, measured.ended) for measured in throughput),
         ("without the profile", [each.plain for each in profile]),
@@ -63,7 +67,9 @@ def rounds(jobs: Sequence[int], *, with_ray: bool) -> int:
     return len(_counts(jobs)) + with_ray + 1
 
 
-def check_same(title: str, ended: Iterable[Ended], expected: Iterable[Ended]) -> None:
+def check_same(
+    title: str, ended: Iterable[EpisodeResult], expected: Iterable[EpisodeResult]
+) -> None:
     """Raises `SpeedError` unless the same episodes ended the same."""
     for each, other in zip(ended, expected, strict=True):
         if each != other:
@@ -78,21 +84,23 @@ def _counts(jobs: Sequence[int]) -> list[int]:
     return sorted({1, *jobs})
 
 
-def _on_ray(episodes: Sequence[Episode], done: Callable[[], object]) -> tuple[Measured]:
+def _on_ray(episodes: Sequence[SpeedEpisode], done: Callable[[], object]) -> tuple[Measured]:
     title = f"Ray, {RAY_WORKERS} workers"
     return (measure(title, lambda: RayCluster("local", RAY_WORKERS), episodes, done),)
 
 
-def _by_processes(count: int, episodes: Sequence[Episode], done: Callable[[], object]) -> Measured:
+def _by_processes(
+    count: int, episodes: Sequence[SpeedEpisode], done: Callable[[], object]
+) -> Measured:
     title = "1 process" if count == 1 else f"{count} processes"
-    return measure(title, lambda: nullcontext(Processes(count)), episodes, done)
+    return measure(title, lambda: nullcontext(LocalProcesses(count)), episodes, done)
 
 
-def _profile(episodes: Sequence[Episode], done: Callable[[], object]) -> tuple[Profiled, ...]:
+def _profile(episodes: Sequence[SpeedEpisode], done: Callable[[], object]) -> tuple[Profiled, ...]:
     """In one process; which of the two comes first changes from one episode to the next."""
     tasks = ((number, (episode, number % 2 == 0)) for number, episode in enumerate(episodes))
     found = {}
-    for number, each in Processes(1).each(profiled, tasks):
+    for number, each in LocalProcesses(1).each(profiled, tasks):
         found[number] = each
         done()
     return tuple(found[number] for number in sorted(found))

@@ -6,23 +6,12 @@ import time
 from dataclasses import dataclass
 from types import ModuleType
 
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.judge import Judge
-from nsrm_harness.evaluation.manipulation_trials.speed.episode import Episode, warm_up
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementJudge
+from nsrm_harness.evaluation.manipulation_trials.speed.episode import SpeedEpisode, warm_up
 from nsrm_harness.evaluation.manipulation_trials.speed.stopwatch import REST, Site, Stopwatch
-from nsrm_harness.manipulation import (
-    paths as ways,
-)
-from nsrm_harness.manipulation import (
-    pick_and_place as carry,
-)
-from nsrm_harness.manipulation import (
-    retries as perform,
-)
-from nsrm_harness.manipulation import (
-    trajectory as timing,
-)
-from nsrm_harness.manipulation.collision import Guard
+from nsrm_harness.manipulation import paths, pick_and_place, retries, trajectory
+from nsrm_harness.manipulation.collision import CollisionChecker
 from nsrm_harness.manipulation.follow import Follower
 from nsrm_harness.manipulation.kinematics import Kinematics
 from nsrm_harness.perception.observer import Observer
@@ -36,18 +25,21 @@ _FUNCTIONS: dict[str, tuple[tuple[type | ModuleType, tuple[str, ...]], ...]] = {
     "perception": ((Observer, ("look",)),),
     "model": ((Follower, ("_plan",)),),
     "kinematics": ((Kinematics, ("joints",)),),
-    "collision": ((Guard, ("__init__", "along", "touches", "nearest")),),
-    "sampling": ((ways, ("_sampled",)),),
-    "planning": ((carry.Planner, ("carry",)), (perform, ("clearing", "stopover"))),
+    "collision": ((CollisionChecker, ("__init__", "along", "touches", "nearest")),),
+    "sampling": ((paths, ("_sampled",)),),
+    "planning": (
+        (pick_and_place.PickAndPlacePlanner, ("carry",)),
+        (retries, ("plan_relocations", "plan_regrasp")),
+    ),
     "timing": (
-        (timing.Straight, ("__init__", "at")),
-        (timing.Along, ("__init__", "at")),
-        (timing.Backwards, ("__init__", "at")),
+        (trajectory.Straight, ("__init__", "at")),
+        (trajectory.Along, ("__init__", "at")),
+        (trajectory.Backwards, ("__init__", "at")),
     ),
     "physics": ((ArmWorld, ("tick",)), (World, ("settle",))),
     "motors": ((ArmWorld, ("drive", "grip", "joints", "opening_m")),),
     "world": ((ArmWorld, ("__init__",)), (World, ("spawn", "close"))),
-    "judge": ((Judge, ("__init__", "begin", "tick", "end", "stands")),),
+    "judge": ((PlacementJudge, ("__init__", "begin", "tick", "end", "stands")),),
 }
 
 PARTS: dict[str, str] = {
@@ -77,7 +69,7 @@ SITES = tuple(
 
 
 @dataclass(frozen=True)
-class Took:
+class EpisodeTime:
     """How long something took: on the clock, and of the processor's time."""
 
     clock_s: float
@@ -94,15 +86,15 @@ class Profiled:
     * `entered`: how often it was called from another part
     """
 
-    plain: Ended
-    profiled: Ended
-    plain_took: Took
-    profiled_took: Took
+    plain: EpisodeResult
+    profiled: EpisodeResult
+    plain_took: EpisodeTime
+    profiled_took: EpisodeTime
     seconds: dict[str, float]
     entered: dict[str, int]
 
 
-def profiled(episode: Episode, plain_first: bool) -> Profiled:
+def profiled(episode: SpeedEpisode, plain_first: bool) -> Profiled:
     """Carries an episode out twice.
 
     * `plain_first`: what comes second finds the processor's memory warm, so the order is to
@@ -120,20 +112,20 @@ def profiled(episode: Episode, plain_first: bool) -> Profiled:
         plain,
         ended,
         plain_took,
-        Took(watch.whole_s, processor_s),
+        EpisodeTime(watch.whole_s, processor_s),
         {part: watch.seconds[part] for part in PARTS},
         {part: watch.entered[part] for part in PARTS},
     )
 
 
-def _plain(episode: Episode) -> tuple[Ended, Took]:
+def _plain(episode: SpeedEpisode) -> tuple[EpisodeResult, EpisodeTime]:
     began_s, began_processor_s = time.perf_counter(), time.process_time()
     ended = episode.carry_out()
-    took = Took(time.perf_counter() - began_s, time.process_time() - began_processor_s)
+    took = EpisodeTime(time.perf_counter() - began_s, time.process_time() - began_processor_s)
     return ended, took
 
 
-def _watched(episode: Episode, watch: Stopwatch) -> tuple[Ended, float]:
+def _watched(episode: SpeedEpisode, watch: Stopwatch) -> tuple[EpisodeResult, float]:
     began_s = time.process_time()
     with watch.watching(SITES):
         ended = episode.carry_out()

@@ -14,7 +14,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from nsrm_harness.evaluation.manipulation_trials.speed.checks import BLOCKS, GOAL_S, Looks
+from nsrm_harness.evaluation.manipulation_trials.speed.checks import BLOCKS, GOAL_S, CheckTimes
 from nsrm_harness.evaluation.manipulation_trials.speed.measure_speed import Speed
 from nsrm_harness.evaluation.manipulation_trials.speed.profile import PARTS, Profiled
 
@@ -110,7 +110,7 @@ def _profile(profile: Sequence[Profiled]) -> list[str]:
     ]
 
 
-def _checks(looks: Sequence[Looks]) -> list[str]:
+def _checks(looks: Sequence[CheckTimes]) -> list[str]:
     lines = [
         f"| one configuration among {BLOCKS} blocks | too near: p50 | p99 | how far: p50 | p99 |",
         "|---|---:|---:|---:|---:|",

@@ -9,8 +9,12 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 from nsrm_harness.common.workers import Workers
-from nsrm_harness.evaluation.manipulation_trials.episode import Ended
-from nsrm_harness.evaluation.manipulation_trials.speed.episode import Episode, SpeedError, warm_up
+from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
+from nsrm_harness.evaluation.manipulation_trials.speed.episode import (
+    SpeedEpisode,
+    SpeedError,
+    warm_up,
+)
 
 NAP_S = 0.05
 """A warm worker waits so long at a time for the others."""
@@ -30,7 +34,7 @@ class Measured:
 
     title: str
     count: int
-    ended: tuple[Ended, ...]
+    ended: tuple[EpisodeResult, ...]
     start_s: float
     work_s: float
     late: int
@@ -54,7 +58,7 @@ class Measured:
 def measure(
     title: str,
     workers: Callable[[], AbstractContextManager[Workers]],
-    episodes: Sequence[Episode],
+    episodes: Sequence[SpeedEpisode],
     done: Callable[[], object],
 ) -> Measured:
     """Has workers carry episodes out.
@@ -67,7 +71,7 @@ def measure(
     began_s = time.monotonic()
     with workers() as started:
         start = _Start(started.count, began_s + MAX_START_S)
-        ended: dict[int, Ended] = {}
+        ended: dict[int, EpisodeResult] = {}
         late = 0
         for key, result in started.each(_work, start.then(episodes)):
             if key is None or result.ended is None:
@@ -91,7 +95,7 @@ def measure(
 class _Result:
     process: int
     was_cold: bool
-    ended: Ended | None
+    ended: EpisodeResult | None
 
 
 class _Start:
@@ -106,8 +110,8 @@ class _Start:
         self.ended_s = 0.0
 
     def then(
-        self, episodes: Sequence[Episode]
-    ) -> Iterator[tuple[int | None, tuple[Episode, bool]]]:
+        self, episodes: Sequence[SpeedEpisode]
+    ) -> Iterator[tuple[int | None, tuple[SpeedEpisode, bool]]]:
         """Warm-ups, then the episodes."""
         while len(self.warm) < self._count:
             if time.monotonic() > self._until_s:
@@ -121,7 +125,7 @@ class _Start:
             yield number, (episode, False)
 
 
-def _work(episode: Episode, warms_up_alone: bool) -> _Result:
+def _work(episode: SpeedEpisode, warms_up_alone: bool) -> _Result:
     was_cold = warm_up(episode)
     ended = None
     if not warms_up_alone:

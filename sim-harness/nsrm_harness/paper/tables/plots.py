@@ -15,7 +15,7 @@ from matplotlib.colors import TABLEAU_COLORS
 
 from nsrm_harness.paper.tables.compare import Comparison
 from nsrm_harness.paper.tables.published_figures import ROWS
-from nsrm_harness.paper.tables.results import Row, select, summarize
+from nsrm_harness.paper.tables.results import ResultRow, select, summarize
 from nsrm_harness.paper.tables.study import Study
 from nsrm_harness.paper.tables.variants import UNDISTURBED as NONE
 
@@ -30,7 +30,7 @@ LINES = (
 PAPER = (("nsrm", "tab:blue", "paper, model"), ("baseline", "tab:orange", "paper, baseline"))
 
 
-def draw_steps(rows: Sequence[Row], path: Path) -> None:
+def draw_steps(rows: Sequence[ResultRow], path: Path) -> None:
     """Accuracy against the number of steps, mean and range over the seeds, as a PNG."""
     figure, axes = plt.subplots(1, len(PANELS), figsize=(11.0, 4.1), layout="constrained")
     for axis, (measure, title) in zip(axes, PANELS, strict=True):
@@ -45,7 +45,9 @@ def draw_steps(rows: Sequence[Row], path: Path) -> None:
     plt.close(figure)
 
 
-def draw_comparison(comparison: Comparison, rows: Sequence[Row], study: Study, path: Path) -> None:
+def draw_comparison(
+    comparison: Comparison, rows: Sequence[ResultRow], study: Study, path: Path
+) -> None:
     """Accuracy against the size of each disturbance, and against the number of episodes that a
     model was trained on, as a PNG."""
     figure, axes = plt.subplots(2, 2, figsize=(11.0, 7.4), layout="constrained")
@@ -79,7 +81,7 @@ def _draw_disturbed(comparison: Comparison, measure: str, axis: Axes) -> None:
 
 
 def _draw_sizes(
-    comparison: Comparison, rows: Sequence[Row], study: Study, measure: str, axis: Axes
+    comparison: Comparison, rows: Sequence[ResultRow], study: Study, measure: str, axis: Axes
 ) -> None:
     count = study.settings("train").count
     points = {count: summarize(select(rows, "test", "nsrm", "mask"), measure)}
@@ -95,7 +97,7 @@ def _draw_sizes(
     axis.minorticks_off()
 
 
-def _draw(rows: Sequence[Row], measure: str, axis: Axes) -> None:
+def _draw(rows: Sequence[ResultRow], measure: str, axis: Axes) -> None:
     for model, boxes, color, style, label in LINES:
         found = {
             steps: summary

@@ -14,11 +14,11 @@ from nsrm_harness.evaluation.manipulation_trials.rows import Drawn
 from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.geometry.panda import FINGERTIP_M, HAND_FRAME
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.execute import Done
+from nsrm_harness.manipulation.execute import ExecutionResult
 from nsrm_harness.manipulation.gripper import GripperError
 from nsrm_harness.manipulation.kinematics import Joints
-from nsrm_harness.manipulation.observing import BlindError
-from nsrm_harness.manipulation.retries import FailedError
+from nsrm_harness.manipulation.observing import NoObservationError
+from nsrm_harness.manipulation.retries import ManipulationError
 from nsrm_harness.manipulation.robot_interface import StuckError
 from nsrm_harness.perception.camera_source import RgbdImage
 from nsrm_harness.simulation.arm_world import ArmWorld
@@ -33,13 +33,13 @@ GONE_S = 1.0
 """So long a camera is dark, and a scene is frozen that is not so for ever."""
 ASTRAY_RAD = 0.02
 """Joints that are farther from where they were told to be are not there."""
-NOT_HELD = (Done.NOT_GRASPED, Done.SLIPPED)
+NOT_HELD = (ExecutionResult.NOT_GRASPED, ExecutionResult.SLIPPED)
 """A carrying ends so where the fingers can't hold a block."""
 FINGERS = Block((), (0.12, 0.12, 0.06), (0.0, 0.0, 0.0))
 """The room that open fingers take, however they are turned."""
 
 
-class DisturbedArm(ArmWorld):
+class FaultyArm(ArmWorld):
     """An arm with which one may meddle.
 
     * `is_jammed`: the fingers do not close
@@ -82,7 +82,7 @@ class DisturbedArm(ArmWorld):
         return Pose.upright(x, y, z)
 
 
-class Disturbance(ABC):
+class InjectedFault(ABC):
     """Disturbs one step of an episode, once: so long after `since` as is drawn, and not later than
     at `until`.
 
@@ -99,7 +99,7 @@ class Disturbance(ABC):
     until: str = "reached"
     longest_s: float = 0.0
 
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
+    def __init__(self, arm: FaultyArm, drawn: Drawn, rng: np.random.Generator) -> None:
         self._arm, self._rng = arm, rng
         self._blocks, self._moves = drawn.arrangement.blocks, drawn.task.moves
         self.meddled, self.has_acted = set[int](), False
@@ -162,7 +162,7 @@ class Disturbance(ABC):
         self._put(index, pose)
 
 
-class BlockMoved(Disturbance):
+class BlockMoved(InjectedFault):
     """What the arm is about to fetch is somewhere else."""
 
     title = "the block moved while the arm is on its way"
@@ -172,7 +172,7 @@ class BlockMoved(Disturbance):
         self._put_aside(self._move.moved)
 
 
-class BlockPushedOut(Disturbance):
+class BlockPushedOut(InjectedFault):
     """What the arm has grasped is out of its hand."""
 
     title = "the block pushed out of the grasp"
@@ -182,14 +182,14 @@ class BlockPushedOut(Disturbance):
         self._put_aside(self._move.moved)
 
 
-class StackToppled(Disturbance):
+class StackToppled(InjectedFault):
     """The uppermost block of what has been stacked is on the table: as soon as it stands, or while
     the arm brings the next one."""
 
     title = "the top of a stack toppled"
     is_stack = True
 
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
+    def __init__(self, arm: FaultyArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
         self._top = self._move.moved
         if self.step > 0 and rng.random() < 0.5:
@@ -202,7 +202,7 @@ class StackToppled(Disturbance):
         self._put_aside(self._top)
 
 
-class GoalTaken(Disturbance):
+class GoalTaken(InjectedFault):
     """A block that nobody spoke of is where the step is to put its own."""
 
     title = "another block put onto the goal"
@@ -210,7 +210,7 @@ class GoalTaken(Disturbance):
     AWAY_M = 0.12
     """From where the fingers grasp at that time."""
 
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
+    def __init__(self, arm: FaultyArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
         arrangement = drawn.arrangement
         for move in self._moves[: self.step]:
@@ -234,14 +234,14 @@ class GoalTaken(Disturbance):
         self._put(self._other, target(move, self._blocks, self._poses()))
 
 
-class CameraDark(Disturbance):
+class CameraDark(InjectedFault):
     """Pictures are black from the first look on."""
 
     title = "the camera dark for a second"
     _since_s: float | None = None
 
     def picture(self, image: RgbdImage) -> RgbdImage:
-        """See `Disturbance`."""
+        """See `InjectedFault`."""
         if self._since_s is None and self.has_acted:
             self._since_s = image.taken_s
         if self._since_s is not None and image.taken_s < self._since_s + GONE_S:
@@ -251,7 +251,7 @@ class CameraDark(Disturbance):
     def _act(self) -> None: ...
 
 
-class SceneFrozen(Disturbance):
+class SceneFrozen(InjectedFault):
     """The last picture comes again, from the first look on for which it is old: for a second, or
     for ever."""
 
@@ -259,12 +259,12 @@ class SceneFrozen(Disturbance):
     _last: RgbdImage | None = None
     _since_s: float | None = None
 
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
+    def __init__(self, arm: FaultyArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
         self._is_for_ever = bool(rng.random() < 0.5)
 
     def picture(self, image: RgbdImage) -> RgbdImage:
-        """See `Disturbance`."""
+        """See `InjectedFault`."""
         if not self.has_acted or self._last is None:
             self._last = image
             return image
@@ -275,40 +275,40 @@ class SceneFrozen(Disturbance):
         return image
 
     def explains(self, error: Exception) -> bool:
-        """See `Disturbance`."""
-        return self._is_for_ever and isinstance(error, BlindError)
+        """See `InjectedFault`."""
+        return self._is_for_ever and isinstance(error, NoObservationError)
 
     def _act(self) -> None: ...
 
 
-class ControllerStops(Disturbance):
+class ControllerStops(InjectedFault):
     """The joints stay where they are, whatever they are told."""
 
     title = "a controller that stops"
     until, longest_s = "let go", 4.5
 
     def explains(self, error: Exception) -> bool:
-        """See `Disturbance`."""
+        """See `InjectedFault`."""
         return isinstance(error, StuckError) and not isinstance(error, GripperError)
 
     def _act(self) -> None:
         self._arm.stop()
 
 
-class GraspFails(Disturbance):
+class GraspFails(InjectedFault):
     """The fingers do not close, or hold nothing by friction."""
 
     title = "a grasp that always fails"
 
-    def __init__(self, arm: DisturbedArm, drawn: Drawn, rng: np.random.Generator) -> None:
+    def __init__(self, arm: FaultyArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
         self._is_jam = bool(rng.random() < 0.5)
 
     def explains(self, error: Exception) -> bool:
-        """See `Disturbance`."""
+        """See `InjectedFault`."""
         if isinstance(error, GripperError):
             return self._is_jam
-        if not isinstance(error, FailedError):
+        if not isinstance(error, ManipulationError):
             return False
         if error.done is not None:
             return error.done in NOT_HELD
@@ -322,7 +322,7 @@ class GraspFails(Disturbance):
             self._arm.make_slippery()
 
 
-DISTURBANCES: dict[str, type[Disturbance]] = {
+FAULTS: dict[str, type[InjectedFault]] = {
     "block_moved": BlockMoved,
     "block_pushed_out": BlockPushedOut,
     "stack_toppled": StackToppled,
@@ -335,11 +335,11 @@ DISTURBANCES: dict[str, type[Disturbance]] = {
 """By name. New ones come behind them: what is drawn depends on the place."""
 
 
-class DisturbedCamera(SimulatedCamera):
+class FaultyCamera(SimulatedCamera):
     """Shows what a disturbance leaves of the pictures."""
 
     def __init__(
-        self, renderer: Renderer, arm: DisturbedArm, camera: Camera, disturbance: Disturbance
+        self, renderer: Renderer, arm: FaultyArm, camera: Camera, disturbance: InjectedFault
     ) -> None:
         super().__init__(renderer, arm, camera)
         self._disturbance = disturbance

@@ -13,25 +13,25 @@ from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
-from nsrm_harness.evaluation.manipulation_trials.disturb import (
-    BEGUN,
-    DISTURBANCES,
-    Disturbance,
-    DisturbedArm,
-    DisturbedCamera,
-)
 from nsrm_harness.evaluation.manipulation_trials.episode import (
-    End,
-    Ended,
-    Episode,
+    EpisodeEnd,
+    EpisodeResult,
+    TrialEpisode,
     lasting,
     model,
     planner,
     renderer,
 )
-from nsrm_harness.evaluation.manipulation_trials.judge import SHIFT_M, Verdict
+from nsrm_harness.evaluation.manipulation_trials.fault_injection import (
+    BEGUN,
+    FAULTS,
+    FaultyArm,
+    FaultyCamera,
+    InjectedFault,
+)
+from nsrm_harness.evaluation.manipulation_trials.judge import SHIFT_M, PlacementVerdict
 from nsrm_harness.evaluation.manipulation_trials.open_loop import follow_blindly
-from nsrm_harness.evaluation.manipulation_trials.rows import MAX_TRIES, Drawn, Row, draw
+from nsrm_harness.evaluation.manipulation_trials.rows import MAX_TRIES, Drawn, TrialRow, draw
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.pose import Pose
@@ -51,7 +51,7 @@ CALM_S = 0.5
 
 
 @dataclass(frozen=True)
-class DisturbedRow(Row):
+class DisturbedRow(TrialRow):
     """Episodes with one kind of disturbance."""
 
     kind: str = ""
@@ -69,7 +69,7 @@ DISTURBED_ROWS = tuple(
         kind=kind,
         loop=loop,
     )
-    for kind, disturbance in DISTURBANCES.items()
+    for kind, disturbance in FAULTS.items()
     for loop in ("closed", "open")
 )
 """The closed loop of each kind, and the open one below it for comparison, which has no goal."""
@@ -82,7 +82,7 @@ def run_disturbed(
     index: int,
     films: Path | None = None,
     domain: Domain | None = None,
-) -> Ended:
+) -> EpisodeResult:
     """Carries one episode out; the same in any process, and disturbed alike with either loop.
 
     It has succeeded when all is done as said, or when what can't be done has ended in a failure
@@ -90,22 +90,22 @@ def run_disturbed(
 
     * `films`, `domain`: see `trial.run`
     """
-    number = list(DISTURBANCES).index(kind)
+    number = list(FAULTS).index(kind)
     rng = generator(seed, "arm_disturbed", MOST_KINDS * index + number)
-    with closing(DisturbedArm()) as arm:
+    with closing(FaultyArm()) as arm:
         drawn, disturbance = _draw(kind, arm, rng, domain or domains.load())
         episode = _Disturbed(arm, drawn, films, disturbance, loop)
         return episode.carry_out(f"{kind}_{loop}", index)
 
 
 def _draw(
-    kind: str, arm: DisturbedArm, rng: np.random.Generator, domain: Domain
-) -> tuple[Drawn, Disturbance]:
+    kind: str, arm: FaultyArm, rng: np.random.Generator, domain: Domain
+) -> tuple[Drawn, InjectedFault]:
     """A scene with one or two steps in which there is room for the disturbance."""
-    disturbance = DISTURBANCES[kind]
+    disturbance = FAULTS[kind]
     for _ in range(MAX_TRIES):
         steps = MOST_STEPS if disturbance.is_stack else int(rng.integers(1, MOST_STEPS + 1))
-        row = Row(kind, "", 0.0, steps, is_stack=disturbance.is_stack)
+        row = TrialRow(kind, "", 0.0, steps, is_stack=disturbance.is_stack)
         drawn = draw(row, rng, domain)
         try:
             return drawn, disturbance(arm, drawn, rng)
@@ -114,13 +114,13 @@ def _draw(
     raise HarnessError(f"{kind}: no scene in which it can be done after {MAX_TRIES} tries")
 
 
-class _Disturbed(Episode):
+class _Disturbed(TrialEpisode):
     def __init__(
         self,
-        arm: DisturbedArm,
+        arm: FaultyArm,
         drawn: Drawn,
         films: Path | None,
-        disturbance: Disturbance,
+        disturbance: InjectedFault,
         loop: Loop,
     ) -> None:
         super().__init__(arm, drawn, films)
@@ -129,17 +129,17 @@ class _Disturbed(Episode):
         self._put_aside, self._cleared = set[int](), set[int]()
         self._before = arm.poses()
 
-    def _followed(self) -> End:
+    def _followed(self) -> EpisodeEnd:
         wait(self._arm, CALM_S)
         if why := self._undone():
-            return End("failed", f"{why}, and no failure was reported")
+            return EpisodeEnd("failed", f"{why}, and no failure was reported")
         if not (self._arm.slow() and self._is_ready()):
-            return End("failed", "it is not at rest")
+            return EpisodeEnd("failed", "it is not at rest")
         if others := self._others():
-            return End("failed", f"{others} moved")
+            return EpisodeEnd("failed", f"{others} moved")
         if not self._disturbance.has_acted:
-            return End("failed", "it ended before it was disturbed")
-        return End("succeeded")
+            return EpisodeEnd("failed", "it ended before it was disturbed")
+        return EpisodeEnd("succeeded")
 
     def _undone(self) -> str:
         """What is not done as said; each step is judged by its last attempt."""
@@ -153,7 +153,7 @@ class _Disturbed(Episode):
             return "what was done did not stay"
         return ""
 
-    def _stopped(self, told: End, error: Exception) -> End:
+    def _stopped(self, told: EpisodeEnd, error: Exception) -> EpisodeEnd:
         """With a failure in words, which may be right."""
         wait(self._arm, CALM_S)
         joints = self._arm.joints()
@@ -174,7 +174,7 @@ class _Disturbed(Episode):
         return told
 
     def _eyes(self) -> Observer:
-        return Observer(DisturbedCamera(renderer(), self._arm, default_camera(), self._disturbance))
+        return Observer(FaultyCamera(renderer(), self._arm, default_camera(), self._disturbance))
 
     def _follow(self) -> None:
         if self._loop == "closed":
@@ -219,7 +219,7 @@ class _Disturbed(Episode):
             self._put_aside |= self._cleared
         super()._end(index)
 
-    def _verdict(self) -> Verdict:
+    def _verdict(self) -> PlacementVerdict:
         return self._judge.end(self._aside(), anew=True)
 
     def _nearest(self, pose: Pose) -> int:

@@ -8,11 +8,11 @@ from typing import Any, Protocol
 import nsrm
 
 from nsrm_harness.geometry.camera import Camera
-from nsrm_harness.perception.observer import Names, Sight
+from nsrm_harness.perception.observer import ObjectNames, Observation
 from nsrm_harness.simulation.world import World
 
 
-class Outcome(Protocol):
+class StepResult(Protocol):
     """How one sub-goal went: a text for people, and the same for programs."""
 
     def __str__(self) -> str: ...
@@ -38,13 +38,13 @@ class Stopped:
         return {"failed" if self.moved else "refused": self.message}
 
 
-class Onlooker:
+class DemoListener:
     """Is told all of it, in this order, and does nothing."""
 
-    def begin(self, world: World, camera: Camera, known: Names, sentence: str) -> None:
+    def begin(self, world: World, camera: Camera, known: ObjectNames, sentence: str) -> None:
         """All stands at rest; nothing has been planned."""
 
-    def looked(self, sight: Sight) -> None:
+    def looked(self, sight: Observation) -> None:
         """A picture was taken: one before the plan, others after it."""
 
     def refused(self, refusal: nsrm.Refused) -> None:
@@ -56,7 +56,7 @@ class Onlooker:
     def mark(self, event: str) -> None:
         """The arm has just done this."""
 
-    def ended(self, index: int, outcome: Outcome) -> None:
+    def ended(self, index: int, outcome: StepResult) -> None:
         """How a step went, by its index."""
 
     def end(self) -> None:

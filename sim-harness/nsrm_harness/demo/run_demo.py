@@ -14,16 +14,22 @@ from PIL import Image
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.tabletop import tabletop
 from nsrm_harness.demo import report
-from nsrm_harness.demo.outcome import Goal, carry, set_down
+from nsrm_harness.demo.carry_out import Goal, carry, set_down
 from nsrm_harness.domain import Domain
 from nsrm_harness.geometry.camera import Camera, default_camera
-from nsrm_harness.perception.observer import Names, Observer, Sight, names, sub_goal
+from nsrm_harness.perception.observer import (
+    ObjectNames,
+    Observation,
+    Observer,
+    name_objects,
+    sub_goal,
+)
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.render import Light, Renderer
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 from nsrm_harness.simulation.world import World
+from nsrm_harness.visualization.demo_listener import DemoListener, StepResult, Stopped
 from nsrm_harness.visualization.film import Film
-from nsrm_harness.visualization.onlooker import Onlooker, Outcome, Stopped
 from nsrm_harness.visualization.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
 from nsrm_harness.visualization.prediction import cut_out, predicted_scene
 
@@ -50,7 +56,7 @@ def show(
     out: Path,
     *,
     with_arm: bool = True,
-    onlooker: Onlooker | None = None,
+    onlooker: DemoListener | None = None,
 ) -> Shown:
     """Draws the scene of `seed`, plans `sentence` (or one that fits) in it, has the arm carry
     the plan out, or without it sets the blocks down where the plan says, and writes pictures and
@@ -61,7 +67,7 @@ def show(
     out.mkdir(parents=True, exist_ok=True)
     for name in FILES:
         (out / name).unlink(missing_ok=True)
-    onlooker = onlooker or Onlooker()
+    onlooker = onlooker or DemoListener()
     model = nsrm.Model.pretrained()
     camera = default_camera()
     stage = tabletop(domain, seed)
@@ -72,7 +78,7 @@ def show(
         world.settle()
         eyes = Observer(SimulatedCamera(renderer, world, camera))
         sight = eyes.look()
-        known = names(model, domain, sight)
+        known = name_objects(model, domain, sight)
         onlooker.begin(world, camera, known, sentence)
         onlooker.looked(sight)
         _write_scene(out, sight, camera)
@@ -94,7 +100,7 @@ def show(
             return Shown(heading, document | {"refused": refused}, paths, refusal)
         onlooker.planned(plan)
         films: list[Path] = []
-        outcomes: Sequence[Outcome]
+        outcomes: Sequence[StepResult]
         if isinstance(world, ArmWorld):
             film = Film(world, renderer)
 
@@ -131,12 +137,12 @@ def show(
 
 def _pictures(
     sentence: str,
-    sight: Sight,
-    known: Names,
+    sight: Observation,
+    known: ObjectNames,
     plan: nsrm.Plan,
-    outcomes: Sequence[Outcome],
+    outcomes: Sequence[StepResult],
     background: np.ndarray,
-    result: Sight,
+    result: Observation,
 ) -> dict[str, Image.Image]:
     arrows: list[Arrow] = []
     locations = dict(sight.locations)
@@ -171,7 +177,7 @@ def _pictures(
     }
 
 
-def _marks(sight: Sight, known: Names, plan: nsrm.Plan | None = None) -> list[BoxMark]:
+def _marks(sight: Observation, known: ObjectNames, plan: nsrm.Plan | None = None) -> list[BoxMark]:
     steps = [] if plan is None else list(enumerate(plan.steps, start=1))
     return [
         BoxMark(
@@ -185,11 +191,11 @@ def _marks(sight: Sight, known: Names, plan: nsrm.Plan | None = None) -> list[Bo
     ]
 
 
-def _mark(known: Names, number: int, location: np.ndarray) -> BoxMark:
+def _mark(known: ObjectNames, number: int, location: np.ndarray) -> BoxMark:
     return BoxMark(_rect(location), f"{number} {known.words[number]}", known.colors[number])
 
 
-def _write_scene(out: Path, sight: Sight, camera: Camera) -> None:
+def _write_scene(out: Path, sight: Observation, camera: Camera) -> None:
     """What `nsrm plan --scene` reads: the same picture, boxes and depths."""
     Image.fromarray(sight.rgb).save(out / "camera.png")
     document = {

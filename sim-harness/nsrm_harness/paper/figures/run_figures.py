@@ -12,29 +12,35 @@ import nsrm
 from nsrm_harness import domain as domains
 from nsrm_harness.domain import Domain
 from nsrm_harness.evaluation.manipulation_trials.episode import lasting, model, planner, renderer
-from nsrm_harness.evaluation.manipulation_trials.judge import Judge, Verdict
+from nsrm_harness.evaluation.manipulation_trials.judge import PlacementJudge, PlacementVerdict
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.manipulation.errors import RefusedError
 from nsrm_harness.manipulation.follow import Follower
-from nsrm_harness.manipulation.retries import FailedError, Performed
+from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
-from nsrm_harness.paper.figures.scenes import Figure, Scene, draw
+from nsrm_harness.paper.figures.scenes import Figure, FigureScene, draw
 from nsrm_harness.paper.figures.sheet import Sheet
-from nsrm_harness.perception.observer import Names, Observer, Sight, names, sub_goal
+from nsrm_harness.perception.observer import (
+    ObjectNames,
+    Observation,
+    Observer,
+    name_objects,
+    sub_goal,
+)
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 
 @dataclass(frozen=True)
-class Done:
+class CompletedStep:
     """A step that was carried out.
 
     * `goal_off_m`: between the model's first sub-goal and where the block is to be
     * `corrected_m`: between the model's sub-goal and where the arm meant to put the block
     """
 
-    verdict: Verdict
+    verdict: PlacementVerdict
     goal_off_m: float
     corrected_m: float
     tries: int
@@ -44,7 +50,7 @@ class Done:
 
 
 @dataclass(frozen=True)
-class Ended:
+class VariationResult:
     """How an episode ended.
 
     * `end`: "succeeded", "refused" (a reason was given in place of a step) or "failed"
@@ -57,7 +63,7 @@ class Ended:
     sentence: str
     end: str
     why: str
-    steps: tuple[Done, ...]
+    steps: tuple[CompletedStep, ...]
 
 
 def run(
@@ -66,7 +72,7 @@ def run(
     variation: int,
     picture: Path | None = None,
     domain: Domain | None = None,
-) -> Ended:
+) -> VariationResult:
     """Carries a variation of a figure out, and draws it into `picture`; the same in any
     process.
 
@@ -81,18 +87,20 @@ def run(
         end, why = episode.carry_out(figure.sentence)
     if picture is not None:
         episode.sheet.save(picture, "" if end == "succeeded" else f"{end}: {why}")
-    return Ended(figure.number, variation, seed, figure.sentence, end, why, tuple(episode.done))
+    return VariationResult(
+        figure.number, variation, seed, figure.sentence, end, why, tuple(episode.done)
+    )
 
 
 class _Episode:
-    def __init__(self, world: ArmWorld, scene: Scene, domain: Domain, sheet: Sheet) -> None:
+    def __init__(self, world: ArmWorld, scene: FigureScene, domain: Domain, sheet: Sheet) -> None:
         self._world, self._moves, self.sheet = world, scene.moves, sheet
         self._domain = domain
-        self._judge = Judge(world, scene.arrangement.blocks)
+        self._judge = PlacementJudge(world, scene.arrangement.blocks)
         world.on_tick = self._judge.tick
         self._eyes = Observer(SimulatedCamera(renderer(), world, default_camera()))
         self._number = 0
-        self.done: list[Done] = []
+        self.done: list[CompletedStep] = []
 
     def carry_out(self, sentence: str) -> tuple[str, str]:
         """How it ends, and why."""
@@ -119,7 +127,7 @@ class _Episode:
             follower.follow(sentence)
         except (nsrm.Refused, RefusedError) as refusal:
             return "refused", f"arm, step {self._number}: {refusal}"
-        except (FailedError, StuckError) as error:
+        except (ManipulationError, StuckError) as error:
             self.sheet.add_step(self._number, self._sight, "failed")
             return "failed", f"arm, step {self._number}: {error}"
         for number, done in enumerate(self.done, start=1):
@@ -129,15 +137,15 @@ class _Episode:
             return "failed", "what was done did not stay"
         return "succeeded", ""
 
-    def _plan(self, sentence: str) -> tuple[nsrm.Plan, Names]:
+    def _plan(self, sentence: str) -> tuple[nsrm.Plan, ObjectNames]:
         sight = self._eyes.look()
-        known = names(model(), self._domain, sight)
+        known = name_objects(model(), self._domain, sight)
         self.sheet.add_scene(sight, known)
         plan = model().plan(sight.scene(model(), self._eyes.camera), sentence)
         self.sheet.add_plan(plan)
         return plan, known
 
-    def _looked(self, sight: Sight) -> None:
+    def _looked(self, sight: Observation) -> None:
         self._sight = sight
 
     def _begin(self, index: int) -> None:
@@ -146,8 +154,8 @@ class _Episode:
         self._number = index + 1
         self._truth = self._judge.begin(self._moves[index])
 
-    def _reached(self, _index: int, performed: Performed) -> None:
+    def _reached(self, _index: int, performed: SubGoalReached) -> None:
         verdict = replace(self._judge.end(performed.aside), step=self._number - 1)
         goal_off_m = sub_goal(self._steps[self._number - 1]).distance_m(self._truth)
-        self.done.append(Done(verdict, goal_off_m, performed.corrected_m, performed.tries))
+        self.done.append(CompletedStep(verdict, goal_off_m, performed.corrected_m, performed.tries))
         self.sheet.add_step(self._number, self._sight, f"{1000 * verdict.off_m:.1f} mm off")

@@ -13,12 +13,12 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusedError
 from nsrm_harness.manipulation.execute import Mark
 from nsrm_harness.manipulation.follow import Follower
-from nsrm_harness.manipulation.pick_and_place import Planner
-from nsrm_harness.manipulation.retries import FailedError, Performed
-from nsrm_harness.manipulation.robot_interface import Body, StuckError
-from nsrm_harness.perception.observer import Observer, Sight
+from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
+from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
+from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError
+from nsrm_harness.perception.observer import Observation, Observer
 from nsrm_harness.simulation.world import World
-from nsrm_harness.visualization.onlooker import Outcome, Stopped
+from nsrm_harness.visualization.demo_listener import StepResult, Stopped
 
 Goal = tuple[int, Pose]
 """The number of an object, and where its centre is to be."""
@@ -28,12 +28,12 @@ Tell = Callable[[int, Any], None]
 """Is told the index of a step and how it went."""
 
 
-def untold(index: int, outcome: Outcome) -> None:
+def untold(index: int, outcome: StepResult) -> None:
     """Tells nobody."""
 
 
 @dataclass(frozen=True)
-class Landing:
+class PhysicsPlacement:
     """How one sub-goal went, without an arm.
 
     * `miss_m`: between where the block rests and its sub-goal
@@ -58,8 +58,8 @@ class Landing:
 
 
 def set_down(
-    world: World, sight: Sight, goals: Sequence[Goal], tell: Tell = untold
-) -> list[Landing]:
+    world: World, sight: Observation, goals: Sequence[Goal], tell: Tell = untold
+) -> list[PhysicsPlacement]:
     """Puts each block, the one nearest to where the object is seen, in place, and settles after
     each; the world is changed.
 
@@ -77,7 +77,7 @@ def set_down(
         after = world.poses()
         shifts = [after[other].distance_m(before[other]) for other in after if other != block_id]
         landings.append(
-            Landing(
+            PhysicsPlacement(
                 number,
                 after[block_id].distance_m(goal),
                 max(shifts, default=0.0),
@@ -89,15 +89,15 @@ def set_down(
 
 
 def carry(
-    body: Body,
+    body: RobotInterface,
     eyes: Observer,
     model: nsrm.Model,
     sentence: str,
     name: Callable[[int], str],
     mark: Mark,
-    looked: Callable[[Sight], None],
+    looked: Callable[[Observation], None],
     tell: Tell = untold,
-) -> list[Performed | Stopped]:
+) -> list[SubGoalReached | Stopped]:
     """Has the arm follow a sentence, step by step, until all is done or a step can't be.
 
     * `name`: what an object is called, by its number
@@ -107,16 +107,16 @@ def carry(
 
     Raises `nsrm.Refused` if there is no plan.
     """
-    outcomes: dict[int, Performed | Stopped] = {}
+    outcomes: dict[int, SubGoalReached | Stopped] = {}
     begun: list[int] = []
 
-    def told(index: int, outcome: Performed | Stopped) -> None:
+    def told(index: int, outcome: SubGoalReached | Stopped) -> None:
         outcomes[index] = outcome
         tell(index, outcome)
 
     follower = Follower(
         body,
-        Planner(),
+        PickAndPlacePlanner(),
         eyes,
         model,
         name,
@@ -131,7 +131,7 @@ def carry(
         if not begun:
             raise
         told(begun[-1], Stopped(True, f"then there was no plan for what is left: {refusal}"))
-    except (RefusedError, FailedError, StuckError) as error:
+    except (RefusedError, ManipulationError, StuckError) as error:
         if not begun:
             raise
         told(begun[-1], Stopped(not isinstance(error, RefusedError), str(error)))
