@@ -18,22 +18,22 @@ pub fn program(model: &Model<'_>, program: &Program) -> Value {
     json!({"steps": steps})
 }
 
-/// The program's steps, each with `object_id`, `reference_id`, `confidence` (all
+/// The planned steps, each with `step` (its place in the program; a plan of the rest of a program
+/// begins behind 0), `object_id`, `reference_id`, `confidence` (all
 /// parts multiplied), `confidences` (the parts), `sub_goal` (`position` in metres
 /// and `orientation` x, y, z, w, both in the world's frame), `location` (predicted
 /// box and depth) and `explanation`; the program in the paper's `notation`; and the
 /// whole plan's `confidence`.
 pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
-    let symbols = plan.program().steps().iter();
-    let steps: Vec<Value> = symbols
-        .zip(plan.steps())
-        .enumerate()
-        .map(|(index, (symbols, planned))| {
-            let explanation = plan.explain_step(model, index).to_string();
+    let steps: Vec<Value> = plan
+        .numbered()
+        .map(|(number, understood, planned)| {
+            let explanation = plan.explain_step(model, number).to_string();
             let mut object = planned_step(planned);
-            if let Value::Object(names) = step(model, symbols) {
+            if let Value::Object(names) = step(model, understood) {
                 object.extend(names);
             }
+            object.insert("step".into(), number.into());
             object.insert("explanation".into(), explanation.into());
             Value::Object(object)
         })

@@ -196,8 +196,9 @@ fn open(path: Option<&PathBuf>) -> Result<AnyModel, Failure> {
 /// The program, then each step's explanation and sub-goal.
 fn plan_text(model: &nsrm_core::Model<'_>, plan: &nsrm_core::Plan) -> String {
     let mut lines = vec![plan.program().notation(model).to_string()];
-    for (index, goal) in plan.sub_goals().enumerate() {
-        lines.push(plan.explain_step(model, index).to_string());
+    for (number, _, planned) in plan.numbered() {
+        let goal = planned.sub_goal;
+        lines.push(plan.explain_step(model, number).to_string());
         let [x, y, z]: [f32; 3] = goal.pose.translation.vector.into();
         let [qx, qy, qz, qw]: [f32; 4] = goal.pose.rotation.coords.into();
         lines.push(format!(

@@ -46,18 +46,16 @@ impl StepExplanation<'_> {
 
 impl fmt::Display for StepExplanation<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let symbols = self.plan.program().steps().get(self.step);
-        let place = self.step.checked_sub(self.plan.first());
-        let planned = place.and_then(|place| self.plan.steps().get(place));
-        let Some((symbols, planned)) = symbols.zip(planned) else {
+        let mut steps = self.plan.numbered();
+        let Some((_, understood, planned)) = steps.find(|(number, ..)| *number == self.step) else {
             return Ok(());
         };
-        let action = self.model.actions.get(usize::from(symbols.action));
+        let action = self.model.actions.get(usize::from(understood.action));
         let phrase = action.map_or("?", |action| action.phrase);
         write!(f, "Step {}: move ", self.step.saturating_add(1))?;
-        self.object(&symbols.object, &planned.object, f)?;
+        self.object(&understood.object, &planned.object, f)?;
         write!(f, " {phrase} ")?;
-        self.object(&symbols.reference, &planned.reference, f)?;
+        self.object(&understood.reference, &planned.reference, f)?;
         write!(f, "; confidence {:.2}.", planned.confidence.joint())
     }
 }
@@ -69,12 +67,11 @@ struct PlanExplanation<'a> {
 
 impl fmt::Display for PlanExplanation<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for place in 0..self.plan.steps().len() {
-            if place > 0 {
+        for (number, ..) in self.plan.numbered() {
+            if number > self.plan.first() {
                 f.write_str("\n")?;
             }
-            let step = self.plan.first().saturating_add(place);
-            self.plan.explain_step(self.model, step).fmt(f)?;
+            self.plan.explain_step(self.model, number).fmt(f)?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@ use heapless::Vec;
 use nalgebra::Isometry3;
 
 use crate::capacity::MAX_STEPS;
-use crate::dsl::Program;
+use crate::dsl::{Program, Step};
 use crate::model::LOCATION;
 
 /// Where an object is to be moved: the paper's `(o_t, p_t)`.
@@ -101,6 +101,16 @@ impl Plan {
     /// program's from [`Plan::first`] on.
     pub fn steps(&self) -> &[PlannedStep] {
         &self.steps
+    }
+
+    /// The steps with what was understood of each, and with its number: its place in the
+    /// program, from 0. Where only the rest of a program was grounded, the first number is
+    /// [`Plan::first`].
+    pub fn numbered(&self) -> impl Iterator<Item = (usize, &Step, &PlannedStep)> {
+        let understood = self.program.steps().iter().enumerate().skip(self.first());
+        understood
+            .zip(&self.steps)
+            .map(|((number, understood), planned)| (number, understood, planned))
     }
 
     /// The probability that every choice of the plan is right, as far as the model

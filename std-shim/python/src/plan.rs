@@ -107,17 +107,19 @@ impl Plan {
         plan: &nsrm_core::Plan,
     ) -> PyResult<Self> {
         let program = Program::new(model, plan.program());
-        // Of the whole program, or of what was left of it.
-        let symbols = program.steps.iter().enumerate().skip(plan.first());
-        let steps = symbols.zip(plan.steps());
-        let steps = steps.map(|((index, symbols), planned)| {
+        let steps = plan.numbered().map(|(number, understood, planned)| {
+            let Step {
+                action,
+                object,
+                reference,
+            } = Step::new(model, understood);
             let pose = &planned.sub_goal.pose;
             let position: [f32; 3] = pose.translation.vector.into();
             let orientation: [f32; 4] = pose.rotation.coords.into();
             let step = PlannedStep {
-                action: symbols.action.clone(),
-                object: symbols.object.clone(),
-                reference: symbols.reference.clone(),
+                action,
+                object,
+                reference,
                 object_id: planned.object.object,
                 reference_id: planned.reference.object,
                 object_score: planned.object.score,
@@ -126,7 +128,7 @@ impl Plan {
                 position: position.into(),
                 orientation: orientation.into(),
                 location: PyArray1::from_slice(py, &planned.location).unbind(),
-                explanation: plan.explain_step(model, index).to_string(),
+                explanation: plan.explain_step(model, number).to_string(),
             };
             Py::new(py, step)
         });

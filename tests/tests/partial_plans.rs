@@ -1,0 +1,83 @@
+//! A plan of what is left of a program says of each step what the whole plan says of it.
+
+use std::sync::LazyLock;
+
+use nsrm::json;
+use nsrm_core::planner::Plan;
+use nsrm_core::pretrained::TABLETOP;
+use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
+use nsrm_core::{Model, Planner, Progress, Scene};
+use nsrm_tests::picture;
+use serde_json::Value;
+
+/// Moves things anywhere: it was shown blocks, and puts squares beside its work space.
+static MODEL: LazyLock<Model<'static>> = LazyLock::new(|| {
+    let mut model = TABLETOP;
+    model.header.work_space.min = [-1.0; 3];
+    model.header.work_space.max = [1.0; 3];
+    model
+});
+
+const SENTENCE: &str = "put the red block on the blue block then put the yellow block on the red \
+                        block then put the magenta block on the green block";
+
+#[test]
+fn json_of_the_rest_of_a_program_names_its_own_steps() {
+    let scene = scene();
+    let whole = rest(&scene, 0);
+    let all = json::plan(&MODEL, &whole);
+    let steps = steps(&all);
+    assert_eq!(steps.len(), 3);
+    for first in 0..=3 {
+        let rest = json::plan(&MODEL, &rest(&scene, first));
+        assert_eq!(self::steps(&rest).len(), 3 - first);
+        for (got, whole) in self::steps(&rest).iter().zip(&steps[first..]) {
+            for key in ["step", "action", "object", "reference", "object_id"] {
+                assert_eq!(got[key], whole[key], "{key} with {first} steps done");
+            }
+            let told = got["explanation"].as_str().expect("a sentence");
+            let number = got["step"].as_u64().expect("a number") + 1;
+            assert!(told.starts_with(&format!("Step {number}: ")), "{told}");
+        }
+        // The program stays that of the whole sentence.
+        assert_eq!(rest["notation"], all["notation"]);
+    }
+}
+
+#[test]
+fn numbers_are_those_of_the_program() {
+    let scene = scene();
+    let rest = rest(&scene, 1);
+    let numbers: Vec<_> = rest.numbered().map(|(number, ..)| number).collect();
+    assert_eq!(numbers, [1, 2]);
+    for (number, understood, planned) in rest.numbered() {
+        assert_eq!(Some(understood), rest.program().steps().get(number));
+        assert_eq!(understood.action, planned.action);
+    }
+}
+
+fn steps(plan: &Value) -> Vec<Value> {
+    plan["steps"].as_array().expect("a list").clone()
+}
+
+/// The plan of what is left once the first steps are done.
+fn rest(scene: &Scene, first: usize) -> Plan {
+    let planner = Planner::new(&MODEL);
+    let parsed = planner.parse(SENTENCE).expect("words that are known");
+    let mut task = planner.begin_grounding(*scene, &parsed, first);
+    loop {
+        if let Progress::Done(plan) = task.poll() {
+            return plan.expect("a sentence that fits the squares");
+        }
+    }
+}
+
+fn scene() -> Scene {
+    let picture = picture::squares();
+    let [width, height] = picture::SIZE;
+    let image = RgbImage::new(&picture.pixels, width, height, 3 * width as usize);
+    let image = image.expect("an image");
+    let (camera, boxes) = (picture::camera(), &picture.detections);
+    let task = ObservationTask::new(&MODEL, image, camera, boxes, Stamp::default());
+    task.and_then(ObservationTask::finish).expect("a scene")
+}
