@@ -153,7 +153,19 @@ def begun(arm: FaultyArm, kind: str, steps: int = 2) -> disturbed_episode._Distu
             True,
         ),
         ("grasp_fails", ManipulationError("red was tried 3 times", ExecutionResult.SLIPPED), True),
-        ("grasp_fails", ManipulationError("red: slipped at try 1, and now no room"), True),
+        ("grasp_fails", ManipulationError("red: no room now", after=ExecutionResult.SLIPPED), True),
+        (
+            "grasp_fails",
+            ManipulationError("red: no room now", after=ExecutionResult.NOT_GRASPED),
+            True,
+        ),
+        (
+            "grasp_fails",
+            ManipulationError("red: no room now", after=ExecutionResult.TAKEN_BACK),
+            False,
+        ),
+        # Whatever is said of it.
+        ("grasp_fails", ManipulationError("blue slipped at try 1, and red has no room"), False),
         ("grasp_fails", ManipulationError("red was tried 3 times", ExecutionResult.PLACED), False),
         (
             "grasp_fails",

@@ -167,23 +167,36 @@ def test_a_plan_of_which_nobody_was_told_must_be_of_one_who_was_killed() -> None
 
 
 @pytest.mark.parametrize(
-    ("message", "excuses"),
+    ("event", "excuses"),
     [
-        ("nsrm: the planner of robot `trial` died or hangs; look at the robot", True),
-        ("nsrm: reply 1 was lost; look at the robot", True),
-        ("nsrm: robot `trial` has no planner; start one: nsrm serve --robot trial", False),
-        ("nsrm: step 1: the controller was lost, so it is unknown", False),
+        ({"error": {"kind": "planner_lost"}}, True),
+        ({"error": {"kind": "reply_lost"}}, True),
+        ({"error": {"kind": "no_planner"}}, False),
+        # Whatever is said of it.
+        ({"error": {"kind": "iceoryx", "message": "reply 1 was lost"}}, False),
+        ({"error": {"message": "the planner died or hangs"}}, False),
+        ({"event": "failed", "reason": "controller_lost"}, False),
     ],
 )
-def test_or_of_one_who_was_told_of_a_lost_planner_or_reply(message: str, excuses: bool) -> None:
+def test_or_of_one_who_was_told_of_a_lost_planner_or_reply(event: Line, excuses: bool) -> None:
     lines = journal()
     # Of its plan it has heard nothing.
     lines.remove(find(lines, "said", 4))
-    but("said", 4, event={"error": "asking"})(lines)
-    but("answered", 1, message=message)(lines)
+    but("said", 4, event=event)(lines)
     faults = judge(lines).faults
     told = () if excuses else ("of 1 plans that were not carried out nobody was told",)
     assert faults == told
+
+
+def test_when_who_asked_was_told_of_a_death_goes_by_the_reason() -> None:
+    lines = journal()
+    planned, failed = find(lines, "said", 4), find(lines, "said", 5)
+    commanded = line(12, "said", ask=2, event=COMMANDED | {"plan": 71})
+    lines.insert(lines.index(planned) + 1, commanded)
+    but("answered", 1, message="nsrm: in other words")(lines)
+    assert judge(lines).told_ms == (289.0,)
+    failed["event"] = failed["event"] | {"reason": "no_scene"}
+    assert judge(lines).told_ms == ()
 
 
 def test_what_can_not_be_read_is_told(tmp_path: Path) -> None:

@@ -35,6 +35,11 @@ STAYED_M = 0.0015
 HOME_RAD = 0.01
 
 
+def called(number: int) -> str:
+    """What a person may call an object: no number can be read from it."""
+    return f"the {'big ' * number}one of 9"
+
+
 class Scene:
     """A scene of the demo, the model's plan for its sentence or another, and the arm."""
 
@@ -54,7 +59,7 @@ class Scene:
         self.told: list[tuple[Outcome, int]] = []
         self.waiting: list[SubGoal] = []
         self.while_working: Callable[[], None] = lambda: None
-        self.arm = ArmMover(self.world, self.look, self._work, self._is_stopped)
+        self.arm = ArmMover(self.world, self.look, self._work, self._is_stopped, called)
         self.controller = Controller(self.arm, self._say, self._reject, lambda: NOW_NS)
 
     def _work(self) -> None:

@@ -164,6 +164,9 @@ fn no_planner_and_a_second_one_are_told_of() {
         &stage.say(&[SENTENCE]),
         &["robot `left` has no planner; start one: nsrm serve --robot left"],
     );
+    // Programs go by its kind.
+    let json = refused(&stage.say(&["--json", SENTENCE]), &["no planner"]);
+    assert_eq!(json["error"]["kind"], "no_planner");
     let first = stage.start("serve", "planning");
     let process = stage.processes[first].id();
     let second = stage.command(&["serve"]).output().unwrap();

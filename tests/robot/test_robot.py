@@ -55,6 +55,11 @@ def events(done: subprocess.CompletedProcess[str]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+def ready(line: str) -> dict[str, Any]:
+    """What a world says of itself when it is ready."""
+    return json.loads(line)["ready"]
+
+
 def left_behind() -> set[str]:
     """Shared memory of iceoryx2, but for the segment that it keeps for all nodes."""
     names = (path.name for path in SHARED_MEMORY.iterdir())
@@ -99,16 +104,16 @@ def test_a_planner_in_a_control_loop_carries_a_sentence_out_and_prints_its_ticks
     told = ["--robot", f"loop-{os.getpid()}"]
     with ProcessGroup() as processes:
         world = [sys.executable, "-m", "nsrm_harness.cli", "world", "--seed=4", "--no-arm", *told]
+        world.append("--json")
         # Until it is told to end.
         length = ["--seconds", "3600", "--limits-s", "3600"]
-        line = processes.start("world", world, "try: ")
+        sentence = ready(processes.start("world", world, '"ready"'))["sentence"]
         processes.start("perception", [nsrm, "perceive", *told], "perceiving")
         with subprocess.Popen(
             [loop, *told, *length], stdout=subprocess.PIPE, text=True
         ) as planning:
             assert planning.stdout is not None
             next(said for said in planning.stdout if said.startswith("planning"))
-            sentence = line.partition("try: ")[2]
             assert processes.run([nsrm, "say", *told, "--config", config, sentence]) == 0
             planning.send_signal(signal.SIGINT)
             printed = planning.stdout.read()
@@ -182,11 +187,11 @@ def test_one_configuration_serves_all_processes(tmp_path_factory: pytest.TempPat
     )
     with ProcessGroup() as processes:
         world = [sys.executable, "-m", "nsrm_harness.cli", "world", "--seed", "4", *told]
-        line = processes.start("world", world, "try: ")
-        assert "robot left, seed 4" in line
+        stage = ready(processes.start("world", [*world, "--json"], '"ready"'))
+        assert (stage["robot"], stage["seed"]) == ("left", 4)
         processes.start("perception", [nsrm, "perceive", *told], "perceiving")
         processes.start("planner", [nsrm, "serve", *told], "planning")
-        assert processes.run([nsrm, "say", *told, line.partition("try: ")[2]]) == 0
+        assert processes.run([nsrm, "say", *told, stage["sentence"]]) == 0
     left = [path.name for path in SHARED_MEMORY.iterdir() if path.name.startswith(prefix)]
     assert [name for name in left if not name.endswith(".global_mgmt")] == []
     for name in left:

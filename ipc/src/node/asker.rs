@@ -29,6 +29,19 @@ pub enum AskError {
     Iceoryx(String),
 }
 
+impl AskError {
+    /// Its name, for programs: part of the interface, as the message is not.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::NoPlanner(_) => "no_planner",
+            Self::PlannerLost(_) => "planner_lost",
+            Self::ReplyLost { .. } => "reply_lost",
+            Self::Request(_) => "bad_request",
+            Self::Iceoryx(_) => "iceoryx",
+        }
+    }
+}
+
 impl fmt::Display for AskError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

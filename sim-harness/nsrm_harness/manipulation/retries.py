@@ -45,6 +45,7 @@ class ManipulationError(HarnessError):
     * `what`: what went wrong
     * `done`: how the last carrying ended; None if nothing more can be done as it looks now
     * `why`: why it can't, then
+    * `after`: how the carrying before that ended, if there was one
     * `shifted`: what else has moved, in all tries
     """
 
@@ -54,9 +55,11 @@ class ManipulationError(HarnessError):
         done: ExecutionResult | None = None,
         why: RefusalReason | None = None,
         shifted: Displacements = (),
+        after: ExecutionResult | None = None,
     ) -> None:
         super().__init__(what + in_words(shifted))
         self.what, self.done, self.why, self.shifted = what, done, why, shifted
+        self.after = after
 
 
 @dataclass(frozen=True)
@@ -197,7 +200,8 @@ class _Hands:
                     raise
                 if not asides:
                     why = f"{name}: {done.value} at try {number - 1}, and now {refusal}"
-                    raise self._failed(name, cleared, why, why=refusal.why) from None
+                    failed = self._failed(name, cleared, why, why=refusal.why, after=done)
+                    raise failed from None
                 cleared += asides
                 first += self._clear(objects, name, asides)
                 objects = self.see()
@@ -245,9 +249,11 @@ class _Hands:
                     if blocker == name
                     else f"{blocker} stands in the way of {name} and was to be moved aside first"
                 )
-                has_failed = isinstance(error, ManipulationError)
-                how, last = (error.what, error.done) if has_failed else (str(error), None)
-                raise self._failed(name, (), f"{what}: {how}", last, error.why) from None
+                how, last, after = str(error), None, None
+                if isinstance(error, ManipulationError):
+                    how, last, after = error.what, error.done, error.after
+                failed = self._failed(name, (), f"{what}: {how}", last, error.why, after)
+                raise failed from None
             objects = self.see()
         self.mark("cleared")
         return done
@@ -268,10 +274,11 @@ class _Hands:
         what: str,
         done: ExecutionResult | None = None,
         why: RefusalReason | None = None,
+        after: ExecutionResult | None = None,
     ) -> ManipulationError:
         """What went wrong, behind what was done before it, with what else has moved."""
         what = f"{_first(name, asides)}; then: {what}" if asides else what
-        return ManipulationError(what, done, why, self.shifts.besides(name))
+        return ManipulationError(what, done, why, self.shifts.besides(name), after)
 
 
 def seen_turned_rad(seen: Cuboid, put: Cuboid) -> float:

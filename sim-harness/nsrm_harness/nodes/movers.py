@@ -49,6 +49,11 @@ REFUSALS = {
 """And of one that was not begun, or not begun again."""
 
 
+def numbered(number: int) -> str:
+    """What an object is called that has no other name."""
+    return f"object {number}"
+
+
 class TeleportMover:
     """Without an arm: a block is taken from where it is seen and let go above its sub-goal.
 
@@ -81,6 +86,7 @@ class ArmMover:
       `PerceptionError` where nothing can be seen on it, and is waited for then
     * `alive`: is called every few milliseconds while it plans and moves
     * `stop`: whether it is to stop, asked as often
+    * `name`: what an object is called in the log, by its number; no two the same
     """
 
     def __init__(
@@ -89,8 +95,10 @@ class ArmMover:
         look: Callable[[], Mapping[int, Cuboid]],
         alive: Callable[[], None],
         stop: Callable[[], bool],
+        name: Callable[[int], str] = numbered,
     ) -> None:
         self._look, self._alive, self._asked_to_stop = look, alive, stop
+        self._spoken, self._numbers = name, dict[str, int]()
         self._planner = PickAndPlacePlanner(alive=self._while_planning)
         self._world, self._ticks, self._stop = world, 0, False
         self._back: RetreatPath | None = None
@@ -120,7 +128,7 @@ class ArmMover:
 
         def clearing(names: Sequence[str]) -> None:
             _LOG.info("first carried: %s", " and ".join(names))
-            numbers = tuple(map(_number, names))
+            numbers = self._numbers_of(names)
             self._carried |= set(numbers)
             tell(Answer(Outcome.CLEARING, numbers))
 
@@ -129,9 +137,9 @@ class ArmMover:
                 self._world,
                 self._planner,
                 self._seen,
-                _name(command.object_id),
+                self._name(command.object_id),
                 goal_of(command),
-                keep={_name(number) for number in self._meant},
+                keep={self._name(number) for number in self._meant},
                 # Whether and how it is tried again is for who sends the commands.
                 tries=1,
                 stop=lambda: self._stop,
@@ -139,7 +147,7 @@ class ArmMover:
             )
         except RefusedError as refusal:
             _LOG.warning("not begun: %s", refusal)
-            return Answer(REFUSALS[refusal.why], tuple(map(_number, refusal.in_the_way)))
+            return Answer(REFUSALS[refusal.why], self._numbers_of(refusal.in_the_way))
         except ManipulationError as failure:
             _LOG.warning("%s", failure)
             if failure.done is None:
@@ -162,7 +170,17 @@ class ArmMover:
     def _seen(self) -> Mapping[str, Cuboid]:
         """All that is believed to stand there, by name."""
         seen = observe_with_timeout(self._world, self._look, lambda: self._world.time_s)
-        return {_name(number): cuboid for number, cuboid in seen.items()}
+        return {self._name(number): cuboid for number, cuboid in seen.items()}
+
+    def _name(self, number: int) -> str:
+        """What the arm calls an object."""
+        name = self._spoken(number)
+        self._numbers[name] = number
+        return name
+
+    def _numbers_of(self, names: Sequence[str]) -> tuple[int, ...]:
+        """Of objects that the arm speaks of: as they were given to it, whatever they are called."""
+        return tuple(self._numbers[name] for name in names)
 
     def tidy_up(self) -> None:
         """After a stop that has been answered: puts what it holds down where it was taken, and
@@ -198,11 +216,3 @@ def goal_of(command: SubGoal) -> Pose:
     x, y, z = command.position
     i, j, k, w = command.orientation
     return Pose((x, y, z), (i, j, k, w))
-
-
-def _name(number: int) -> str:
-    return f"object {number}"
-
-
-def _number(name: str) -> int:
-    return int(name.split()[-1])

@@ -16,11 +16,23 @@ from nsrm_harness.simulation.world import TIME_STEP_S, World
 TABLE = "table"
 
 
-class Contact(NamedTuple):
-    """Two that push against each other: the arm's links by name, "block 1", "table"."""
+Touching = int | str
+"""A block by its number; the arm's links and the table by name."""
 
-    one: str
-    other: str
+
+class Contact(NamedTuple):
+    """Two that push against each other, in the order of what they are called."""
+
+    one: Touching
+    other: Touching
+
+    def __str__(self) -> str:
+        return f"{called(self.one)} and {called(self.other)}"
+
+
+def called(it: Touching) -> str:
+    """One that touches, for people."""
+    return f"block {it}" if isinstance(it, int) else it
 
 
 class ArmWorld(World):
@@ -72,7 +84,7 @@ class ArmWorld(World):
 
     def contacts(self, *block_ids: int) -> set[Contact]:
         """What pushes against the arm or these blocks now."""
-        names = {body: f"block {number}" for number, body in self._bodies.items()}
+        names: dict[int, Touching] = {body: number for number, body in self._bodies.items()}
         names[self._table] = TABLE
         points = [
             *self._arm.contact_points(),
@@ -91,5 +103,5 @@ class ArmWorld(World):
                     names.get(one) or self._arm.link_name(link),
                     names.get(other) or self._arm.link_name(other_link),
                 )
-                found.add(Contact(*sorted(pair)))
+                found.add(Contact(*sorted(pair, key=called)))
         return found

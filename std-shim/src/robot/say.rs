@@ -37,7 +37,7 @@ pub(super) fn say(
         config.line,
         config.limits.silence_ns,
     )?;
-    let mut conversation = asker.ask(sentence, mode)?;
+    let mut conversation = asker.ask(sentence, mode).map_err(not_heard)?;
     // When a stop that was said is said again.
     let mut again_ns = None;
     let mut told = Told::default();
@@ -50,16 +50,16 @@ pub(super) fn say(
             // What has become of the planner since the first is heard below.
             if is_first {
                 eprintln!("nsrm: stopping the robot …");
-                said?;
+                said.map_err(not_heard)?;
             }
         }
-        let Some(reply) = asker.hear(&mut conversation, now_ns)? else {
+        let Some(reply) = asker.hear(&mut conversation, now_ns).map_err(not_heard)? else {
             std::thread::sleep(NAP);
             continue;
         };
         let said = reply
             .read()
-            .map_err(|error| AskError::Iceoryx(error.to_string()))?;
+            .map_err(|error| not_heard(AskError::Iceoryx(error.to_string())))?;
         let written = if as_json {
             writeln!(std::io::stdout(), "{}", event_json(&model, &reply, &said))
         } else {
@@ -81,6 +81,14 @@ pub(super) fn say(
             _ => {}
         }
     }
+}
+
+/// Why nothing more is heard: as JSON with the error's kind.
+fn not_heard(error: AskError) -> Failure {
+    let message = error.to_string();
+    let mut json = json::error(&message);
+    json["error"]["kind"] = error.kind().into();
+    Failure { message, json }
 }
 
 /// What a person was told so far.

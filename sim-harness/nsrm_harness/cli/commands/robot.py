@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from pathlib import Path
@@ -49,10 +50,11 @@ def command(
     with ProcessGroup() as processes:
         arm = "--arm" if with_arm else "--no-arm"
         world = [sys.executable, "-m", "nsrm_harness.cli", "world"]
-        told = processes.start("world", [*world, *place, "--seed", str(seed), arm], "try: ")
+        world += [*place, "--seed", str(seed), arm, "--json"]
+        ready = json.loads(processes.start("world", world, '"ready"'))["ready"]
         processes.start("perception", [str(nsrm), "perceive", *place], "perceiving")
         processes.start("planner", [str(nsrm), "serve", *place], "planning")
-        said = sentence or told.partition("try: ")[2]
+        said = sentence or ready["sentence"]
         if not as_json:
             click.echo(f'sentence  "{said}"\nscene     seed {seed}; boxes from the detector')
         options = ["--open-loop"] * open_loop + ["--json"] * as_json

@@ -11,6 +11,7 @@ import click
 
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.commands.options import arm_option, seed_option
+from nsrm_harness.common.json_text import json_text
 from nsrm_harness.nodes.config import read_config
 from nsrm_harness.nodes.simulated_robot import SimulatedRobot
 from nsrm_harness.simulation.render import open_renderer
@@ -26,7 +27,8 @@ from nsrm_harness.simulation.render import open_renderer
 )
 @seed_option
 @arm_option
-def command(robot: str | None, file: Path | None, seed: int, with_arm: bool) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print JSON when it is ready.")
+def command(robot: str | None, file: Path | None, seed: int, with_arm: bool, as_json: bool) -> None:
     """The tabletop of a seed, as a robot's camera and controller, until SIGINT or SIGTERM.
 
     Its camera publishes frames with the boxes that the detector finds; its controller has the arm
@@ -42,5 +44,9 @@ def command(robot: str | None, file: Path | None, seed: int, with_arm: bool) -> 
         closing(SimulatedRobot(domains.load(), renderer, seed, config, with_arm=with_arm)) as stage,
     ):
         stage.look()
-        click.echo(f"world: robot {config.robot}, seed {seed}; try: {stage.sentence}")
+        if as_json:
+            ready = {"robot": config.robot, "seed": seed, "sentence": stage.sentence}
+            click.echo(json_text({"ready": ready}))
+        else:
+            click.echo(f"world: robot {config.robot}, seed {seed}; try: {stage.sentence}")
         stage.run(stop)

@@ -310,10 +310,8 @@ class GraspFails(InjectedFault):
             return self._is_jam
         if not isinstance(error, ManipulationError):
             return False
-        if error.done is not None:
-            return error.done in NOT_HELD
         # After such a try there may have been no way for another one.
-        return any(f"{done.value} at try" in str(error) for done in NOT_HELD)
+        return (error.done or error.after) in NOT_HELD
 
     def _act(self) -> None:
         if self._is_jam:

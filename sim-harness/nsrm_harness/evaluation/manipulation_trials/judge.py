@@ -126,14 +126,14 @@ class PlacementJudge:
             for index, pose in enumerate(after)
             if index not in put
         )
-        carried = {f"block {index + 1}" for index in put}
+        carried = {index + 1 for index in put}
         # What they stood on, and stand on now.
         rightly = {it for it in self._stood | self._standing() if carried & set(it)}
         on_the_way = {it for hold in self._holds for it in hold.on_the_way}
         touched = sorted(
-            f"{one} and {other}"
-            for one, other in (self._seen - rightly) | on_the_way
-            if not {one, other} & set(panda.FINGERS) or not {one, other} & carried
+            str(it)
+            for it in (self._seen - rightly) | on_the_way
+            if not set(it) & set(panda.FINGERS) or not set(it) & carried
         )
         there = target(self._move, self._blocks, after) if anew else self._target
         return PlacementVerdict(
@@ -165,31 +165,26 @@ class PlacementJudge:
             self._holds.append(hold)
         hold.end, hold.tick = pose, self._ticks
         if pose.distance_m(hold.begin) > NEAR_M:
-            others = (it for it in now if _name(number) in it and not set(it) & set(panda.FINGERS))
+            others = (it for it in now if number in it and not set(it) & set(panda.FINGERS))
             hold.met.extend((it, pose) for it in others)
 
     def _standing(self) -> set[Contact]:
         """What all blocks stand on now, or lean against."""
         numbers = range(1, len(self._blocks) + 1)
-        standing = {TABLE, *(_name(number) for number in numbers)}
+        standing = {TABLE, *numbers}
         return {it for it in self._world.contacts(*numbers) if standing.issuperset(it)}
 
     def _poses(self) -> list[Pose]:
         return [placed.pose for placed in self._world.placed()]
 
 
-def _name(number: int) -> str:
-    """Of a block among contacts."""
-    return f"block {number}"
-
-
 def _between_fingers(contacts: set[Contact]) -> set[int]:
     """The numbers of the blocks that both fingers push against."""
     by_finger = [
-        {name for it in contacts if finger in it for name in it if name.startswith("block ")}
+        {one for it in contacts if finger in it for one in it if isinstance(one, int)}
         for finger in panda.FINGERS
     ]
-    return {int(name.removeprefix("block ")) for name in set.intersection(*by_finger)}
+    return set.intersection(*by_finger)
 
 
 def turned_rad(one: Pose, other: Pose) -> float:

@@ -275,14 +275,15 @@ def draw(lines: Sequence[Line], path: Path) -> None:
     figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(16.0, 4.2), layout="constrained")
     names = [line.row.title for line in lines]
     left = np.zeros(len(lines))
+    given_up = [line.given_up for line in lines]
     counts = {
         ("done as said", "tab:green"): [line.ends["succeeded"] - line.given_up for line in lines],
-        ("rightly given up in words", "yellowgreen"): [line.given_up for line in lines],
+        ("rightly given up in words", "yellowgreen"): given_up,
         ("refused", "gold"): [line.ends["refused"] for line in lines],
         ("failed", "tab:red"): [line.ends["failed"] for line in lines],
     }
     for (label, color), count in counts.items():
-        if not any(count) and label.startswith("rightly"):
+        if count is given_up and not any(given_up):
             continue
         shares = 100 * np.array(count) / [max(len(line.ended), 1) for line in lines]
         ends.barh(names, shares, left=left, color=color, label=label)

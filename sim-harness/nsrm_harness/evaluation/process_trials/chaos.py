@@ -14,7 +14,6 @@ What must hold, whoever was killed when:
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -26,10 +25,10 @@ from nsrm_harness.evaluation.process_trials.journal import JournalError, Line
 NOTICED_NS = 500_000_000
 """After so long a death or a hang must have been noticed."""
 
-PLANNER_LOST = "died or hangs"
-"""What who asked is told of a lost planner; that there is none is said in other words."""
-TOLD_OF_LOSS = re.compile(rf"{PLANNER_LOST}|reply \d+ was lost")
-"""Words to those who may never have heard of their plan."""
+PLANNER_LOST, REPLY_LOST = "planner_lost", "reply_lost"
+"""Kinds of errors of who asks and may never have heard of a plan that was made."""
+CONTROLLER_LOST = "controller_lost"
+"""The reason of a planner whose controller was lost."""
 
 Command = tuple[int, int]
 """Plan and number."""
@@ -49,9 +48,22 @@ class _Ask:
         return next((event["plan"] for event in self.events if event.get("plan")), None)
 
     @property
+    def why(self) -> str | None:
+        """Why it was not done, if who asked has heard: the planner's last reason, or the kind of
+        the error after which nothing more is heard."""
+        if self.code != 2:
+            return None
+        whys = (event.get("reason") or _kind_of_error(event) for event in reversed(self.events))
+        return next((why for why in whys if why), None)
+
+    @property
     def code(self) -> int | None:
         """How its process ended; None if it was killed."""
         return self.ends[-1]["code"] if self.ends else None
+
+
+def _kind_of_error(event: Line) -> str | None:
+    return event["error"].get("kind") if "error" in event else None
 
 
 @dataclass(frozen=True)
@@ -192,11 +204,7 @@ def _of_commands(
             unclaimed.add(command[0])
         elif ask.code == 0:
             yield f"command {command} was not carried out, and its sentence said to be done"
-    lost = sum(
-        TOLD_OF_LOSS.search(ask.ends[-1]["message"]) is not None
-        for ask in asks.values()
-        if ask.ends
-    )
+    lost = sum(ask.why in (PLANNER_LOST, REPLY_LOST) for ask in asks.values() if ask.ends)
     if len(unclaimed) > killed_askers + lost:
         yield f"of {len(unclaimed)} plans that were not carried out nobody was told"
 
@@ -259,11 +267,11 @@ def _of_the_end(of: Mapping[str, list[Line]]) -> Iterable[str]:
 def _told_ms(of: Mapping[str, list[Line]], asks: Mapping[int, _Ask]) -> Iterable[float]:
     """From the death of planner or controller to the end of the sentence under way, of those
     that ended by it."""
-    words = {"planner": PLANNER_LOST, "controller": "the controller was lost"}
+    whys = {"planner": PLANNER_LOST, "controller": CONTROLLER_LOST}
     for line in of["kill"]:
-        word = words.get(line["node"])
+        why = whys.get(line["node"])
         for ask in asks.values():
-            if not word or not ask.ends or word not in ask.ends[0]["message"]:
+            if why is None or not ask.ends or ask.why != why:
                 continue
             begun = [event["t"] for event in ask.events if event.get("event") == "commanded"]
             if begun and begun[-1] < line["t"] < ask.ends[0]["t"]:
