@@ -17,9 +17,8 @@
 //! Below them [`model`], the trained parameters by reference, and [`nn`], the layers.
 //!
 //! ```
-//! # #[cfg(feature = "pretrained")]
-//! # mod example {
-//! use nsrm_core::{Planner, Refusal, Scene, pretrained::TABLETOP};
+//! use nsrm_core::{Planner, Refusal, Scene};
+//! use nsrm_tabletop::TABLETOP; // trained weights: a crate of their own
 //!
 //! fn obey(scene: &Scene, sentence: &str) -> Result<(), Refusal> {
 //!     let plan = Planner::new(&TABLETOP).plan(scene, sentence)?;
@@ -29,7 +28,6 @@
 //!     }
 //!     Ok(())
 //! }
-//! # }
 //! ```
 //!
 //! Nothing here panics, allocates or contains unsafe code; every capacity that can
@@ -48,9 +46,6 @@
 
 #[cfg(test)]
 extern crate std;
-// What nsrm-codegen writes refers to this crate by its name, here as elsewhere.
-#[cfg(feature = "pretrained")]
-extern crate self as nsrm_core;
 
 pub mod action;
 pub mod calibration;
@@ -65,9 +60,6 @@ pub mod language;
 pub mod model;
 pub mod nn;
 pub mod planner;
-/// Trained models as statics; written by nsrm-codegen from `core/pretrained`.
-#[cfg(feature = "pretrained")]
-pub mod pretrained;
 mod progress;
 pub mod refusal;
 pub mod scene;

@@ -23,12 +23,12 @@ use std::thread::JoinHandle;
 use hdrhistogram::Histogram;
 use iceoryx2::config::Config;
 use iceoryx2::prelude::{LogLevel, set_log_level};
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::{Busyness, PlannerNode};
 use nsrm_ipc::service::Robot;
+use nsrm_tabletop::TABLETOP;
 use rustix::thread::{ClockId, Timespec, clock_nanosleep_absolute};
 use signal_hook::consts::SIGINT;
 use thread_priority::{

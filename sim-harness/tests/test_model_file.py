@@ -31,7 +31,7 @@ from nsrm_harness.learning.export import (
 from nsrm_harness.learning.model import Dimensions, Model
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMITTED = ROOT / "core" / "pretrained" / "tabletop.safetensors"
+COMMITTED = ROOT / "weights-codegen/tabletop/tabletop.safetensors"
 EXAMPLE = ROOT / "tests" / "golden" / "hash.json"
 
 

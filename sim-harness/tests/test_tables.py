@@ -236,14 +236,14 @@ def test_what_is_published_replaces_the_report_before_it_and_no_other(
     report: Path, tmp_path: Path
 ) -> None:
     root, model = tmp_path / "checkout", tmp_path / "model.safetensors"
-    for folder in ("docs/report/arm", "core/pretrained"):
+    for folder in ("docs/report/arm", "weights-codegen/tabletop"):
         (root / folder).mkdir(parents=True)
     (root / README).write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
     for old in ("docs/report/gone.png", "docs/report/arm/figures.csv"):
         (root / old).write_text("old", encoding="utf-8")
     model.write_bytes(b"weights")
     publish(report, model, root)
-    assert (root / "core/pretrained/tabletop.safetensors").read_bytes() == b"weights"
+    assert (root / "weights-codegen/tabletop/tabletop.safetensors").read_bytes() == b"weights"
     published = {path.name for path in (root / "docs/report").iterdir()}
     assert published == {path.name for path in report.iterdir()} | {"arm"}
     assert (root / "docs/report/arm/figures.csv").read_text(encoding="utf-8") == "old"

@@ -16,7 +16,7 @@ from nsrm_harness.evaluation.metrics import evaluate
 from nsrm_harness.learning.export import read_model
 from nsrm_harness.paper.tables.compare import judge_without_core
 
-MODEL = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
+MODEL = Path(__file__).resolve().parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 
 
 def test_without_the_core_the_figures_are_the_same(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from nsrm_harness.paper.tables.judging import Contender, Judging, judge_all
 from nsrm_harness.paper.tables.processes import TaskError
 from nsrm_harness.paper.tables.results import ResultRow
 
-MODEL = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
+MODEL = Path(__file__).resolve().parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 CONTENDERS = (Contender("nsrm", 0, MODEL), Contender("other", 3, MODEL))
 
 

@@ -18,7 +18,7 @@ from nsrm_harness.paper.tables.actions import draw_actions
 from nsrm_harness.paper.tables.concepts import draw_concepts
 from nsrm_harness.paper.tables.failures import draw_failures, what_went_wrong, worst_episodes
 
-PRETRAINED = Path(__file__).resolve().parents[2] / "core" / "pretrained" / "tabletop.safetensors"
+PRETRAINED = Path(__file__).resolve().parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nsrm_codegen::{ModelError, OwnedModel};
 use nsrm_core::model::Model;
-use nsrm_core::pretrained::{TABLETOP, TABLETOP_ABOUT};
+use nsrm_tabletop::{TABLETOP, TABLETOP_ABOUT};
 
 /// A model that the planner can use, wherever it comes from.
 #[derive(Debug)]

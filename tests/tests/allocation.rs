@@ -1,8 +1,8 @@
 //! Nothing is allocated from image and sentence to plan or refusal.
 
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Model, Planner, Refusal, Scene};
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::by_hand::{self, Parts, block};
 use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::picture::{SIZE, camera, squares};

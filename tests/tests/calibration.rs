@@ -4,11 +4,11 @@
 
 use nsrm_core::calibration::{CalibrationFault, Cause, Measured};
 use nsrm_core::model::LOCATION;
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{Camera, Planner, RawScene, Refusal, Scene};
 use nsrm_ipc::message::CameraFrame;
 use nsrm_ipc::node::see;
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::golden::{Golden, camera, fixed};
 use nsrm_tests::picture;
 use proptest::collection::vec;

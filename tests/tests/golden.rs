@@ -7,10 +7,10 @@ use nsrm_core::language::{
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Conv, Gru, Linear};
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
 use nsrm_core::{MAX_GROUPS, Planner, Program, Progress, RawScene, Refusal, Scene};
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::golden::{Array, Golden, camera, fixed, numbers};
 use serde_json::Value;
 
@@ -19,7 +19,7 @@ fn on_both(test: impl Fn(&Golden, &Model<'_>)) {
     let golden = Golden::read();
     let path = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../core/pretrained/tabletop.safetensors"
+        "/../weights-codegen/tabletop/tabletop.safetensors"
     );
     let loaded = nsrm::load_model(path).expect("the model file can be loaded");
     let of = golden.cases["model_identity"]

@@ -259,7 +259,7 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
 fn perception_makes_nothing_of_what_is_no_frame() {
     let corner = Corner::new("hostile-camera");
     let config = &corner.config;
-    let model = &nsrm_core::pretrained::TABLETOP;
+    let model = &nsrm_tabletop::TABLETOP;
     let camera = join("left", Role::Camera, config);
     // Small, since each is written anew.
     let mut valid = picture::squares().frame();

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use nsrm_core::planner::Plan;
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Planner, Refusal};
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::picture::{Picture, SIZE, camera, squares};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/no-std-plan");

@@ -114,7 +114,7 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
         );
     }
 
-    let model = &nsrm_core::pretrained::TABLETOP;
+    let model = &nsrm_tabletop::TABLETOP;
     let camera = join("left", Role::Camera, &corner.config);
     let picture = picture::squares();
     let bytes = picture.pixels.len() / 3 * 7;
@@ -339,7 +339,7 @@ fn without_a_controller_nothing_is_accepted() {
 fn perception_makes_a_scene_of_a_frame() {
     let corner = Corner::new("perception");
     let config = &corner.config;
-    let model = &nsrm_core::pretrained::TABLETOP;
+    let model = &nsrm_tabletop::TABLETOP;
     let camera = join("left", Role::Camera, config);
     let picture = picture::squares();
     let bytes = picture.pixels.len() / 3 * 7;

@@ -3,9 +3,9 @@
 //! thresholds, so that it goes on where it would refuse.
 
 use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING};
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::scene::{ObservedObject, SceneHeader};
 use nsrm_core::{Camera, MAX_OBJECTS, Model, Plan, Planner, RawScene, Refusal, Scene};
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::by_hand::{Block, DEPTH_M, Parts, embedding};
 use nsrm_tests::picture;
 use nsrm_tests::plans::{check_in, reckless};

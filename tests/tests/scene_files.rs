@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nsrm::{SceneFileError, read_scene};
 use nsrm_core::Planner;
-use nsrm_core::pretrained::TABLETOP;
+use nsrm_tabletop::TABLETOP;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};

@@ -57,7 +57,7 @@ fn sub_goal(command: u32) -> SubGoal {
 }
 
 fn scene(sequence: u64) -> SceneMessage {
-    let model = &nsrm_core::pretrained::TABLETOP;
+    let model = &nsrm_tabletop::TABLETOP;
     let camera = CameraMessage::default().into();
     let raw = nsrm_core::RawScene::empty(model, camera);
     SceneMessage {

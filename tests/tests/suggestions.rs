@@ -1,7 +1,7 @@
 //! What may have been meant by a word that the built-in model does not know.
 
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::{Planner, Refusal};
+use nsrm_tabletop::TABLETOP;
 
 #[test]
 fn what_may_have_been_meant_is_a_known_word_nearby() {

@@ -41,19 +41,20 @@ fn compiled_snapshot_is_the_loaded_model() {
     assert_eq!(&about["metrics"], owned.metrics());
 }
 
-/// What is committed in core is what the command writes from the committed model.
+/// What is committed in `tabletop` is what the command writes from the committed model.
 #[test]
 fn pretrained_is_in_step() {
-    let core = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core");
-    let bytes = std::fs::read(core.join("pretrained/tabletop.safetensors")).expect("the model");
+    let tabletop = Path::new(env!("CARGO_MANIFEST_DIR")).join("tabletop");
+    let bytes = std::fs::read(tabletop.join("tabletop.safetensors")).expect("the model");
     let owned = OwnedModel::from_bytes(&bytes).expect("a sound model");
-    let written = std::fs::read_to_string(core.join("src/pretrained.rs")).expect("the source");
+    let written = std::fs::read_to_string(tabletop.join("src/generated.rs")).expect("the source");
     let options = Options::new("TABLETOP").expect("a static's name");
     assert!(
         rust_source(&owned, &options) == written,
-        "cargo run -p nsrm-codegen -- core/pretrained/tabletop.safetensors --out core/src/pretrained.rs"
+        "cargo run -p nsrm-codegen -- weights-codegen/tabletop/tabletop.safetensors \
+         --out weights-codegen/tabletop/src/generated.rs"
     );
-    let compiled = format!("{:?}", nsrm_core::pretrained::TABLETOP);
+    let compiled = format!("{:?}", nsrm_tabletop::TABLETOP);
     assert!(
         compiled == format!("{:?}", owned.as_model()),
         "statics and loaded model differ"

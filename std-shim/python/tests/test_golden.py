@@ -15,7 +15,7 @@ import nsrm
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "tests" / "golden"
-MODEL = ROOT / "core" / "pretrained" / "tabletop.safetensors"
+MODEL = ROOT / "weights-codegen/tabletop/tabletop.safetensors"
 
 
 class Golden:

@@ -12,7 +12,7 @@ import pytest
 
 import nsrm
 
-MODEL_FILE = Path(__file__).parents[3] / "core/pretrained/tabletop.safetensors"
+MODEL_FILE = Path(__file__).parents[3] / "weights-codegen/tabletop/tabletop.safetensors"
 SENTENCE = "put the red block on the blue block"
 WIDTH, HEIGHT = 640, 480
 # On the image: red, blue. Corners in pixels.

@@ -28,7 +28,7 @@ pub(crate) struct ModelFile {
 
 /// Path of the committed model.
 pub(crate) fn pretrained() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/pretrained/tabletop.safetensors")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../weights-codegen/tabletop/tabletop.safetensors")
 }
 
 impl ModelFile {

@@ -30,7 +30,8 @@ extern crate alloc;
 
 use input::Input;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Planner, Progress, Refusal, Scene, pretrained::TABLETOP};
+use nsrm_core::{Planner, Progress, Refusal, Scene};
+use nsrm_tabletop::TABLETOP;
 
 /// Bytes of the largest image, 640 × 480.
 const IMAGE_BYTES: usize = 640 * 480 * 3;

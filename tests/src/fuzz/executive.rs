@@ -9,10 +9,10 @@ mod watched;
 use std::sync::LazyLock;
 
 use nsrm_core::planner::MAX_POLLS;
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::{Model, RawScene};
 use nsrm_ipc::executive::{Command, CommandId, Event, Executive, Failure, Limits, Mode, Sentence};
 use nsrm_ipc::message::{Feedback, Outcome, SceneMessage};
+use nsrm_tabletop::TABLETOP;
 
 use self::watched::{Now, Watched};
 use super::bytes::{Script, bytes_of, message};

@@ -1,6 +1,5 @@
 //! Each message from any bytes: read, checked, and carried on to where it goes.
 
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::{MAX_FILTERS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS};
 use nsrm_core::{Planner, Scene};
 use nsrm_ipc::message::{
@@ -8,6 +7,7 @@ use nsrm_ipc::message::{
     REASONS, Reply, SceneMessage, SubGoal,
 };
 use nsrm_ipc::node::{Peer, View, see};
+use nsrm_tabletop::TABLETOP;
 
 use super::bytes::message;
 use super::says;

@@ -1,13 +1,13 @@
 //! What the targets start from: messages, sentences and files as they should be, and
 //! the words that libFuzzer may put together.
 
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::{Planner, Refusal};
 use nsrm_ipc::executive::{Command, CommandId, Event, Failure, Mode};
 use nsrm_ipc::message::{
     CameraFrame, DetectedBox, Feedback, Heartbeat, Message, Outcome, PlanReply, PlanRequest,
     ReplyTo, Role, SceneMessage, State, SubGoal,
 };
+use nsrm_tabletop::TABLETOP;
 use serde_json::json;
 
 use super::bytes::bytes_of;

@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 use nsrm::{ModelError, OwnedModel, SceneText, json, read_scene_text};
 use nsrm_core::language::Parsed;
 use nsrm_core::planner::MAX_POLLS;
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner, Progress, Refusal, Scene};
+use nsrm_tabletop::TABLETOP;
 
 use super::bytes::Script;
 use super::messages::{check_scene, plan_in};
@@ -115,7 +115,8 @@ pub fn scene_file(bytes: &[u8]) {
 }
 
 /// The model that is in the repository.
-pub(super) const MODEL: &[u8] = include_bytes!("../../../core/pretrained/tabletop.safetensors");
+pub(super) const MODEL: &[u8] =
+    include_bytes!("../../../weights-codegen/tabletop/tabletop.safetensors");
 
 /// Length of the file's header, which is JSON, and where its tensors begin.
 pub(super) fn header_of(file: &[u8]) -> (&[u8], &[u8]) {

@@ -16,13 +16,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::message::{
     CameraFrame, Feedback, Outcome, Reply, Role, SceneMessage, State, SubGoal,
 };
 use nsrm_ipc::node::{Life, see};
 use nsrm_ipc::service::{Carried, Ears, FramesOut, PLAN};
+use nsrm_tabletop::TABLETOP;
 use serde_json::json;
 
 use self::alone::sentence;

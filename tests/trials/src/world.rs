@@ -6,8 +6,8 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
 use nsrm::read_scene_text;
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::message::{CameraFrame, CameraMessage, DetectedBox};
+use nsrm_tabletop::TABLETOP;
 
 use crate::journal::Moves;
 

@@ -58,7 +58,7 @@ pub(super) const CHECKS: &[Check] = &[
     },
     Check {
         name: "generated",
-        title: "core/src/pretrained.rs is what the generator writes from the model file",
+        title: "the static arrays of nsrm-tabletop are what the generator writes from the model file",
         about: "20 s",
         steps: generated,
     },
@@ -314,9 +314,9 @@ fn generated(_: &Context) -> Result<Vec<Step>> {
     let mut step = Step::cargo(&["run", "--locked", "--package", "nsrm-codegen", "--"]);
     step.arguments.extend(
         [
-            "core/pretrained/tabletop.safetensors",
+            "weights-codegen/tabletop/tabletop.safetensors",
             "--out",
-            "core/src/pretrained.rs",
+            "weights-codegen/tabletop/src/generated.rs",
             "--check",
         ]
         .map(Into::into),

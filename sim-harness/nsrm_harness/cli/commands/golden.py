@@ -12,7 +12,7 @@ import click
     "--model",
     "model_path",
     type=click.Path(path_type=Path),
-    default=Path("core/pretrained/tabletop.safetensors"),
+    default=Path("weights-codegen/tabletop/tabletop.safetensors"),
     show_default=True,
     help="Model file.",
 )

@@ -27,6 +27,7 @@ def command(folder: Path) -> None:
     publish(folder / "report", folder / PUBLISHED, Path.cwd())
     click.echo(
         "published; now: cargo run --release -p nsrm-codegen -- "
-        "core/pretrained/tabletop.safetensors --out core/src/pretrained.rs && "
+        "weights-codegen/tabletop/tabletop.safetensors "
+        "--out weights-codegen/tabletop/src/generated.rs && "
         f"cargo harness golden --data {folder / 'data' / 'validation.h5'}"
     )

@@ -20,7 +20,7 @@ BEGIN = "<!-- figures: `cargo harness publish` replaces them -->"
 END = "<!-- end of figures -->"
 REPORT_FOLDER = Path("docs/report")
 README = Path("README.md")
-MODEL = Path("core/pretrained/tabletop.safetensors")
+MODEL = Path("weights-codegen/tabletop/tabletop.safetensors")
 
 
 class PublishError(HarnessError):

@@ -1,12 +1,12 @@
 //! The computations alone: what a process that answers does, and nothing else.
 
 use anyhow::{Context as _, Result, bail};
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::{Event, Executive, Limits, Mode};
 use nsrm_ipc::message::{Asked, PlanRequest, SubGoal};
 use nsrm_ipc::node::see;
 use nsrm_ipc::service::{Frames, Robot};
+use nsrm_tabletop::TABLETOP;
 
 use super::PATIENCE_NS;
 use crate::world::{SENTENCES, World};

@@ -7,12 +7,12 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
 use clap::ValueEnum;
-use nsrm_core::pretrained::TABLETOP;
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::{Feedback, Outcome, Role};
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_ipc::service::{CAMERA, Robot};
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::corner::Corner;
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::thread::{CpuSet, sched_setaffinity};
