@@ -9,7 +9,13 @@
 //! Matrices are column-major here (`[[f32; ROWS]; COLUMNS]`), so that
 //! `W·x = Σ_j x[j]·W[j]` runs over contiguous memory; the model file's are
 //! row-major, and the code generator transposes them.
+//!
+//! None of the structs can be written as a literal elsewhere. Each has `new`, in which nothing is
+//! set, and a `with_` method for each field, in constants and statics too: parts are added in
+//! later versions, and what was written before goes on compiling. Parameters that are not set are
+//! NaN, so that a model in which one was forgotten refuses.
 
+mod builder;
 mod check;
 
 pub use check::ModelFault;
@@ -53,6 +59,7 @@ pub const SCHEMA: u32 = 3;
 
 /// A trained model: what [`crate::Planner`] reads and never writes.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Model<'a> {
     /// What the model file says of itself.
     pub header: Header<'a>,
@@ -80,6 +87,7 @@ pub struct Model<'a> {
 
 /// What the model file says of itself.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Header<'a> {
     /// Name of the domain file that it was trained on.
     pub domain: &'a str,
@@ -96,6 +104,7 @@ pub struct Header<'a> {
 
 /// When to refuse rather than guess; probabilities and cosines.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Thresholds {
     /// An object matches a description when its filtered score, a cosine, is at
     /// least this.
@@ -106,6 +115,7 @@ pub struct Thresholds {
 
 /// The box in which sub-goals may lie: world frame, metres, bounds included.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct WorkSpace {
     /// Least x, y, z of an object's centre.
     pub min: [f32; 3],
@@ -115,6 +125,7 @@ pub struct WorkSpace {
 
 /// A word outside the lexicon.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Word<'a> {
     /// In lower case; `","` is the comma.
     pub text: &'a str,
@@ -124,6 +135,7 @@ pub struct Word<'a> {
 
 /// A word's embeddings with the products that depend on nothing else folded in.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct WordParameters {
     /// `W_ih·e + b` of the encoder's forward cell: reset, update, new.
     pub forward_gates: [[f32; ENCODER_HIDDEN]; 3],
@@ -139,6 +151,7 @@ pub struct WordParameters {
 
 /// A word that names a concept.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct LexiconEntry<'a> {
     /// In lower case.
     pub text: &'a str,
@@ -148,6 +161,7 @@ pub struct LexiconEntry<'a> {
 
 /// What of a crop an attribute operator sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum View {
     /// Red, green and blue.
     Color,
@@ -157,6 +171,7 @@ pub enum View {
 
 /// An attribute type with its operator: `Linear → ReLU → Linear` into concept space.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Attribute<'a> {
     /// Name in the domain file.
     pub name: &'a str,
@@ -170,6 +185,7 @@ pub struct Attribute<'a> {
 
 /// An attribute value.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Concept<'a> {
     /// Name in the domain file.
     pub name: &'a str,
@@ -184,6 +200,7 @@ pub struct Concept<'a> {
 
 /// An action.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Action<'a> {
     /// Name in the domain file: `MoveOn`.
     pub name: &'a str,
@@ -200,6 +217,7 @@ pub struct Action<'a> {
 
 /// Parameters of the language module that belong to no single word.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Language<'a> {
     /// Recurrent part of the encoder's forward cell.
     pub forward: &'a Gru<ENCODER_HIDDEN>,
@@ -219,6 +237,7 @@ pub struct Language<'a> {
 
 /// The crop encoder: one small convolutional network a view.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Vision<'a> {
     /// On red, green and blue.
     pub color: &'a ViewEncoder<3>,
@@ -228,6 +247,7 @@ pub struct Vision<'a> {
 
 /// `Conv 4×4/4 → ReLU → Conv 2×2/2 → ReLU → Linear → ReLU`.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct ViewEncoder<const CHANNELS: usize> {
     /// 32×32 to 8×8.
     pub patch: Conv<CHANNELS, PATCH_CHANNELS, 4>,
@@ -240,6 +260,7 @@ pub struct ViewEncoder<const CHANNELS: usize> {
 /// `loc' = base + MLP(action, loc_1, loc_2)`, where base has the moved object's
 /// width and height at the reference's centre and depth; tanh between layers.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Simulator {
     /// Columns of the first layer for the moved object's and the reference's
     /// centre x, centre y, width, height and depth, standardisation folded in.
@@ -254,6 +275,7 @@ pub struct Simulator {
 /// Linear map from `(X, Y, D, W, H, 1)` to the object's centre in the camera's
 /// frame, all in metres: the box's centre and size deprojected at mean depth D.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct PixelToCamera {
     /// A row for each of x, y, z.
     pub weight: [[f32; 6]; 3],

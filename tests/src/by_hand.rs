@@ -26,6 +26,10 @@ use crate::picture;
 pub const EDGES_M: [f32; 3] = [0.04, 0.015, 0.05];
 /// At which [`picture::camera`] sees the centre of a block on the table, metres.
 pub const DEPTH_M: f32 = 0.975;
+/// See [`Vision::color`]; all zero.
+static COLOR: ViewEncoder<3> = view_encoder();
+/// See [`Vision::brightness`]; all zero.
+static BRIGHTNESS: ViewEncoder<1> = view_encoder();
 /// A gate or logit that is saturated.
 const SURE: f32 = 20.0;
 /// Unit of the forward encoder that says that `on` was read; the next one is
@@ -63,10 +67,6 @@ pub struct Parts {
     pub hazard_hidden: Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN>,
     /// See [`Language::hazard`].
     pub hazard: Linear<SPLITTER_HIDDEN, 1>,
-    /// See [`Vision::color`]; all zero.
-    pub color: ViewEncoder<3>,
-    /// See [`Vision::brightness`]; all zero.
-    pub brightness: ViewEncoder<1>,
     /// See [`Model::simulator`].
     pub simulator: Simulator,
     /// See [`Model::camera`].
@@ -87,32 +87,25 @@ impl Parts {
             ],
             concepts: Vec::new(),
             actions: vec![action("MoveOn", "on", 0), action("MoveBeside", "beside", 1)],
-            encoder: Gru {
-                weight_hh: [[[0.0; ENCODER_HIDDEN]; 3]; ENCODER_HIDDEN],
-                bias_n: [0.0; ENCODER_HIDDEN],
-            },
+            encoder: Gru::new()
+                .with_weight_hh([[[0.0; ENCODER_HIDDEN]; 3]; ENCODER_HIDDEN])
+                .with_bias_n([0.0; ENCODER_HIDDEN]),
             object_decoder: pointer(-SURE),
             reference_decoder: pointer(SURE),
-            splitter: Gru {
-                weight_hh: [[[0.0; SPLITTER_HIDDEN]; 3]; SPLITTER_HIDDEN],
-                bias_n: [0.0; SPLITTER_HIDDEN],
-            },
+            splitter: Gru::new()
+                .with_weight_hh([[[0.0; SPLITTER_HIDDEN]; 3]; SPLITTER_HIDDEN])
+                .with_bias_n([0.0; SPLITTER_HIDDEN]),
             hazard_hidden: zero(),
             hazard: zero(),
-            color: view_encoder(),
-            brightness: view_encoder(),
-            simulator: Simulator {
-                input: [[0.0; SIMULATOR_HIDDEN]; 2 * LOCATION],
-                hidden: zero(),
-                output: zero(),
-            },
-            camera: PixelToCamera {
-                weight: [
-                    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                    [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-                    [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
-                ],
-            },
+            simulator: Simulator::new()
+                .with_input([[0.0; SIMULATOR_HIDDEN]; 2 * LOCATION])
+                .with_hidden(zero())
+                .with_output(zero()),
+            camera: PixelToCamera::new().with_weight([
+                [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+            ]),
         };
         for (name, attribute) in [
             ("red", 0),
@@ -123,16 +116,18 @@ impl Parts {
         ] {
             let mut embedding = [0.0; CONCEPT];
             embedding[parts.concepts.len()] = 1.0;
-            parts.lexicon.push(LexiconEntry {
-                text: name,
-                concept: parts.concepts.len() as u8,
-            });
-            parts.concepts.push(Concept {
-                name,
-                attribute,
-                embedding,
-                edges_m: (attribute == 1).then_some(EDGES_M),
-            });
+            parts.lexicon.push(
+                LexiconEntry::new()
+                    .with_text(name)
+                    .with_concept(parts.concepts.len() as u8),
+            );
+            parts.concepts.push(
+                Concept::new()
+                    .with_name(name)
+                    .with_attribute(attribute)
+                    .with_embedding(embedding)
+                    .with_edges_m((attribute == 1).then_some(EDGES_M)),
+            );
         }
         parts.lexicon.sort_by_key(|entry| entry.text);
         // A step ends in front of a word whose share in the hazard's first hidden
@@ -144,30 +139,31 @@ impl Parts {
 
     /// The model made of these parts.
     pub fn model(&self) -> Model<'_> {
-        Model {
-            header: self.header,
-            words: &self.words,
-            group: &self.group,
-            lexicon: &self.lexicon,
-            attributes: &self.attributes,
-            concepts: &self.concepts,
-            actions: &self.actions,
-            language: Language {
-                forward: &self.encoder,
-                backward: &self.encoder,
-                object_decoder: &self.object_decoder,
-                reference_decoder: &self.reference_decoder,
-                splitter: &self.splitter,
-                hazard_hidden: &self.hazard_hidden,
-                hazard: &self.hazard,
-            },
-            vision: Vision {
-                color: &self.color,
-                brightness: &self.brightness,
-            },
-            simulator: &self.simulator,
-            camera: &self.camera,
-        }
+        Model::new()
+            .with_header(self.header)
+            .with_words(&self.words)
+            .with_group(&self.group)
+            .with_lexicon(&self.lexicon)
+            .with_attributes(&self.attributes)
+            .with_concepts(&self.concepts)
+            .with_actions(&self.actions)
+            .with_language(
+                Language::new()
+                    .with_forward(&self.encoder)
+                    .with_backward(&self.encoder)
+                    .with_object_decoder(&self.object_decoder)
+                    .with_reference_decoder(&self.reference_decoder)
+                    .with_splitter(&self.splitter)
+                    .with_hazard_hidden(&self.hazard_hidden)
+                    .with_hazard(&self.hazard),
+            )
+            .with_vision(
+                Vision::new()
+                    .with_color(&COLOR)
+                    .with_brightness(&BRIGHTNESS),
+            )
+            .with_simulator(&self.simulator)
+            .with_camera(&self.camera)
     }
 }
 
@@ -224,29 +220,23 @@ pub fn embedding(block: &Block) -> [f32; OBJECT_EMBEDDING] {
 }
 
 fn header() -> Header<'static> {
-    Header {
-        domain: "by hand",
-        identity: [7; 32],
-        thresholds: Thresholds {
-            match_score: 0.5,
-            decision: 0.6,
-        },
-        work_space: WorkSpace {
-            min: [0.3, -0.3, 0.0],
-            max: [0.7, 0.3, 0.2],
-        },
-        placed_orientation: [0.0, 0.0, 0.0, 1.0],
-    }
+    Header::new()
+        .with_domain("by hand")
+        .with_identity([7; 32])
+        .with_thresholds(Thresholds::new().with_match_score(0.5).with_decision(0.6))
+        .with_work_space(
+            WorkSpace::new()
+                .with_min([0.3, -0.3, 0.0])
+                .with_max([0.7, 0.3, 0.2]),
+        )
+        .with_placed_orientation([0.0, 0.0, 0.0, 1.0])
 }
 
 fn words() -> Vec<Word<'static>> {
     let mut words: Vec<_> = [
         ",", "and", "beside", "block", "it", "maybe", "on", "put", "the", "then",
     ]
-    .map(|text| Word {
-        text,
-        parameters: silent_word(),
-    })
+    .map(|text| Word::new().with_text(text).with_parameters(silent_word()))
     .into();
     for word in &mut words {
         let parameters = &mut word.parameters;
@@ -265,13 +255,12 @@ fn words() -> Vec<Word<'static>> {
 
 /// A word that changes nothing: all update gates keep the state.
 fn silent_word() -> WordParameters {
-    WordParameters {
-        forward_gates: keep(),
-        backward_gates: keep(),
-        splitter_gates: keep(),
-        hazard_next: [0.0; SPLITTER_HIDDEN],
-        hazard_after_next: [0.0; SPLITTER_HIDDEN],
-    }
+    WordParameters::new()
+        .with_forward_gates(keep())
+        .with_backward_gates(keep())
+        .with_splitter_gates(keep())
+        .with_hazard_next([0.0; SPLITTER_HIDDEN])
+        .with_hazard_after_next([0.0; SPLITTER_HIDDEN])
 }
 
 /// Gates, ordered reset, update, new, that keep the state.
@@ -287,12 +276,11 @@ fn remember(parameters: &mut WordParameters, unit: usize) {
 }
 
 fn attribute(name: &'static str, view: View, first_concept: usize) -> Attribute<'static> {
-    let mut attribute = Attribute {
-        name,
-        view,
-        hidden: zero(),
-        output: zero(),
-    };
+    let mut attribute = Attribute::new()
+        .with_name(name)
+        .with_view(view)
+        .with_hidden(zero())
+        .with_output(zero());
     for (unit, column) in attribute.hidden.weight.iter_mut().enumerate() {
         column[unit] = 1.0;
     }
@@ -307,13 +295,12 @@ fn attribute(name: &'static str, view: View, first_concept: usize) -> Attribute<
 fn action(name: &'static str, phrase: &'static str, index: usize) -> Action<'static> {
     let mut decoder = [0.0; INSTRUCTION];
     decoder[ACTION_UNIT + index] = SURE;
-    Action {
-        name,
-        phrase,
-        decoder,
-        decoder_bias: 0.0,
-        simulator_bias: [0.0; SIMULATOR_HIDDEN],
-    }
+    Action::new()
+        .with_name(name)
+        .with_phrase(phrase)
+        .with_decoder(decoder)
+        .with_decoder_bias(0.0)
+        .with_simulator_bias([0.0; SIMULATOR_HIDDEN])
 }
 
 /// A decoder that seeks, or shuns, descriptions behind `on` and `beside`, and
@@ -326,25 +313,25 @@ fn pointer(behind_action: f32) -> Linear<INSTRUCTION, INSTRUCTION> {
     decoder
 }
 
-fn zero<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
-    Linear {
-        weight: [[0.0; OUTPUT]; INPUT],
-        bias: [0.0; OUTPUT],
-    }
+const fn zero<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
+    Linear::new()
+        .with_weight([[0.0; OUTPUT]; INPUT])
+        .with_bias([0.0; OUTPUT])
 }
 
-fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
-    ViewEncoder {
-        patch: Conv {
-            weight: [[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS],
-            bias: [0.0; PATCH_CHANNELS],
-        },
-        merge: Conv {
-            weight: [[[[0.0; MERGE_CHANNELS]; 2]; 2]; PATCH_CHANNELS],
-            bias: [0.0; MERGE_CHANNELS],
-        },
-        dense: zero(),
-    }
+const fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
+    ViewEncoder::new()
+        .with_patch(
+            Conv::new()
+                .with_weight([[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS])
+                .with_bias([0.0; PATCH_CHANNELS]),
+        )
+        .with_merge(
+            Conv::new()
+                .with_weight([[[[0.0; MERGE_CHANNELS]; 2]; 2]; PATCH_CHANNELS])
+                .with_bias([0.0; MERGE_CHANNELS]),
+        )
+        .with_dense(zero())
 }
 
 #[cfg(test)]

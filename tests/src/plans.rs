@@ -7,10 +7,9 @@ use nsrm_core::{Model, Plan, Scene};
 /// A model that is never unsure, and for which objects match from this score on.
 pub fn reckless(model: Model<'_>, match_score: f32) -> Model<'_> {
     let mut model = model;
-    model.header.thresholds = Thresholds {
-        match_score,
-        decision: 0.0,
-    };
+    model.header.thresholds = Thresholds::new()
+        .with_match_score(match_score)
+        .with_decision(0.0);
     model
 }
 

@@ -40,10 +40,9 @@ fn on_both(test: impl Fn(&Golden, &Model<'_>)) {
 #[test]
 fn golden_linear() {
     let golden = Golden::read();
-    let layer = Linear::<7, 5> {
-        weight: golden.array("layer.linear.weight").columns(),
-        bias: golden.array("layer.linear.bias").fixed(),
-    };
+    let layer = Linear::<7, 5>::new()
+        .with_weight(golden.array("layer.linear.weight").columns())
+        .with_bias(golden.array("layer.linear.bias").fixed());
     let (inputs, outputs) = (
         golden.array("layer.linear.input"),
         golden.array("layer.linear.output"),
@@ -61,14 +60,13 @@ fn golden_convolution() {
     let at = |o: usize, i: usize, row: usize, column: usize| {
         weight.values[((o * 2 + i) * 4 + row) * 4 + column]
     };
-    let layer = Conv::<2, 3, 4> {
-        weight: std::array::from_fn(|i| {
+    let layer = Conv::<2, 3, 4>::new()
+        .with_weight(std::array::from_fn(|i| {
             std::array::from_fn(|row| {
                 std::array::from_fn(|column| std::array::from_fn(|o| at(o, i, row, column)))
             })
-        }),
-        bias: golden.array("layer.conv.bias").fixed(),
-    };
+        }))
+        .with_bias(golden.array("layer.conv.bias").fixed());
     let input = maps(&golden.array("layer.conv.input").values);
     let mut output = [[[0.0; 3]; 3]; 3];
     layer.apply::<12, 3>(&input, &mut output);
@@ -82,18 +80,16 @@ fn golden_gru() {
     let golden = Golden::read();
     let hidden = golden.array("layer.gru.weight_hh");
     assert_eq!(hidden.shape, [12, 4]);
-    let cell = Gru::<4> {
-        weight_hh: std::array::from_fn(|column| {
+    let cell = Gru::<4>::new()
+        .with_weight_hh(std::array::from_fn(|column| {
             std::array::from_fn(|gate| {
                 std::array::from_fn(|row| hidden.values[(4 * gate + row) * 4 + column])
             })
-        }),
-        bias_n: golden.array("layer.gru.bias_n").fixed(),
-    };
-    let from_input = Linear::<6, 12> {
-        weight: golden.array("layer.gru.weight_ih").columns(),
-        bias: golden.array("layer.gru.bias").fixed(),
-    };
+        }))
+        .with_bias_n(golden.array("layer.gru.bias_n").fixed());
+    let from_input = Linear::<6, 12>::new()
+        .with_weight(golden.array("layer.gru.weight_ih").columns())
+        .with_bias(golden.array("layer.gru.bias").fixed());
     for kind in ["calm", "saturated"] {
         let array = |part: &str| golden.array(&format!("layer.gru.{kind}.{part}"));
         let (inputs, states) = (array("input"), array("states"));

@@ -144,15 +144,14 @@ fn value(out: &mut String, node: &Node, depth: usize) {
             let _ = write!(out, "&{name}");
         }
         Node::Record(name, fields) => {
-            let _ = writeln!(out, "{name} {{");
+            let _ = write!(out, "{name}::new()");
             for (field, node) in fields {
+                out.push('\n');
                 indent(out, depth + 1);
-                let _ = write!(out, "{field}: ");
+                let _ = write!(out, ".with_{field}(");
                 value(out, node, depth + 1);
-                out.push_str(",\n");
+                out.push(')');
             }
-            indent(out, depth);
-            out.push('}');
         }
         Node::Array(elements) => array(out, elements, depth),
     }

@@ -113,10 +113,9 @@ fn json<T: DeserializeOwned>(
 fn thresholds(text: ThresholdsText) -> Result<Thresholds, ModelError> {
     in_range("match_score", text.match_score)?;
     in_range("decision", text.decision)?;
-    Ok(Thresholds {
-        match_score: text.match_score,
-        decision: text.decision,
-    })
+    Ok(Thresholds::new()
+        .with_match_score(text.match_score)
+        .with_decision(text.decision))
 }
 
 fn in_range(name: &'static str, got: f32) -> Result<(), ModelError> {
@@ -133,10 +132,7 @@ fn work_space(text: WorkSpaceText) -> Result<WorkSpace, ModelError> {
             return Err(ModelError::WorkSpace { axis, min, max });
         }
     }
-    Ok(WorkSpace {
-        min: text.min,
-        max: text.max,
-    })
+    Ok(WorkSpace::new().with_min(text.min).with_max(text.max))
 }
 
 fn orientation(quaternion: [f32; 4]) -> Result<[f32; 4], ModelError> {

@@ -89,12 +89,13 @@ impl OwnedModel {
             identity: hash::identity(&file, &entries),
         };
         let parts = OwnedParts::try_new(owner, |owner| {
-            Parts::new(owner, |domain| Header {
-                domain,
-                identity: owner.identity,
-                thresholds,
-                work_space,
-                placed_orientation,
+            Parts::new(owner, |domain| {
+                Header::new()
+                    .with_domain(domain)
+                    .with_identity(owner.identity)
+                    .with_thresholds(thresholds)
+                    .with_work_space(work_space)
+                    .with_placed_orientation(placed_orientation)
             })
         })?;
         Ok(Self {
@@ -110,30 +111,31 @@ impl OwnedModel {
         let parts = self.parts.borrow_dependent();
         let folded = parts.folded;
         let language = &folded.language;
-        Model {
-            header: parts.header,
-            words: &parts.words,
-            group: parts.group,
-            lexicon: &parts.lexicon,
-            attributes: &parts.attributes,
-            concepts: &parts.concepts,
-            actions: &parts.actions,
-            language: Language {
-                forward: &language.forward,
-                backward: &language.backward,
-                object_decoder: &language.object_decoder,
-                reference_decoder: &language.reference_decoder,
-                splitter: &language.splitter,
-                hazard_hidden: &language.hazard_hidden,
-                hazard: &language.hazard,
-            },
-            vision: Vision {
-                color: &folded.vision.color,
-                brightness: &folded.vision.brightness,
-            },
-            simulator: &folded.simulator,
-            camera: &folded.camera,
-        }
+        Model::new()
+            .with_header(parts.header)
+            .with_words(&parts.words)
+            .with_group(parts.group)
+            .with_lexicon(&parts.lexicon)
+            .with_attributes(&parts.attributes)
+            .with_concepts(&parts.concepts)
+            .with_actions(&parts.actions)
+            .with_language(
+                Language::new()
+                    .with_forward(&language.forward)
+                    .with_backward(&language.backward)
+                    .with_object_decoder(&language.object_decoder)
+                    .with_reference_decoder(&language.reference_decoder)
+                    .with_splitter(&language.splitter)
+                    .with_hazard_hidden(&language.hazard_hidden)
+                    .with_hazard(&language.hazard),
+            )
+            .with_vision(
+                Vision::new()
+                    .with_color(&folded.vision.color)
+                    .with_brightness(&folded.vision.brightness),
+            )
+            .with_simulator(&folded.simulator)
+            .with_camera(&folded.camera)
     }
 
     /// The domain that it was trained on.
@@ -179,14 +181,14 @@ impl<'a> Parts<'a> {
             .lexicon()
             .map(|(text, concept)| {
                 let concept = index("concepts", concept)?;
-                Ok(LexiconEntry { text, concept })
+                Ok(LexiconEntry::new().with_text(text).with_concept(concept))
             })
             .collect::<Result<_, ModelError>>()?;
         lexicon.sort_unstable_by_key(|entry| entry.text);
         Ok(Self {
             header: header(&domain.name),
             words: words
-                .map(|(text, &parameters)| Word { text, parameters })
+                .map(|(text, &parameters)| Word::new().with_text(text).with_parameters(parameters))
                 .collect(),
             group,
             lexicon,
@@ -194,38 +196,39 @@ impl<'a> Parts<'a> {
                 .attribute
                 .iter()
                 .zip(&folded.vision.operators)
-                .map(|(attribute, operator)| Attribute {
-                    name: &attribute.name,
-                    view: match attribute.view {
-                        domain::View::Color => View::Color,
-                        domain::View::Brightness => View::Brightness,
-                    },
-                    hidden: operator.hidden,
-                    output: operator.output,
+                .map(|(attribute, operator)| {
+                    Attribute::new()
+                        .with_name(&attribute.name)
+                        .with_view(match attribute.view {
+                            domain::View::Color => View::Color,
+                            domain::View::Brightness => View::Brightness,
+                        })
+                        .with_hidden(operator.hidden)
+                        .with_output(operator.output)
                 })
                 .collect(),
             concepts: domain
                 .concepts()
                 .zip(&folded.vision.concepts)
                 .map(|((attribute, value), &embedding)| {
-                    Ok(Concept {
-                        name: &value.name,
-                        attribute: index("attribute types", attribute)?,
-                        embedding,
-                        edges_m: value.edges_m,
-                    })
+                    Ok(Concept::new()
+                        .with_name(&value.name)
+                        .with_attribute(index("attribute types", attribute)?)
+                        .with_embedding(embedding)
+                        .with_edges_m(value.edges_m))
                 })
                 .collect::<Result<_, ModelError>>()?,
             actions: domain
                 .action
                 .iter()
                 .zip(&folded.actions)
-                .map(|(action, parameters)| Action {
-                    name: &action.name,
-                    phrase: action.phrases.first().map_or("", String::as_str),
-                    decoder: parameters.decoder,
-                    decoder_bias: parameters.decoder_bias,
-                    simulator_bias: parameters.simulator_bias,
+                .map(|(action, parameters)| {
+                    Action::new()
+                        .with_name(&action.name)
+                        .with_phrase(action.phrases.first().map_or("", String::as_str))
+                        .with_decoder(parameters.decoder)
+                        .with_decoder_bias(parameters.decoder_bias)
+                        .with_simulator_bias(parameters.simulator_bias)
                 })
                 .collect(),
             folded,

@@ -15,7 +15,8 @@ pub(crate) enum Node {
     Reference(&'static str),
     /// A fixed array.
     Array(Vec<Node>),
-    /// A struct: its name and its fields in the order of their declaration.
+    /// A struct that is put together by `new` and a `with_` method for each field: its name and
+    /// its fields in the order of their declaration.
     Record(&'static str, Vec<(&'static str, Node)>),
 }
 
@@ -94,7 +95,7 @@ macro_rules! describe {
     ($($name:ident $(<$lifetime:lifetime>)? { $($field:ident),* $(,)? })*) => {$(
         impl $crate::tree::Describe for $name $(<$lifetime>)? {
             fn describe(&self) -> $crate::tree::Node {
-                let Self { $($field),* } = self;
+                let Self { $($field),*, .. } = self;
                 $crate::tree::Node::record(
                     stringify!($name),
                     [$((stringify!($field), $crate::tree::Describe::describe($field))),*],

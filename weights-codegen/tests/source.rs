@@ -79,7 +79,7 @@ fn numbers_read_back_as_the_same_bits() {
     let source = rust_source(&file.load(), &Options::new("M").expect("a name"));
     let color = source.split("static COLOR").nth(1).expect("the color view");
     let bias = color
-        .split("bias: [")
+        .split(".with_bias([")
         .nth(3)
         .expect("the bias of the dense layer");
     let texts = bias.split(']').next().expect("its numbers").split(',');

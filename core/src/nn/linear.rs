@@ -2,6 +2,7 @@ use super::accumulate;
 
 /// A dense layer: `y = W·x + b`.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Linear<const INPUT: usize, const OUTPUT: usize> {
     /// A column for each input.
     pub weight: [[f32; OUTPUT]; INPUT],
@@ -14,7 +15,9 @@ impl<const INPUT: usize, const OUTPUT: usize> Linear<INPUT, OUTPUT> {
     ///
     /// ```
     /// use nsrm_core::nn::Linear;
-    /// let layer = Linear { weight: [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], bias: [0.5, 0.0] };
+    /// let layer = Linear::new()
+    ///     .with_weight([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+    ///     .with_bias([0.5, 0.0]);
     /// assert_eq!(layer.apply(&[1.0, 10.0, 100.0]), [531.5, 642.0]);
     /// ```
     pub fn apply(&self, input: &[f32; INPUT]) -> [f32; OUTPUT] {

@@ -59,10 +59,11 @@ impl FoldedLanguage {
             object_decoder: Box::new(linear(tensors, "language.object_decoder")?),
             reference_decoder: Box::new(linear(tensors, "language.reference_decoder")?),
             splitter: Box::new(splitter),
-            hazard_hidden: Box::new(Linear {
-                weight: std::array::from_fn(|column| hazard[column]),
-                bias: tensors.vector("language.splitter.hidden.bias")?,
-            }),
+            hazard_hidden: Box::new(
+                Linear::new()
+                    .with_weight(std::array::from_fn(|column| hazard[column]))
+                    .with_bias(tensors.vector("language.splitter.hidden.bias")?),
+            ),
             hazard: Box::new(linear(tensors, "language.splitter.hazard")?),
         })
     }
@@ -83,13 +84,12 @@ impl Folding<'_> {
         splitter: &[f32; SPLITTER_WORD],
     ) -> Result<WordParameters, ModelError> {
         let (next, after_next) = self.hazard[SPLITTER_HIDDEN..].split_at(SPLITTER_WORD);
-        let word = WordParameters {
-            forward_gates: self.forward.fold(embedding),
-            backward_gates: self.backward.fold(embedding),
-            splitter_gates: self.splitter.fold(splitter),
-            hazard_next: share(next, splitter),
-            hazard_after_next: share(after_next, splitter),
-        };
+        let word = WordParameters::new()
+            .with_forward_gates(self.forward.fold(embedding))
+            .with_backward_gates(self.backward.fold(embedding))
+            .with_splitter_gates(self.splitter.fold(splitter))
+            .with_hazard_next(share(next, splitter))
+            .with_hazard_after_next(share(after_next, splitter));
         finite("words.forward_gates", word.forward_gates.as_flattened())?;
         finite("words.backward_gates", word.backward_gates.as_flattened())?;
         finite("words.splitter_gates", word.splitter_gates.as_flattened())?;

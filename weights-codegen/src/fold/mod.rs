@@ -42,7 +42,7 @@ impl Folded {
             vision,
             actions,
             simulator,
-            camera: PixelToCamera { weight: [x, y, z] },
+            camera: PixelToCamera::new().with_weight([x, y, z]),
         })
     }
 }

@@ -61,11 +61,12 @@ pub(crate) fn read(
     {
         *value = (f64::from(*value) * OUTPUT_SCALE) as f32;
     }
-    let simulator = Box::new(Simulator {
-        input,
-        hidden: linear(tensors, &format!("{NAME}.hidden"))?,
-        output,
-    });
+    let simulator = Box::new(
+        Simulator::new()
+            .with_input(input)
+            .with_hidden(linear(tensors, &format!("{NAME}.hidden"))?)
+            .with_output(output),
+    );
     finite("simulator.input", simulator.input.as_flattened())?;
     let actions = decoder
         .into_iter()

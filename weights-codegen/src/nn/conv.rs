@@ -13,23 +13,22 @@ pub(crate) fn conv<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize>
     let at = |output, input, row, column| {
         weight[((output * INPUT + input) * KERNEL + row) * KERNEL + column]
     };
-    Ok(Conv {
-        weight: std::array::from_fn(|input| {
+    Ok(Conv::new()
+        .with_weight(std::array::from_fn(|input| {
             std::array::from_fn(|row| {
                 std::array::from_fn(|column| {
                     std::array::from_fn(|output| at(output, input, row, column))
                 })
             })
-        }),
-        bias: tensors.vector(&format!("{name}.bias"))?,
-    })
+        }))
+        .with_bias(tensors.vector(&format!("{name}.bias"))?))
 }
 
 impl<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> Describe
     for Conv<INPUT, OUTPUT, KERNEL>
 {
     fn describe(&self) -> Node {
-        let Self { weight, bias } = self;
+        let Self { weight, bias, .. } = self;
         Node::record(
             "Conv",
             [("weight", weight.describe()), ("bias", bias.describe())],

@@ -46,20 +46,21 @@ pub(crate) fn gru<const HIDDEN: usize, const INPUT: usize>(
     let weight_ih = tensors.take(&format!("{name}.weight_ih"), &[rows, INPUT])?;
     let weight_hh = tensors.take(&format!("{name}.weight_hh"), &[rows, HIDDEN])?;
     let bias = tensors.take(&format!("{name}.bias"), &[rows])?;
-    let recurrent = Gru {
-        weight_hh: std::array::from_fn(|column| {
+    let recurrent = Gru::new()
+        .with_weight_hh(std::array::from_fn(|column| {
             std::array::from_fn(|gate| {
                 std::array::from_fn(|unit| weight_hh[(gate * HIDDEN + unit) * HIDDEN + column])
             })
-        }),
-        bias_n: tensors.vector(&format!("{name}.bias_n"))?,
-    };
+        }))
+        .with_bias_n(tensors.vector(&format!("{name}.bias_n"))?);
     Ok((Gates { weight_ih, bias }, recurrent))
 }
 
 impl<const HIDDEN: usize> Describe for Gru<HIDDEN> {
     fn describe(&self) -> Node {
-        let Self { weight_hh, bias_n } = self;
+        let Self {
+            weight_hh, bias_n, ..
+        } = self;
         Node::record(
             "Gru",
             [

@@ -9,15 +9,15 @@ pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>(
     tensors: &mut Tensors,
     name: &str,
 ) -> Result<Linear<INPUT, OUTPUT>, ModelError> {
-    Ok(Linear {
-        weight: tensors.columns(&format!("{name}.weight"))?,
-        bias: tensors.vector(&format!("{name}.bias"))?,
-    })
+    let mut layer = Linear::new();
+    layer.weight = tensors.columns(&format!("{name}.weight"))?;
+    layer.bias = tensors.vector(&format!("{name}.bias"))?;
+    Ok(layer)
 }
 
 impl<const INPUT: usize, const OUTPUT: usize> Describe for Linear<INPUT, OUTPUT> {
     fn describe(&self) -> Node {
-        let Self { weight, bias } = self;
+        let Self { weight, bias, .. } = self;
         Node::record(
             "Linear",
             [("weight", weight.describe()), ("bias", bias.describe())],

@@ -16,45 +16,39 @@ use nsrm_core::nn::{Conv, Gru, Linear};
 /// Actions: Stack, Flank.
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-pub static SHELF: Model<'static> = Model {
-    header: Header {
-        domain: "shelf",
-        identity: [
+pub static SHELF: Model<'static> = Model::new()
+    .with_header(Header::new()
+        .with_domain("shelf")
+        .with_identity([
             227, 15, 215, 138, 243, 139, 102, 10, 85, 25, 135, 107, 1, 195, 83, 171, 5, 108, 4, 133,
             121, 228, 237, 48, 201, 68, 131, 205, 61, 109, 98, 203,
-        ],
-        thresholds: Thresholds {
-            match_score: 0.5,
-            decision: 0.75,
-        },
-        work_space: WorkSpace {
-            min: [0.25, -0.5, 0.0],
-            max: [0.75, 0.5, 0.25],
-        },
-        placed_orientation: [0.0, 0.0, 0.0, 1.0],
-    },
-    words: &WORDS,
-    group: &GROUP,
-    lexicon: &LEXICON,
-    attributes: &ATTRIBUTES,
-    concepts: &CONCEPTS,
-    actions: &ACTIONS,
-    language: Language {
-        forward: &FORWARD,
-        backward: &BACKWARD,
-        object_decoder: &OBJECT_DECODER,
-        reference_decoder: &REFERENCE_DECODER,
-        splitter: &SPLITTER,
-        hazard_hidden: &HAZARD_HIDDEN,
-        hazard: &HAZARD,
-    },
-    vision: Vision {
-        color: &COLOR,
-        brightness: &BRIGHTNESS,
-    },
-    simulator: &SIMULATOR,
-    camera: &CAMERA,
-};
+        ])
+        .with_thresholds(Thresholds::new()
+            .with_match_score(0.5)
+            .with_decision(0.75))
+        .with_work_space(WorkSpace::new()
+            .with_min([0.25, -0.5, 0.0])
+            .with_max([0.75, 0.5, 0.25]))
+        .with_placed_orientation([0.0, 0.0, 0.0, 1.0]))
+    .with_words(&WORDS)
+    .with_group(&GROUP)
+    .with_lexicon(&LEXICON)
+    .with_attributes(&ATTRIBUTES)
+    .with_concepts(&CONCEPTS)
+    .with_actions(&ACTIONS)
+    .with_language(Language::new()
+        .with_forward(&FORWARD)
+        .with_backward(&BACKWARD)
+        .with_object_decoder(&OBJECT_DECODER)
+        .with_reference_decoder(&REFERENCE_DECODER)
+        .with_splitter(&SPLITTER)
+        .with_hazard_hidden(&HAZARD_HIDDEN)
+        .with_hazard(&HAZARD))
+    .with_vision(Vision::new()
+        .with_color(&COLOR)
+        .with_brightness(&BRIGHTNESS))
+    .with_simulator(&SIMULATOR)
+    .with_camera(&CAMERA);
 
 /// How it was trained (`training`) and what it reached (`metrics`): JSON.
 #[rustfmt::skip]
@@ -64,353 +58,289 @@ pub static SHELF_ABOUT: &str = "{\"metrics\":{\"program\":0.5},\"training\":{\"s
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static WORDS: [Word<'static>; 9] = [
-    Word {
-        text: ",",
-        parameters: WordParameters {
-            forward_gates: [[0.171875; 48]; 3],
-            backward_gates: [[0.296875; 48]; 3],
-            splitter_gates: [[-0.15234375; 32]; 3],
-            hazard_next: [-0.05859375; 32],
-            hazard_after_next: [-0.05859375; 32],
-        },
-    },
-    Word {
-        text: "beside",
-        parameters: WordParameters {
-            forward_gates: [[0.296875; 48]; 3],
-            backward_gates: [[0.484375; 48]; 3],
-            splitter_gates: [[-0.19921875; 32]; 3],
-            hazard_next: [-0.10546875; 32],
-            hazard_after_next: [-0.10546875; 32],
-        },
-    },
-    Word {
-        text: "jar",
-        parameters: WordParameters {
-            forward_gates: [[0.421875; 48]; 3],
-            backward_gates: [[0.671875; 48]; 3],
-            splitter_gates: [[-0.24609375; 32]; 3],
-            hazard_next: [-0.15234375; 32],
-            hazard_after_next: [-0.15234375; 32],
-        },
-    },
-    Word {
-        text: "near",
-        parameters: WordParameters {
-            forward_gates: [[0.546875; 48]; 3],
-            backward_gates: [[0.859375; 48]; 3],
-            splitter_gates: [[-0.29296875; 32]; 3],
-            hazard_next: [-0.19921875; 32],
-            hazard_after_next: [-0.19921875; 32],
-        },
-    },
-    Word {
-        text: "onto",
-        parameters: WordParameters {
-            forward_gates: [[0.671875; 48]; 3],
-            backward_gates: [[1.046875; 48]; 3],
-            splitter_gates: [[-0.33984375; 32]; 3],
-            hazard_next: [-0.24609375; 32],
-            hazard_after_next: [-0.24609375; 32],
-        },
-    },
-    Word {
-        text: "shift",
-        parameters: WordParameters {
-            forward_gates: [[0.796875; 48]; 3],
-            backward_gates: [[1.234375; 48]; 3],
-            splitter_gates: [[-0.38671875; 32]; 3],
-            hazard_next: [-0.29296875; 32],
-            hazard_after_next: [-0.29296875; 32],
-        },
-    },
-    Word {
-        text: "the",
-        parameters: WordParameters {
-            forward_gates: [[0.921875; 48]; 3],
-            backward_gates: [[1.421875; 48]; 3],
-            splitter_gates: [[-0.43359375; 32]; 3],
-            hazard_next: [-0.33984375; 32],
-            hazard_after_next: [-0.33984375; 32],
-        },
-    },
-    Word {
-        text: "then",
-        parameters: WordParameters {
-            forward_gates: [[1.046875; 48]; 3],
-            backward_gates: [[1.609375; 48]; 3],
-            splitter_gates: [[-0.48046875; 32]; 3],
-            hazard_next: [-0.38671875; 32],
-            hazard_after_next: [-0.38671875; 32],
-        },
-    },
-    Word {
-        text: "to",
-        parameters: WordParameters {
-            forward_gates: [[1.171875; 48]; 3],
-            backward_gates: [[1.796875; 48]; 3],
-            splitter_gates: [[-0.52734375; 32]; 3],
-            hazard_next: [-0.43359375; 32],
-            hazard_after_next: [-0.43359375; 32],
-        },
-    },
+    Word::new()
+        .with_text(",")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.171875; 48]; 3])
+            .with_backward_gates([[0.296875; 48]; 3])
+            .with_splitter_gates([[-0.15234375; 32]; 3])
+            .with_hazard_next([-0.05859375; 32])
+            .with_hazard_after_next([-0.05859375; 32])),
+    Word::new()
+        .with_text("beside")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.296875; 48]; 3])
+            .with_backward_gates([[0.484375; 48]; 3])
+            .with_splitter_gates([[-0.19921875; 32]; 3])
+            .with_hazard_next([-0.10546875; 32])
+            .with_hazard_after_next([-0.10546875; 32])),
+    Word::new()
+        .with_text("jar")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.421875; 48]; 3])
+            .with_backward_gates([[0.671875; 48]; 3])
+            .with_splitter_gates([[-0.24609375; 32]; 3])
+            .with_hazard_next([-0.15234375; 32])
+            .with_hazard_after_next([-0.15234375; 32])),
+    Word::new()
+        .with_text("near")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.546875; 48]; 3])
+            .with_backward_gates([[0.859375; 48]; 3])
+            .with_splitter_gates([[-0.29296875; 32]; 3])
+            .with_hazard_next([-0.19921875; 32])
+            .with_hazard_after_next([-0.19921875; 32])),
+    Word::new()
+        .with_text("onto")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.671875; 48]; 3])
+            .with_backward_gates([[1.046875; 48]; 3])
+            .with_splitter_gates([[-0.33984375; 32]; 3])
+            .with_hazard_next([-0.24609375; 32])
+            .with_hazard_after_next([-0.24609375; 32])),
+    Word::new()
+        .with_text("shift")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.796875; 48]; 3])
+            .with_backward_gates([[1.234375; 48]; 3])
+            .with_splitter_gates([[-0.38671875; 32]; 3])
+            .with_hazard_next([-0.29296875; 32])
+            .with_hazard_after_next([-0.29296875; 32])),
+    Word::new()
+        .with_text("the")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[0.921875; 48]; 3])
+            .with_backward_gates([[1.421875; 48]; 3])
+            .with_splitter_gates([[-0.43359375; 32]; 3])
+            .with_hazard_next([-0.33984375; 32])
+            .with_hazard_after_next([-0.33984375; 32])),
+    Word::new()
+        .with_text("then")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[1.046875; 48]; 3])
+            .with_backward_gates([[1.609375; 48]; 3])
+            .with_splitter_gates([[-0.48046875; 32]; 3])
+            .with_hazard_next([-0.38671875; 32])
+            .with_hazard_after_next([-0.38671875; 32])),
+    Word::new()
+        .with_text("to")
+        .with_parameters(WordParameters::new()
+            .with_forward_gates([[1.171875; 48]; 3])
+            .with_backward_gates([[1.796875; 48]; 3])
+            .with_splitter_gates([[-0.52734375; 32]; 3])
+            .with_hazard_next([-0.43359375; 32])
+            .with_hazard_after_next([-0.43359375; 32])),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static GROUP: WordParameters = WordParameters {
-    forward_gates: [[0.046875; 48]; 3],
-    backward_gates: [[0.109375; 48]; 3],
-    splitter_gates: [[-0.10546875; 32]; 3],
-    hazard_next: [-0.01171875; 32],
-    hazard_after_next: [-0.01171875; 32],
-};
+static GROUP: WordParameters = WordParameters::new()
+    .with_forward_gates([[0.046875; 48]; 3])
+    .with_backward_gates([[0.109375; 48]; 3])
+    .with_splitter_gates([[-0.10546875; 32]; 3])
+    .with_hazard_next([-0.01171875; 32])
+    .with_hazard_after_next([-0.01171875; 32]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static LEXICON: [LexiconEntry<'static>; 8] = [
-    LexiconEntry {
-        text: "amber",
-        concept: 0,
-    },
-    LexiconEntry {
-        text: "big",
-        concept: 3,
-    },
-    LexiconEntry {
-        text: "glossy",
-        concept: 6,
-    },
-    LexiconEntry {
-        text: "matte",
-        concept: 5,
-    },
-    LexiconEntry {
-        text: "orange",
-        concept: 0,
-    },
-    LexiconEntry {
-        text: "plum",
-        concept: 2,
-    },
-    LexiconEntry {
-        text: "teal",
-        concept: 1,
-    },
-    LexiconEntry {
-        text: "tiny",
-        concept: 4,
-    },
+    LexiconEntry::new()
+        .with_text("amber")
+        .with_concept(0),
+    LexiconEntry::new()
+        .with_text("big")
+        .with_concept(3),
+    LexiconEntry::new()
+        .with_text("glossy")
+        .with_concept(6),
+    LexiconEntry::new()
+        .with_text("matte")
+        .with_concept(5),
+    LexiconEntry::new()
+        .with_text("orange")
+        .with_concept(0),
+    LexiconEntry::new()
+        .with_text("plum")
+        .with_concept(2),
+    LexiconEntry::new()
+        .with_text("teal")
+        .with_concept(1),
+    LexiconEntry::new()
+        .with_text("tiny")
+        .with_concept(4),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static ATTRIBUTES: [Attribute<'static>; 3] = [
-    Attribute {
-        name: "tint",
-        view: View::Color,
-        hidden: Linear {
-            weight: [[0.03125; 32]; 32],
-            bias: [0.0; 32],
-        },
-        output: Linear {
-            weight: [[0.03125; 16]; 32],
-            bias: [0.0; 16],
-        },
-    },
-    Attribute {
-        name: "bulk",
-        view: View::Brightness,
-        hidden: Linear {
-            weight: [[0.03125; 32]; 32],
-            bias: [0.0; 32],
-        },
-        output: Linear {
-            weight: [[0.03125; 16]; 32],
-            bias: [0.0; 16],
-        },
-    },
-    Attribute {
-        name: "finish",
-        view: View::Brightness,
-        hidden: Linear {
-            weight: [[0.0625; 32]; 32],
-            bias: [0.03125; 32],
-        },
-        output: Linear {
-            weight: [[0.0625; 16]; 32],
-            bias: [0.03125; 16],
-        },
-    },
+    Attribute::new()
+        .with_name("tint")
+        .with_view(View::Color)
+        .with_hidden(Linear::new()
+            .with_weight([[0.03125; 32]; 32])
+            .with_bias([0.0; 32]))
+        .with_output(Linear::new()
+            .with_weight([[0.03125; 16]; 32])
+            .with_bias([0.0; 16])),
+    Attribute::new()
+        .with_name("bulk")
+        .with_view(View::Brightness)
+        .with_hidden(Linear::new()
+            .with_weight([[0.03125; 32]; 32])
+            .with_bias([0.0; 32]))
+        .with_output(Linear::new()
+            .with_weight([[0.03125; 16]; 32])
+            .with_bias([0.0; 16])),
+    Attribute::new()
+        .with_name("finish")
+        .with_view(View::Brightness)
+        .with_hidden(Linear::new()
+            .with_weight([[0.0625; 32]; 32])
+            .with_bias([0.03125; 32]))
+        .with_output(Linear::new()
+            .with_weight([[0.0625; 16]; 32])
+            .with_bias([0.03125; 16])),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static CONCEPTS: [Concept<'static>; 7] = [
-    Concept {
-        name: "amber",
-        attribute: 0,
-        embedding: [0.25; 16],
-        edges_m: None,
-    },
-    Concept {
-        name: "teal",
-        attribute: 0,
-        embedding: [0.25; 16],
-        edges_m: None,
-    },
-    Concept {
-        name: "plum",
-        attribute: 0,
-        embedding: [0.25; 16],
-        edges_m: None,
-    },
-    Concept {
-        name: "big",
-        attribute: 1,
-        embedding: [0.25; 16],
-        edges_m: Some([0.08, 0.06, 0.05]),
-    },
-    Concept {
-        name: "tiny",
-        attribute: 1,
-        embedding: [0.25; 16],
-        edges_m: Some([0.02, 0.02, 0.03]),
-    },
-    Concept {
-        name: "matte",
-        attribute: 2,
-        embedding: [0.25; 16],
-        edges_m: None,
-    },
-    Concept {
-        name: "glossy",
-        attribute: 2,
-        embedding: [0.25; 16],
-        edges_m: None,
-    },
+    Concept::new()
+        .with_name("amber")
+        .with_attribute(0)
+        .with_embedding([0.25; 16])
+        .with_edges_m(None),
+    Concept::new()
+        .with_name("teal")
+        .with_attribute(0)
+        .with_embedding([0.25; 16])
+        .with_edges_m(None),
+    Concept::new()
+        .with_name("plum")
+        .with_attribute(0)
+        .with_embedding([0.25; 16])
+        .with_edges_m(None),
+    Concept::new()
+        .with_name("big")
+        .with_attribute(1)
+        .with_embedding([0.25; 16])
+        .with_edges_m(Some([0.08, 0.06, 0.05])),
+    Concept::new()
+        .with_name("tiny")
+        .with_attribute(1)
+        .with_embedding([0.25; 16])
+        .with_edges_m(Some([0.02, 0.02, 0.03])),
+    Concept::new()
+        .with_name("matte")
+        .with_attribute(2)
+        .with_embedding([0.25; 16])
+        .with_edges_m(None),
+    Concept::new()
+        .with_name("glossy")
+        .with_attribute(2)
+        .with_embedding([0.25; 16])
+        .with_edges_m(None),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static ACTIONS: [Action<'static>; 2] = [
-    Action {
-        name: "Stack",
-        phrase: "onto",
-        decoder: [-0.03125; 96],
-        decoder_bias: -0.0625,
-        simulator_bias: [-0.15429688; 64],
-    },
-    Action {
-        name: "Flank",
-        phrase: "near to",
-        decoder: [-0.03125; 96],
-        decoder_bias: -0.0625,
-        simulator_bias: [-0.15429688; 64],
-    },
+    Action::new()
+        .with_name("Stack")
+        .with_phrase("onto")
+        .with_decoder([-0.03125; 96])
+        .with_decoder_bias(-0.0625)
+        .with_simulator_bias([-0.15429688; 64]),
+    Action::new()
+        .with_name("Flank")
+        .with_phrase("near to")
+        .with_decoder([-0.03125; 96])
+        .with_decoder_bias(-0.0625)
+        .with_simulator_bias([-0.15429688; 64]),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static FORWARD: Gru<48> = Gru {
-    weight_hh: [[[0.03125; 48]; 3]; 48],
-    bias_n: [-0.015625; 48],
-};
+static FORWARD: Gru<48> = Gru::new()
+    .with_weight_hh([[[0.03125; 48]; 3]; 48])
+    .with_bias_n([-0.015625; 48]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static BACKWARD: Gru<48> = Gru {
-    weight_hh: [[[0.046875; 48]; 3]; 48],
-    bias_n: [0.0; 48],
-};
+static BACKWARD: Gru<48> = Gru::new()
+    .with_weight_hh([[[0.046875; 48]; 3]; 48])
+    .with_bias_n([0.0; 48]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static OBJECT_DECODER: Linear<96, 96> = Linear {
-    weight: [[-0.03125; 96]; 96],
-    bias: [-0.0625; 96],
-};
+static OBJECT_DECODER: Linear<96, 96> = Linear::new()
+    .with_weight([[-0.03125; 96]; 96])
+    .with_bias([-0.0625; 96]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static REFERENCE_DECODER: Linear<96, 96> = Linear {
-    weight: [[0.015625; 96]; 96],
-    bias: [-0.015625; 96],
-};
+static REFERENCE_DECODER: Linear<96, 96> = Linear::new()
+    .with_weight([[0.015625; 96]; 96])
+    .with_bias([-0.015625; 96]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static SPLITTER: Gru<32> = Gru {
-    weight_hh: [[[-0.015625; 32]; 3]; 32],
-    bias_n: [-0.0625; 32],
-};
+static SPLITTER: Gru<32> = Gru::new()
+    .with_weight_hh([[[-0.015625; 32]; 3]; 32])
+    .with_bias_n([-0.0625; 32]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static HAZARD_HIDDEN: Linear<32, 32> = Linear {
-    weight: [[-0.015625; 32]; 32],
-    bias: [-0.046875; 32],
-};
+static HAZARD_HIDDEN: Linear<32, 32> = Linear::new()
+    .with_weight([[-0.015625; 32]; 32])
+    .with_bias([-0.046875; 32]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static HAZARD: Linear<32, 1> = Linear {
-    weight: [[-0.015625]; 32],
-    bias: [-0.046875],
-};
+static HAZARD: Linear<32, 1> = Linear::new()
+    .with_weight([[-0.015625]; 32])
+    .with_bias([-0.046875]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static COLOR: ViewEncoder<3> = ViewEncoder {
-    patch: Conv {
-        weight: [[[[0.09375; 24]; 4]; 4]; 3],
-        bias: [0.0625; 24],
-    },
-    merge: Conv {
-        weight: [[[[0.09375; 32]; 2]; 2]; 24],
-        bias: [0.0625; 32],
-    },
-    dense: Linear {
-        weight: [[0.09375; 32]; 512],
-        bias: [0.0625; 32],
-    },
-};
+static COLOR: ViewEncoder<3> = ViewEncoder::new()
+    .with_patch(Conv::new()
+        .with_weight([[[[0.09375; 24]; 4]; 4]; 3])
+        .with_bias([0.0625; 24]))
+    .with_merge(Conv::new()
+        .with_weight([[[[0.09375; 32]; 2]; 2]; 24])
+        .with_bias([0.0625; 32]))
+    .with_dense(Linear::new()
+        .with_weight([[0.09375; 32]; 512])
+        .with_bias([0.0625; 32]));
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static BRIGHTNESS: ViewEncoder<1> = ViewEncoder {
-    patch: Conv {
-        weight: [
+static BRIGHTNESS: ViewEncoder<1> = ViewEncoder::new()
+    .with_patch(Conv::new()
+        .with_weight([
             [[[-0.03125; 24]; 4]; 4],
-        ],
-        bias: [-0.0625; 24],
-    },
-    merge: Conv {
-        weight: [[[[-0.03125; 32]; 2]; 2]; 24],
-        bias: [-0.0625; 32],
-    },
-    dense: Linear {
-        weight: [[-0.03125; 32]; 512],
-        bias: [-0.0625; 32],
-    },
-};
+        ])
+        .with_bias([-0.0625; 24]))
+    .with_merge(Conv::new()
+        .with_weight([[[[-0.03125; 32]; 2]; 2]; 24])
+        .with_bias([-0.0625; 32]))
+    .with_dense(Linear::new()
+        .with_weight([[-0.03125; 32]; 512])
+        .with_bias([-0.0625; 32]));
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static SIMULATOR: Simulator = Simulator {
-    input: [[-0.09375; 64]; 10],
-    hidden: Linear {
-        weight: [[-0.03125; 64]; 64],
-        bias: [-0.0625; 64],
-    },
-    output: Linear {
-        weight: [[-0.003125; 5]; 64],
-        bias: [-0.00625; 5],
-    },
-};
+static SIMULATOR: Simulator = Simulator::new()
+    .with_input([[-0.09375; 64]; 10])
+    .with_hidden(Linear::new()
+        .with_weight([[-0.03125; 64]; 64])
+        .with_bias([-0.0625; 64]))
+    .with_output(Linear::new()
+        .with_weight([[-0.003125; 5]; 64])
+        .with_bias([-0.00625; 5]));
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static CAMERA: PixelToCamera = PixelToCamera {
-    weight: [[-0.09375; 6]; 3],
-};
+static CAMERA: PixelToCamera = PixelToCamera::new()
+    .with_weight([[-0.09375; 6]; 3]);

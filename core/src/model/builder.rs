@@ -1,0 +1,203 @@
+//! Models are put together by name, one part after the other, so that a part that is added
+//! later breaks nobody: what nsrm-codegen wrote before goes on compiling.
+
+use super::{
+    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LOCATION, Language,
+    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera,
+    SIMULATOR_HIDDEN, SPLITTER_HIDDEN, Simulator, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
+    Vision, Word, WordParameters, WorkSpace,
+};
+use crate::nn::{Conv, Gru, Linear};
+
+/// No number: what a parameter is until it is set. Results that depend on it are refused.
+const UNSET: f32 = f32::NAN;
+
+/// Index of nothing, until it is set: [`Model::check`] finds no such place.
+const NOWHERE: u8 = u8::MAX;
+
+/// Gives a type `new`, in which nothing is set, and a method for each of its fields.
+macro_rules! builder {
+    ($([$($parameter:tt)*] $type:ty { $($field:ident, $with:ident: $kind:ty = $unset:expr;)* })*) => {$(
+        impl<$($parameter)*> $type {
+            const UNSET: Self = Self { $($field: $unset),* };
+
+            /// Nothing is set: texts and lists are empty, numbers are NaN, so that a model in
+            /// which one was forgotten refuses.
+            #[allow(clippy::new_without_default, reason = "unset is no value to go on with")]
+            pub const fn new() -> Self {
+                Self::UNSET
+            }
+
+            $(
+                #[doc = concat!("Sets [`", stringify!($field), "`](Self::", stringify!($field), ").")]
+                #[must_use]
+                pub const fn $with(mut self, $field: $kind) -> Self {
+                    self.$field = $field;
+                    self
+                }
+            )*
+        }
+    )*};
+}
+
+builder! {
+    ['a] Model<'a> {
+        header, with_header: Header<'a> = Header::UNSET;
+        words, with_words: &'a [Word<'a>] = &[];
+        group, with_group: &'a WordParameters = &WordParameters::UNSET;
+        lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
+        attributes, with_attributes: &'a [Attribute<'a>] = &[];
+        concepts, with_concepts: &'a [Concept<'a>] = &[];
+        actions, with_actions: &'a [Action<'a>] = &[];
+        language, with_language: Language<'a> = Language::UNSET;
+        vision, with_vision: Vision<'a> = Vision::UNSET;
+        simulator, with_simulator: &'a Simulator = &Simulator::UNSET;
+        camera, with_camera: &'a PixelToCamera = &PixelToCamera::UNSET;
+    }
+    ['a] Header<'a> {
+        domain, with_domain: &'a str = "";
+        identity, with_identity: [u8; 32] = [0; 32];
+        thresholds, with_thresholds: Thresholds = Thresholds::UNSET;
+        work_space, with_work_space: WorkSpace = WorkSpace::UNSET;
+        placed_orientation, with_placed_orientation: [f32; 4] = [UNSET; 4];
+    }
+    [] Thresholds {
+        match_score, with_match_score: f32 = UNSET;
+        decision, with_decision: f32 = UNSET;
+    }
+    [] WorkSpace {
+        min, with_min: [f32; 3] = [UNSET; 3];
+        max, with_max: [f32; 3] = [UNSET; 3];
+    }
+    ['a] Word<'a> {
+        text, with_text: &'a str = "";
+        parameters, with_parameters: WordParameters = WordParameters::UNSET;
+    }
+    [] WordParameters {
+        forward_gates, with_forward_gates: [[f32; ENCODER_HIDDEN]; 3] = [[UNSET; ENCODER_HIDDEN]; 3];
+        backward_gates, with_backward_gates: [[f32; ENCODER_HIDDEN]; 3] =
+            [[UNSET; ENCODER_HIDDEN]; 3];
+        splitter_gates, with_splitter_gates: [[f32; SPLITTER_HIDDEN]; 3] =
+            [[UNSET; SPLITTER_HIDDEN]; 3];
+        hazard_next, with_hazard_next: [f32; SPLITTER_HIDDEN] = [UNSET; SPLITTER_HIDDEN];
+        hazard_after_next, with_hazard_after_next: [f32; SPLITTER_HIDDEN] =
+            [UNSET; SPLITTER_HIDDEN];
+    }
+    ['a] LexiconEntry<'a> {
+        text, with_text: &'a str = "";
+        concept, with_concept: u8 = NOWHERE;
+    }
+    ['a] Attribute<'a> {
+        name, with_name: &'a str = "";
+        view, with_view: View = View::Color;
+        hidden, with_hidden: Linear<VIEW_EMBEDDING, OPERATOR_HIDDEN> = Linear::UNSET;
+        output, with_output: Linear<OPERATOR_HIDDEN, CONCEPT> = Linear::UNSET;
+    }
+    ['a] Concept<'a> {
+        name, with_name: &'a str = "";
+        attribute, with_attribute: u8 = NOWHERE;
+        embedding, with_embedding: [f32; CONCEPT] = [UNSET; CONCEPT];
+        edges_m, with_edges_m: Option<[f32; 3]> = None;
+    }
+    ['a] Action<'a> {
+        name, with_name: &'a str = "";
+        phrase, with_phrase: &'a str = "";
+        decoder, with_decoder: [f32; INSTRUCTION] = [UNSET; INSTRUCTION];
+        decoder_bias, with_decoder_bias: f32 = UNSET;
+        simulator_bias, with_simulator_bias: [f32; SIMULATOR_HIDDEN] = [UNSET; SIMULATOR_HIDDEN];
+    }
+    ['a] Language<'a> {
+        forward, with_forward: &'a Gru<ENCODER_HIDDEN> = &Gru::UNSET;
+        backward, with_backward: &'a Gru<ENCODER_HIDDEN> = &Gru::UNSET;
+        object_decoder, with_object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> = &Linear::UNSET;
+        reference_decoder, with_reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> =
+            &Linear::UNSET;
+        splitter, with_splitter: &'a Gru<SPLITTER_HIDDEN> = &Gru::UNSET;
+        hazard_hidden, with_hazard_hidden: &'a Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN> =
+            &Linear::UNSET;
+        hazard, with_hazard: &'a Linear<SPLITTER_HIDDEN, 1> = &Linear::UNSET;
+    }
+    ['a] Vision<'a> {
+        color, with_color: &'a ViewEncoder<3> = &ViewEncoder::UNSET;
+        brightness, with_brightness: &'a ViewEncoder<1> = &ViewEncoder::UNSET;
+    }
+    [const CHANNELS: usize] ViewEncoder<CHANNELS> {
+        patch, with_patch: Conv<CHANNELS, PATCH_CHANNELS, 4> = Conv::UNSET;
+        merge, with_merge: Conv<PATCH_CHANNELS, MERGE_CHANNELS, 2> = Conv::UNSET;
+        dense, with_dense: Linear<MERGED, VIEW_EMBEDDING> = Linear::UNSET;
+    }
+    [] Simulator {
+        input, with_input: [[f32; SIMULATOR_HIDDEN]; 2 * LOCATION] =
+            [[UNSET; SIMULATOR_HIDDEN]; 2 * LOCATION];
+        hidden, with_hidden: Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN> = Linear::UNSET;
+        output, with_output: Linear<SIMULATOR_HIDDEN, LOCATION> = Linear::UNSET;
+    }
+    [] PixelToCamera {
+        weight, with_weight: [[f32; 6]; 3] = [[UNSET; 6]; 3];
+    }
+    [const INPUT: usize, const OUTPUT: usize] Linear<INPUT, OUTPUT> {
+        weight, with_weight: [[f32; OUTPUT]; INPUT] = [[UNSET; OUTPUT]; INPUT];
+        bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
+    }
+    [const INPUT: usize, const OUTPUT: usize, const KERNEL: usize] Conv<INPUT, OUTPUT, KERNEL> {
+        weight, with_weight: [[[[f32; OUTPUT]; KERNEL]; KERNEL]; INPUT] =
+            [[[[UNSET; OUTPUT]; KERNEL]; KERNEL]; INPUT];
+        bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
+    }
+    [const HIDDEN: usize] Gru<HIDDEN> {
+        weight_hh, with_weight_hh: [[[f32; HIDDEN]; 3]; HIDDEN] = [[[UNSET; HIDDEN]; 3]; HIDDEN];
+        bias_n, with_bias_n: [f32; HIDDEN] = [UNSET; HIDDEN];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Header, Model, ModelFault};
+    use crate::nn::Linear;
+    use crate::{Planner, Refusal, fixture};
+
+    #[test]
+    fn a_model_in_which_nothing_is_set_is_refused() {
+        assert_eq!(Model::new().check(), Err(ModelFault::Empty("words")));
+        let model = fixture::model();
+        let header = |header| model.with_header(header).check();
+        let unset = Header::new();
+        assert_eq!(header(unset), Err(ModelFault::Threshold));
+        let unset = unset.with_thresholds(model.header.thresholds);
+        assert_eq!(header(unset), Err(ModelFault::WorkSpace));
+        let unset = unset.with_work_space(model.header.work_space);
+        assert_eq!(header(unset), Err(ModelFault::PlacedOrientation));
+        let set = unset.with_placed_orientation(model.header.placed_orientation);
+        assert_eq!(header(set), Ok(()));
+    }
+
+    #[test]
+    fn what_rests_on_a_parameter_that_is_not_set_is_refused() {
+        let model = fixture::model();
+        let scene = fixture::scene(&model);
+        let plan = |model| Planner::new(&model).plan(&scene, "put small red on green");
+        assert!(plan(model).is_ok());
+        let unset = Model::new();
+        let language = model.language;
+        for broken in [
+            model.with_simulator(unset.simulator),
+            model.with_language(language.with_forward(unset.language.forward)),
+            model.with_language(language.with_object_decoder(unset.language.object_decoder)),
+            model.with_language(language.with_splitter(unset.language.splitter)),
+            model.with_language(language.with_hazard(unset.language.hazard)),
+        ] {
+            let refusal = plan(broken).unwrap_err();
+            assert!(matches!(refusal, Refusal::NotFinite { .. }), "{refusal:?}");
+        }
+        let refusal = plan(model.with_camera(unset.camera)).unwrap_err();
+        assert!(matches!(refusal, Refusal::Calibration(_)), "{refusal:?}");
+    }
+
+    #[test]
+    fn parts_are_set_by_name_also_in_statics() {
+        static LAYER: Linear<2, 1> = Linear::new()
+            .with_bias([1.0])
+            .with_weight([[10.0], [100.0]]);
+        assert_eq!(LAYER.apply(&[2.0, 3.0]), [321.0]);
+    }
+}
