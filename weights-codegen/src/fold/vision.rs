@@ -29,8 +29,8 @@ pub(crate) struct Operator {
 
 impl FoldedVision {
     pub(crate) fn read(tensors: &mut Tensors, domain: &Domain) -> Result<Self, ModelError> {
-        let color = Box::new(view(tensors, "vision.color")?);
-        let brightness = Box::new(view(tensors, "vision.brightness")?);
+        let color = view(tensors, "vision.color")?;
+        let brightness = view(tensors, "vision.brightness")?;
         let operators = domain
             .attribute
             .iter()
@@ -55,9 +55,9 @@ impl FoldedVision {
 fn view<const CHANNELS: usize>(
     tensors: &mut Tensors,
     name: &str,
-) -> Result<ViewEncoder<CHANNELS>, ModelError> {
-    // In its place: it takes 85 kB, and a test's thread has 2 MB of stack.
-    let mut view = ViewEncoder::new();
+) -> Result<Box<ViewEncoder<CHANNELS>>, ModelError> {
+    // Set in its place: it takes 85 kB, and a thread may have 2 MB of stack.
+    let mut view = Box::new(ViewEncoder::new());
     view.patch = conv(tensors, &format!("{name}.patch"))?;
     view.merge = conv(tensors, &format!("{name}.merge"))?;
     view.dense = linear(tensors, &format!("{name}.dense"))?;
