@@ -4,9 +4,9 @@ use std::sync::LazyLock;
 
 use nsrm::json;
 use nsrm_core::planner::Plan;
-use nsrm_tabletop::TABLETOP;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Model, Planner, Progress, Scene};
+use nsrm_tabletop::TABLETOP;
 use nsrm_tests::picture;
 use serde_json::Value;
 

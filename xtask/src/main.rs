@@ -7,7 +7,7 @@
 //! * `cargo robot [SENTENCE]`: all processes of a robot in a simulated world.
 //! * `cargo chaos [--kills N]`, `cargo soak [--hours H]`, `cargo latency`: a robot's
 //!   processes killed at random, at work for long, and measured.
-//! * `cargo verify [--only NAME]… [--list] [--install]`: every check.
+//! * `cargo verify [--quick] [--only NAME]… [--list] [--install]`: every check.
 //!
 //! What they need of Python is installed into `.venv` in the checkout when it is
 //! needed first, and again when its requirements or sources have changed.
@@ -30,7 +30,7 @@ usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--no-arm] [--record FILE.rr
        cargo robot [SENTENCE] [--seed N] [--no-arm] [--open-loop] [--config FILE] [--json]
        cargo chaos [--kills N] [--seed N] | cargo soak [--hours H] | cargo latency
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
-       cargo verify [--only NAME]... [--list] [--install]";
+       cargo verify [--quick] [--only NAME]... [--list] [--install]";
 
 /// What exits with 2 in all our commands: input that can't be used.
 const BAD_INPUT: u8 = 2;

@@ -1,4 +1,5 @@
-//! `cargo verify`: every check, one after the other, and a table at the end.
+//! `cargo verify`: every check, and a table at the end. Those that mostly wait for processes run
+//! one after the other beside those that compute, which do so, too.
 //!
 //! A check that fails, or does not end, prints all of its output and the others still
 //! run, so that one run shows everything that is wrong. What a check printed is kept in
@@ -10,6 +11,7 @@ mod fuzz;
 mod limit;
 mod packages;
 mod report;
+mod slow;
 mod tools;
 
 use std::ffi::OsString;
@@ -17,7 +19,9 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 use std::thread;
 use std::time::Instant;
 
@@ -31,10 +35,12 @@ use limit::LIMIT;
 use report::{Outcome, Report};
 
 const HELP: &str = "\
-usage: cargo verify [--only NAME]... [--list] [--install]
+usage: cargo verify [--quick] [--only NAME]... [--list] [--install]
 
-Runs every check, one after the other, and ends with a table.
+Runs every check, and ends with a table and the slowest tests.
 
+  --quick       what to run before each commit: format, lints, the quick tests, one demo;
+                five minutes on two cores, once everything is built
   --only NAME   this check alone; may be said several times
   --list        say which checks there are, and what each does
   --install     first install the system's packages that they need: as root, on Debian and
@@ -46,6 +52,7 @@ What a check printed is kept in target/verify/NAME.log.";
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Arguments {
     only: Vec<String>,
+    quick: bool,
     list: bool,
     install: bool,
     help: bool,
@@ -58,6 +65,7 @@ impl Arguments {
         while let Some(word) = words.next() {
             match word.to_str() {
                 Some("--list") => arguments.list = true,
+                Some("--quick") => arguments.quick = true,
                 Some("--install") => arguments.install = true,
                 Some("--help" | "-h") => arguments.help = true,
                 Some("--only") => {
@@ -77,7 +85,8 @@ impl Arguments {
     }
 
     fn wants(&self, check: &Check) -> bool {
-        self.only.is_empty() || self.only.iter().any(|name| name == check.name)
+        let is_named = self.only.is_empty() || self.only.iter().any(|name| name == check.name);
+        is_named && (!self.quick || check.quick.is_some())
     }
 }
 
@@ -104,18 +113,23 @@ pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
     packages::prepare(arguments.install)?;
     let logs = project.target().join("verify");
     fs::create_dir_all(&logs).with_context(|| format!("making {}", logs.display()))?;
-    let context = Context::new(project, logs);
-    let mut report = Report::default();
-    for check in CHECKS.iter().filter(|check| arguments.wants(check)) {
-        println!(
-            "\n== {}: {} (about {})",
-            check.name, check.title, check.about
-        );
-        let outcome = run_check(&context, check)?;
-        println!("   {}", outcome.line());
-        report.add(outcome);
+    let run = Run {
+        context: Context::new(project, logs),
+        quick: arguments.quick,
+        report: Mutex::default(),
+    };
+    let start = Instant::now();
+    let wanted: Vec<_> = CHECKS
+        .iter()
+        .filter(|check| arguments.wants(check))
+        .collect();
+    if wanted.is_empty() {
+        eprintln!("error: --quick has none of these checks (cargo verify --list)");
+        return Ok(ExitCode::from(BAD_INPUT));
     }
-    println!("\n{}", report.table());
+    run.all(&wanted)?;
+    let report = run.report.into_inner().unwrap_or_default();
+    println!("\n{}", report.table(start.elapsed().as_secs_f32()));
     Ok(if report.passed() {
         ExitCode::SUCCESS
     } else {
@@ -123,15 +137,59 @@ pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
     })
 }
 
+/// What a run of the checks shares.
+struct Run {
+    context: Context,
+    quick: bool,
+    report: Mutex<Report>,
+}
+
+impl Run {
+    /// All of them: those that wait beside the others. The order of each kind is kept, and none
+    /// that waits is begun before what stands in front of it has ended.
+    fn all(&self, checks: &[&'static Check]) -> Result<()> {
+        let (queue, waiting) = mpsc::channel::<&Check>();
+        thread::scope(|scope| {
+            let beside = scope.spawn(|| waiting.into_iter().try_for_each(|check| self.one(check)));
+            for check in checks {
+                if check.waits {
+                    // It is heard to the end, but for an error of ours, which is told below.
+                    let _ = queue.send(check);
+                } else {
+                    self.one(check)?;
+                }
+            }
+            drop(queue);
+            beside
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
+
+    fn one(&self, check: &'static Check) -> Result<()> {
+        let Check {
+            name, title, about, ..
+        } = check;
+        println!("\n== {name}: {title} (about {about})");
+        let outcome = run_check(&self.context, check, self.quick)?;
+        println!("   {name}: {}", outcome.line());
+        if let Ok(mut report) = self.report.lock() {
+            report.add(outcome);
+        }
+        Ok(())
+    }
+}
+
 /// Runs one check. An error here is one of ours (a log that can't be written);
 /// whatever goes wrong in the check is in the outcome.
-fn run_check(context: &Context, check: &Check) -> Result<Outcome> {
+fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let start = Instant::now();
     let log = context.logs().join(format!("{}.log", check.name));
     fs::write(&log, "").with_context(|| format!("writing {}", log.display()))?;
     let mut counts = Counts::default();
     let mut problem = None;
-    match (check.steps)(context) {
+    let steps = if quick { check.quick } else { None };
+    match steps.unwrap_or(check.steps)(context) {
         Ok(steps) => {
             for steps in steps.chunk_by(|one, next| one.beside && next.beside) {
                 for result in run_steps(context, steps, &log)? {
@@ -163,6 +221,7 @@ fn run_check(context: &Context, check: &Check) -> Result<Outcome> {
         failed,
         counts,
         seconds: start.elapsed().as_secs_f32(),
+        slow: slow::in_output(&fs::read_to_string(&log).unwrap_or_default()),
     })
 }
 
@@ -268,6 +327,9 @@ mod tests {
         let one = parse(&["--only", CHECKS[0].name, "--install"]).unwrap();
         assert!(one.install && one.wants(&CHECKS[0]) && !one.wants(&CHECKS[1]));
         assert!(parse(&["--help"]).unwrap().help);
+        let quick = parse(&["--quick"]).unwrap();
+        assert!(CHECKS.iter().any(|check| quick.wants(check)));
+        assert!(!CHECKS.iter().all(|check| quick.wants(check)));
         let all = parse(&[]).unwrap();
         assert!(CHECKS.iter().all(|check| all.wants(check)));
     }

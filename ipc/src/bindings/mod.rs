@@ -86,7 +86,10 @@ pub fn files() -> [(&'static str, String); 3] {
     [
         ("layout.txt", table()),
         ("include/nsrm_messages.h", c::header()),
-        ("../sim-harness/nsrm_harness/nodes/messages.py", python::module()),
+        (
+            "../sim-harness/nsrm_harness/nodes/messages.py",
+            python::module(),
+        ),
     ]
 }
 

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::Result;
 
@@ -27,114 +28,144 @@ pub(super) struct Check {
     /// Time on two cores from a clean clone, for people.
     pub(super) about: &'static str,
     /// The commands to run, after whatever must be made before them.
-    pub(super) steps: fn(&Context) -> Result<Vec<Step>>,
+    pub(super) steps: Steps,
+    /// Those of `--quick`, if it belongs to what is run before each commit.
+    pub(super) quick: Option<Steps>,
+    /// Whether it mostly waits for processes, and runs beside checks that compute.
+    pub(super) waits: bool,
 }
 
-/// All checks.
+type Steps = fn(&Context) -> Result<Vec<Step>>;
+
+impl Check {
+    const fn new(
+        name: &'static str,
+        title: &'static str,
+        about: &'static str,
+        steps: Steps,
+    ) -> Self {
+        Self {
+            name,
+            title,
+            about,
+            steps,
+            quick: None,
+            waits: false,
+        }
+    }
+
+    /// With `--quick`, these steps.
+    const fn quick(mut self, steps: Steps) -> Self {
+        self.quick = Some(steps);
+        self
+    }
+
+    const fn waiting(mut self) -> Self {
+        self.waits = true;
+        self
+    }
+}
+
+/// All checks, in the order in which they are begun. Those that wait stand early, so that all that
+/// computes behind them runs beside them.
 pub(super) const CHECKS: &[Check] = &[
-    Check {
-        name: "format",
-        title: "Rust is formatted by rustfmt",
-        about: "1 s",
-        steps: format,
-    },
-    Check {
-        name: "lints",
-        title: "clippy has no warning, on all targets",
-        about: "2 min",
-        steps: lints,
-    },
-    Check {
-        name: "rust-tests",
-        title: "tests and doc tests of the crates",
-        about: "2 min",
-        steps: rust_tests,
-    },
-    Check {
-        name: "second-user",
-        title: "a robot's processes refuse another user's memory, and too little (needs root)",
-        about: "30 s",
-        steps: second_user,
-    },
-    Check {
-        name: "generated",
-        title: "the static arrays of nsrm-tabletop are what the generator writes from the model file",
-        about: "20 s",
-        steps: generated,
-    },
-    Check {
-        name: "golden",
-        title: "golden vectors of the trainer: Rust statics, loaded model",
-        about: "30 s",
-        steps: golden,
-    },
-    Check {
-        name: "proofs",
-        title: "no allocation, no panic, every refusal, any input",
-        about: "1 min",
-        steps: proofs,
-    },
-    Check {
-        name: "fuzz",
-        title: "no bytes break a border: committed ones, then new ones for a minute each",
-        about: "10 min",
-        steps: fuzz::steps,
-    },
-    Check {
-        name: "docs",
-        title: "rustdoc has no warning",
-        about: "15 s",
-        steps: docs,
-    },
-    Check {
-        name: "environment",
-        title: "the Python environment from hashed requirements, with the module",
-        about: "3 min",
-        steps: environment,
-    },
-    Check {
-        name: "python-lints",
-        title: "ruff and pyright have no complaint",
-        about: "45 s",
-        steps: python_lints,
-    },
-    Check {
-        name: "python-tests",
-        title: "tests of harness and Python module, golden vectors among them",
-        about: "11 min",
-        steps: python_tests,
-    },
-    Check {
-        name: "tables",
-        title: "the paper's tables in small, from nothing; a second domain the whole way",
-        about: "8 min",
-        steps: tables,
-    },
-    Check {
-        name: "demo",
-        title: "cargo demo plans, refuses and draws",
-        about: "1 min",
-        steps: demo,
-    },
-    Check {
-        name: "robot",
-        title: "cargo robot carries sentences out, through all processes",
-        about: "4 min",
-        steps: robot,
-    },
-    Check {
-        name: "trials",
-        title: "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
-                trials in small",
-        about: "4 min",
-        steps: trials,
-    },
-    Check {
-        name: "hosts",
-        title: "a robot on two hosts: a sentence from each, a narrow cable, none (needs root)",
-        about: "3 min",
-        steps: hosts,
-    },
+    Check::new("format", "Rust is formatted by rustfmt", "1 s", format).quick(format),
+    Check::new(
+        "lints",
+        "clippy has no warning, on all targets",
+        "2 min",
+        lints,
+    )
+    .quick(lints),
+    Check::new(
+        "rust-tests",
+        "tests and doc tests of the crates",
+        "2 min",
+        rust_tests,
+    )
+    .quick(quick_rust_tests),
+    Check::new(
+        "second-user",
+        "a robot's processes refuse another user's memory, and too little (needs root)",
+        "30 s",
+        second_user,
+    ),
+    Check::new(
+        "generated",
+        "the static arrays of nsrm-tabletop are what the generator writes from the model file",
+        "20 s",
+        generated,
+    )
+    .quick(generated),
+    Check::new(
+        "golden",
+        "golden vectors of the trainer: Rust statics, loaded model",
+        "30 s",
+        golden,
+    )
+    .quick(golden),
+    Check::new(
+        "proofs",
+        "no allocation, no panic, every refusal, any input",
+        "1 min",
+        proofs,
+    ),
+    Check::new("docs", "rustdoc has no warning", "15 s", docs),
+    Check::new(
+        "environment",
+        "the Python environment from hashed requirements, with the module",
+        "3 min",
+        environment,
+    )
+    .quick(environment),
+    Check::new(
+        "trials",
+        "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
+         trials in small",
+        "4 min",
+        trials,
+    ),
+    Check::new(
+        "robot",
+        "cargo robot carries sentences out, through all processes",
+        "4 min, beside others",
+        robot,
+    )
+    .waiting(),
+    Check::new(
+        "hosts",
+        "a robot on two hosts: a sentence from each, a narrow cable, none (needs root)",
+        "3 min, beside others",
+        hosts,
+    )
+    .waiting(),
+    Check::new(
+        "python-lints",
+        "ruff and pyright have no complaint",
+        "45 s",
+        python_lints,
+    )
+    .quick(python_lints),
+    Check::new(
+        "python-tests",
+        "tests of harness and Python module, golden vectors among them",
+        "8 min",
+        python_tests,
+    )
+    .quick(quick_python_tests),
+    Check::new(
+        "tables",
+        "the paper's tables reduced, from scratch; a second domain the whole way",
+        "7 min",
+        tables,
+    ),
+    Check::new("demo", "cargo demo plans, refuses and draws", "1 min", demo).quick(quick_demo),
+    Check::new(
+        "fuzz",
+        "no bytes break what reads untrusted input: committed ones, then new ones for 25 s each",
+        "5 min",
+        fuzz::steps,
+    ),
 ];
 
 /// Carries services between hosts.
@@ -225,11 +256,17 @@ impl Step {
 pub(super) struct Context {
     project: Project,
     logs: PathBuf,
+    /// Is held by who makes the environment: two checks at once may need it.
+    environment: Mutex<()>,
 }
 
 impl Context {
     pub(super) fn new(project: Project, logs: PathBuf) -> Self {
-        Self { project, logs }
+        Self {
+            project,
+            logs,
+            environment: Mutex::new(()),
+        }
     }
 
     pub(super) fn project(&self) -> &Project {
@@ -238,6 +275,10 @@ impl Context {
 
     /// The interpreter of the project's environment, with all that the checks need.
     fn python(&self) -> Result<PathBuf> {
+        let _one = self
+            .environment
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let environment = Environment::open(self.project.clone())?;
         environment.ensure(Requirements::Dev)?;
         environment.ensure_module()?;
@@ -286,6 +327,24 @@ fn rust_tests(_: &Context) -> Result<Vec<Step>> {
         "--exclude=nsrm-tests",
         "--no-fail-fast",
         // Run by the check second-user.
+        "--",
+        "--skip=a_second_user_is_refused",
+        "--skip=too_little_shared_memory_is_refused",
+    ];
+    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+}
+
+/// All but doc tests, of which each is linked alone.
+fn quick_rust_tests(_: &Context) -> Result<Vec<Step>> {
+    let arguments = [
+        "test",
+        "--locked",
+        "--workspace",
+        "--exclude=nsrm-tests",
+        "--no-fail-fast",
+        "--lib",
+        "--bins",
+        "--tests",
         "--",
         "--skip=a_second_user_is_refused",
         "--skip=too_little_shared_memory_is_refused",
@@ -382,6 +441,9 @@ fn pytest(context: &Context, folder: &str) -> Result<Step> {
         "--quiet",
         "--color=no",
         "-rs",
+        // For the list of slow ones at the end.
+        "--durations=20",
+        "--durations-min=1",
         "--config-file",
         PYTHON_SETTINGS,
         "--rootdir=.",
@@ -404,6 +466,14 @@ fn python_tests(context: &Context) -> Result<Vec<Step>> {
         Ok(step.argument("--numprocesses=2").arguments(&files))
     });
     steps.collect()
+}
+
+/// Those that are not marked as slow, in which no arm moves and nothing is trained.
+fn quick_python_tests(context: &Context) -> Result<Vec<Step>> {
+    let steps = python_tests(context)?.into_iter();
+    Ok(steps
+        .map(|step| step.arguments(&["-m", "not slow"]))
+        .collect())
 }
 
 fn tables(context: &Context) -> Result<Vec<Step>> {
@@ -438,6 +508,12 @@ fn hosts(context: &Context) -> Result<Vec<Step>> {
     let build = Step::cargo(&["build", "--release", "--locked"]).arguments(&programs);
     let test = pytest(context, "tests/hosts")?;
     Ok(install.into_iter().chain([build, test]).collect())
+}
+
+/// One sentence, drawn and carried out.
+fn quick_demo(context: &Context) -> Result<Vec<Step>> {
+    let one = "tests/demo/test_demo.py::test_without_the_arm_blocks_are_set_down";
+    Ok(vec![pytest(context, one)?])
 }
 
 fn demo(context: &Context) -> Result<Vec<Step>> {

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
+use super::checks::CHECKS;
 use super::count::Counts;
+use super::slow::Slow;
 
 /// How a check ended.
 pub(super) struct Outcome {
@@ -10,7 +12,13 @@ pub(super) struct Outcome {
     pub(super) failed: bool,
     pub(super) counts: Counts,
     pub(super) seconds: f32,
+    pub(super) slow: Vec<Slow>,
 }
+
+/// How many slow tests are listed.
+const LISTED: usize = 15;
+/// None is slow that takes less, seconds.
+const SLOW_S: f32 = 5.0;
 
 impl Outcome {
     /// One line for the end of the check.
@@ -30,7 +38,7 @@ impl Outcome {
     }
 }
 
-/// All checks of a run, in their order.
+/// All checks of a run.
 #[derive(Default)]
 pub(super) struct Report(Vec<Outcome>);
 
@@ -43,15 +51,19 @@ impl Report {
         self.0.iter().all(|outcome| !outcome.failed)
     }
 
-    /// A row a check, then what was checked and how many tests passed.
-    pub(super) fn table(&self) -> String {
+    /// A row a check, in their usual order, then the slow tests, what was checked and how many
+    /// tests passed.
+    ///
+    /// * `seconds`: of the whole run, in which checks may have run beside each other
+    pub(super) fn table(&self, seconds: f32) -> String {
+        let mut outcomes: Vec<_> = self.0.iter().collect();
+        outcomes.sort_by_key(|outcome| CHECKS.iter().position(|check| check.name == outcome.name));
         let mut text = format!(
             "{:<14} {:>8} {:>8} {:>8} {:>8} {:>9}\n",
             "check", "result", "passed", "failed", "skipped", "seconds"
         );
         let mut all = Counts::default();
-        let mut seconds = 0.0;
-        for outcome in &self.0 {
+        for outcome in &outcomes {
             let counts = outcome.counts;
             // Writing to a String can't fail.
             let _ = writeln!(
@@ -65,10 +77,18 @@ impl Report {
                 outcome.seconds
             );
             all.add(counts);
-            seconds += outcome.seconds;
         }
-        let names: Vec<_> = self.0.iter().map(|outcome| outcome.name).collect();
-        let failed: Vec<_> = self.0.iter().filter(|outcome| outcome.failed).collect();
+        let mut slow: Vec<_> = outcomes.iter().flat_map(|outcome| &outcome.slow).collect();
+        slow.retain(|slow| slow.seconds >= SLOW_S);
+        slow.sort_by(|one, other| other.seconds.total_cmp(&one.seconds));
+        if !slow.is_empty() {
+            let _ = writeln!(text, "\nslowest tests, seconds:");
+        }
+        for Slow { seconds, what } in slow.into_iter().take(LISTED) {
+            let _ = writeln!(text, "{seconds:>9.1}  {what}");
+        }
+        let names: Vec<_> = outcomes.iter().map(|outcome| outcome.name).collect();
+        let failed: Vec<_> = outcomes.iter().filter(|outcome| outcome.failed).collect();
         let _ = writeln!(
             text,
             "\nchecked in {:.0} min {:.0} s: {}",
@@ -90,7 +110,7 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
-    use super::{Counts, Outcome, Report};
+    use super::{Counts, Outcome, Report, Slow};
 
     #[test]
     fn the_last_line_adds_all_checks_up() {
@@ -105,11 +125,20 @@ mod tests {
                     skipped: 0,
                 },
                 seconds: 35.0,
+                slow: [(4.0, "quick"), (6.0, "slow"), (50.0, "slowest")]
+                    .map(|(seconds, what)| Slow {
+                        seconds,
+                        what: format!("{what} of {name}"),
+                    })
+                    .to_vec(),
             });
         }
-        let table = report.table();
+        let table = report.table(70.0);
         assert!(!report.passed());
         assert!(table.ends_with("failed: rust-tests\nverify: 41 passed, 2 failed"));
         assert!(table.contains("checked in 1 min 10 s: format, rust-tests"));
+        let listed =
+            "     50.0  slowest of format\n     50.0  slowest of rust-tests\n      6.0  slow of";
+        assert!(table.contains(listed) && !table.contains("quick of"));
     }
 }
