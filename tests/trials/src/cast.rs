@@ -23,8 +23,7 @@ pub(crate) const ROBOT: &str = "trial";
 /// How long processes may take to be ready, or to end, in all: what takes longer hangs, on
 /// however busy a machine.
 pub(crate) const PATIENCE_NS: u64 = 300_000_000_000;
-/// How often the dead are buried in the end, and how long is waited in between.
-const BURIALS: u32 = 20;
+/// Between two burials of the dead in the end.
 const BETWEEN_BURIALS: Duration = Duration::from_millis(100);
 /// Between two looks.
 const NAP: Duration = Duration::from_millis(2);
@@ -233,15 +232,14 @@ impl Cast {
             std::thread::sleep(NAP);
         }
         // Frees what the dead had, as each node does when it is started and ever after.
-        let mut left = self.corner.left_behind();
-        for _ in 0..BURIALS {
+        let left = loop {
             drop(self.join(Role::Watcher)?);
-            left = self.corner.left_behind();
-            if left.is_empty() {
-                break;
+            let left = self.corner.left_behind();
+            if left.is_empty() || now_ns() >= end_ns {
+                break left;
             }
             std::thread::sleep(BETWEEN_BURIALS);
-        }
+        };
         self.journal.write("left", json!({"names": left}))
     }
 }

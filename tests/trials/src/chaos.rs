@@ -181,7 +181,11 @@ impl Chaos {
         for (place, role) in PARTS.into_iter().enumerate() {
             match self.fates[place] {
                 Fate::Gone(until_ns) if now_ns() >= until_ns => self.cast.start(role)?,
-                Fate::Hangs(until_ns) if now_ns() >= until_ns => {
+                // Not before its silence was noticed: on a busy machine who looks on may have
+                // been kept from looking for all that time, and it would never be.
+                Fate::Hangs(until_ns)
+                    if now_ns() >= until_ns && self.unnoticed[place].is_none() =>
+                {
                     self.note("goes on", role)?;
                     self.cast.signal(role, Signal::CONT)?;
                 }
