@@ -67,8 +67,16 @@ impl Check {
 }
 
 /// All checks, in the order in which they are begun. Those that wait stand early, so that all that
-/// computes behind them runs beside them.
+/// computes behind them runs beside them; who needs the environment waits until it is made.
 pub(super) const CHECKS: &[Check] = &[
+    Check::new(
+        "environment",
+        "the Python environment from hashed requirements, with the module",
+        "3 min, beside others",
+        environment,
+    )
+    .quick(environment)
+    .waiting(),
     Check::new("format", "Rust is formatted by rustfmt", "1 s", format).quick(format),
     Check::new(
         "lints",
@@ -111,13 +119,6 @@ pub(super) const CHECKS: &[Check] = &[
         proofs,
     ),
     Check::new("docs", "rustdoc has no warning", "15 s", docs),
-    Check::new(
-        "environment",
-        "the Python environment from hashed requirements, with the module",
-        "3 min",
-        environment,
-    )
-    .quick(environment),
     Check::new(
         "trials",
         "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
@@ -463,7 +464,12 @@ fn python_tests(context: &Context) -> Result<Vec<Step>> {
         // Two files at a time, each in one process: what a file's tests share is made once.
         // In their usual order: the longest file has few tests and would come last.
         let files = ["--dist=loadfile", "--no-loadscope-reorder"];
-        Ok(step.argument("--numprocesses=2").arguments(&files))
+        // Toys train for seconds, and what they train is compiled for longer. The check `tables`
+        // trains with all that XLA optimises.
+        Ok(step
+            .argument("--numprocesses=2")
+            .arguments(&files)
+            .with("XLA_FLAGS", "--xla_backend_optimization_level=0"))
     });
     steps.collect()
 }
