@@ -37,6 +37,7 @@ pub struct Camera {
 
 /// Why a camera is not one; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CameraError {
     /// A number is infinite or not a number; the field's name.
     NotFinite(&'static str),

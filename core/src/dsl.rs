@@ -14,6 +14,7 @@ use crate::model::Model;
 
 /// Which of an action's two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Argument {
     /// The object that is moved, the paper's `o_1`.
     Object,
@@ -21,12 +22,19 @@ pub enum Argument {
     Reference,
 }
 
+impl Argument {
+    /// The name in snake case, as it stands in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Object => "object",
+            Self::Reference => "reference",
+        }
+    }
+}
+
 impl fmt::Display for Argument {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Argument::Object => "object",
-            Argument::Reference => "reference",
-        })
+        f.write_str(self.name())
     }
 }
 
@@ -86,6 +94,7 @@ impl Description {
 
 /// One step of a program: an action and what its two arguments are said to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Step {
     /// Index into [`Model::actions`].
     pub action: u8,

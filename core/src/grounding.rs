@@ -18,6 +18,7 @@ pub const UNIQUE_SHARPNESS: f32 = 10.0;
 
 /// Why a description has no score on an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ScoreError {
     /// The description names a concept or the concept an attribute type that the
     /// model doesn't have; can't be where [`Model::check`] passed.
@@ -56,6 +57,7 @@ pub struct Scores {
 
 /// An object chosen by `Unique`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Chosen {
     /// Its place in the scene.
     pub index: usize,

@@ -9,7 +9,11 @@ use crate::language::Span;
 use crate::model::WorkSpace;
 
 /// Why there is no program or no plan; the first reason found. Steps count from 0.
+///
+/// Later versions may refuse for more reasons: whoever matches takes one that it doesn't know for
+/// what it is, a refusal, and has [`Refusal::kind`] and the message to tell it by.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Refusal {
     /// The sentence has no words.
     NoWords,
@@ -156,6 +160,7 @@ pub enum Refusal {
 
 /// What a sentence's length is counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LengthUnit {
     /// Bytes of UTF-8.
     Bytes,
@@ -165,6 +170,7 @@ pub enum LengthUnit {
 
 /// What the parser decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Decision {
     /// Where the step ends.
     Split,
@@ -176,6 +182,7 @@ pub enum Decision {
 
 /// A result that is checked to be finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Quantity {
     /// The splitter's hazard.
     Split,
@@ -191,8 +198,45 @@ pub enum Quantity {
     Pose,
 }
 
+impl LengthUnit {
+    /// The name in snake case, as it stands in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bytes => "bytes",
+            Self::Tokens => "tokens",
+        }
+    }
+}
+
+impl Decision {
+    /// The name in snake case, as it stands in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Split => "split",
+            Self::Action => "action",
+            Self::Argument(argument) => argument.name(),
+        }
+    }
+}
+
+impl Quantity {
+    /// The name in snake case, as it stands in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Split => "split",
+            Self::Action => "action",
+            Self::Argument(argument) => argument.name(),
+            Self::Score(Argument::Object) => "object_score",
+            Self::Score(Argument::Reference) => "reference_score",
+            Self::Location => "location",
+            Self::Pose => "pose",
+        }
+    }
+}
+
 /// An object that fits a description, and how well.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Candidate {
     /// Id of the object.
     pub object: u32,
@@ -238,31 +282,43 @@ impl Candidates {
     }
 }
 
-impl Refusal {
-    /// The variant's name in snake case, as it stands in JSON.
-    pub const fn kind(&self) -> &'static str {
-        match self {
-            Self::NoWords => "no_words",
-            Self::UnknownWord { .. } => "unknown_word",
-            Self::SentenceTooLong { .. } => "sentence_too_long",
-            Self::TooManyConcepts { .. } => "too_many_concepts",
-            Self::ConflictingValues { .. } => "conflicting_values",
-            Self::TooManySteps { .. } => "too_many_steps",
-            Self::TooManyReferences { .. } => "too_many_references",
-            Self::IncompleteStep { .. } => "incomplete_step",
-            Self::SameReference { .. } => "same_reference",
-            Self::Unsure { .. } => "unsure",
-            Self::NoSuchObject { .. } => "no_such_object",
-            Self::Ambiguous { .. } => "ambiguous",
-            Self::SameObject { .. } => "same_object",
-            Self::NotFinite { .. } => "not_finite",
-            Self::OutsideWorkSpace { .. } => "outside_work_space",
-            Self::OtherModel { .. } => "other_model",
-            Self::Calibration(_) => "calibration",
-            Self::ParsedByOtherModel { .. } => "parsed_by_other_model",
-            Self::InvalidModel => "invalid_model",
+/// Gives each variant its name, and all names their list.
+macro_rules! kinds {
+    ($($variant:pat => $kind:literal,)*) => {
+        impl Refusal {
+            /// All that [`Refusal::kind`] may give, the kinds of later versions at the end.
+            pub const KINDS: &[&str] = &[$($kind),*];
+
+            /// The variant's name in snake case, as it stands in JSON.
+            pub const fn kind(&self) -> &'static str {
+                match self {
+                    $($variant => $kind,)*
+                }
+            }
         }
-    }
+    };
+}
+
+kinds! {
+    Self::NoWords => "no_words",
+    Self::UnknownWord { .. } => "unknown_word",
+    Self::SentenceTooLong { .. } => "sentence_too_long",
+    Self::TooManyConcepts { .. } => "too_many_concepts",
+    Self::ConflictingValues { .. } => "conflicting_values",
+    Self::TooManySteps { .. } => "too_many_steps",
+    Self::TooManyReferences { .. } => "too_many_references",
+    Self::IncompleteStep { .. } => "incomplete_step",
+    Self::SameReference { .. } => "same_reference",
+    Self::Unsure { .. } => "unsure",
+    Self::NoSuchObject { .. } => "no_such_object",
+    Self::Ambiguous { .. } => "ambiguous",
+    Self::SameObject { .. } => "same_object",
+    Self::NotFinite { .. } => "not_finite",
+    Self::OutsideWorkSpace { .. } => "outside_work_space",
+    Self::OtherModel { .. } => "other_model",
+    Self::Calibration(_) => "calibration",
+    Self::ParsedByOtherModel { .. } => "parsed_by_other_model",
+    Self::InvalidModel => "invalid_model",
 }
 
 impl core::error::Error for Refusal {}

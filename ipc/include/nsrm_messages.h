@@ -511,6 +511,7 @@ enum nsrm_reason {
     NSRM_REASON_CONFLICTING_VALUES = 32,
     NSRM_REASON_CALIBRATION = 33,
     NSRM_REASON_PARSED_BY_OTHER_MODEL = 34,
+    NSRM_REASON_OTHER = 35,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and with what they are to be opened:

@@ -9,7 +9,7 @@ use nsrm_core::dsl::{Description, Program, Step};
 use nsrm_core::language::Span;
 use nsrm_core::model::Model;
 use nsrm_core::planner::{Confidence, Plan, PlannedStep};
-use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity, Refusal};
+use nsrm_core::refusal::{Candidate, Refusal};
 use serde_json::{Map, Value, json};
 
 /// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}]}`.
@@ -68,13 +68,7 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             "words": words(span),
             "suggestion": refusal.suggestion(model, sentence),
         }),
-        Refusal::SentenceTooLong { limit, unit } => {
-            let unit = match unit {
-                LengthUnit::Bytes => "bytes",
-                LengthUnit::Tokens => "tokens",
-            };
-            json!({"limit": limit, "unit": unit})
-        }
+        Refusal::SentenceTooLong { limit, unit } => json!({"limit": limit, "unit": unit.name()}),
         Refusal::ConflictingValues {
             span,
             first,
@@ -101,7 +95,7 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             threshold,
         } => json!({
             "step": step,
-            "decision": decision_name(*decision),
+            "decision": decision.name(),
             "probability": decimal(*probability),
             "threshold": decimal(*threshold),
         }),
@@ -113,7 +107,7 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             threshold,
         } => json!({
             "step": step,
-            "argument": argument.to_string(),
+            "argument": argument.name(),
             "description": names(model, description),
             "best": best.as_ref().map(candidate),
             "threshold": decimal(*threshold),
@@ -125,14 +119,14 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             candidates,
         } => json!({
             "step": step,
-            "argument": argument.to_string(),
+            "argument": argument.name(),
             "description": names(model, description),
             "candidates": candidates.listed().iter().map(candidate).collect::<Vec<Value>>(),
             "count": candidates.count(),
         }),
         Refusal::SameObject { step, object } => json!({"step": step, "object_id": object}),
         Refusal::NotFinite { step, quantity } => {
-            json!({"step": step, "quantity": quantity_name(*quantity)})
+            json!({"step": step, "quantity": quantity.name()})
         }
         Refusal::OutsideWorkSpace {
             step,
@@ -160,6 +154,8 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
                 "got": format!("{got:016x}"),
             })
         }
+        // A kind that this version doesn't know the details of.
+        _ => json!({}),
     };
     match details {
         Value::Object(details) => details,
@@ -212,6 +208,7 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
         reference,
         object_unique,
         reference_unique,
+        ..
     } = step.confidence;
     let mut map = Map::new();
     map.insert("object_id".into(), step.object.object.into());
@@ -238,23 +235,4 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
 
 fn candidate(candidate: &Candidate) -> Value {
     json!({"object_id": candidate.object, "score": decimal(candidate.score)})
-}
-
-fn decision_name(decision: Decision) -> String {
-    match decision {
-        Decision::Split => "split".into(),
-        Decision::Action => "action".into(),
-        Decision::Argument(argument) => argument.to_string(),
-    }
-}
-
-fn quantity_name(quantity: Quantity) -> String {
-    match quantity {
-        Quantity::Split => "split".into(),
-        Quantity::Action => "action".into(),
-        Quantity::Argument(argument) => argument.to_string(),
-        Quantity::Score(argument) => format!("{argument}_score"),
-        Quantity::Location => "location".into(),
-        Quantity::Pose => "pose".into(),
-    }
 }

@@ -10,6 +10,7 @@ use nsrm_tabletop::{TABLETOP, TABLETOP_ABOUT};
 
 /// A model that the planner can use, wherever it comes from.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum AnyModel {
     /// The static arrays that are built in: the domain `tabletop`.
     Pretrained,
@@ -19,6 +20,7 @@ pub enum AnyModel {
 
 /// Why a model file can't be used.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum LoadError {
     /// It can't be read.
     Read {

@@ -18,6 +18,7 @@ const SCHEMA: u32 = 1;
 
 /// Why a scene file can't be used.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum SceneFileError {
     /// A file can't be read.
     Read {

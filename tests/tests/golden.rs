@@ -199,6 +199,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         .map(|token| match token.kind {
             TokenKind::Group(_) => 0.0,
             TokenKind::Word(index) => f64::from(index) + 1.0,
+            other => panic!("the trainer has no row for {other:?}"),
         })
         .collect();
     assert_eq!(got, rows, "{sentence}");

@@ -9,6 +9,7 @@ use crate::tree::Node;
 
 /// Read-only memory of a model, array by array.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct MemoryReport {
     /// Numbers, in the order of [`nsrm_core::model::Model`].
     pub arrays: Vec<ArraySize>,
@@ -21,6 +22,7 @@ pub struct MemoryReport {
 
 /// Read-only memory of one array, or of that field in all entries of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ArraySize {
     /// Path in [`nsrm_core::model::Model`].
     pub path: String,

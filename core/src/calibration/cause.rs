@@ -5,6 +5,7 @@ use crate::scene::Scene;
 
 /// A unit or convention other than ours in which a scene seems to be given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Cause {
     /// Depths are in millimetres.
     DepthsInMillimetres,

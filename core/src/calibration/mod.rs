@@ -51,6 +51,7 @@ const HINT_TOLERANCE_M: f32 = 0.05;
 
 /// How what is seen disagrees with the camera's calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct CalibrationFault {
     /// Id of the object that disagrees most.
     pub object: u32,
@@ -70,6 +71,7 @@ pub struct CalibrationFault {
 
 /// What is measured of an object, in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Measured {
     /// The height of its centre above the table.
     Height,

@@ -11,6 +11,7 @@ use crate::refusal::{Decision, Quantity, Refusal};
 
 /// How sure the parser was of a step; probabilities.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct StepDecisions {
     /// Where in the sentence the step stands.
     pub span: Span,

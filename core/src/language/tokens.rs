@@ -24,6 +24,7 @@ impl Span {
 
 /// What stands in a place of a sentence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TokenKind {
     /// A word outside the lexicon: index into [`Model::words`].
     Word(u16),
@@ -33,6 +34,7 @@ pub enum TokenKind {
 
 /// A token with its place in the sentence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Token {
     /// What it is.
     pub kind: TokenKind,

@@ -10,6 +10,7 @@ const MAX_WORDS: usize = 65_536;
 
 /// Why a model can't be used; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ModelFault<'a> {
     /// A list is empty; its name.
     Empty(&'static str),

@@ -7,6 +7,7 @@ use crate::model::LOCATION;
 
 /// Where an object is to be moved: the paper's `(o_t, p_t)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SubGoal {
     /// Id of the object.
     pub object: u32,
@@ -16,6 +17,7 @@ pub struct SubGoal {
 
 /// The object that a description was found to mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Grounding {
     /// Id of the object.
     pub object: u32,
@@ -29,6 +31,7 @@ pub struct Grounding {
 
 /// How sure a step is, part by part; probabilities.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Confidence {
     /// That the step ends where the sentence was split.
     pub split: f32,
@@ -59,6 +62,7 @@ impl Confidence {
 
 /// A step of a plan: its objects, where the moved one will be, and how sure this is.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PlannedStep {
     /// Index into [`crate::Model::actions`].
     pub action: u8,

@@ -6,6 +6,7 @@ use crate::capacity::MAX_OBJECTS;
 
 /// What of an object is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ObjectFault {
     /// The id is 0.
     ZeroId,
@@ -39,6 +40,7 @@ impl fmt::Display for ObjectFault {
 
 /// Why a scene is refused; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SceneError {
     /// Another layout than [`SCENE_SCHEMA`].
     Schema {

@@ -17,6 +17,7 @@ pub struct RgbImage<'a> {
 
 /// Why bytes are not an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ImageError {
     /// Width or height is zero or more than 65,535 pixels.
     Size {

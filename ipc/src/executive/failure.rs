@@ -6,6 +6,7 @@ use crate::message::Outcome;
 
 /// Why a scene is not acted upon.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum SceneFault {
     /// It is no scene, or of another model or domain.
     Invalid(SceneError),
@@ -55,6 +56,7 @@ impl core::error::Error for SceneFault {}
 
 /// Why a sentence was not carried out, or not to its end. Steps count from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Failure {
     /// It is refused; nothing, or nothing more, was moved.
     Refused(Refusal),

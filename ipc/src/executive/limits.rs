@@ -39,6 +39,7 @@ impl Default for Limits {
 
 /// A limit that would let nothing happen, or everything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LimitsError {
     /// A time is zero.
     Zero(&'static str),

@@ -78,6 +78,7 @@ pub struct Frame<'a> {
 
 /// Why a camera frame is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CameraFrameError {
     /// The camera is not one.
     Camera(CameraError),

@@ -137,6 +137,7 @@ pub struct Report {
 
 /// Why a feedback is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FeedbackError {
     /// No outcome has this number.
     Outcome(u32),

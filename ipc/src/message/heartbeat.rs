@@ -77,6 +77,7 @@ numbers! {
 
 /// Why a heartbeat is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum HeartbeatError {
     /// No role has this number.
     Role(u32),

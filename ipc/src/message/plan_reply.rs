@@ -52,7 +52,7 @@ message! {
 /// Why a request is not followed, by the names of [`nsrm_core::Refusal::kind`] and
 /// [`Failure::kind`], and of what the planner's node finds: a number in
 /// [`PlanReply::reason`] is a place in here, counted from 1.
-pub const REASONS: [&str; 34] = [
+pub const REASONS: [&str; 35] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -87,7 +87,11 @@ pub const REASONS: [&str; 34] = [
     "conflicting_values",
     "calibration",
     "parsed_by_other_model",
+    OTHER,
 ];
+
+/// The reason for what has none of its own here: the message says what it is.
+const OTHER: &str = "other";
 
 numbers! {
     /// What has become of a request.
@@ -162,6 +166,7 @@ pub enum Reply<'a> {
 
 /// Why a reply is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PlanReplyError {
     /// No such status.
     Status(u32),
@@ -312,10 +317,12 @@ impl PlanReply {
     }
 
     fn because(self, reason: &str, message: impl fmt::Display) -> Self {
-        let place = REASONS.iter().position(|known| *known == reason);
+        let place = |reason| REASONS.iter().position(|known| *known == reason);
+        // Every reason is one of them: of failures a test here goes through all, of
+        // refusals one in `tests/tests/refusals.rs`. But a later core may have more.
+        let place = place(reason).or_else(|| place(OTHER));
         Self {
-            // Every reason is one of them: of failures a test here goes through all, of
-            // refusals one in `tests/tests/refusals.rs`. They are few.
+            // They are few.
             reason: place.map_or(0, |place| place as u32 + 1),
             ..self.saying(message)
         }

@@ -46,6 +46,7 @@ pub enum Asked {
 
 /// Why a request is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PlanRequestError {
     /// More bytes than a request holds.
     TooLong {

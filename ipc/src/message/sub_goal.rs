@@ -81,6 +81,7 @@ pub enum Order {
 
 /// Why a sub-goal is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SubGoalError {
     /// Neither a move nor a stop.
     Kind(u32),

@@ -13,6 +13,7 @@ use crate::service::{Bell, PLAN, PlanClient, Receiver, Robot, RobotName, Sender,
 
 /// Why nothing was asked, or nothing more will be heard.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AskError {
     /// No planner is there.
     NoPlanner(RobotName),

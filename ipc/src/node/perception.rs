@@ -21,6 +21,7 @@ const NAP: Duration = Duration::from_millis(20);
 
 /// Why there is no scene for a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum FrameFault {
     /// The frame is none.
     Frame(CameraFrameError),

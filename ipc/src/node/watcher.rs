@@ -19,6 +19,7 @@ const NEWEST: f64 = 0.1;
 
 /// A node as its heartbeats tell of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NodeView {
     /// What it is.
     pub role: Role,
@@ -36,6 +37,7 @@ pub struct NodeView {
 
 /// A stream of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Flow {
     /// How many came.
     pub count: u64,
@@ -92,6 +94,7 @@ impl Flow {
 
 /// All that is known of a robot.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct View {
     /// The nodes that were heard, in the order of their roles.
     pub nodes: [Option<NodeView>; Role::ALL.len()],

@@ -6,6 +6,7 @@ use super::half_made::SEGMENTS;
 
 /// Why a service can't be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ServiceError {
     /// Another process has the place that only one may have.
     Taken {
@@ -66,6 +67,7 @@ pub enum ServiceError {
 
 /// Why a message was not sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SendFailure {
     /// The receiver has not taken those before it.
     Full,

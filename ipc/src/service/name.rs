@@ -26,6 +26,7 @@ impl fmt::Display for RobotName {
 
 /// Why a robot can't be called so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RobotNameError {
     /// No letters, or too many.
     Length,

@@ -44,6 +44,7 @@ REASONS = (
     "conflicting_values",
     "calibration",
     "parsed_by_other_model",
+    "other",
 )
 """Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
 

@@ -93,3 +93,13 @@ fn every_failure_has_a_number() {
     reasons.dedup();
     assert_eq!(reasons.len(), REASONS.len());
 }
+
+#[test]
+fn a_reason_without_a_number_still_ends_the_request() {
+    let reply = PlanReply::refused(TO, "a_reason_of_later_versions", "no such thing");
+    let expected = Reply::Failed {
+        reason: "other",
+        message: "no such thing",
+    };
+    assert_eq!(reply.read(), Ok(expected));
+}
