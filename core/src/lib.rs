@@ -65,6 +65,12 @@ pub mod refusal;
 pub mod scene;
 pub mod vision;
 
+/// Re-exported in the version used here: a task that outlives the call that began it keeps its
+/// sentence in a [`heapless::String`].
+pub use heapless;
+/// Re-exported in the version used here: poses are [`nalgebra::Isometry3`].
+pub use nalgebra;
+
 pub use camera::Camera;
 pub use capacity::{
     MAX_CANDIDATES, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS,
