@@ -81,3 +81,7 @@ pub use planner::{GroundingTask, Plan, Planner, PlanningTask};
 pub use progress::Progress;
 pub use refusal::Refusal;
 pub use scene::{RawScene, Scene, SceneError};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -28,3 +28,7 @@ pub mod executive;
 pub mod message;
 pub mod node;
 pub mod service;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

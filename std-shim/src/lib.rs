@@ -29,3 +29,7 @@ pub use models::{AnyModel, LoadError, load_model};
 pub use nsrm_codegen::{ModelError, OwnedModel};
 #[cfg(feature = "scene-files")]
 pub use scenes::{SceneFileError, SceneText, read_scene, read_scene_text};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

@@ -27,3 +27,7 @@
 mod generated;
 
 pub use generated::{TABLETOP, TABLETOP_ABOUT};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

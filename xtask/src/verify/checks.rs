@@ -21,6 +21,16 @@ const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
 /// The Python packages, and their tests.
 const PYTHON_PACKAGES: [&str; 2] = ["sim-harness", "std-shim/python"];
 
+/// The crates that are published; `rust-version` and all else that others see of them is in their
+/// manifests.
+const PUBLISHED: [&str; 5] = [
+    "nsrm-core",
+    "nsrm-tabletop",
+    "nsrm-codegen",
+    "nsrm-ipc",
+    "nsrm",
+];
+
 /// One check.
 pub(super) struct Check {
     pub(super) name: &'static str,
@@ -119,6 +129,12 @@ pub(super) const CHECKS: &[Check] = &[
         proofs,
     ),
     Check::new("docs", "rustdoc has no warning", "15 s", docs),
+    Check::new(
+        "package",
+        "each published crate can be packaged, and builds from its package alone",
+        "3 min",
+        package,
+    ),
     Check::new(
         "trials",
         "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
@@ -407,6 +423,13 @@ fn proofs(_: &Context) -> Result<Vec<Step>> {
 fn docs(_: &Context) -> Result<Vec<Step>> {
     let step = Step::cargo(&["doc", "--locked", "--workspace", "--no-deps"]);
     Ok(vec![step.with("RUSTDOCFLAGS", "--deny warnings")])
+}
+
+/// Packages that depend on each other are made, and built, as if those before them were published.
+fn package(_: &Context) -> Result<Vec<Step>> {
+    let step = Step::cargo(&["package", "--locked", "--allow-dirty"]);
+    let published = PUBLISHED.map(|package| format!("--package={package}"));
+    Ok(vec![published.into_iter().fold(step, Step::argument)])
 }
 
 fn environment(context: &Context) -> Result<Vec<Step>> {
