@@ -12,6 +12,22 @@ use crate::nn::tanh_all;
 /// The result has the same form. It may lie outside the image; a model that was
 /// not trained may even give a box without area.
 /// Cost: `64·(10 + 64 + 5)` multiply-adds and 128 hyperbolic tangents.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use nsrm_core::action::simulate;
+/// use nsrm_tabletop::TABLETOP;
+///
+/// # let scene = scene(&TABLETOP);
+/// let (object, reference) = (scene.objects()[0].location, scene.objects()[1].location);
+/// let on = &TABLETOP.actions[0];
+/// assert_eq!(on.name, "MoveOn");
+/// let [_, _, _, y2, _] = simulate(TABLETOP.simulator, on, &object, &reference);
+/// assert!(y2 < reference[3]); // it stands higher in the image than what bears it
+/// # Ok(())
+/// # }
+/// ```
 pub fn simulate(
     simulator: &Simulator,
     action: &Action<'_>,

@@ -63,6 +63,25 @@ impl core::error::Error for CameraError {}
 
 impl Camera {
     /// Finite, positive where it must be, the orientation of length 1.
+    ///
+    /// ```
+    /// use nsrm_core::Camera;
+    /// use nsrm_core::camera::CameraError;
+    ///
+    /// let mut camera = Camera {
+    ///     width: 640,
+    ///     height: 480,
+    ///     fx: 600.0,
+    ///     fy: 600.0,
+    ///     cx: 320.0,
+    ///     cy: 240.0,
+    ///     position: [0.5, 0.0, 1.0],
+    ///     orientation: [1.0, 0.0, 0.0, 0.0],
+    /// };
+    /// assert_eq!(camera.check(), Ok(()));
+    /// camera.orientation = [1.0, 1.0, 0.0, 0.0];
+    /// assert_eq!(camera.check(), Err(CameraError::NotNormalised));
+    /// ```
     pub fn check(&self) -> Result<(), CameraError> {
         let numbers = [
             ("fx", self.fx),
@@ -99,6 +118,20 @@ impl Camera {
     }
 
     /// Takes a point of the optical frame to the world's frame.
+    ///
+    /// ```
+    /// use nsrm_core::Camera;
+    /// use nsrm_core::nalgebra::Point3;
+    ///
+    /// // A metre above the table, looking straight down: z of the optical frame is down, too.
+    /// let camera = Camera {
+    ///     position: [0.5, 0.0, 1.0],
+    ///     orientation: [1.0, 0.0, 0.0, 0.0],
+    ///     ..Camera::default()
+    /// };
+    /// let seen = camera.world_from_camera() * Point3::new(0.1, 0.0, 0.96);
+    /// assert!((seen - Point3::new(0.6, 0.0, 0.04)).norm() < 1e-6);
+    /// ```
     pub fn world_from_camera(&self) -> Isometry3<f32> {
         let [x, y, z] = self.position;
         Isometry3::from_parts(Translation3::new(x, y, z), rotation(&self.orientation))
@@ -113,6 +146,18 @@ impl Camera {
     /// * `location`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
     ///
     /// Cost: 18 multiply-adds, four divisions and one rotation.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # use nsrm_tabletop::TABLETOP;
+    /// # let scene = scene(&TABLETOP);
+    /// let object = &scene.objects()[0];
+    /// let centre = scene.camera().locate(TABLETOP.camera, &object.location);
+    /// assert!(centre.z > 0.0 && centre.z < 0.05); // it stands on the table
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn locate(&self, map: &PixelToCamera, location: &[f32; LOCATION]) -> Point3<f32> {
         self.world_from_camera() * self.locate_in_camera(map, location)
     }

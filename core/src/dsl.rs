@@ -143,6 +143,18 @@ impl Program {
 
     /// The program in the paper's notation, a step a line:
     /// `Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))`.
+    ///
+    /// ```
+    /// use nsrm_core::Planner;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// let parsed = Planner::new(&TABLETOP).parse("put the red block on the small blue block")?;
+    /// assert_eq!(
+    ///     parsed.program().notation(&TABLETOP).to_string(),
+    ///     "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(small, Filter(blue, Scene()))))"
+    /// );
+    /// # Ok::<(), nsrm_core::Refusal>(())
+    /// ```
     pub fn notation<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         ProgramNotation {
             program: self,

@@ -7,6 +7,8 @@
 //! * `Unique(scores)` → the object with the greatest score; the trainer samples it
 //!   from `softmax(10·scores)`, whose probability is kept as a confidence.
 
+use core::fmt;
+
 use crate::capacity::MAX_OBJECTS;
 use crate::dsl::Description;
 use crate::model::{Model, OBJECT_EMBEDDING};
@@ -27,10 +29,44 @@ pub enum ScoreError {
     NotFinite,
 }
 
+impl fmt::Display for ScoreError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::UnknownConcept => "the description names a concept that the model does not have",
+            Self::NotFinite => {
+                "the score is not a finite number; the model does not fit this object"
+            }
+        })
+    }
+}
+
+impl core::error::Error for ScoreError {}
+
 /// How well an object fits a description: all its filters over `Scene()`.
 /// 1 when nothing is said, else the least cosine.
 ///
 /// Cost: one [`vision::similarity`] for each concept, at most `MAX_FILTERS`.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use nsrm_core::Planner;
+/// use nsrm_core::grounding::{Scores, score};
+/// use nsrm_tabletop::TABLETOP;
+///
+/// # let scene = scene(&TABLETOP);
+/// let parsed = Planner::new(&TABLETOP).parse("put the red block on the lego block")?;
+/// let description = &parsed.program().steps()[0].object; // "red"
+/// let mut scores = Scores::new();
+/// for object in scene.objects() {
+///     let fits = score(&TABLETOP, &object.embedding, description)?;
+///     scores.push(fits).expect("at most MAX_OBJECTS");
+/// }
+/// let chosen = scores.unique().expect("a scene with objects");
+/// assert_eq!(scene.objects()[chosen.index].id, 4);
+/// # Ok(())
+/// # }
+/// ```
 pub fn score(
     model: &Model<'_>,
     embedding: &[f32; OBJECT_EMBEDDING],

@@ -17,7 +17,8 @@
 //! Below them [`model`], the trained parameters by reference, and [`nn`], the layers.
 //!
 //! ```
-//! use nsrm_core::{Planner, Refusal, Scene};
+//! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+//! use nsrm_core::{Planner, Refusal};
 //! use nsrm_tabletop::TABLETOP; // trained weights: a crate of their own
 //!
 //! fn obey(scene: &Scene, sentence: &str) -> Result<(), Refusal> {
@@ -28,6 +29,9 @@
 //!     }
 //!     Ok(())
 //! }
+//! # fn main() -> Result<(), Refusal> {
+//! #     obey(&scene(&TABLETOP), "put the red block on the yellow block")
+//! # }
 //! ```
 //!
 //! Nothing here panics, allocates or contains unsafe code; every capacity that can

@@ -20,6 +20,20 @@ impl Plan {
     }
 
     /// [`Plan::explain_step`] of every step, a line each.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use nsrm_core::Planner;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # let scene = scene(&TABLETOP);
+    /// let plan = Planner::new(&TABLETOP).plan(&scene, "put the red block on the lego block")?;
+    /// let told = plan.explain(&TABLETOP).to_string();
+    /// assert!(told.starts_with("Step 1: move the red object (id 4, score "), "{told}");
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn explain<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         PlanExplanation { plan: self, model }
     }

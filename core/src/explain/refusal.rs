@@ -10,6 +10,15 @@ impl Refusal {
     /// [`nearest_word`].
     ///
     /// * `model`, `sentence`: those that were refused
+    ///
+    /// ```
+    /// use nsrm_core::Planner;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// let sentence = "put the gren block on the red block";
+    /// let refused = Planner::new(&TABLETOP).parse(sentence).unwrap_err();
+    /// assert_eq!(refused.suggestion(&TABLETOP, sentence), Some("green"));
+    /// ```
     pub fn suggestion<'a>(&self, model: &Model<'a>, sentence: &str) -> Option<&'a str> {
         match self {
             Self::UnknownWord { span } => nearest_word(model, span.of(sentence)?),
@@ -21,6 +30,19 @@ impl Refusal {
     /// the domain in place of spans and indices, and what may be done about it.
     ///
     /// * `model`, `sentence`: those that were refused
+    ///
+    /// ```
+    /// use nsrm_core::Planner;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// let sentence = "put the gren block on the red block";
+    /// let refused = Planner::new(&TABLETOP).parse(sentence).unwrap_err();
+    /// assert_eq!(refused.kind(), "unknown_word");
+    /// assert_eq!(
+    ///     refused.in_context(&TABLETOP, sentence).to_string(),
+    ///     "\"gren\" is not a word that the model knows; did you mean \"green\"?"
+    /// );
+    /// ```
     pub fn in_context<'a>(
         &'a self,
         model: &'a Model<'a>,

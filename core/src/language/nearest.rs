@@ -20,6 +20,14 @@ type Row = [u8; MAX_LETTERS + 1];
 ///
 /// Cost: at most 24² steps for each word of the model, of a few comparisons each.
 /// No allocation.
+///
+/// ```
+/// use nsrm_core::language::nearest_word;
+/// use nsrm_tabletop::TABLETOP;
+///
+/// assert_eq!(nearest_word(&TABLETOP, "yelow"), Some("yellow"));
+/// assert_eq!(nearest_word(&TABLETOP, "purple"), None);
+/// ```
 pub fn nearest_word<'a>(model: &Model<'a>, word: &str) -> Option<&'a str> {
     let letters = letters(word)?;
     let concepts = model.lexicon.iter().map(|entry| entry.text);

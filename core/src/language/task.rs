@@ -76,6 +76,21 @@ impl Parsed {
 ///
 /// `T` is the sentence: borrowed (`&str`), or owned, such as a
 /// [`heapless::String`], where the task outlives the call that began it.
+///
+/// ```
+/// use nsrm_core::Progress;
+/// use nsrm_core::language::ParsingTask;
+/// use nsrm_tabletop::TABLETOP;
+///
+/// let mut task = ParsingTask::new(&TABLETOP, "put the red block on the blue block");
+/// let parsed = loop {
+///     if let Progress::Done(result) = task.poll() {
+///         break result?.clone();
+///     }
+/// };
+/// assert!(parsed.decisions()[0].action > 0.8);
+/// # Ok::<(), nsrm_core::Refusal>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ParsingTask<'m, T> {
     model: &'m Model<'m>,

@@ -76,6 +76,19 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// are dropped.
 ///
 /// It keeps no sentence, so that a task may own both: every call is given the same.
+///
+/// ```
+/// use nsrm_core::language::Reader;
+/// use nsrm_tabletop::TABLETOP;
+///
+/// let sentence = "Put the small red block on the blue one.";
+/// let mut reader = Reader::new(sentence)?;
+/// while reader.advance(&TABLETOP, sentence)? {}
+/// // "small red" is one token, a description.
+/// let texts: Vec<_> = reader.tokens().iter().map(|token| token.span.of(sentence)).collect();
+/// assert_eq!(texts[..3], [Some("Put"), Some("the"), Some("small red")]);
+/// # Ok::<(), nsrm_core::Refusal>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Reader {
     rest_from: usize,

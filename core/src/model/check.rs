@@ -96,6 +96,14 @@ impl<'a> Model<'a> {
     ///
     /// Parameters are not looked at: the code generator and the loader check the
     /// tensors, and what is not finite is refused where it shows.
+    ///
+    /// ```
+    /// use nsrm_core::model::{Model, ModelFault};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// assert_eq!(TABLETOP.check(), Ok(()));
+    /// assert_eq!(Model::new().check(), Err(ModelFault::Empty("words")));
+    /// ```
     pub fn check(&self) -> Result<(), ModelFault<'a>> {
         self.check_lengths()?;
         self.check_words()?;

@@ -84,17 +84,20 @@ pub const MAX_POLLS: usize =
 /// Reads sentences and scenes with one model. Holds nothing but the model.
 ///
 /// ```
-/// use nsrm_core::{Planner, Scene, model::Model};
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use nsrm_core::Planner;
+/// use nsrm_tabletop::TABLETOP;
 ///
-/// fn tell(model: &Model<'_>, scene: &Scene) -> Result<(), nsrm_core::Refusal> {
-///     let planner = Planner::new(model);
-///     let plan = planner.plan(scene, "put the red block on the small blue block")?;
-///     println!("{}", plan.program().notation(model));
-///     for goal in plan.sub_goals() {
-///         println!("object {} to {}", goal.object, goal.pose);
-///     }
-///     Ok(())
+/// # let scene = scene(&TABLETOP);
+/// let planner = Planner::new(&TABLETOP);
+/// let plan = planner.plan(&scene, "put the red block on the small yellow block")?;
+/// println!("{}", plan.program().notation(&TABLETOP));
+/// for goal in plan.sub_goals() {
+///     println!("object {} to {}", goal.object, goal.pose);
 /// }
+/// # Ok(())
+/// # }
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Planner<'m> {
@@ -115,6 +118,18 @@ impl<'m> Planner<'m> {
 
     /// What a sentence says is to be done, whatever the scene: [`ParsingTask`]
     /// polled to its end.
+    ///
+    /// ```
+    /// use nsrm_core::{Planner, Refusal};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// let planner = Planner::new(&TABLETOP);
+    /// let parsed = planner.parse("put the red block on the small blue block")?;
+    /// assert_eq!(parsed.program().steps().len(), 1);
+    /// let refused = planner.parse("fly to the moon").unwrap_err();
+    /// assert!(matches!(refused, Refusal::UnknownWord { .. }));
+    /// # Ok::<(), Refusal>(())
+    /// ```
     pub fn parse(&self, sentence: &str) -> Result<Parsed, Refusal> {
         let mut task = ParsingTask::new(self.model, sentence);
         loop {
@@ -126,6 +141,25 @@ impl<'m> Planner<'m> {
 
     /// Whether what is seen in a scene agrees with the camera's calibration, as planning
     /// in it asks first: to be told as soon as a camera is set up.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use nsrm_core::{Planner, Refusal, Scene};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # let scene = scene(&TABLETOP);
+    /// let planner = Planner::new(&TABLETOP);
+    /// assert_eq!(planner.check(&scene), Ok(()));
+    ///
+    /// // As if the camera hung 5 cm higher than it does.
+    /// let mut raw = *scene.raw();
+    /// raw.camera.position[2] += 0.05;
+    /// let scene = Scene::new(raw, &TABLETOP)?;
+    /// assert!(matches!(planner.check(&scene), Err(Refusal::Calibration(_))));
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn check(&self, scene: &Scene) -> Result<(), Refusal> {
         ground::check_model(self.model, scene)?;
         calibration::check(self.model, scene).map_err(Refusal::Calibration)
@@ -136,6 +170,28 @@ impl<'m> Planner<'m> {
     /// Cost: at most [`MAX_POLLS`] times [`UNIT_MULTIPLY_ADDS`]; a one-step
     /// sentence of ten words takes about 0.25 million multiply-adds.
     /// Stack: [`TASK_BYTES`], [`PLAN_BYTES`] and about 5 KiB.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use nsrm_core::{Planner, Refusal};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # let scene = scene(&TABLETOP); // objects 1 to 4: green, magenta, yellow, red; all but 2 small
+    /// let planner = Planner::new(&TABLETOP);
+    /// let plan = planner.plan(&scene, "put the red block on the lego block")?;
+    /// let goal = plan.sub_goals().next().expect("one step");
+    /// assert_eq!(goal.object, 4);
+    /// assert!(goal.pose.translation.z > 0.05); // metres above the table
+    ///
+    /// let refused = planner.plan(&scene, "put the small block on the lego block").unwrap_err();
+    /// let Refusal::Ambiguous { candidates, .. } = refused else {
+    ///     panic!("{refused}");
+    /// };
+    /// assert_eq!(candidates.count(), 3);
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn plan(&self, scene: &Scene, sentence: &str) -> Result<Plan, Refusal> {
         let mut task = self.begin(scene, sentence);
         loop {
@@ -149,12 +205,23 @@ impl<'m> Planner<'m> {
     /// spread it over its ticks.
     ///
     /// ```
-    /// # fn tick(planner: &nsrm_core::Planner<'_>, scene: &nsrm_core::Scene) {
-    /// use nsrm_core::Progress;
-    /// let mut task = planner.begin(scene, "put the red block on the blue block");
-    /// while let Progress::Pending = task.poll() {
-    ///     // at most UNIT_MULTIPLY_ADDS: wait for the next tick
-    /// }
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use nsrm_core::{Planner, Progress};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # let scene = scene(&TABLETOP);
+    /// let planner = Planner::new(&TABLETOP);
+    /// let mut task = planner.begin(&scene, "put the red block on the yellow block");
+    /// let plan = loop {
+    ///     match task.poll() {
+    ///         // At most UNIT_MULTIPLY_ADDS were done: wait for the next tick.
+    ///         Progress::Pending => {}
+    ///         Progress::Done(result) => break result?,
+    ///     }
+    /// };
+    /// assert_eq!(plan.steps().len(), 1);
+    /// # Ok(())
     /// # }
     /// ```
     ///
@@ -178,6 +245,28 @@ impl<'m> Planner<'m> {
     /// Begins to ground a parsed sentence in a scene, from step `first` on (from 0):
     /// a plan for what is left to do, in the scene as it is now. Refusals count
     /// steps as in the whole sentence. What another model has parsed is refused.
+    ///
+    /// ```
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// use nsrm_core::{Planner, Progress};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # let scene = scene(&TABLETOP);
+    /// let planner = Planner::new(&TABLETOP);
+    /// let sentence = "put the red block on the lego block, then put the green block on the red block";
+    /// let parsed = planner.parse(sentence)?;
+    /// // The first step is done, and this is what was observed then.
+    /// let mut task = planner.begin_grounding(&scene, &parsed, 1);
+    /// let plan = loop {
+    ///     if let Progress::Done(result) = task.poll() {
+    ///         break result?;
+    ///     }
+    /// };
+    /// assert_eq!((plan.first(), plan.steps().len()), (1, 1));
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn begin_grounding<S, P>(
         &self,
         scene: S,

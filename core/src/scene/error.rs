@@ -38,6 +38,8 @@ impl fmt::Display for ObjectFault {
     }
 }
 
+impl core::error::Error for ObjectFault {}
+
 /// Why a scene is refused; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]

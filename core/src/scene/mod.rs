@@ -100,6 +100,33 @@ pub struct Scene {
 
 impl RawScene {
     /// A scene without objects, as `model`'s planner expects it.
+    ///
+    /// ```
+    /// use nsrm_core::{Camera, RawScene, Scene};
+    /// use nsrm_core::scene::ObservedObject;
+    /// use nsrm_core::model::OBJECT_EMBEDDING;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// let camera = Camera {
+    ///     width: 640,
+    ///     height: 480,
+    ///     fx: 600.0,
+    ///     fy: 600.0,
+    ///     cx: 320.0,
+    ///     cy: 240.0,
+    ///     position: [0.5, 0.0, 1.0], // straight above the table
+    ///     orientation: [1.0, 0.0, 0.0, 0.0], // x, y, z, w
+    /// };
+    /// let mut raw = RawScene::empty(&TABLETOP, camera);
+    /// raw.push(ObservedObject {
+    ///     id: 7,
+    ///     location: [0.4, 0.4, 0.45, 0.5, 0.97], // box and depth
+    ///     embedding: [0.0; OBJECT_EMBEDDING], // what vision::encode makes of its crop
+    /// }).expect("room for an object");
+    /// let scene = Scene::new(raw, &TABLETOP)?;
+    /// assert_eq!(scene.objects()[0].id, 7);
+    /// # Ok::<(), nsrm_core::SceneError>(())
+    /// ```
     pub const fn empty(model: &Model<'_>, camera: Camera) -> Self {
         Self {
             header: SceneHeader {
@@ -187,6 +214,17 @@ impl RawScene {
 
 impl Scene {
     /// Checks a scene from outside; see [`RawScene::check`].
+    ///
+    /// ```
+    /// use nsrm_core::{Camera, RawScene, Scene, SceneError};
+    /// use nsrm_core::camera::CameraError;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// // Nobody has filled in the camera.
+    /// let raw = RawScene::empty(&TABLETOP, Camera::default());
+    /// let fault = Scene::new(raw, &TABLETOP).unwrap_err();
+    /// assert_eq!(fault, SceneError::Camera(CameraError::NotPositive("width")));
+    /// ```
     pub fn new(raw: RawScene, model: &Model<'_>) -> Result<Self, SceneError> {
         raw.check(model)?;
         Ok(Self { raw })

@@ -26,6 +26,24 @@ pub fn operate(attribute: &Attribute<'_>, embedding: &[f32; OBJECT_EMBEDDING]) -
 /// the operator's result is too long to be measured.
 ///
 /// Cost: one [`operate`], 32 multiply-adds, a root and a division.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use nsrm_core::vision::similarity;
+/// use nsrm_tabletop::TABLETOP;
+///
+/// # let scene = scene(&TABLETOP);
+/// let red_block = &scene.objects()[3].embedding;
+/// let cosine = |name| {
+///     let concept = TABLETOP.concepts.iter().position(|concept| concept.name == name);
+///     similarity(&TABLETOP, red_block, concept.expect("a concept") as u8)
+/// };
+/// assert!(cosine("red") > Some(0.9));
+/// assert!(cosine("green") < Some(0.5));
+/// # Ok(())
+/// # }
+/// ```
 pub fn similarity(
     model: &Model<'_>,
     embedding: &[f32; OBJECT_EMBEDDING],

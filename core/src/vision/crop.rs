@@ -66,6 +66,15 @@ impl<'a> RgbImage<'a> {
     /// Looks at `pixels` as an image.
     ///
     /// * `stride`: bytes from the beginning of one row to the next, `3·width` or more
+    ///
+    /// ```
+    /// use nsrm_core::vision::{ImageError, RgbImage};
+    ///
+    /// let pixels = [0; 3 * 4 * 2];
+    /// assert!(RgbImage::new(&pixels, 4, 2, 3 * 4).is_ok());
+    /// let short = RgbImage::new(&pixels, 4, 3, 3 * 4).unwrap_err();
+    /// assert_eq!(short, ImageError::Length { expected: 36, got: 24 });
+    /// ```
     pub fn new(
         pixels: &'a [u8],
         width: u32,
@@ -148,6 +157,16 @@ impl Crop {
     /// * `bounds`: corners x1, y1, x2, y2 as fractions of the image's width and height
     ///
     /// Cost: `64²` samples of four pixels, for any size of box and image.
+    ///
+    /// ```
+    /// use nsrm_core::vision::{Crop, RgbImage};
+    ///
+    /// let pixels = [255; 3 * 40 * 40];
+    /// let image = RgbImage::new(&pixels, 40, 40, 3 * 40)?;
+    /// let crop = Crop::from_rgb(&image, &[0.25, 0.25, 0.75, 0.75])?;
+    /// assert_eq!(crop.channels[0][0][0], 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn from_rgb(image: &RgbImage<'_>, bounds: &[f32; 4]) -> Result<Self, ObjectFault> {
         let mut crop = Self::BLACK;
         crop.fill(image, bounds)?;

@@ -25,6 +25,18 @@ pub const ENCODE_MULTIPLY_ADDS: usize = CROP * CROP * 4 * PATCH_CHANNELS
 ///
 /// Cost: [`ENCODE_MULTIPLY_ADDS`] multiply-adds. Stack: about 28 KiB on x86-64, of
 /// which [`encode_in_place`] saves 12.
+///
+/// ```
+/// use nsrm_core::vision::{Crop, RgbImage, encode};
+/// use nsrm_tabletop::TABLETOP;
+///
+/// let pixels = [255; 3 * 40 * 40];
+/// let image = RgbImage::new(&pixels, 40, 40, 3 * 40)?;
+/// let crop = Crop::from_rgb(&image, &[0.0, 0.0, 1.0, 1.0])?;
+/// let embedding = encode(&TABLETOP, &crop);
+/// assert!(embedding.iter().all(|value| *value >= 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn encode(model: &Model<'_>, crop: &Crop) -> [f32; OBJECT_EMBEDDING] {
     encode_in_place(model, &mut crop.clone())
 }

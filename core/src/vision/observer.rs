@@ -43,10 +43,12 @@ pub struct Stamp {
 /// All that outlives a call is in here; one call needs about 16 KiB of stack.
 ///
 /// ```
-/// # fn observe(model: &nsrm_core::Model<'_>, camera: nsrm_core::Camera, pixels: &[u8])
-/// #     -> Result<nsrm_core::Scene, Box<dyn std::error::Error>> {
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use nsrm_core::Progress;
 /// use nsrm_core::vision::{Detection, ObservationTask, RgbImage, Stamp};
+/// # let (model, camera) = (&nsrm_tabletop::TABLETOP, CAMERA);
+/// # let pixels = &[128; 640 * 480 * 3];
 ///
 /// let image = RgbImage::new(pixels, camera.width, camera.height, 3 * camera.width as usize)?;
 /// let detections = [Detection::whole(1, [0.25, 0.5, 0.3, 0.6, 0.9])];
@@ -56,7 +58,8 @@ pub struct Stamp {
 ///         break scene?;
 ///     }
 /// };
-/// # Ok(scene)
+/// assert_eq!(scene.objects().len(), 1);
+/// # Ok(())
 /// # }
 /// ```
 #[derive(Debug, Clone)]
