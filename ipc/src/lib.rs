@@ -21,12 +21,18 @@
 //! layout stands in `layout.txt`, `include/nsrm_messages.h` and the harness's
 //! `messages.py`, which tests compare with the structs.
 //!
+//! Without the feature `processes` (on by default) there are messages and executive alone, and
+//! iceoryx2 is not built: for a closed loop within one process.
 
+#[cfg(feature = "processes")]
 pub mod bindings;
+#[cfg(feature = "processes")]
 pub mod clock;
 pub mod executive;
 pub mod message;
+#[cfg(feature = "processes")]
 pub mod node;
+#[cfg(feature = "processes")]
 pub mod service;
 
 #[cfg(doctest)]

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+#[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 
 use super::layout::message;

@@ -134,7 +134,7 @@ pub(crate) const fn has_padding<T: Message>() -> bool {
 
 /// Defines a message: the struct with its type name for iceoryx2, its fields for
 /// the layout's table and hash, and the proof that it has no padding.
-/// `ZeroCopySend` must be in scope.
+/// `ZeroCopySend` must be in scope where there are processes.
 macro_rules! message {
     (
         $(#[doc = $doc:literal])*
@@ -147,8 +147,12 @@ macro_rules! message {
         $(#[doc = $doc])*
         $(#[derive($($derive),*)])?
         #[repr(C)]
-        #[derive(Debug, Clone, Copy, PartialEq, ZeroCopySend)]
-        #[type_name($type_name)]
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[cfg_attr(
+            feature = "processes",
+            derive(ZeroCopySend),
+            type_name($type_name)
+        )]
         $visibility struct $name {
             $($(#[doc = $field_doc])* pub $field: $type,)*
         }
@@ -187,6 +191,7 @@ pub(crate) use message;
 #[cfg(test)]
 mod tests {
     use super::Message;
+    #[cfg(feature = "processes")]
     use iceoryx2::prelude::ZeroCopySend;
 
     message! {
@@ -198,6 +203,7 @@ mod tests {
     }
 
     mod swapped {
+        #[cfg(feature = "processes")]
         use iceoryx2::prelude::ZeroCopySend;
 
         message! {
@@ -210,6 +216,7 @@ mod tests {
     }
 
     mod other_kind {
+        #[cfg(feature = "processes")]
         use iceoryx2::prelude::ZeroCopySend;
 
         message! {
@@ -222,6 +229,7 @@ mod tests {
     }
 
     mod grouped {
+        #[cfg(feature = "processes")]
         use iceoryx2::prelude::ZeroCopySend;
 
         message! {

@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+#[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::{MAX_STEPS, Model, Plan};
 

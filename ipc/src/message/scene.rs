@@ -1,5 +1,6 @@
 //! What perception publishes: a scene, in the layout of core's.
 
+#[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::camera::Camera;
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};

@@ -1,5 +1,6 @@
 //! A step of a program, as a [`PlanReply`](super::PlanReply) tells it.
 
+#[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::MAX_FILTERS;
 use nsrm_core::dsl::{Description, Step};

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+#[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use nsrm_core::MAX_STEPS;

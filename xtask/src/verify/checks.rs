@@ -326,6 +326,15 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
     let mut workspace = vec!["clippy", "--workspace", "--all-targets", "--locked"];
     workspace.extend(strict);
     let mut steps = vec![Step::cargo(&workspace)];
+    // As the Python module has it: without iceoryx2.
+    let mut alone = vec![
+        "clippy",
+        "--locked",
+        "--package=nsrm-ipc",
+        "--no-default-features",
+    ];
+    alone.extend(strict);
+    steps.push(Step::cargo(&alone));
     for manifest in APART {
         // The default of the fuzz targets is to build libFuzzer, which lints do without.
         let mut step = vec!["clippy", "--locked", "--no-default-features"];
