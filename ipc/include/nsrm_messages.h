@@ -445,6 +445,9 @@ enum nsrm_outcome {
     /** Other objects are moved aside first, or the object itself is set down on the way;
      *  another outcome follows. */
     NSRM_OUTCOME_CLEARING = 16,
+    /** What the object was to be beside or on was moved since the command was given; the
+     *  object was not grasped. */
+    NSRM_OUTCOME_REFERENCE_MOVED = 17,
 };
 
 /** Numbers of `Heartbeat.role`. */

@@ -236,6 +236,14 @@ fn bad_configurations_are_told_of() {
         &["limits: tolerance: must be"],
     );
     refused(
+        &serve("[limits]\nmoved_mm = -1"),
+        &["limits: moved: must be"],
+    );
+    refused(
+        &serve("[limits]\nattempts = 0"),
+        &["limits: attempts: must be"],
+    );
+    refused(
         &serve("[limits]\nscene_age_ms = 0"),
         &["limits: scene age: must be"],
     );

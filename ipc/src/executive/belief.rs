@@ -27,6 +27,11 @@ pub(super) struct Belief {
 }
 
 impl Belief {
+    /// As they were believed to be; without what the robot has carried since.
+    pub(super) fn objects(&self) -> &[ObservedObject] {
+        &self.objects
+    }
+
     /// This is how things stand now.
     pub(super) fn update(&mut self, scene: &Scene) {
         self.objects.clear();
@@ -88,8 +93,8 @@ fn is_within(seen: &[f32; LOCATION], before: &[f32; LOCATION]) -> bool {
         && seen[3] <= y2 + height
 }
 
-/// How much of a box lies in another one.
-fn shared(other: &[f32; LOCATION], own: &[f32; LOCATION]) -> f32 {
+/// How much of a box, `own`, lies in another one.
+pub(super) fn shared(other: &[f32; LOCATION], own: &[f32; LOCATION]) -> f32 {
     let common = [
         own[0].max(other[0]),
         own[1].max(other[1]),
@@ -105,7 +110,8 @@ fn area(&[x1, y1, x2, y2, _]: &[f32; LOCATION]) -> f32 {
     (x2 - x1).max(0.0) * (y2 - y1).max(0.0)
 }
 
-const fn depth_m(object: &ObservedObject) -> f32 {
+/// How far from the camera an object is.
+pub(super) const fn depth_m(object: &ObservedObject) -> f32 {
     object.location[4]
 }
 

@@ -1,15 +1,17 @@
 //! One sentence on its way: from its words to its last step.
 
 use nsrm_core::language::{Parsed, ParsingTask};
+use nsrm_core::planner::PlannedStep;
 use nsrm_core::scene::Scene;
-use nsrm_core::{Plan, Planner, Progress, Refusal};
+use nsrm_core::{MAX_STEPS, Plan, Planner, Progress, Refusal};
 
 use super::belief::Belief;
 use super::failure::Failure;
 use super::limits::Limits;
 use super::looking::{AHEAD_NS, Looking, too_old};
-use super::placed::{Amiss, Placed, Placements, position};
-use super::stage::{Heard, Purpose, Stage};
+use super::placed::{Amiss, Placements, Steps, Undone};
+use super::stage::{Heard, Purpose, Stage, Tried};
+use super::view::{Seen, View};
 use super::{Command, CommandId, Event, Mode, Sentence};
 use crate::message::{Outcome, Report};
 
@@ -23,13 +25,19 @@ pub(super) struct Job<'m> {
     plan: Plan,
     /// The step that is next, or on its way.
     step: usize,
+    /// What it is to come to.
+    next: Option<PlannedStep>,
+    /// Where its reference was observed when it was planned.
+    reference: Option<Seen>,
+    /// How many commands each step has taken.
+    attempts: [u8; MAX_STEPS],
     retries: u8,
     commands: u32,
-    /// Where the reference of the step that is next was seen when it was planned.
-    reference_at: Option<[f32; 3]>,
     /// What is moved first for the command that is carried out, until it is told.
     clearing: Option<[u32; 2]>,
-    placed: Placements,
+    /// Whether anything was.
+    has_cleared: bool,
+    placements: Placements,
     belief: Belief,
     /// Why it is to end, whatever it is at.
     end: Option<Failure>,
@@ -45,11 +53,14 @@ impl<'m> Job<'m> {
             parsed: Parsed::empty(planner.model()),
             plan: Plan::default(),
             step: 0,
+            next: None,
+            reference: None,
+            attempts: [0; MAX_STEPS],
             retries: 0,
             commands: 0,
-            reference_at: None,
             clearing: None,
-            placed: Placements::default(),
+            has_cleared: false,
+            placements: Placements::default(),
             belief: Belief::default(),
             end: None,
             stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
@@ -87,6 +98,7 @@ impl<'m> Job<'m> {
                         *since_ns = now_ns;
                     }
                     self.clearing = Some(report.objects);
+                    self.has_cleared = true;
                     for id in report.objects {
                         self.belief.carry(id);
                     }
@@ -156,104 +168,43 @@ impl<'m> Job<'m> {
         {
             return Err(why);
         }
-        match &mut self.stage {
-            Stage::Parse(task) => {
-                let Progress::Done(parsed) = task.poll() else {
-                    return Ok(Event::Working);
-                };
-                self.parsed = parsed.map_err(Failure::Refused)?.clone();
-                self.look(0, now_ns, Purpose::Ground);
-                Ok(Event::Working)
-            }
-            &mut Stage::Look {
+        match self.stage {
+            Stage::Parse(_) => self.parse(now_ns),
+            Stage::Look {
                 after_ns,
                 since_ns,
                 purpose,
-            } => {
-                if let Some(scene) = looking.look(after_ns, limits, now_ns) {
+            } => match looking.look(after_ns, limits, now_ns) {
+                Some(scene) => {
                     let scene = self.belief.complete(&scene, self.planner.model());
-                    return match purpose {
-                        Purpose::Ground => Ok(self.ground(scene, since_ns)),
-                        Purpose::Verify { .. } => self.verify(&scene, after_ns, since_ns, limits),
-                    };
+                    match purpose {
+                        Purpose::Ground { .. } => self.prepare(scene, since_ns, limits),
+                        Purpose::Verify { tried, .. } => {
+                            self.verify(scene, tried, (after_ns, since_ns), limits, now_ns)
+                        }
+                    }
                 }
-                if now_ns.saturating_sub(since_ns) <= limits.scene_wait_ns {
-                    return Ok(Event::Waiting);
+                None if now_ns.saturating_sub(since_ns) <= limits.scene_wait_ns => {
+                    Ok(Event::Waiting)
                 }
-                let Purpose::Verify {
-                    missing: Some((step, object)),
-                } = purpose
-                else {
-                    let last = looking.fault();
-                    return Err(Failure::NoScene { last });
-                };
-                let event = self.again(Failure::NotSeen { step, object }, limits)?;
-                self.go_back(step);
-                self.look(after_ns, now_ns, Purpose::Ground);
-                Ok(event)
-            }
-            &mut Stage::Ground {
-                ref mut task,
-                taken_ns,
-                since_ns,
-            } => {
-                let Progress::Done(plan) = task.poll() else {
-                    return Ok(Event::Working);
-                };
-                self.plan = plan.map_err(Failure::Refused)?;
-                let (map, scene) = (self.planner.model().camera, task.scene());
-                let reference = self.plan.steps().first().map(|next| next.reference.object);
-                self.reference_at = reference.and_then(|it| position(map, scene, it));
-                if too_old(taken_ns, limits, now_ns).is_some() {
-                    // By now: grounding took its time.
-                    self.look(taken_ns, since_ns, Purpose::Ground);
-                    return Ok(Event::Working);
-                }
-                self.stage = match self.mode {
-                    Mode::PlanOnly => Stage::Finished,
-                    Mode::ClosedLoop | Mode::OpenLoop => Stage::Send {
-                        seen: Some((taken_ns, since_ns)),
-                    },
-                };
-                Ok(Event::Planned(self.plan.clone()))
-            }
-            &mut Stage::Send {
+                None => self.look_in_vain(purpose, after_ns, looking, limits, now_ns),
+            },
+            Stage::Ground { .. } => self.ground(limits, now_ns),
+            Stage::Send {
                 seen: Some((taken_ns, since_ns)),
             } if too_old(taken_ns, limits, now_ns).is_some() => {
                 // Who polls was held up since it was planned.
-                self.look(taken_ns, since_ns, Purpose::Ground);
+                self.look_to_ground(taken_ns, since_ns);
                 Ok(Event::Working)
             }
             Stage::Send { .. } => self.send(limits, now_ns),
-            &mut Stage::Commanded {
+            Stage::Commanded {
                 command,
                 since_ns,
                 heard,
                 ..
-            } => {
-                let (step, waited_ns) = (command.step, now_ns.saturating_sub(since_ns));
-                if let Some(first) = self.clearing.take() {
-                    let object = command.planned.object.object;
-                    return Ok(Event::Clearing {
-                        step,
-                        object,
-                        first,
-                    });
-                }
-                match heard {
-                    Heard::Nothing if waited_ns > limits.accept_wait_ns => {
-                        Err(Failure::NotAccepted { step })
-                    }
-                    Heard::Accepted if waited_ns > limits.move_wait_ns => {
-                        Err(Failure::NoOutcome { step })
-                    }
-                    Heard::Nothing | Heard::Accepted => Ok(Event::Waiting),
-                    Heard::Lost => Err(Failure::ControllerLost { step }),
-                    Heard::Undelivered => Err(Failure::NotAccepted { step }),
-                    Heard::Ended(report) => self.end_command(&command, &report, limits, now_ns),
-                }
-            }
-            &mut Stage::Stopping {
+            } => self.await_outcome(&command, since_ns, heard, limits, now_ns),
+            Stage::Stopping {
                 since_ns,
                 is_lost,
                 confirmed,
@@ -261,23 +212,26 @@ impl<'m> Job<'m> {
                 why,
                 ..
             } => {
-                let waited_ns = now_ns.saturating_sub(since_ns);
                 // What another one says that was started in its place confirms nothing.
                 let confirmed = confirmed && !is_lost;
+                let waited_ns = now_ns.saturating_sub(since_ns);
                 if !confirmed && !is_lost && waited_ns <= limits.accept_wait_ns {
                     return Ok(Event::Waiting);
                 }
-                Err(match why {
-                    Failure::Cancelled if !confirmed => Failure::CancelledUnconfirmed,
-                    // It says so late, or may have begun without being heard.
-                    Failure::NotAccepted { step } if begun || !confirmed => {
-                        Failure::Unanswered { step }
-                    }
-                    why => why,
-                })
+                Err(stopped(why, confirmed, begun))
             }
             Stage::Finished => Ok(Event::Ended(Ok(()))),
         }
+    }
+
+    fn parse(&mut self, now_ns: u64) -> Result<Event, Failure> {
+        if let Stage::Parse(task) = &mut self.stage
+            && let Progress::Done(parsed) = task.poll()
+        {
+            self.parsed = parsed.map_err(Failure::Refused)?.clone();
+            self.look_to_ground(0, now_ns);
+        }
+        Ok(Event::Working)
     }
 
     fn look(&mut self, after_ns: u64, since_ns: u64, purpose: Purpose) {
@@ -288,9 +242,61 @@ impl<'m> Job<'m> {
         };
     }
 
-    fn ground(&mut self, scene: Scene, since_ns: u64) -> Event {
+    fn look_to_ground(&mut self, after_ns: u64, since_ns: u64) {
+        self.look(after_ns, since_ns, Purpose::Ground { refused: None });
+    }
+
+    fn look_to_verify(&mut self, after_ns: u64, since_ns: u64, tried: Tried) {
+        let missing = None;
+        self.look(after_ns, since_ns, Purpose::Verify { tried, missing });
+    }
+
+    /// No scene has come, or none that shows what is missing.
+    fn look_in_vain(
+        &mut self,
+        purpose: Purpose,
+        after_ns: u64,
+        looking: &Looking,
+        limits: &Limits,
+        now_ns: u64,
+    ) -> Result<Event, Failure> {
+        match purpose {
+            Purpose::Ground { refused: Some(why) } => Err(why),
+            Purpose::Verify {
+                tried,
+                missing: Some(undone),
+            } => {
+                let event = self.undo(tried, &undone, limits)?;
+                self.look_to_ground(after_ns, now_ns);
+                Ok(event)
+            }
+            Purpose::Verify {
+                tried: Tried::Unable(why),
+                ..
+            } => Err(why),
+            Purpose::Ground { .. } | Purpose::Verify { .. } => {
+                let last = looking.fault();
+                Err(Failure::NoScene { last })
+            }
+        }
+    }
+
+    /// Prepares the step that is next for a scene: grounds it, unless its object is to go where it
+    /// was before.
+    fn prepare(&mut self, scene: Scene, since_ns: u64, limits: &Limits) -> Result<Event, Failure> {
         let taken_ns = scene.header().timestamp_ns;
         self.belief.update(&scene);
+        if let Some(planned) = self.placements.again(self.step) {
+            let (step, object) = (self.step as u8, planned.object.object);
+            if self.view(&scene, limits).see(object).is_none() {
+                return Err(Failure::NotSeen { step, object });
+            }
+            self.next = Some(planned);
+            self.reference = None;
+            let seen = Some((taken_ns, since_ns));
+            self.stage = Stage::Send { seen };
+            return Ok(Event::Working);
+        }
         let parsed = self.parsed.clone();
         let task = self.planner.begin_grounding(scene, parsed, self.step);
         self.stage = Stage::Ground {
@@ -298,16 +304,68 @@ impl<'m> Job<'m> {
             taken_ns,
             since_ns,
         };
-        Event::Working
+        Ok(Event::Working)
+    }
+
+    fn view<'v>(&'v self, scene: &'v Scene, limits: &'v Limits) -> View<'v> {
+        View {
+            map: self.planner.model().camera,
+            scene,
+            before: &self.belief,
+            limits,
+        }
+    }
+
+    fn ground(&mut self, limits: &Limits, now_ns: u64) -> Result<Event, Failure> {
+        let Stage::Ground {
+            task,
+            taken_ns,
+            since_ns,
+        } = &mut self.stage
+        else {
+            return Ok(Event::Working);
+        };
+        let Progress::Done(plan) = task.poll() else {
+            return Ok(Event::Working);
+        };
+        let (taken_ns, since_ns) = (*taken_ns, *since_ns);
+        let scene = *task.scene();
+        match plan {
+            Ok(plan) => self.plan = plan,
+            // Something that was moved may be in the camera's view still.
+            Err(refusal @ Refusal::Calibration(_)) if self.commands > 0 => {
+                let refused = Some(Failure::Refused(refusal));
+                self.look(taken_ns, since_ns, Purpose::Ground { refused });
+                return Ok(Event::Working);
+            }
+            Err(refusal) => return Err(Failure::Refused(refusal)),
+        }
+        self.next = self.plan.steps().first().copied();
+        self.reference = self
+            .next
+            .and_then(|next| self.view(&scene, limits).see(next.reference.object));
+        if too_old(taken_ns, limits, now_ns).is_some() {
+            // By now: grounding took its time.
+            self.look_to_ground(taken_ns, since_ns);
+            return Ok(Event::Working);
+        }
+        self.stage = match self.mode {
+            Mode::PlanOnly => Stage::Finished,
+            Mode::ClosedLoop | Mode::OpenLoop => Stage::Send {
+                seen: Some((taken_ns, since_ns)),
+            },
+        };
+        Ok(Event::Planned(self.plan.clone()))
     }
 
     fn send(&mut self, limits: &Limits, now_ns: u64) -> Result<Event, Failure> {
-        let place = self.step.saturating_sub(self.plan.first());
-        let planned = self.plan.steps().get(place).copied();
         // A plan has a step for each one left, and one was.
-        let planned = planned.ok_or(Failure::Refused(Refusal::InvalidModel))?;
+        let planned = self.next.ok_or(Failure::Refused(Refusal::InvalidModel))?;
         self.commands = self.commands.saturating_add(1);
-        self.clearing = None;
+        if let Some(attempts) = self.attempts.get_mut(self.step) {
+            *attempts = attempts.saturating_add(1);
+        }
+        (self.clearing, self.has_cleared) = (None, false);
         self.belief.carry(planned.object.object);
         let command = Command {
             id: CommandId {
@@ -333,6 +391,36 @@ impl<'m> Job<'m> {
         self.parsed.program().steps().len()
     }
 
+    /// What the controller has said of its command, and since when it is waited for.
+    fn await_outcome(
+        &mut self,
+        command: &Command,
+        since_ns: u64,
+        heard: Heard,
+        limits: &Limits,
+        now_ns: u64,
+    ) -> Result<Event, Failure> {
+        let (step, waited_ns) = (command.step, now_ns.saturating_sub(since_ns));
+        if let Some(first) = self.clearing.take() {
+            let object = command.planned.object.object;
+            return Ok(Event::Clearing {
+                step,
+                object,
+                first,
+            });
+        }
+        match heard {
+            Heard::Nothing if waited_ns > limits.accept_wait_ns => {
+                Err(Failure::NotAccepted { step })
+            }
+            Heard::Accepted if waited_ns > limits.move_wait_ns => Err(Failure::NoOutcome { step }),
+            Heard::Nothing | Heard::Accepted => Ok(Event::Waiting),
+            Heard::Lost => Err(Failure::ControllerLost { step }),
+            Heard::Undelivered => Err(Failure::NotAccepted { step }),
+            Heard::Ended(report) => self.end_command(command, &report, limits, now_ns),
+        }
+    }
+
     /// The controller says how a command went.
     fn end_command(
         &mut self,
@@ -341,107 +429,150 @@ impl<'m> Job<'m> {
         limits: &Limits,
         now_ns: u64,
     ) -> Result<Event, Failure> {
-        let (step, at_ns) = (command.step, report.timestamp_ns);
-        if report.outcome != Outcome::Reached {
-            let failure = Failure::Unsuccessful {
-                step,
-                outcome: report.outcome,
-                objects: report.objects,
-            };
-            if self.mode == Mode::OpenLoop || !report.outcome.may_be_tried_again() {
-                return Err(failure);
-            }
-            let event = self.again(failure, limits)?;
-            self.look(at_ns, now_ns, Purpose::Ground);
+        let (step, at_ns, outcome) = (command.step, report.timestamp_ns, report.outcome);
+        if outcome == Outcome::Reached {
+            return self.end_reached(command, at_ns, now_ns);
+        }
+        let failure = Failure::Unsuccessful {
+            step,
+            outcome,
+            objects: report.objects,
+        };
+        let is_closed = self.mode == Mode::ClosedLoop;
+        if is_closed && outcome.may_be_tried_again() {
+            let event = self.again(self.only(self.step), failure, limits)?;
+            self.look_to_verify(at_ns, now_ns, Tried::Known);
             return Ok(event);
         }
-        let sub_goal = &command.planned.sub_goal;
-        let reference = command.planned.reference.object;
-        let placed = Placed {
-            object: sub_goal.object,
-            position: sub_goal.pose.translation.vector.into(),
-            reference: self.reference_at.map(|at| (reference, at)),
-        };
-        self.placed.put(self.step, placed);
+        if is_closed && outcome.depends_on_others() {
+            self.look_to_verify(at_ns, now_ns, Tried::Unable(failure));
+            return Ok(Event::Working);
+        }
+        Err(failure)
+    }
+
+    fn end_reached(
+        &mut self,
+        command: &Command,
+        at_ns: u64,
+        now_ns: u64,
+    ) -> Result<Event, Failure> {
         if self.mode == Mode::OpenLoop {
-            self.advance_step(Stage::Send { seen: None });
-            let off_m = f32::NAN;
+            self.placements.finish(self.step);
+            self.stage = match self.placements.next(self.steps()) {
+                Some(next) => {
+                    self.step = next;
+                    self.next = self.plan.steps().get(next).copied();
+                    Stage::Send { seen: None }
+                }
+                None => Stage::Finished,
+            };
+            let (step, off_m) = (command.step, f32::NAN);
             return Ok(Event::Reached { step, off_m });
         }
-        self.look(at_ns, now_ns, Purpose::Verify { missing: None });
+        let (planned, reference) = (command.planned, self.reference);
+        self.placements.put(self.step, planned, reference);
+        self.look_to_verify(at_ns, now_ns, Tried::Reached);
         Ok(Event::Working)
     }
 
-    /// Whether the steps so far have done what they should; if not, goes back to the first
-    /// for which that isn't so.
+    /// Whether the step that was tried has done what it should and those before it are still as
+    /// they should be; if not, what has come undone is done again.
+    ///
+    /// * `waits`: after when a scene was waited for, and since when
     fn verify(
         &mut self,
-        scene: &Scene,
-        after_ns: u64,
-        since_ns: u64,
+        scene: Scene,
+        tried: Tried,
+        waits: (u64, u64),
         limits: &Limits,
+        now_ns: u64,
     ) -> Result<Event, Failure> {
-        let map = self.planner.model().camera;
-        match self.placed.look(map, scene, limits.tolerance_m) {
-            Err(Amiss::Missing { step, object }) => {
+        let (after_ns, since_ns) = waits;
+        let view = View {
+            map: self.planner.model().camera,
+            scene: &scene,
+            before: &self.belief,
+            limits,
+        };
+        let undone = match tried {
+            Tried::Reached => match self.placements.confirm(self.step, &view) {
+                Ok(off_m) => {
+                    // At most MAX_STEPS.
+                    let step = self.step as u8;
+                    self.placements.finish(self.step);
+                    self.look_to_verify(after_ns, now_ns, Tried::Known);
+                    return Ok(Event::Reached { step, off_m });
+                }
+                Err(first) => Some(Undone {
+                    steps: self.only(self.step),
+                    first,
+                    is_missing: matches!(first, Amiss::Missing { .. }),
+                }),
+            },
+            Tried::Known | Tried::Unable(_) => self.placements.undone(&view),
+        };
+        match (undone, tried) {
+            (Some(undone), _) if undone.is_missing => {
                 // An arm may hide it for a while.
-                let missing = Some((step, object));
+                let missing = Some(undone);
                 let taken_ns = scene.header().timestamp_ns;
-                self.look(taken_ns, since_ns, Purpose::Verify { missing });
+                self.look(taken_ns, since_ns, Purpose::Verify { tried, missing });
                 Ok(Event::Working)
             }
-            Err(Amiss::Elsewhere {
-                step,
-                object,
-                off_m,
-            }) => {
-                let failure = Failure::NotThere {
-                    step,
-                    object,
-                    off_m,
-                };
-                let event = self.again(failure, limits)?;
-                self.go_back(step);
-                self.look(after_ns, since_ns, Purpose::Ground);
+            (Some(undone), _) => {
+                let event = self.undo(tried, &undone, limits)?;
+                self.look_to_verify(after_ns, since_ns, Tried::Known);
                 Ok(event)
             }
-            Ok(off_m) => {
-                // At most MAX_STEPS.
-                let step = self.step as u8;
-                self.advance_step(Stage::Look {
-                    after_ns,
-                    since_ns,
-                    purpose: Purpose::Ground,
-                });
-                Ok(Event::Reached { step, off_m })
+            (None, Tried::Unable(why)) => {
+                if !self.has_cleared && !view.has_changed() {
+                    return Err(why);
+                }
+                let event = self.again(self.only(self.step), why, limits)?;
+                self.look_to_ground(after_ns, since_ns);
+                Ok(event)
             }
+            (None, _) => match self.placements.next(self.steps()) {
+                Some(next) => {
+                    self.step = next;
+                    self.prepare(scene, since_ns, limits)
+                }
+                None => {
+                    self.stage = Stage::Finished;
+                    Ok(Event::Working)
+                }
+            },
         }
     }
 
-    /// This step, and those after it, are to be done again.
-    fn go_back(&mut self, step: u8) {
-        self.placed.forget_from(step);
-        self.step = step.into();
-    }
-
-    /// The step is done; this comes next, unless it was the last.
-    fn advance_step(&mut self, next: Stage<'m>) {
-        self.step = self.step.saturating_add(1);
-        self.stage = if self.step < self.steps() {
-            next
-        } else {
-            Stage::Finished
+    /// These steps are to be done again, and what was tried but could not be done.
+    fn undo(&mut self, tried: Tried, undone: &Undone, limits: &Limits) -> Result<Event, Failure> {
+        let why = match tried {
+            Tried::Unable(why) => why,
+            Tried::Reached | Tried::Known => undone.first.into(),
         };
+        let event = self.again(undone.steps, why, limits)?;
+        self.placements.undo(&undone.steps);
+        self.step = self.placements.next(self.steps()).unwrap_or(self.step);
+        Ok(event)
     }
 
-    /// One retry less; the failure when none is left.
-    fn again(&mut self, why: Failure, limits: &Limits) -> Result<Event, Failure> {
-        if self.retries >= limits.retries {
+    fn only(&self, step: usize) -> Steps {
+        core::array::from_fn(|index| index == step)
+    }
+
+    /// One retry less; the failure when none is left, or no attempt at one of these steps.
+    fn again(&mut self, steps: Steps, why: Failure, limits: &Limits) -> Result<Event, Failure> {
+        let mut attempts = steps.iter().zip(self.attempts);
+        let is_over = attempts.any(|(again, attempts)| *again && attempts >= limits.attempts);
+        if is_over || self.retries >= limits.retries {
             return Err(why);
         }
         self.retries += 1;
+        let first = steps.iter().position(|again| *again);
         // At most MAX_STEPS.
-        let step = self.step as u8;
+        let step = first.unwrap_or(self.step) as u8;
         Ok(Event::Again { step, why })
     }
 
@@ -465,5 +596,15 @@ impl<'m> Job<'m> {
             why,
         };
         Event::Stop(id)
+    }
+}
+
+/// With what a sentence ends once its controller was told to stop.
+fn stopped(why: Failure, confirmed: bool, begun: bool) -> Failure {
+    match why {
+        Failure::Cancelled if !confirmed => Failure::CancelledUnconfirmed,
+        // It says so late, or may have begun without being heard.
+        Failure::NotAccepted { step } if begun || !confirmed => Failure::Unanswered { step },
+        why => why,
     }
 }

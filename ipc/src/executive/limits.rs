@@ -13,8 +13,15 @@ pub struct Limits {
     pub move_wait_ns: u64,
     /// How long another node may be silent before it is held to be dead.
     pub silence_ns: u64,
-    /// How far from its sub-goal an object may be seen, metres.
+    /// How far from its sub-goal an object may be observed, metres.
     pub tolerance_m: f32,
+    /// How far from where it was observed before an object may be observed that has not moved,
+    /// metres.
+    pub moved_m: f32,
+    /// The same for an object that another one covers in part, metres.
+    pub covered_m: f32,
+    /// How many commands a step may take.
+    pub attempts: u8,
     /// How often anything is tried again, counted over the whole sentence.
     pub retries: u8,
 }
@@ -23,7 +30,9 @@ impl Default for Limits {
     /// Scenes of half a second at most; three heartbeats lost, so that a death is
     /// noticed within half a second; 15 mm, which is more than an arm may correct a
     /// sub-goal by what it sees of the support (8 mm across and 12 mm in height) and less
-    /// than half of the smallest block.
+    /// than half of the smallest block. An observation is compared with an earlier one more
+    /// closely than with a sub-goal, since what the model's map from pixels to the world is
+    /// off by cancels.
     fn default() -> Self {
         Self {
             scene_age_ns: 500_000_000,
@@ -32,7 +41,10 @@ impl Default for Limits {
             move_wait_ns: 60_000_000_000,
             silence_ns: 350_000_000,
             tolerance_m: 0.015,
-            retries: 3,
+            moved_m: 0.003,
+            covered_m: 0.010,
+            attempts: 4,
+            retries: 8,
         }
     }
 }
@@ -43,15 +55,18 @@ impl Default for Limits {
 pub enum LimitsError {
     /// A time is zero.
     Zero(&'static str),
-    /// The tolerance is not a positive number.
-    Tolerance,
+    /// A distance is not a positive number.
+    Distance(&'static str),
+    /// No step may be commanded.
+    NoAttempt,
 }
 
 impl fmt::Display for LimitsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Zero(name) => write!(f, "{name}: must be longer than 0"),
-            Self::Tolerance => f.write_str("tolerance: must be a positive number of metres"),
+            Self::Distance(name) => write!(f, "{name}: must be a positive number of metres"),
+            Self::NoAttempt => f.write_str("attempts: must be 1 or more"),
         }
     }
 }
@@ -72,8 +87,17 @@ impl Limits {
                 return Err(LimitsError::Zero(name));
             }
         }
-        if !(self.tolerance_m > 0.0 && self.tolerance_m.is_finite()) {
-            return Err(LimitsError::Tolerance);
+        for (name, distance_m) in [
+            ("tolerance", self.tolerance_m),
+            ("moved", self.moved_m),
+            ("covered", self.covered_m),
+        ] {
+            if !(distance_m > 0.0 && distance_m.is_finite()) {
+                return Err(LimitsError::Distance(name));
+            }
+        }
+        if self.attempts == 0 {
+            return Err(LimitsError::NoAttempt);
         }
         Ok(())
     }

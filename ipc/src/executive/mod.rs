@@ -16,6 +16,7 @@ mod limits;
 mod looking;
 mod placed;
 mod stage;
+mod view;
 
 pub use failure::{Failure, SceneFault};
 pub use limits::{Limits, LimitsError};

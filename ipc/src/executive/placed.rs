@@ -1,101 +1,198 @@
-//! What the steps so far have put where, and whether it is still seen there.
+//! What the steps so far have put where, and whether it is still observed there.
 
 use nsrm_core::MAX_STEPS;
-use nsrm_core::model::PixelToCamera;
-use nsrm_core::scene::Scene;
+use nsrm_core::planner::PlannedStep;
 
-/// An object where a step has put it. Positions are of centres, world frame, metres.
+use super::failure::Failure;
+use super::view::{Seen, View};
+
+/// Some of a program's steps, by their places.
+pub(super) type Steps = [bool; MAX_STEPS];
+
+/// A step that the controller says it has done.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placed {
-    pub(super) object: u32,
-    pub(super) position: [f32; 3],
-    /// What that is beside or on, and where it was then; unless it was moved since by a step.
-    pub(super) reference: Option<(u32, [f32; 3])>,
+struct Placed {
+    planned: PlannedStep,
+    /// Where its object was observed when the step was confirmed; none until then, and once a
+    /// later step has moved it on.
+    object: Option<Seen>,
+    /// Where its reference was observed when the step was planned; none once a later step has
+    /// moved it on.
+    reference: Option<Seen>,
 }
 
-/// What each step so far has put where, as long as no other took it elsewhere.
+/// What each step has put where.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Placements([Option<Placed>; MAX_STEPS]);
+pub(super) struct Placements {
+    placed: [Option<Placed>; MAX_STEPS],
+    done: Steps,
+}
 
-/// The first of them that is not as a step has left it. Steps count from 0.
+/// An object that is not as a step has left it. Steps count from 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Amiss {
-    /// This object isn't seen.
+    /// It isn't observed.
     Missing { step: u8, object: u32 },
-    /// This object is seen elsewhere, so far off.
+    /// It is observed elsewhere, so far off.
     Elsewhere { step: u8, object: u32, off_m: f32 },
 }
 
+impl From<Amiss> for Failure {
+    fn from(amiss: Amiss) -> Self {
+        match amiss {
+            Amiss::Missing { step, object } => Self::NotSeen { step, object },
+            Amiss::Elsewhere {
+                step,
+                object,
+                off_m,
+            } => Self::NotThere {
+                step,
+                object,
+                off_m,
+            },
+        }
+    }
+}
+
+/// What has come undone.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Undone {
+    /// The steps that have to do with it.
+    pub(super) steps: Steps,
+    /// What is amiss with the first of them.
+    pub(super) first: Amiss,
+    /// Whether anything isn't observed; something may hide it for a while.
+    pub(super) is_missing: bool,
+}
+
 impl Placements {
-    /// A step has put an object somewhere: no longer where others had put it, or beside
-    /// or on which they had put theirs.
-    pub(super) fn put(&mut self, step: usize, placed: Placed) {
-        for other in &mut self.0 {
-            if other.is_some_and(|other| other.object == placed.object) {
-                *other = None;
-            }
-            if let Some(other) = other
-                && other.reference.is_some_and(|(id, _)| id == placed.object)
-            {
-                other.reference = None;
-            }
-        }
-        if let Some(place) = self.0.get_mut(step) {
-            *place = Some(placed);
+    /// The first of so many steps that is not done.
+    pub(super) fn next(&self, steps: usize) -> Option<usize> {
+        self.done.iter().take(steps).position(|done| !done)
+    }
+
+    /// A step was done.
+    pub(super) fn finish(&mut self, step: usize) {
+        if let Some(done) = self.done.get_mut(step) {
+            *done = true;
         }
     }
 
-    /// Nothing that this step or a later one has put somewhere counts any more.
-    pub(super) fn forget_from(&mut self, step: u8) {
-        for later in self.0.iter_mut().skip(step.into()) {
-            *later = None;
-        }
-    }
-
-    /// Whether all is seen where it was put, and what it was put beside or on where that was: how
-    /// far off the object of the last step is, metres.
+    /// The controller says that it has done this step. What earlier steps have to do with its
+    /// object is no longer looked at.
     ///
-    /// * `scene`: with what is hidden
-    pub(super) fn look(
-        &self,
-        map: &PixelToCamera,
-        scene: &Scene,
-        tolerance_m: f32,
-    ) -> Result<f32, Amiss> {
-        let off_m = |step, object, at: &[f32; 3]| {
-            let seen = position(map, scene, object).ok_or(Amiss::Missing { step, object })?;
-            let off_m = distance_m(&seen, at);
-            // Neither is one there whose distance is not a number.
-            if off_m.is_nan() || off_m > tolerance_m {
-                return Err(Amiss::Elsewhere {
-                    step,
-                    object,
-                    off_m,
-                });
+    /// * `reference`: where that was observed when the step was planned
+    pub(super) fn put(&mut self, step: usize, planned: PlannedStep, reference: Option<Seen>) {
+        let moved = planned.object.object;
+        for earlier in self.placed.iter_mut().take(step).flatten() {
+            if earlier.planned.object.object == moved {
+                earlier.object = None;
+                earlier.reference = None;
             }
-            Ok(off_m)
+            if earlier.planned.reference.object == moved {
+                earlier.reference = None;
+            }
+        }
+        if let Some(place) = self.placed.get_mut(step) {
+            *place = Some(Placed {
+                planned,
+                object: None,
+                reference,
+            });
+        }
+    }
+
+    /// Where the object of an undone step goes again if its reference was moved on by a later
+    /// step: grounded anew, it would follow.
+    pub(super) fn again(&self, step: usize) -> Option<PlannedStep> {
+        let placed = self.placed.get(step)?.as_ref()?;
+        placed.reference.is_none().then_some(placed.planned)
+    }
+
+    /// Whether a step has put its object where it should, and its reference has stayed: how far
+    /// off the object is, metres. Where it is observed now it is to stay.
+    pub(super) fn confirm(&mut self, step: usize, view: &View<'_>) -> Result<f32, Amiss> {
+        // It was put.
+        let Some(placed) = self.placed.get_mut(step).and_then(Option::as_mut) else {
+            return Ok(0.0);
         };
-        let mut last_off_m = 0.0;
-        for (step, placed) in (0..).zip(self.0) {
-            let Some(placed) = placed else {
+        let (step, object) = (step as u8, placed.planned.object.object);
+        let seen = view.see(object).ok_or(Amiss::Missing { step, object })?;
+        let goal = placed.planned.sub_goal.pose.translation.vector.into();
+        let off_m = seen.off_m(&goal);
+        // Neither is one there whose distance is not a number.
+        if off_m.is_nan() || off_m > view.limits.tolerance_m {
+            return Err(Amiss::Elsewhere {
+                step,
+                object,
+                off_m,
+            });
+        }
+        if let Some(before) = &placed.reference {
+            stayed(step, placed.planned.reference.object, before, view)?;
+        }
+        placed.object = Some(seen);
+        // What was put beside or on it since may stay, if it has come back to where it was.
+        for later in self.placed.iter_mut().skip(usize::from(step)).flatten() {
+            if later.planned.reference.object == object
+                && let Some(before) = &mut later.reference
+                && seen.is_within(before, view.limits.tolerance_m)
+            {
+                *before = seen;
+            }
+        }
+        Ok(off_m)
+    }
+
+    /// What is no longer as the steps have left it.
+    pub(super) fn undone(&self, view: &View<'_>) -> Option<Undone> {
+        let mut found: Option<Undone> = None;
+        for ((step, placed), done) in (0..).zip(&self.placed).zip(self.done) {
+            let Some(placed) = placed.as_ref().filter(|_| done) else {
                 continue;
             };
-            last_off_m = off_m(step, placed.object, &placed.position)?;
-            if let Some((reference, at)) = placed.reference {
-                off_m(step, reference, &at)?;
+            let planned = &placed.planned;
+            for (id, before) in [
+                (planned.object.object, &placed.object),
+                (planned.reference.object, &placed.reference),
+            ] {
+                let Some(before) = before else {
+                    continue;
+                };
+                let Err(amiss) = stayed(step, id, before, view) else {
+                    continue;
+                };
+                let undone = found.get_or_insert(Undone {
+                    steps: [false; MAX_STEPS],
+                    first: amiss,
+                    is_missing: false,
+                });
+                undone.is_missing |= matches!(amiss, Amiss::Missing { .. });
+                if let Some(its) = undone.steps.get_mut(usize::from(step)) {
+                    *its = true;
+                }
             }
         }
-        Ok(last_off_m)
+        found
+    }
+
+    /// These steps are to be done again.
+    pub(super) fn undo(&mut self, steps: &Steps) {
+        for (done, undone) in self.done.iter_mut().zip(steps) {
+            *done &= !undone;
+        }
     }
 }
 
-/// Where an object's centre is seen, world frame, metres; `None` if it isn't seen.
-pub(super) fn position(map: &PixelToCamera, scene: &Scene, object: u32) -> Option<[f32; 3]> {
-    let seen = scene.objects().iter().find(|seen| seen.id == object)?;
-    Some(scene.camera().locate(map, &seen.location).coords.into())
-}
-
-fn distance_m(one: &[f32; 3], other: &[f32; 3]) -> f32 {
-    let offsets = one.iter().zip(other).map(|(a, b)| a - b);
-    offsets.map(|offset| offset * offset).sum::<f32>().sqrt()
+/// Whether an object is observed where it was before.
+fn stayed(step: u8, object: u32, before: &Seen, view: &View<'_>) -> Result<(), Amiss> {
+    let now = view.see(object).ok_or(Amiss::Missing { step, object })?;
+    match now.moved_m(before, view.limits) {
+        None => Ok(()),
+        Some(off_m) => Err(Amiss::Elsewhere {
+            step,
+            object,
+            off_m,
+        }),
+    }
 }

@@ -5,6 +5,7 @@ use nsrm_core::planner::GroundingTask;
 use nsrm_core::scene::Scene;
 
 use super::failure::Failure;
+use super::placed::Undone;
 use super::{Command, CommandId, Sentence};
 use crate::message::Report;
 
@@ -57,11 +58,25 @@ pub(super) enum Stage<'m> {
 /// What a scene is waited for.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Purpose {
-    /// To ground what is left.
-    Ground,
-    /// To see whether the steps so far did what they should; one of their objects
-    /// may have been missing in the scenes so far.
-    Verify { missing: Option<(u8, u32)> },
+    /// To ground the step that is next; in the scenes so far it may have been refused.
+    Ground { refused: Option<Failure> },
+    /// To see what has become of a step, and whether those before it are still as they should be.
+    Verify {
+        tried: Tried,
+        /// What is no longer observed in the scenes so far.
+        missing: Option<Undone>,
+    },
+}
+
+/// What the controller said of the step that was tried last.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Tried {
+    /// It was done, which is yet to be confirmed.
+    Reached,
+    /// It could not be done as things stood.
+    Unable(Failure),
+    /// What came of it is known.
+    Known,
 }
 
 /// What was heard of a command.

@@ -67,6 +67,9 @@ numbers! {
         /// Other objects are moved aside first, or the object itself is set down on the way;
         /// another outcome follows.
         Clearing = 16,
+        /// What the object was to be beside or on was moved since the command was given; the
+        /// object was not grasped.
+        ReferenceMoved = 17,
     }
 }
 
@@ -90,6 +93,7 @@ impl Outcome {
             Self::Covered => "something stands on the object",
             Self::CannotHold => "the hand can't hold an object of this size",
             Self::Clearing => "something is moved out of the way first",
+            Self::ReferenceMoved => "what the object was to be beside or on was moved meanwhile",
         }
     }
 
@@ -109,6 +113,7 @@ impl Outcome {
             Self::NotFollowing => "look at the arm, and start its controller anew",
             Self::Covered => "ask for what stands on it to be moved first",
             Self::CannotHold => "ask for another object",
+            Self::ReferenceMoved => "leave it where it is, and ask again",
         }
     }
 
@@ -119,7 +124,23 @@ impl Outcome {
 
     /// Whether it may go well when tried again.
     pub const fn may_be_tried_again(self) -> bool {
-        matches!(self, Self::NotGrasped | Self::Dropped | Self::Misplaced)
+        matches!(
+            self,
+            Self::NotGrasped | Self::Dropped | Self::Misplaced | Self::ReferenceMoved
+        )
+    }
+
+    /// Whether it may go well once something else stands elsewhere.
+    pub const fn depends_on_others(self) -> bool {
+        matches!(
+            self,
+            Self::NoPath
+                | Self::Impossible
+                | Self::WouldFall
+                | Self::OutOfReach
+                | Self::Covered
+                | Self::CannotHold
+        )
     }
 }
 
@@ -201,7 +222,7 @@ mod tests {
             assert_eq!((report.outcome, report.timestamp_ns), (outcome, 2));
             assert_eq!(report.objects, [5, 0]);
         }
-        for number in [0, 17, u32::MAX] {
+        for number in [0, 18, u32::MAX] {
             let refused = feedback(3, number).read();
             assert_eq!(refused, Err(FeedbackError::Outcome(number)));
         }

@@ -127,6 +127,9 @@ class Outcome(IntEnum):
     # Other objects are moved aside first, or the object itself is set down on the way;
     # another outcome follows.
     CLEARING = 16
+    # What the object was to be beside or on was moved since the command was given; the
+    # object was not grasped.
+    REFERENCE_MOVED = 17
 
 
 class Role(IntEnum):

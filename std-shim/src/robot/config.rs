@@ -59,6 +59,9 @@ struct LimitsFile {
     move_wait_ms: Option<u64>,
     silence_ms: Option<u64>,
     tolerance_mm: Option<f32>,
+    moved_mm: Option<f32>,
+    covered_mm: Option<f32>,
+    attempts: Option<u8>,
     retries: Option<u8>,
 }
 
@@ -189,15 +192,17 @@ impl SharedMemoryFile {
 impl LimitsFile {
     fn over(&self, limits: Limits) -> Limits {
         let ns = |ms: Option<u64>, default| ms.map_or(default, |ms| ms.saturating_mul(1_000_000));
+        let m = |mm: Option<f32>, default| mm.map_or(default, |mm| mm / 1000.0);
         Limits {
             scene_age_ns: ns(self.scene_age_ms, limits.scene_age_ns),
             scene_wait_ns: ns(self.scene_wait_ms, limits.scene_wait_ns),
             accept_wait_ns: ns(self.accept_wait_ms, limits.accept_wait_ns),
             move_wait_ns: ns(self.move_wait_ms, limits.move_wait_ns),
             silence_ns: ns(self.silence_ms, limits.silence_ns),
-            tolerance_m: self
-                .tolerance_mm
-                .map_or(limits.tolerance_m, |mm| mm / 1000.0),
+            tolerance_m: m(self.tolerance_mm, limits.tolerance_m),
+            moved_m: m(self.moved_mm, limits.moved_m),
+            covered_m: m(self.covered_mm, limits.covered_m),
+            attempts: self.attempts.unwrap_or(limits.attempts),
             retries: self.retries.unwrap_or(limits.retries),
         }
     }

@@ -5,6 +5,7 @@
 mod controller;
 mod hidden;
 mod stops;
+mod undone;
 mod world;
 
 use nsrm_core::{Refusal, SceneError};

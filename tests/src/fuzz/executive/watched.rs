@@ -29,8 +29,11 @@ pub(super) struct Watched {
     is_missed: bool,
     is_stopping: bool,
     cancelled_ns: Option<u64>,
-    /// When the scene of the last plan had been taken, at the latest.
-    planned_ns: u64,
+    /// When the scene of the last plan had been taken, at the latest; none once a command of it
+    /// was given.
+    planned_ns: Option<u64>,
+    /// How many commands each step has taken.
+    attempts: [u8; MAX_STEPS],
 }
 
 /// What is known outside when an event is told.
@@ -60,7 +63,8 @@ impl Watched {
             is_missed: false,
             is_stopping: false,
             cancelled_ns: None,
-            planned_ns: 0,
+            planned_ns: None,
+            attempts: [0; MAX_STEPS],
         }
     }
 
@@ -112,9 +116,9 @@ impl Watched {
                 assert!(age_ns <= now.limits.scene_age_ns, "{self:?}");
                 assert!(now.seen_ns > self.sent_ns(), "{self:?}");
                 self.steps = plan.program().steps().len();
-                self.planned_ns = now.seen_ns;
+                self.planned_ns = Some(now.seen_ns);
             }
-            Event::Command(command) => self.command(command, now.limits, now.now_ns),
+            Event::Command(command) => self.command(command, &now),
             &Event::Stop(id) => self.stop(id),
             &Event::Clearing { step, object, .. } => {
                 // Of what it is at, and not before it was told to the loop.
@@ -210,12 +214,16 @@ impl Watched {
         }
     }
 
-    fn command(&mut self, command: &Command, limits: &Limits, now_ns: u64) {
+    fn command(&mut self, command: &Command, now: &Now<'_>) {
+        let (limits, now_ns) = (now.limits, now.now_ns);
         assert!(self.mode != Mode::PlanOnly && !self.is_stopping);
         assert_eq!(self.cancelled_ns, None);
         // Whoever polls may be held up behind the plan.
         if self.mode == Mode::ClosedLoop {
-            let age_ns = now_ns.saturating_sub(self.planned_ns);
+            // What is put back where it was is not planned, but looked for.
+            let seen_ns = self.planned_ns.take().unwrap_or(now.seen_ns);
+            assert!(seen_ns > self.sent_ns(), "{self:?}");
+            let age_ns = now_ns.saturating_sub(seen_ns);
             assert!(age_ns <= limits.scene_age_ns, "{self:?}");
         }
         // No two at once, and none has the number of another.
@@ -230,6 +238,9 @@ impl Watched {
         assert!(command.step < command.steps);
         let most = self.steps * (usize::from(limits.retries) + 1);
         assert!(self.commands as usize <= most, "{self:?}");
+        let attempts = &mut self.attempts[usize::from(command.step)];
+        *attempts += 1;
+        assert!(*attempts <= limits.attempts, "{self:?}");
         let sub_goal = SubGoal::from(command);
         let order = sub_goal
             .read(now_ns)
