@@ -7,7 +7,7 @@ mean depth in metres.
 
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, final
+from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -241,6 +241,252 @@ class Model:
 
     def locate(self, location: ArrayLike, camera: Camera) -> NDArray[np.float32]:
         """The centre of the object seen at a location, world frame, metres: float32 [3]"""
+
+@final
+class Limits:
+    """How long the closed loop waits, how exact a step must be, how often it is tried again.
+
+    What is left out is as `nsrm serve` has it where its configuration says nothing.
+    """
+
+    def __init__(
+        self,
+        *,
+        scene_age_ns: int | None = None,
+        scene_wait_ns: int | None = None,
+        accept_wait_ns: int | None = None,
+        move_wait_ns: int | None = None,
+        silence_ns: int | None = None,
+        tolerance_m: float | None = None,
+        moved_m: float | None = None,
+        covered_m: float | None = None,
+        attempts: int | None = None,
+        retries: int | None = None,
+    ) -> None:
+        """Raises NsrmError for a limit that would let nothing happen, or everything."""
+
+    @property
+    def scene_age_ns(self) -> int:
+        """The oldest scene that is acted upon, nanoseconds since its image was taken."""
+    @property
+    def scene_wait_ns(self) -> int:
+        """How long a scene that may be acted upon is waited for."""
+    @property
+    def accept_wait_ns(self) -> int:
+        """How long the controller may take to accept a command, or a stop."""
+    @property
+    def move_wait_ns(self) -> int:
+        """How long it may take to carry one out."""
+    @property
+    def silence_ns(self) -> int:
+        """How long another node may be silent before it is considered dead."""
+    @property
+    def tolerance_m(self) -> float:
+        """How far from its sub-goal an object may be observed."""
+    @property
+    def moved_m(self) -> float:
+        """Farther than that from where it was observed before, an object has moved."""
+    @property
+    def covered_m(self) -> float:
+        """The same for an object that another one covers in part."""
+    @property
+    def attempts(self) -> int:
+        """How many commands a step may take."""
+    @property
+    def retries(self) -> int:
+        """How often anything is tried again, counted over the whole sentence."""
+
+@final
+class Failure:
+    """Why a sentence was not carried out, or a step is tried again. `str()` is for a person."""
+
+    @property
+    def kind(self) -> str:
+        """Why, in snake case: "unsuccessful", "not_there", "no_scene", or a refusal's kind."""
+    @property
+    def message(self) -> str: ...
+    @property
+    def step(self) -> int | None:
+        """Which step, from 0, where there is one."""
+    @property
+    def object_id(self) -> int | None:
+        """The object that is elsewhere ("not_there") or not observed ("not_seen")."""
+    @property
+    def off_m(self) -> float | None:
+        """How far it is from where it should be ("not_there")."""
+    @property
+    def outcome(self) -> int | None:
+        """What the controller said ("unsuccessful"): a number of the messages' `Outcome`."""
+    @property
+    def objects(self) -> tuple[int, int]:
+        """Objects in the way, as the controller said; 0 for none."""
+    @property
+    def refusal(self) -> Refused | None:
+        """The refusal, not raised."""
+
+@final
+class Waiting:
+    """Nothing can be done until something arrives or time goes by."""
+
+@final
+class Working:
+    """A piece of work was done; more is left."""
+
+@final
+class Planned:
+    """The sentence was understood and, from the step that is next on, grounded."""
+
+    @property
+    def plan(self) -> Plan: ...
+    @property
+    def first(self) -> int:
+        """Which step of the program the plan's steps begin with, from 0."""
+
+@final
+class Command:
+    """To be carried out by the controller."""
+
+    @property
+    def plan(self) -> int:
+        """Number of the plan; plans of later executives have greater ones."""
+    @property
+    def command(self) -> int:
+        """Counts the plan's commands from 1; a step tried again has another."""
+    @property
+    def until_ns(self) -> int:
+        """Until when it may be begun: then it is given up, and a `Stop` follows."""
+    @property
+    def step(self) -> int:
+        """Which step of the program, from 0."""
+    @property
+    def steps(self) -> int: ...
+    @property
+    def action(self) -> str: ...
+    @property
+    def object_id(self) -> int: ...
+    @property
+    def reference_id(self) -> int: ...
+    @property
+    def confidence(self) -> float: ...
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """Where the object's centre is to be, world frame, metres."""
+    @property
+    def orientation(self) -> tuple[float, float, float, float]:
+        """How it is to be turned in the world's frame: x, y, z, w."""
+    @property
+    def location(self) -> NDArray[np.float32]:
+        """Where it will be seen: float32 [5]"""
+
+@final
+class Stop:
+    """To be told to the controller: this command is no longer wanted."""
+
+    @property
+    def plan(self) -> int: ...
+    @property
+    def command(self) -> int: ...
+
+@final
+class Clearing:
+    """Before a step's object is carried to its sub-goal, something else is."""
+
+    @property
+    def step(self) -> int: ...
+    @property
+    def object_id(self) -> int: ...
+    @property
+    def first(self) -> tuple[int, int]:
+        """What is moved aside first, or the object itself, set down on the way; 0 for none."""
+
+@final
+class Reached:
+    """A step did what it should."""
+
+    @property
+    def step(self) -> int: ...
+    @property
+    def off_m(self) -> float:
+        """How far from its sub-goal the object was observed; not a number with the loop open."""
+
+@final
+class Again:
+    """A step will be done again."""
+
+    @property
+    def step(self) -> int: ...
+    @property
+    def why(self) -> Failure: ...
+
+@final
+class Ended:
+    """The sentence was carried out, or why not."""
+
+    @property
+    def why(self) -> Failure | None: ...
+
+Event: TypeAlias = Waiting | Working | Planned | Command | Stop | Clearing | Reached | Again | Ended
+"""What a call of `Executive.poll` has come to; a name for type checkers alone."""
+
+@final
+class Executive:
+    """The closed loop: carries out one sentence at a time between scenes and a controller.
+
+    It knows no process and no clock: it is told scenes, feedback and the time, and says what is to
+    be done. `nsrm serve` is the same with services around it.
+    """
+
+    def __init__(self, model: Model, limits: Limits | None = None, first_plan: int = 1) -> None:
+        """`first_plan`: number of its first plan, above those that the controller has heard of."""
+
+    @property
+    def plan(self) -> int | None:
+        """Number of the plan that is being carried out."""
+
+    def ask(
+        self,
+        sentence: str,
+        mode: Literal["closed_loop", "open_loop", "plan_only"] = "closed_loop",
+    ) -> int:
+        """Begins with a sentence; gives the number of its plan.
+
+        Raises Refused for a sentence that is too long, NsrmError while another one is carried out.
+        """
+
+    def see(self, scene: Scene, taken_ns: int, now_ns: int) -> str | None:
+        """A scene has arrived; says why it won't be acted upon, if so.
+
+        `taken_ns`: when its image was taken.
+        """
+
+    def hear(
+        self,
+        plan: int,
+        command: int,
+        outcome: int,
+        now_ns: int,
+        *,
+        at_ns: int | None = None,
+        objects: tuple[int, int] = (0, 0),
+    ) -> None:
+        """The controller says how a command goes: a number of the messages' `Outcome`.
+
+        `at_ns`: when it was so, now if it is left out; what came of the command is looked for in
+        scenes taken later. `objects`: in the way, or moved out of it; 0 for none. What is about no
+        command that is waited for changes nothing. Raises NsrmError for an unknown outcome.
+        """
+
+    def cancel(self) -> None:
+        """The sentence is no longer wanted: what moves is stopped, and "cancelled" ends it."""
+
+    def lose_controller(self) -> None:
+        """The controller died, hangs, or is another one than before."""
+
+    def miss_controller(self) -> None:
+        """The last command could not be sent."""
+
+    def poll(self, now_ns: int) -> Event:
+        """Does one bounded piece of work: what it has come to."""
 
 def crop(image: NDArray[np.uint8], box: ArrayLike) -> NDArray[np.float32]:
     """What the encoder sees of a box [4] of an image [H, W, 3]: float32 [3, 32, 32], 0 to 1."""

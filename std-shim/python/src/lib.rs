@@ -6,6 +6,9 @@
 mod arrays;
 mod camera;
 mod errors;
+mod events;
+mod executive;
+mod limits;
 mod model;
 mod observed;
 mod plan;
@@ -19,6 +22,14 @@ mod module {
     use crate::camera::Camera;
     #[pymodule_export]
     use crate::errors::{ModelError, NsrmError, Refused, SceneError};
+    #[pymodule_export]
+    use crate::events::{
+        Again, Clearing, Command, Ended, Failure, Planned, Reached, Stop, Waiting, Working,
+    };
+    #[pymodule_export]
+    use crate::executive::Executive;
+    #[pymodule_export]
+    use crate::limits::Limits;
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

@@ -1,6 +1,7 @@
 //! The model with its planner.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use nsrm::{AnyModel, info_json};
 use nsrm_core::model::OBJECT_EMBEDDING;
@@ -22,7 +23,14 @@ use crate::values::to_python;
 /// A trained model: the one that is built in, or one from a file.
 #[pyclass(frozen, module = "nsrm")]
 pub(crate) struct Model {
-    inner: AnyModel,
+    inner: Arc<AnyModel>,
+}
+
+impl Model {
+    /// For what outlives a call.
+    pub(crate) fn share(&self) -> Arc<AnyModel> {
+        Arc::clone(&self.inner)
+    }
 }
 
 #[pymethods]
@@ -31,7 +39,7 @@ impl Model {
     #[staticmethod]
     fn pretrained() -> Self {
         Self {
-            inner: AnyModel::Pretrained,
+            inner: Arc::new(AnyModel::Pretrained),
         }
     }
 
@@ -39,6 +47,7 @@ impl Model {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let inner = py.detach(|| AnyModel::load(path)).map_err(errors::load)?;
+        let inner = Arc::new(inner);
         Ok(Self { inner })
     }
 
