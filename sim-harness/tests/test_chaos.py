@@ -1,4 +1,4 @@
-"""The reader of a chaos run's journal: one in which all is well, and each way to spoil it."""
+"""The judge of a chaos run: a journal without faults, and that journal with one fault each."""
 
 from __future__ import annotations
 
@@ -112,35 +112,38 @@ def both(*spoils: Callable[[Lines], None]) -> Callable[[Lines], None]:
     [
         (again("moved"), "carried out 2 times"),
         (again("accepted"), "accepted twice"),
-        (without("accepted"), "carried out and not accepted"),
+        (without("accepted"), "carried out but not accepted"),
         (lambda lines: lines.append(find(lines, "moved") | {"what": "stopped"}), "was stopped and"),
         (
             lambda lines: lines.append(find(lines, "moved") | {"what": "came too late"}),
-            "came too late and was accepted",
+            "came too late but was accepted",
         ),
-        (without("kill"), "its controller lived and did nothing"),
-        (both(without("moved"), but("accepted", pid=9)), "and its sentence said to be done"),
-        (without("moved"), "of 1 steps 0"),
+        (without("kill"), "its live controller did nothing"),
+        (both(without("moved"), but("accepted", pid=9)), "but its sentence was reported done"),
+        (without("moved"), "after 0 of 1 steps"),
         (without("answered", 1), "sentence 2 has 0 ends"),
         (again("answered"), "sentence 1 has 2 ends"),
         (without("said", 2), "sentence 1: replies [1, 2, 4]"),
-        (without("said", 3), "is said to be done, after"),
+        (without("said", 3), "was reported done after"),
         (but("answered", 1, message=""), "sentence 2 ended without a reason"),
         (but("answered", 1, code=101), "ended with code 101"),
-        (but("answered", 1, code=None), "more askers were ended by a signal"),
-        (but("noticed", after_ns=501 * MS), "the controller was missed after 501 ms"),
-        (but("recovered", done=False), "in the end no sentence was carried out"),
+        (but("answered", 1, code=None), "more clients were ended by a signal"),
+        (
+            but("noticed", after_ns=501 * MS),
+            "loss of the controller was detected only after 501 ms",
+        ),
+        (but("recovered", done=False), "no sentence was carried out at the end"),
         (but("ended", code=1), "ended with code 1"),
-        (without("ended"), "nobody was stopped in the end"),
+        (without("ended"), "no node was stopped at the end"),
         (but("left", names=["a.data"]), "left behind: ['a.data']"),
-        (without("left"), "nobody looked"),
+        (without("left"), "there was no check"),
         (
             lambda lines: lines.append(line(20, "ended", node="planner", process=7, code=1)),
-            "the planner ended by itself with code 1",
+            "the planner exited on its own with code 1",
         ),
         (
             lambda lines: lines.append(line(20, "ended", node="camera", process=7, code=0)),
-            "the camera ended by itself with code 0",
+            "the camera exited on its own with code 0",
         ),
     ],
 )
@@ -161,7 +164,7 @@ def test_a_plan_of_which_nobody_was_told_must_be_of_one_who_was_killed() -> None
     lines = journal()
     without("said", 4)(lines)
     lines[:] = [line for line in lines if line.get("ask") != 2]
-    assert any("nobody was told" in fault for fault in judge(lines).faults)
+    assert any("no client was told" in fault for fault in judge(lines).faults)
     lines.append(line(12, "kill", node="asker", process=8))
     assert judge(lines).faults == ()
 
@@ -184,7 +187,7 @@ def test_or_of_one_who_was_told_of_a_lost_planner_or_reply(event: Line, excuses:
     lines.remove(find(lines, "said", 4))
     but("said", 4, event=event)(lines)
     faults = judge(lines).faults
-    told = () if excuses else ("of 1 plans that were not carried out nobody was told",)
+    told = () if excuses else ("1 plans were not carried out, and no client was told",)
     assert faults == told
 
 
@@ -204,7 +207,7 @@ def test_what_can_not_be_read_is_told(tmp_path: Path) -> None:
     with pytest.raises(JournalError, match="No such file"):
         read(path)
     path.write_text(json.dumps(line(1, "ask", ask=1)) + "\n{")
-    with pytest.raises(JournalError, match="line 2: no JSON"):
+    with pytest.raises(JournalError, match="line 2: invalid JSON"):
         read(path)
     with pytest.raises(JournalError, match="unknown kinds: \\['surprise'\\]"):
         judge([line(1, "surprise")])

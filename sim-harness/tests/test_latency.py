@@ -1,4 +1,4 @@
-"""What is read from measurements of how fast processes answer."""
+"""Reading and printing the latencies of processes."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def test_quantiles_and_what_lies_between_rows_are_told(tmp_path: Path) -> None:
     text = table(rows)
     assert "| sentence to first sub-goal, waiting | 144.0 | 144.0 | 900.0 | 900.0 | 100 |" in text
     assert "| frame to scene, above it, spinning | 3.0 | 3.0 | 3.0 | 3.0 | 100 |" in text
-    assert "waiting: 44.0 µs above the computation alone (p50), 1.10 of a pipe's way" in text
+    assert "waiting: 44.0 µs above the computation alone (p50), 1.10 of a pipe's round trip" in text
     assert "spinning: 3.0 µs above the computation alone (p50)." in text
-    assert "that waits: 1.05 of a pipe's way." in text
+    assert "to a waiting process: 1.05 of a pipe's round trip." in text
     assert "27 times the pixels: 1.05 of the time" in text
     draw(rows, tmp_path / "latency.png")
     assert (tmp_path / "latency.png").stat().st_size > 10_000

@@ -1,15 +1,16 @@
-"""Reads the journal of a chaos run, by nothing but its lines, and says what is wrong in it.
+"""Judges a chaos run by the lines of its journal alone, and lists the faults.
 
-What must hold, whoever was killed when:
+What must hold, whichever process was killed, and whenever:
 
-* A command that a controller has accepted is carried out once, or was stopped, or its
-  controller died; then who asked was told that it was not done, unless killed as well.
-* Nothing is carried out that was not accepted, twice, or after it was stopped.
+* A command that a controller accepted is carried out once, or is stopped, or its controller died;
+  then the client was told that it was not done, unless the client was killed as well.
+* No command is carried out twice, after it was stopped, or without having been accepted.
 * Each sentence ends once: done, with all of its steps carried out, or with a reason.
-* A plan that was not carried out and of which nobody says to have heard is of one who was
-  killed, or who was told that the planner or a reply was lost.
-* Who dies or hangs is missed within half a second. Nobody ends by itself.
-* In the end a sentence is carried out again, every process ends well, and nothing is left.
+* If a plan was not carried out and no client reports having heard of it, its client was killed, or
+  was told that the planner or a reply was lost.
+* A death or hang is detected within half a second. No node exits on its own.
+* At the end a sentence is carried out again, every process exits cleanly, and nothing is left
+  behind.
 """
 
 from __future__ import annotations
@@ -23,20 +24,20 @@ import numpy as np
 from nsrm_harness.evaluation.process_trials.journal import JournalError, Line
 
 NOTICED_NS = 500_000_000
-"""After so long a death or a hang must have been noticed."""
+"""Within this time a death or hang must be detected."""
 
 PLANNER_LOST, REPLY_LOST = "planner_lost", "reply_lost"
-"""Kinds of errors of who asks and may never have heard of a plan that was made."""
+"""Kinds of errors of a client that may never have heard of a plan that was made."""
 CONTROLLER_LOST = "controller_lost"
-"""The reason of a planner whose controller was lost."""
+"""The reason that a planner gives when its controller is lost."""
 
 Command = tuple[int, int]
-"""Plan and number."""
+"""Plan and command number."""
 
 
 @dataclass
 class _Ask:
-    """A sentence, until its end."""
+    """A sentence, from its request to its end."""
 
     begun_ns: int
     events: list[Line] = field(default_factory=list)
@@ -44,13 +45,13 @@ class _Ask:
 
     @property
     def plan(self) -> int | None:
-        """The plan that was made of it, if its asker has heard of one."""
+        """The plan made for it, if its client has heard of one."""
         return next((event["plan"] for event in self.events if event.get("plan")), None)
 
     @property
     def why(self) -> str | None:
-        """Why it was not done, if who asked has heard: the planner's last reason, or the kind of
-        the error after which nothing more is heard."""
+        """Why it was not done, as far as its client knows: the planner's last reason, or the kind
+        of the error after which nothing more is heard."""
         if self.code != 2:
             return None
         whys = (event.get("reason") or _kind_of_error(event) for event in reversed(self.events))
@@ -58,7 +59,7 @@ class _Ask:
 
     @property
     def code(self) -> int | None:
-        """How its process ended; None if it was killed."""
+        """Exit code of its process; None if it was killed."""
         return self.ends[-1]["code"] if self.ends else None
 
 
@@ -68,12 +69,12 @@ def _kind_of_error(event: Line) -> str | None:
 
 @dataclass(frozen=True)
 class ChaosVerdict:
-    """What a journal says.
+    """The verdict on a journal.
 
-    * `faults`: what must not be; none, if all is well
-    * `counts`: how much of what happened
-    * `noticed_ms`: milliseconds after which each death and hang was noticed
-    * `told_ms`: milliseconds after which those who had asked were told of a death
+    * `faults`: violations of what must hold; empty if there is none
+    * `counts`: how often each event happened
+    * `noticed_ms`: milliseconds until each death or hang was detected
+    * `told_ms`: milliseconds until clients were told of a death
     """
 
     faults: tuple[str, ...]
@@ -82,11 +83,11 @@ class ChaosVerdict:
     told_ms: tuple[float, ...]
 
     def text(self) -> str:
-        """For a person."""
+        """The verdict as text for people."""
         lines = [f"{count:>8} {what}" for what, count in self.counts.items()]
         for what, times in (
-            ("a death or hang noticed", self.noticed_ms),
-            ("who asked told of it", self.told_ms),
+            ("death or hang detected", self.noticed_ms),
+            ("client told of it", self.told_ms),
         ):
             if times:
                 p50, p99 = np.percentile(times, [50, 99])
@@ -97,7 +98,7 @@ class ChaosVerdict:
 
 
 def judge(lines: Iterable[Line]) -> ChaosVerdict:
-    """What the lines of a journal say, in the order of time."""
+    """Judges the lines of a journal, given in the order of time."""
     lines = list(lines)
     of = {what: [line for line in lines if line["what"] == what] for what in _KINDS}
     if unknown := {line["what"] for line in lines} - set(_KINDS):
@@ -109,7 +110,7 @@ def judge(lines: Iterable[Line]) -> ChaosVerdict:
         *_of_commands(of, asks, killed_askers),
         *_of_asks(asks, of, killed_askers),
         *(
-            f"the {line['node']} was missed after {after_ns / 1e6:.0f} ms"
+            f"loss of the {line['node']} was detected only after {after_ns / 1e6:.0f} ms"
             for line, after_ns in zip(of["noticed"], noticed, strict=True)
             if after_ns > NOTICED_NS
         ),
@@ -127,14 +128,14 @@ def judge(lines: Iterable[Line]) -> ChaosVerdict:
         "carried out": len(of["moved"]),
         "stopped": len(of["stopped"]),
         "came too late": len(of[TOO_LATE]),
-        "nodes that ended by themselves": len(_early_ends(of)),
+        "nodes that exited on their own": len(_early_ends(of)),
     }
     times = tuple(after_ns / 1e6 for after_ns in noticed)
     return ChaosVerdict(tuple(faults), counts, times, tuple(_told_ms(of, asks)))
 
 
 TOO_LATE = "came too late"
-"""A command, to the controller."""
+"""The kind of line for a command that reached the controller too late."""
 _KINDS = (
     "started",
     "kill",
@@ -186,11 +187,11 @@ def _of_commands(
         if times > 1:
             yield f"command {command} was carried out {times} times"
         if command not in accepted:
-            yield f"command {command} was carried out and not accepted"
+            yield f"command {command} was carried out but not accepted"
         if command in stopped:
             yield f"command {command} was stopped and carried out"
     for command in late & set(accepted):
-        yield f"command {command} came too late and was accepted"
+        yield f"command {command} came too late but was accepted"
     dead = {line["process"] for line in of["kill"]}
     by_plan = {ask.plan: ask for ask in asks.values() if ask.plan is not None}
     unclaimed = set()
@@ -198,15 +199,15 @@ def _of_commands(
         if command in moved or command in stopped:
             continue
         if line["pid"] not in dead:
-            yield f"command {command} was accepted, and its controller lived and did nothing"
+            yield f"command {command} was accepted, but its live controller did nothing"
         ask = by_plan.get(command[0])
         if ask is None:
             unclaimed.add(command[0])
         elif ask.code == 0:
-            yield f"command {command} was not carried out, and its sentence said to be done"
+            yield f"command {command} was not carried out, but its sentence was reported done"
     lost = sum(ask.why in (PLANNER_LOST, REPLY_LOST) for ask in asks.values() if ask.ends)
     if len(unclaimed) > killed_askers + lost:
-        yield f"of {len(unclaimed)} plans that were not carried out nobody was told"
+        yield f"{len(unclaimed)} plans were not carried out, and no client was told"
 
 
 def _of_asks(
@@ -214,7 +215,7 @@ def _of_asks(
 ) -> Iterable[str]:
     moves = Counter(line["plan"] for line in of["moved"])
     if sum(ask.code is None for ask in asks.values()) > killed_askers:
-        yield "more askers were ended by a signal than were killed"
+        yield "more clients were ended by a signal than were killed"
     for number, ask in asks.items():
         if len(ask.ends) != 1:
             yield f"sentence {number} has {len(ask.ends)} ends"
@@ -229,9 +230,10 @@ def _of_asks(
             steps = len(planned[0]["steps"]) if planned else 0
             reached = {event["step"] for event in ask.events if event.get("event") == "reached"}
             if not steps or kinds[-1] != "done" or reached != set(range(steps)):
-                yield f"sentence {number} is said to be done, after {kinds}"
+                yield f"sentence {number} was reported done after {kinds}"
             if moves[ask.plan] < steps:
-                yield f"sentence {number} is said to be done, of {steps} steps {moves[ask.plan]}"
+                done = f"{moves[ask.plan]} of {steps} steps"
+                yield f"sentence {number} was reported done after {done}"
         elif ask.code == 2:
             reasons = [event for event in ask.events if "reason" in event or "error" in event]
             if not message or not reasons:
@@ -247,26 +249,25 @@ def _early_ends(of: Mapping[str, list[Line]]) -> list[Line]:
 
 def _of_the_end(of: Mapping[str, list[Line]]) -> Iterable[str]:
     if not of["recovered"] or not of["recovered"][-1]["done"]:
-        yield "in the end no sentence was carried out"
+        yield "no sentence was carried out at the end"
     early = _early_ends(of)
     for line in early:
-        yield f"the {line['node']} ended by itself with code {line['code']}"
+        yield f"the {line['node']} exited on its own with code {line['code']}"
     late = [line for line in of["ended"] if line not in early]
     if not late:
-        yield "nobody was stopped in the end"
+        yield "no node was stopped at the end"
     for line in late:
         if line["code"] != 0:
-            yield f"the {line['node']} was told to end, and ended with code {line['code']}"
+            yield f"the {line['node']} was told to exit and ended with code {line['code']}"
     if not of["left"]:
-        yield "nobody looked what was left behind"
+        yield "there was no check for what was left behind"
     for line in of["left"]:
         if line["names"]:
             yield f"left behind: {line['names']}"
 
 
 def _told_ms(of: Mapping[str, list[Line]], asks: Mapping[int, _Ask]) -> Iterable[float]:
-    """From the death of planner or controller to the end of the sentence under way, of those
-    that ended by it."""
+    """Times from the death of a planner or controller to the end of the sentence under way."""
     whys = {"planner": PLANNER_LOST, "controller": CONTROLLER_LOST}
     for line in of["kill"]:
         why = whys.get(line["node"])

@@ -1,4 +1,4 @@
-"""The journal of a trial: a line of JSON for each thing that happened."""
+"""The journal of a trial: one line of JSON per event."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from typing import Any
 from nsrm_harness.common.errors import HarnessError
 
 Line = Mapping[str, Any]
-"""`t`: nanoseconds on the machine's monotonic clock; `who` wrote it; `what` happened; more."""
+"""`t`: nanoseconds on the machine's monotonic clock; `who` wrote the line; `what` happened; and
+fields of that kind of event."""
 
 
 class JournalError(HarnessError):
-    """A journal that can't be read."""
+    """A journal that cannot be read."""
 
 
 def read(path: Path) -> list[Line]:
-    """The lines of a journal, by time. Raises `JournalError`."""
+    """The lines of a journal, sorted by time. Raises `JournalError`."""
     lines: list[Line] = []
     try:
         text = path.read_text(encoding="utf-8")
@@ -28,5 +29,5 @@ def read(path: Path) -> list[Line]:
         try:
             lines.append(json.loads(line))
         except json.JSONDecodeError as error:
-            raise JournalError(f"{path}: line {number}: no JSON: {error}") from error
+            raise JournalError(f"{path}: line {number}: invalid JSON: {error}") from error
     return sorted(lines, key=lambda line: line["t"])

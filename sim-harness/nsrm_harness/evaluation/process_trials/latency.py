@@ -1,4 +1,4 @@
-"""Reads what was measured of how fast processes answer, and draws it."""
+"""Reads the latencies of a robot's processes from a file, and prints and plots them."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ from numpy.typing import NDArray
 from nsrm_harness.common.errors import HarnessError
 
 ALONE, ABOVE = ", computation alone", ", above it"
-"""What is added to a row's name for its computation, and for what it takes beside that."""
+"""Suffixes of a row's name: its computation alone, and the time above that."""
 PIPE, EVENT = ("pipe", ""), ("event", "")
-"""The rows of waking another process and being woken by it."""
+"""The rows for waking another process and being woken by it."""
 
 
 class LatencyError(HarnessError):
-    """Measurements that can't be read."""
+    """Measurements that cannot be read."""
 
 
 @dataclass(frozen=True, eq=False)
 class LatencySamples:
-    """What was measured.
+    """The samples of one row.
 
-    * `us`: rising, microseconds
+    * `us`: microseconds, in ascending order
     """
 
     us: NDArray[np.float64]
 
     def at(self, share: float) -> float:
-        """The time within which this share lies, microseconds."""
+        """The time within which this share of the samples lies, microseconds."""
         return float(np.quantile(self.us, share, method="inverted_cdf"))
 
     @property
     def count(self) -> int:
-        """How many were measured."""
+        """Number of samples."""
         return len(self.us)
 
 
 Rows = dict[tuple[str, str], LatencySamples]
-"""By what was measured and how."""
+"""Samples by what was measured and how."""
 
 
 def read(path: Path) -> Rows:
@@ -60,12 +60,12 @@ def read(path: Path) -> Rows:
     except (OSError, ValueError, KeyError) as error:
         raise LatencyError(f"{path}: {error}") from error
     if not {PIPE, EVENT} <= rows.keys():
-        raise LatencyError(f"{path}: rows are missing: the measurement was broken off")
+        raise LatencyError(f"{path}: rows are missing: the measurement was interrupted")
     return rows
 
 
 def table(rows: Rows) -> str:
-    """For a person: a table in Markdown, and what lies between the rows."""
+    """A Markdown table for people, with the differences between the rows."""
     lines = [
         "| microseconds | p50 | p99 | p99.99 | most | measured |",
         "|---|---:|---:|---:|---:|---:|",
@@ -80,29 +80,29 @@ def table(rows: Rows) -> str:
             continue
         text = f"{_title(row, how)}: {times.at(0.5):.1f} µs above the computation alone (p50)"
         if how == "waiting":
-            text += f", {times.at(0.5) / rows[PIPE].at(0.5):.2f} of a pipe's way there and back"
+            text += f", {times.at(0.5) / rows[PIPE].at(0.5):.2f} of a pipe's round trip"
         lines.append(f"- {text}.")
     event = rows[EVENT].at(0.5) / rows[PIPE].at(0.5)
-    lines.append(f"- A frame to another process that waits: {event:.2f} of a pipe's way.")
+    lines.append(f"- A frame to a waiting process: {event:.2f} of a pipe's round trip.")
     small, large = (rows[key].at(0.5) for key in rows if key[0] == "hand-over")
-    lines.append(f"- A frame of 27 times the pixels: {large / small:.2f} of the time (p50).")
+    lines.append(f"- A frame with 27 times the pixels: {large / small:.2f} of the time (p50).")
     return "\n".join(lines)
 
 
 def _title(what: str, how: str) -> str:
     names = {
-        "pipe": "a byte by a pipe to another process that waits, and word of it back",
-        "event": "a frame to another process that waits, and word of it back",
+        "pipe": "a byte through a pipe to a waiting process, round trip",
+        "event": "a frame to a waiting process, round trip",
         "sentence": "sentence to first sub-goal",
         "frame": "frame to scene",
-        "hand-over": "frame to another process that spins, and word of it back",
+        "hand-over": "frame to a spinning process, round trip",
     }
     name, _, alone = what.partition(",")
     return names[name] + (f",{alone}" if alone else "") + (f", {how}" if how else "")
 
 
 def draw(rows: Rows, path: Path) -> None:
-    """Share of what takes longer, against the time, as a PNG."""
+    """Plots the share of samples that take longer, against time, as a PNG."""
     figure, axes = plt.subplots(1, 3, figsize=(12.0, 4.8), layout="constrained", sharey=True)
     for axis, what, title in zip(
         axes,
@@ -129,6 +129,6 @@ def draw(rows: Rows, path: Path) -> None:
 
 
 def _tail(axis: Axes, times: LatencySamples, color: str, line: str, label: str) -> None:
-    # The last one has none behind it, which has no logarithm.
+    # No sample is longer than the last one, and zero has no logarithm.
     longer = 1.0 - np.arange(1, times.count) / times.count
     axis.step(times.us[:-1], longer, line, color=color, label=label, where="post")

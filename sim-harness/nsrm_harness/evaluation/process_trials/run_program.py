@@ -1,4 +1,4 @@
-"""Runs the program `nsrm-trials`, which makes processes work and writes down what happens."""
+"""Runs the program `nsrm-trials`, which puts processes under load and keeps a journal."""
 
 from __future__ import annotations
 
@@ -11,39 +11,39 @@ from typing import Any
 import click
 
 JOURNAL = "journal.jsonl"
-"""Name of what is written down, in the folder of a trial."""
+"""File name of the journal in a trial's folder."""
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 def programs_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Where the two programs are; `cargo chaos` and its like build and name them."""
+    """Options for the paths of the two programs; `cargo chaos` and the like pass them."""
     for name in ("--nsrm-trials", "--nsrm"):
         command = click.option(
             name,
             type=click.Path(path_type=Path, dir_okay=False, exists=True),
-            help=f"The program `{name[2:]}`, as cargo's alias of this command names it.",
+            help=f"Path of the program `{name[2:]}`; the cargo alias of this command passes it.",
         )(command)
     return command
 
 
 def out_option(default: str) -> Decorator:
-    """The folder of a trial."""
+    """Option for the folder of a trial."""
     return click.option(
         "--out",
         type=click.Path(path_type=Path, file_okay=False),
         default=Path(default),
         show_default=True,
-        help="Folder for the journal and what the processes print.",
+        help="Folder for the journal and the output of the processes.",
     )
 
 
 def run_trial(
     trial: str, trials: Path | None, nsrm: Path | None, out: Path, options: Sequence[str]
 ) -> Path:
-    """Runs a trial to its end and gives its journal; ends this process if it fails."""
+    """Runs a trial to its end and returns the path of its journal; exits if it fails."""
     if trials is None or nsrm is None:
-        raise click.UsageError(f"use `cargo {trial}`, which builds and names the programs")
+        raise click.UsageError(f"use `cargo {trial}`, which builds the programs it needs")
     command = [trials, trial, "--nsrm", nsrm, "--out", out, *options]
     done = subprocess.run(command, check=False)
     if done.returncode != 0:

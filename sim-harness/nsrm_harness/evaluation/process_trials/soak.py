@@ -1,4 +1,4 @@
-"""Reads the journal of a soak: what processes hold after hours of work, and how fast they are."""
+"""Reads the journal of a soak test: resources that processes hold over hours, and their speed."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.evaluation.process_trials.journal import JournalError, Line
 
 SAMPLES = 8
-"""With fewer nothing can be said."""
+"""Smallest number of samples that allows a verdict."""
 GROWTH = 0.02
-"""A share by which nothing may have grown, from the second quarter to the last."""
+"""Largest share by which a quantity may grow from the second quarter to the last."""
 GROWTH_LEAST = {"rss_kib": 512.0, "handles": 3.0, "threads": 0.0, "files": 6.0, "bytes": 1e6}
-"""What each may have grown by, however little it was: of what sways with who asks just now."""
+"""Growth that is always allowed: these quantities vary with the clients that are connected."""
 SLOWER = 2.0
-"""How many times as long a sentence may take in the last quarter as in the second: one run is
-compared with itself, so only other work on the machine has to be allowed for."""
+"""Largest ratio of a sentence's time in the last quarter to that in the second. A run is compared
+with itself, so this only has to allow for other work on the machine."""
 MINUTE_NS = 60_000_000_000
 
 Series = NDArray[np.float64]
@@ -32,16 +32,16 @@ Series = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Soak:
-    """What was sampled.
+    """The samples of a soak test.
 
-    * `hours`: `[samples]`, since the first sample
+    * `hours`: `[samples]`, time since the first sample
     * `held`: by node and quantity, `[samples]`
-    * `shared`: files that processes share, and bytes of those in memory, `[samples]`
-    * `minutes`: `[minutes]`, hours at which each minute ends
-    * `said_ms`: `[minutes, 3]`: p50, p99 and greatest time of a minute's sentences that were
-      done, from the start of the asker's process to its end
-    * `scene_ms`: `[samples]`, age of the latest scene's picture when it was seen
-    * `sentences`: how many were done, and how many had another end
+    * `shared`: number of files that processes share, and their bytes in memory, `[samples]`
+    * `minutes`: `[minutes]`, end of each minute, in hours
+    * `said_ms`: `[minutes, 3]`: p50, p99 and maximum time of the sentences done in a minute, from
+      the start of the client's process to its end
+    * `scene_ms`: `[samples]`, age of the latest scene's image when it was received
+    * `sentences`: number of sentences done, and number that ended otherwise
     """
 
     hours: Series
@@ -53,7 +53,7 @@ class Soak:
     sentences: tuple[int, int]
 
     def faults(self) -> list[str]:
-        """What has grown, and whether sentences take longer."""
+        """Quantities that have grown, and whether sentences take longer."""
         series = [
             (f"{node}: {what}", what, values)
             for node, quantities in self.held.items()
@@ -65,15 +65,15 @@ class Soak:
             early, late = _quarters(values)
             if late - early > max(GROWTH * early, GROWTH_LEAST[what]):
                 faults.append(f"{name} has grown from {early:.0f} to {late:.0f}")
-        # Without a sentence that was done there is nothing to compare.
+        # If no sentence was done, there is nothing to compare.
         if len(self.minutes) > 0:
             early, late = _quarters(self.said_ms[:, 0])
             if late > SLOWER * early:
-                faults.append(f"a sentence, p50: {late:.0f} ms, and {early:.0f} before")
+                faults.append(f"a sentence, p50: {late:.0f} ms, {early:.0f} before")
         return faults
 
     def text(self) -> str:
-        """For a person: a table in Markdown."""
+        """A Markdown table for people."""
         done, other = self.sentences
         lines = [
             f"{self.hours[-1]:.2f} hours, {done} sentences done, {other} refused.",
@@ -107,15 +107,15 @@ _WORDS = {
 
 
 def _quarters(values: Series) -> tuple[float, float]:
-    """Medians of the second quarter and of the last: in the first one things are begun."""
+    """Medians of the second and the last quarter; the first one includes the start-up."""
     quarter = max(len(values) // 4, 1)
-    # Of too few there is no second one.
+    # A single sample has no second quarter.
     early = values[quarter : 2 * quarter] if len(values) > 1 else values
     return float(np.median(early)), float(np.median(values[-quarter:]))
 
 
 def read_soak(lines: Sequence[Line]) -> Soak:
-    """What the lines of a journal say. Raises `JournalError` where there is too little."""
+    """The samples in a journal. Raises `JournalError` if there are too few."""
     samples = [line for line in lines if line["what"] == "sample"]
     if len(samples) < SAMPLES:
         raise JournalError(f"the journal has {len(samples)} samples; {SAMPLES} are needed")
@@ -124,7 +124,7 @@ def read_soak(lines: Sequence[Line]) -> Soak:
     answered = [line for line in lines if line["what"] == "answered"]
     done = [line for line in answered if line["code"] == 0]
     by_minute: dict[int, list[float]] = {}
-    # The rest at the end goes with the last whole minute: the greatest of few are small.
+    # The incomplete last minute counts with the one before it: few samples have a low maximum.
     last = max((samples[-1]["t"] - begun_ns) // MINUTE_NS - 1, 0)
     for line in done:
         minute = min((line["t"] - begun_ns) // MINUTE_NS, last)
@@ -161,7 +161,7 @@ def read_soak(lines: Sequence[Line]) -> Soak:
 
 
 def draw(soak: Soak, path: Path) -> None:
-    """Memory, open files, shared memory and times against the hours, as a PNG."""
+    """Plots memory, open files, shared memory and times against the hours, as a PNG."""
     figure, axes = plt.subplots(2, 2, figsize=(11.0, 6.6), layout="constrained")
     for axis, what, title, scale in (
         (axes[0, 0], "rss_kib", "resident memory, MiB", 1024.0),
