@@ -86,9 +86,9 @@ def test_three_steps_are_carried_out_and_drawn(tmp_path: Path) -> None:
             "put cyan block on the blue block",
             (ON_CYAN,),
             "failed",
-            "attempt 1 at a step was not as said",
+            "attempt 1 at a step did not succeed",
         ),
-        ("put red block on blue block", FIGURES[2].program, "failed", "1 steps, but 2"),
+        ("put red block on blue block", FIGURES[2].program, "failed", "1 steps instead of 2"),
         ("put purple block on the blue block", (ON_BLUE,), "refused", "model: "),
     ],
 )
@@ -149,7 +149,7 @@ def test_a_figure_that_does_worse_than_chance_ends_with_1(
     arguments = ("--jobs", 1, "--quiet", "--out", tmp_path, "--variations", 4)
     assert exit_code(*arguments) == 1
     told = capsys.readouterr().err
-    assert "figure 3: 1 of 4 done as said, 98.0 % is the goal" in told and "figure 2" not in told
+    assert "figure 3: 1 of 4 succeeded, the goal is 98.0 %" in told and "figure 2" not in told
     assert (tmp_path / "figures.csv").exists()
 
 
@@ -160,8 +160,8 @@ def test_what_was_touched_is_told() -> None:
     touching = replace(done, verdict=replace(good, touched=("block 1 and panda_hand",)))
     ended = [first, replace(first, figure=4, steps=(done, touching))]
     assert report.missed([first]) == []
-    assert report.missed(ended) == ["figure 4: not foreseen: block 1 and panda_hand touched"]
-    assert "touched what it should not have: 1." in report.text(ended)
+    assert report.missed(ended) == ["figure 4: unexpected contact: block 1 and panda_hand"]
+    assert "unexpected contact of the arm or its block: 1." in report.text(ended)
     # One that fails may be chance.
     assert report.missed([replace(first, end="failed")]) == []
 

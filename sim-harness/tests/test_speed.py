@@ -132,7 +132,7 @@ def test_what_is_timed_ends_as_what_is_not_and_is_left_as_it_was(
     assert [vars(site.owner)[site.name] for site in SITES] == originals
     check_same("here", [episode.profiled], [episode.plain])
     other = replace(episode.plain, corrected_m=(0.1,))
-    with pytest.raises(SpeedError, match="there: steps_1 0 ended otherwise"):
+    with pytest.raises(SpeedError, match="there: steps_1 0 ended differently"):
         check_same("there", [other], [episode.plain])
 
 
@@ -179,7 +179,9 @@ def test_work_begins_when_all_workers_are_warm(monkeypatch: pytest.MonkeyPatch) 
 
     # From here on only the first one works.
     monkeypatch.setattr(throughput, "MAX_START_S", 10.0)
-    with pytest.raises(SpeedError, match="1 of 2 workers have started after 10 s: fewer --jobs"):
+    with pytest.raises(
+        SpeedError, match="1 of 2 workers have started after 10 s: use fewer --jobs"
+    ):
         measure("two", lambda: nullcontext(workers), mixed(2, 0), lambda: None)
 
 

@@ -1,4 +1,4 @@
-"""What can't be by chance."""
+"""Tells failure rates that chance explains from those that it does not."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ CHANCE = 0.001
 
 
 def is_worse(succeeded: int, episodes: int, goal: float) -> bool:
-    """Whether an arm that reaches its goal would do so badly less than once in `1 / CHANCE`
-    times.
+    """Whether an arm that meets the goal would do this badly with a probability below `CHANCE`.
 
-    * `goal`: the share that is to succeed
+    * `goal`: share of episodes that must succeed
     """
     return bool(binom.cdf(succeeded, episodes, goal) < CHANCE)

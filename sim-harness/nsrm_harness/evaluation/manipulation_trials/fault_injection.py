@@ -1,5 +1,6 @@
-"""What a person, a camera or a controller may do to the arm's work while it works. The arm learns
-of it by its pictures and its joints alone."""
+"""Faults that a person, a camera or a controller may cause while the arm works.
+
+The arm learns of them only through its images and joints."""
 
 from __future__ import annotations
 
@@ -28,22 +29,22 @@ from nsrm_harness.simulation.render import Renderer
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 BEGUN = "begun"
-"""An attempt at a step has; what follows are the marks of `execute.carry_out`."""
+"""The event of starting an attempt at a step; later ones are the marks of `execute.carry_out`."""
 GONE_S = 1.0
-"""So long a camera is dark, and a scene is frozen that is not so for ever."""
+"""How long a camera is dark, or a scene frozen unless it is so for ever."""
 ASTRAY_RAD = 0.02
-"""Joints that are farther from where they were told to be are not there."""
+"""Joints that are farther than this from their target have not reached it."""
 NOT_HELD = (ExecutionResult.NOT_GRASPED, ExecutionResult.SLIPPED)
-"""A carrying ends so where the fingers can't hold a block."""
+"""Results of a pick and place whose fingers cannot hold the block."""
 FINGERS = Block((), (0.12, 0.12, 0.06), (0.0, 0.0, 0.0))
-"""The room that open fingers take, however they are turned."""
+"""The space that open fingers take in any orientation."""
 
 
 class FaultyArm(ArmWorld):
-    """An arm with which one may meddle.
+    """An arm in which faults can be injected.
 
     * `is_jammed`: the fingers do not close
-    * `has_opened_astray`: they were opened while the arm stood where it was not to be
+    * `has_opened_astray`: the fingers were opened while the arm was away from its target
     """
 
     def __init__(self) -> None:
@@ -52,7 +53,7 @@ class FaultyArm(ArmWorld):
         self._told: Joints | None = None
 
     def stop(self) -> None:
-        """The controller holds the joints where they are, whatever it is told from now on."""
+        """Makes the controller hold the joints where they are, whatever it is commanded later."""
         self._told = self.joints()
         super().drive(self._told, np.zeros_like(self._told))
 
@@ -72,29 +73,29 @@ class FaultyArm(ArmWorld):
             super().grip(opening_m, force_n)
 
     def make_slippery(self) -> None:
-        """Nothing is held by the fingers' friction any more."""
+        """Removes the friction of the fingers, so that they hold nothing."""
         self._arm.rub(0.0)
 
     def fingers_at(self) -> Pose:
-        """Where they are, as seen from above."""
+        """The pose of the fingers, seen from above."""
         hand = self.arm_links()[HAND_FRAME]
         x, y, z = (hand @ Pose((0.0, 0.0, FINGERTIP_M))).position
         return Pose.upright(x, y, z)
 
 
 class InjectedFault(ABC):
-    """Disturbs one step of an episode, once: so long after `since` as is drawn, and not later than
-    at `until`.
+    """A fault that disturbs one step of an episode once: after a random delay from `since`, and no
+    later than `until`.
 
-    * `meddled`: indices of the blocks that were moved by it
+    * `meddled`: indices of the blocks that it has moved
     * `has_acted`: whether it has begun
 
-    Raises `LayoutError` when made if it can't be done in the scene.
+    The constructor raises `LayoutError` if the fault is impossible in the scene.
     """
 
     title: ClassVar[str]
     is_stack: ClassVar[bool] = False
-    """Of stacks alone."""
+    """Whether it needs a stack."""
     since: str = BEGUN
     until: str = "reached"
     longest_s: float = 0.0
@@ -108,7 +109,7 @@ class InjectedFault(ABC):
         self._ticks: int | None = None
 
     def mark(self, step: int, event: str) -> None:
-        """Is told what has just been done in a step, counted from 0."""
+        """Call this with each event of a step; steps count from 0."""
         if self.has_acted or step != self.step:
             return
         if event == self.since and self._ticks is None:
@@ -117,18 +118,18 @@ class InjectedFault(ABC):
             self._act_once()
 
     def tick(self) -> None:
-        """Is called in each tick of the arm."""
+        """Call this in each tick of the arm."""
         if self._ticks is not None and not self.has_acted:
             self._ticks -= 1
             if self._ticks <= 0:
                 self._act_once()
 
     def picture(self, image: RgbdImage) -> RgbdImage:
-        """What becomes of a picture that is taken now, and of its time."""
+        """Returns what the fault makes of an image taken now, and of its time."""
         return image
 
     def explains(self, _error: Exception) -> bool:
-        """Whether it keeps the sentence from being done, and what the arm gave up with says so."""
+        """Whether it makes the sentence impossible, and the arm gave up with the right error."""
         return False
 
     @abstractmethod
@@ -150,7 +151,7 @@ class InjectedFault(ABC):
         self._arm.place(index + 1, pose)
 
     def _put_aside(self, index: int) -> None:
-        """To a free place on the table where no step is to put anything."""
+        """Moves a block to a free place on the table that no step needs."""
         poses = self._poses()
         taken = [footprint(block, pose) for block, pose in zip(self._blocks, poses, strict=True)]
         taken += [
@@ -163,9 +164,9 @@ class InjectedFault(ABC):
 
 
 class BlockMoved(InjectedFault):
-    """What the arm is about to fetch is somewhere else."""
+    """The block that the arm is about to grasp is moved elsewhere."""
 
-    title = "the block moved while the arm is on its way"
+    title = "the block moved while the arm approaches"
     longest_s = 1.0
 
     def _act(self) -> None:
@@ -173,7 +174,7 @@ class BlockMoved(InjectedFault):
 
 
 class BlockPushedOut(InjectedFault):
-    """What the arm has grasped is out of its hand."""
+    """The block that the arm has grasped is taken out of its hand."""
 
     title = "the block pushed out of the grasp"
     since, until, longest_s = "grasped", "above", 1.5
@@ -183,8 +184,8 @@ class BlockPushedOut(InjectedFault):
 
 
 class StackToppled(InjectedFault):
-    """The uppermost block of what has been stacked is on the table: as soon as it stands, or while
-    the arm brings the next one."""
+    """The top block of a stack falls on the table: right after it was placed, or while the arm
+    brings the next one."""
 
     title = "the top of a stack toppled"
     is_stack = True
@@ -203,12 +204,12 @@ class StackToppled(InjectedFault):
 
 
 class GoalTaken(InjectedFault):
-    """A block that nobody spoke of is where the step is to put its own."""
+    """A block that the sentence does not name is put onto the goal of the step."""
 
     title = "another block put onto the goal"
     longest_s = 1.0
     AWAY_M = 0.12
-    """From where the fingers grasp at that time."""
+    """Smallest distance to where the fingers grasp at that time."""
 
     def __init__(self, arm: FaultyArm, drawn: Drawn, rng: np.random.Generator) -> None:
         super().__init__(arm, drawn, rng)
@@ -226,7 +227,7 @@ class GoalTaken(InjectedFault):
             and goal.distance_m(unmoved) > self.AWAY_M
         ]
         if not others:
-            raise LayoutError("no block that may be put onto the goal")
+            raise LayoutError("no block can be put onto the goal")
         self._other = others[int(rng.integers(len(others)))]
 
     def _act(self) -> None:
@@ -235,7 +236,7 @@ class GoalTaken(InjectedFault):
 
 
 class CameraDark(InjectedFault):
-    """Pictures are black from the first look on."""
+    """Images are black from the first observation on."""
 
     title = "the camera dark for a second"
     _since_s: float | None = None
@@ -252,8 +253,8 @@ class CameraDark(InjectedFault):
 
 
 class SceneFrozen(InjectedFault):
-    """The last picture comes again, from the first look on for which it is old: for a second, or
-    for ever."""
+    """The camera repeats its last image, for a second or for ever, from the first observation for
+    which that image is old."""
 
     title = "the scene frozen"
     _last: RgbdImage | None = None
@@ -282,7 +283,7 @@ class SceneFrozen(InjectedFault):
 
 
 class ControllerStops(InjectedFault):
-    """The joints stay where they are, whatever they are told."""
+    """The joints stay where they are, whatever they are commanded."""
 
     title = "a controller that stops"
     until, longest_s = "let go", 4.5
@@ -296,7 +297,7 @@ class ControllerStops(InjectedFault):
 
 
 class GraspFails(InjectedFault):
-    """The fingers do not close, or hold nothing by friction."""
+    """The fingers do not close, or have no friction."""
 
     title = "a grasp that always fails"
 
@@ -310,7 +311,7 @@ class GraspFails(InjectedFault):
             return self._is_jam
         if not isinstance(error, ManipulationError):
             return False
-        # After such a try there may have been no way for another one.
+        # After such a try, planning the next one may have failed.
         return (error.done or error.after) in NOT_HELD
 
     def _act(self) -> None:
@@ -330,11 +331,11 @@ FAULTS: dict[str, type[InjectedFault]] = {
     "controller_stops": ControllerStops,
     "grasp_fails": GraspFails,
 }
-"""By name. New ones come behind them: what is drawn depends on the place."""
+"""Faults by name. Append new ones: what is drawn depends on the position."""
 
 
 class FaultyCamera(SimulatedCamera):
-    """Shows what a disturbance leaves of the pictures."""
+    """A camera whose images a fault can change."""
 
     def __init__(
         self, renderer: Renderer, arm: FaultyArm, camera: Camera, disturbance: InjectedFault

@@ -1,5 +1,4 @@
-"""What the truth of the simulator says of a step that the arm has carried out. Nothing of this
-reaches the arm."""
+"""Judges the steps of the arm by the simulator's ground truth, none of which reaches the arm."""
 
 from __future__ import annotations
 
@@ -14,24 +13,24 @@ from nsrm_harness.simulation.arm_world import TABLE, ArmWorld, Contact
 from nsrm_harness.simulation.blocks import Block
 
 POSITION_M, YAW_RAD, SHIFT_M = 0.005, math.radians(5.0), 0.003
-"""A step is done as said when the block is so near to the true relation, so little turned, and
-nothing else has moved farther."""
+"""A step succeeds if the block is within this distance and angle of the true relation, and no other
+block moved by more than `SHIFT_M`."""
 NEAR_M = 0.005
-"""What a block stands on it may touch in the hand so near to where it was grasped or let go."""
+"""A held block may touch its support this near to where it was grasped or released."""
 APART_TICKS = 50
-"""Fingers that were off a block for longer hold it anew."""
+"""Fingers that lose a block for longer than this start a new hold."""
 
 
 @dataclass(frozen=True)
 class PlacementVerdict:
-    """How a step went.
+    """The verdict on one step.
 
-    * `off_m`, `off_rad`: from the true relation to its reference: see `PlacementJudge.end`
-    * `shift_m`: the farthest that another block was moved
-    * `at_rest`: all blocks, at its end
-    * `touched`: what the arm or the block in its hand pushed against, and should not have
-    * `seconds`: simulated
-    * `step`: which one of the sentence it was, counted from 0
+    * `off_m`, `off_rad`: deviation from the true relation, see `PlacementJudge.end`
+    * `shift_m`: largest distance that another block was moved
+    * `at_rest`: whether all blocks are at rest at its end
+    * `touched`: unexpected contacts of the arm or of the block in its hand
+    * `seconds`: simulated time
+    * `step`: index of the step in the sentence, from 0
     """
 
     off_m: float
@@ -44,12 +43,12 @@ class PlacementVerdict:
 
     @property
     def is_in_place(self) -> bool:
-        """Done, whatever else has moved."""
+        """Whether the block is in place, whatever else has moved."""
         return self.off_m <= POSITION_M and self.off_rad <= YAW_RAD and self.at_rest
 
     @property
     def is_as_said(self) -> bool:
-        """Done, and nothing else."""
+        """Whether the step succeeded: the block is in place and no other block has moved."""
         return self.is_in_place and self.shift_m <= SHIFT_M
 
     def __str__(self) -> str:
@@ -62,10 +61,10 @@ class PlacementVerdict:
 
 @dataclass
 class _Hold:
-    """A block between the fingers.
+    """A period in which a block was between the fingers.
 
-    * `begin`, `end`: where it was so first and last, in tick `tick`
-    * `met`: what it pushed against away from `begin`, and where
+    * `begin`, `end`: its first and last pose there, the last in tick `tick`
+    * `met`: its contacts away from `begin`, and its pose at each
     """
 
     number: int
@@ -76,14 +75,14 @@ class _Hold:
 
     @property
     def on_the_way(self) -> set[Contact]:
-        """What it pushed against elsewhere than where it was grasped or let go."""
+        """Its contacts away from where it was grasped and released."""
         return {contact for contact, pose in self.met if pose.distance_m(self.end) > NEAR_M}
 
 
 class PlacementJudge:
-    """Watches a world while its arm carries steps out.
+    """Watches a world while its arm executes steps.
 
-    * `blocks`: of the world, by index: the id without one
+    * `blocks`: blocks of the world, by index, which is the id minus one
     """
 
     def __init__(self, world: ArmWorld, blocks: Sequence[Block]) -> None:
@@ -91,7 +90,7 @@ class PlacementJudge:
         self._has_begun = False
 
     def begin(self, move: Move) -> Pose:
-        """A step begins; gives where its block is to be."""
+        """Begins a step; returns the target of its block."""
         self._has_begun = True
         self._move, self._before, self._ticks = move, self._poses(), 0
         self._seen: set[Contact] = set()
@@ -102,7 +101,7 @@ class PlacementJudge:
         return self._target
 
     def tick(self) -> None:
-        """To be called in each tick of the arm; before the first step nothing is watched."""
+        """Call this in each tick of the arm. Before the first step it does nothing."""
         if not self._has_begun:
             return
         self._ticks += 1
@@ -113,11 +112,10 @@ class PlacementJudge:
             self._hold(number, now)
 
     def end(self, aside: Sequence[Pose] = (), *, anew: bool = False) -> PlacementVerdict:
-        """The step has ended.
+        """Ends the step and returns its verdict.
 
-        * `aside`: where other blocks were put that it was said of that they are moved
-        * `anew`: the block is to be where its reference is now; otherwise, where that stood
-          before the step
+        * `aside`: poses at which other blocks were put that were reported as moved aside
+        * `anew`: judge by where the reference is now; otherwise by where it was before the step
         """
         moved, after = self._move.moved, self._poses()
         put = {moved, *(self._world.nearest(pose.position)[0] - 1 for pose in aside)}
@@ -127,7 +125,7 @@ class PlacementJudge:
             if index not in put
         )
         carried = {index + 1 for index in put}
-        # What they stood on, and stand on now.
+        # Supports before and after the step.
         rightly = {it for it in self._stood | self._standing() if carried & set(it)}
         on_the_way = {it for hold in self._holds for it in hold.on_the_way}
         touched = sorted(
@@ -146,8 +144,7 @@ class PlacementJudge:
         )
 
     def stands(self, moves: Sequence[Move]) -> bool:
-        """Whether all these blocks are at the end where their moves have them be, by where their
-        references are now."""
+        """Whether all these moves hold at the end, relative to where their references are now."""
         poses = self._poses()
         wanted = [(poses[move.moved], target(move, self._blocks, poses)) for move in moves]
         return all(
@@ -156,7 +153,7 @@ class PlacementJudge:
         )
 
     def _hold(self, number: int, now: set[Contact]) -> None:
-        """A block is between the fingers in this tick, and these push against each other."""
+        """Records that a block is between the fingers in this tick, with these contacts."""
         pose = self._world.pose(number)
         before = (hold for hold in reversed(self._holds) if hold.number == number)
         hold = next(before, None)
@@ -169,7 +166,7 @@ class PlacementJudge:
             hold.met.extend((it, pose) for it in others)
 
     def _standing(self) -> set[Contact]:
-        """What all blocks stand on now, or lean against."""
+        """The contacts of all blocks with what they stand on or lean against."""
         numbers = range(1, len(self._blocks) + 1)
         standing = {TABLE, *numbers}
         return {it for it in self._world.contacts(*numbers) if standing.issuperset(it)}
@@ -179,7 +176,7 @@ class PlacementJudge:
 
 
 def _between_fingers(contacts: set[Contact]) -> set[int]:
-    """The numbers of the blocks that both fingers push against."""
+    """The numbers of the blocks in contact with both fingers."""
     by_finger = [
         {one for it in contacts if finger in it for one in it if isinstance(one, int)}
         for finger in panda.FINGERS
@@ -188,6 +185,6 @@ def _between_fingers(contacts: set[Contact]) -> set[int]:
 
 
 def turned_rad(one: Pose, other: Pose) -> float:
-    """Between the yaws of two blocks, which look the same after a quarter of a turn."""
+    """Angle between the yaws of two blocks, which look the same after a quarter turn."""
     yaw = one.yaw_rad() - other.yaw_rad()
     return abs((yaw + math.pi / 4) % (math.pi / 2) - math.pi / 4)

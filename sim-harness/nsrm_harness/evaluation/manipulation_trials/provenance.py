@@ -1,4 +1,4 @@
-"""Which code and which model make episodes: those of another are no part of the same table."""
+"""Identifies the code and model that produce episodes, so that one table never mixes two."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import nsrm_harness
 
 
 def digest() -> str:
-    """Of this package's sources and domains, and of the core module: the model is built into it."""
+    """Hash of the harness's sources and domains, and of the core module with its model."""
     harness, core = (Path(str(each.__file__)).parent for each in (nsrm_harness, nsrm))
     return _of((harness, "*.py"), (harness, "*.toml"), (core, "*.py"), (core, "*.so"))
 
 
 def _of(*parts: tuple[Path, str]) -> str:
-    """Of the names and contents of all files below folders that are called so."""
+    """Hash of the names and contents of all matching files below these folders."""
     whole = hashlib.sha256()
     for folder, pattern in parts:
         for path in sorted(folder.rglob(pattern)):

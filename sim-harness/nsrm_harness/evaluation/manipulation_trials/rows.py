@@ -1,4 +1,4 @@
-"""The rows of the table: which scenes are drawn, and what is said in them."""
+"""The rows of the trials' table: how their scenes and sentences are drawn."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ NAMED_BY = Descriptions(1, 2)
 
 @dataclass(frozen=True)
 class TrialRow:
-    """Episodes of one kind.
+    """A row: episodes of one kind.
 
-    * `goal`: share that is to succeed
-    * `steps`: of the program
-    * `is_stack`: each step puts a block on the one before
+    * `goal`: share of episodes that must succeed
+    * `steps`: number of steps of the program
+    * `is_stack`: each step puts a block on the one moved before
     * `is_control`: the arm is given the true poses and the true sub-goals
-    * `is_disturbed`: someone interferes, whom the arm may touch
+    * `is_disturbed`: a fault is injected, which may cause contacts
     """
 
     name: str
@@ -58,7 +58,7 @@ ROWS = (
 
 @dataclass(frozen=True)
 class Drawn:
-    """A scene, a sentence, and what it means."""
+    """A scene, a sentence, and its meaning."""
 
     arrangement: Arrangement
     task: Task
@@ -66,7 +66,7 @@ class Drawn:
 
 
 def draw(row: TrialRow, rng: np.random.Generator, domain: Domain) -> Drawn:
-    """One episode of a row."""
+    """Draws one episode of a row."""
     for _ in range(MAX_TRIES):
         blocks = sample_blocks(rng, domain, int(rng.integers(BLOCKS[0], BLOCKS[1] + 1)))
         try:
@@ -85,7 +85,7 @@ def draw(row: TrialRow, rng: np.random.Generator, domain: Domain) -> Drawn:
 def _stack(
     rng: np.random.Generator, domain: Domain, arrangement: Arrangement, steps: int
 ) -> Task | None:
-    """Each block on the one that was moved before; all named so that no other is meant."""
+    """Each block goes on the one moved before; all descriptions are unique."""
     unique = unique_descriptions(domain, arrangement.blocks, NAMED_BY)
     named = [index for index, kinds in enumerate(unique) if kinds]
     action = next(action for action in domain.actions if action.direction is None)

@@ -1,5 +1,4 @@
-"""All episodes of a table, some at a time, each written down as it ends: what is there already is
-not done again."""
+"""Runs all episodes of a table in parallel; each is saved as it ends and is not run again."""
 
 from __future__ import annotations
 
@@ -26,13 +25,13 @@ from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
 from nsrm_harness.evaluation.manipulation_trials.rows import TrialRow
 
 FILMED = ("film.gif", "strip.png")
-"""What there is in a folder of `films`,"""
+"""The files that `films` writes into a folder,"""
 FILMS = re.compile(r"(succeeded|refused|failed)-\w+-\d+")
-"""and what such folders are called."""
+"""and the names of such folders."""
 
 
 class TrialsError(HarnessError):
-    """A file that is not one of these trials."""
+    """A file that does not belong to these trials."""
 
 
 def run(
@@ -40,10 +39,10 @@ def run(
 ) -> list[EpisodeResult]:
     """The first `episodes` episodes of each row.
 
-    * `path`: of the file of one line an episode, behind a first one that says which seed, and by
-      which code and model
+    * `path`: file with one line per episode, after a header with the seed and the provenance (code
+      and model)
 
-    Raises `TrialsError` for a file of another seed, code or model.
+    Raises `TrialsError` if the file has another seed, code or model.
     """
     kept = {(each.row, each.index): each for each in _kept(path, seed)}
     domain = domains.load()
@@ -68,7 +67,7 @@ def run(
 def episode(
     row: TrialRow, seed: int, index: int, films: Path | None, domain: Domain
 ) -> EpisodeResult:
-    """An episode of any row: see `trial.run`."""
+    """Runs an episode of any row: see `trial.run`."""
     if isinstance(row, DisturbedRow):
         return run_disturbed(row.kind, row.loop, seed, index, films, domain)
     return trial.run(row, seed, index, films, domain)
@@ -81,8 +80,8 @@ def films(
     workers: Workers,
     folder: Path,
 ) -> None:
-    """Carries these episodes out again, each filmed into a folder of its own; what was filmed
-    there before is removed."""
+    """Runs these episodes again and films each into a folder of its own, after removing earlier
+    films."""
     _remove_films(folder)
     by_name, domain = {row.name: row for row in rows}, domains.load()
     tasks = (
@@ -101,7 +100,7 @@ def _folder_of(ended: EpisodeResult) -> str:
 
 
 def _remove_films(folder: Path) -> None:
-    """Those of `films`, and nothing that someone else has put there."""
+    """Removes what `films` wrote, and nothing else."""
     for each in folder.glob("*"):
         if not (each.is_dir() and FILMS.fullmatch(each.name)):
             continue
@@ -112,7 +111,7 @@ def _remove_films(folder: Path) -> None:
 
 
 def _kept(path: Path, seed: int) -> Iterator[EpisodeResult]:
-    """What a run that was broken off has left; its last line may be half written."""
+    """The results that an interrupted run has left; its last line may be incomplete."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     first, _, rest = text.partition("\n")
@@ -128,11 +127,11 @@ def _kept(path: Path, seed: int) -> Iterator[EpisodeResult]:
     try:
         head = json.loads(first)
         if head["seed"] != seed:
-            raise TrialsError(f"{path}: trials of seed {head['seed']}: another --out")
+            raise TrialsError(f"{path}: trials of seed {head['seed']}: use another --out")
         if head.get("provenance") != made:
             raise TrialsError(
-                f"{path}: trials by another state of the code or the model: another --out, or "
-                "remove it"
+                f"{path}: trials of another version of the code or the model: use another --out, "
+                "or remove it"
             )
         for line in rest.splitlines():
             fields = json.loads(line)
@@ -143,5 +142,5 @@ def _kept(path: Path, seed: int) -> Iterator[EpisodeResult]:
             yield EpisodeResult(**fields)
     except (ValueError, KeyError, TypeError) as error:
         raise TrialsError(
-            f"{path}: {error}: no file of trials; remove it, or another --out"
+            f"{path}: {error}: not a file of trials; remove it, or use another --out"
         ) from error

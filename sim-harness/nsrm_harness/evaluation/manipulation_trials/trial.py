@@ -1,5 +1,6 @@
-"""One episode: a sentence is planned by the model, carried out by the arm, and judged by the
-truth. The arm sees pictures and feels its joints; the truth is read by the judge."""
+"""Runs one episode: the model plans, the arm executes, and the ground truth judges.
+
+The arm has only images and its joints; only the judge reads the ground truth."""
 
 from __future__ import annotations
 
@@ -34,10 +35,10 @@ def run(
     films: Path | None = None,
     domain: Domain | None = None,
 ) -> EpisodeResult:
-    """Carries one episode out; the same in any process.
+    """Runs one episode, with the same result in any process.
 
-    * `films`: folder in which it is shown as `film.gif` and `strip.png`
-    * `domain`: the paper's if none is given; a cluster's worker has no file of it
+    * `films`: folder for `film.gif` and `strip.png`
+    * `domain`: by default the paper's; a worker in a cluster does not have its file
     """
     drawn = draw(row, generator(seed, f"arm_{row.name}", index), domain or domains.load())
     with closing(ArmWorld()) as world:
@@ -46,7 +47,7 @@ def run(
 
 
 class _ByModel(TrialEpisode):
-    """The model plans from pictures."""
+    """An episode in which the model plans from images."""
 
     _reached = 0
 
@@ -64,14 +65,14 @@ class _ByModel(TrialEpisode):
     def _followed(self) -> EpisodeEnd:
         for number, verdict in enumerate(self._verdicts, start=1):
             if not verdict.is_as_said:
-                return EpisodeEnd("failed", f"attempt {number} at a step was not as said")
+                return EpisodeEnd("failed", f"attempt {number} at a step did not succeed")
         if not self._judge.stands(lasting(self._moves)):
             return EpisodeEnd("failed", "what was done did not stay")
         return EpisodeEnd("succeeded")
 
 
 class _ByTruth(_ByModel):
-    """The arm is given the true poses and sub-goals."""
+    """An episode in which the arm is given the true poses and sub-goals."""
 
     def _follow(self) -> None:
         for index, move in enumerate(self._moves):
@@ -90,7 +91,7 @@ class _ByTruth(_ByModel):
             self._end(index)
 
     def _kept(self, index: int) -> set[str]:
-        """What the steps so far have to do with; what only later ones name may be moved aside."""
+        """The objects of the steps so far; those of later steps alone may be moved aside."""
         moves = self._moves[: index + 1]
         return {_name(block + 1) for move in moves for block in (move.moved, move.reference)}
 

@@ -1,4 +1,4 @@
-"""The table of the trials: for people, as CSV, and as a picture."""
+"""Reports the results of the trials: a Markdown table, a CSV file and a plot."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from nsrm_harness.evaluation.manipulation_trials.rows import TrialRow
 
 CORRECTED_MM = 1.0
 ENOUGH = 100
-"""Of so many episodes a row's middle and 95 % say something, and are to be at most:"""
+"""From this many episodes on, a row's median and 95 % quantile are compared with these limits:"""
 OFF_P50_MM, OFF_P95_MM, CONTROL_P95_MM = 2.0, 5.0, 0.5
 SECONDS_P50 = 6.0
 REFUSED = 0.01
-"""Share of sub-goals."""
+"""Largest share of sub-goals that may be refused."""
 FIELDS = (
     "row",
     "episodes",
@@ -38,47 +38,47 @@ FIELDS = (
     "seconds_p50",
 )
 NONE = "–"
-"""Stands for a person where a figure is of nothing."""
+"""Shown to people where there is nothing to compute a figure from."""
 GIVEN_UP = "given_up"
-"""A last one of tables with disturbed rows: how many of those that succeeded."""
+"""Last column of tables with disturbed rows: how many of the successes were correctly given up."""
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A row, counted."""
+    """A row of the table with its episodes."""
 
     row: TrialRow
     ended: tuple[EpisodeResult, ...]
 
     @property
     def ends(self) -> Counter[str]:
-        """How many ended how."""
+        """How many episodes ended in each way."""
         return Counter(each.end for each in self.ended)
 
     @property
     def given_up(self) -> int:
-        """Of those that succeeded: what can't be done was told as a failure, at rest."""
+        """Successes in which the impossible was given up with a reason, with the arm at rest."""
         return sum(each.end == "succeeded" and bool(each.why) for each in self.ended)
 
     @property
     def steps(self) -> list[PlacementVerdict]:
-        """All that were carried out."""
+        """All steps that were executed."""
         return [step for each in self.ended for step in each.steps]
 
     @property
     def refused(self) -> int:
-        """Sub-goals."""
+        """Number of refused sub-goals."""
         return sum(bool(each.kind) for each in self.ended)
 
     @property
     def asked(self) -> int:
-        """Sub-goals, refused ones included."""
+        """Number of sub-goals, refused ones included."""
         return len(self.steps) + self.refused
 
     @property
     def off_mm(self) -> NDArray[np.float64]:
-        """From the true relation, of each step; where someone interferes, of its last attempt,
-        if it was not rightly given up."""
+        """Distance of each step from the true relation; in a disturbed row, of its last attempt,
+        unless it was correctly given up."""
         steps = self.steps
         if self.row.is_disturbed:
             steps = [step for each in self.ended for step in _last(each)]
@@ -86,11 +86,11 @@ class Line:
 
     @property
     def seconds(self) -> NDArray[np.float64]:
-        """Simulated, of each step."""
+        """Simulated time of each step."""
         return np.array([step.seconds for step in self.steps])
 
     def values(self) -> tuple[str, ...]:
-        """As in the CSV; empty where there is no step."""
+        """The fields of the CSV file; empty if there is no step."""
         ends = self.ends
         return (
             self.row.name,
@@ -102,7 +102,7 @@ class Line:
 
 
 def _last(ended: EpisodeResult) -> list[PlacementVerdict]:
-    """The last attempt at each step but the one at which was rightly given up."""
+    """The last attempt at each step, without the step that was correctly given up."""
     last = {step.step: step for step in ended.steps}
     if ended.end == "succeeded" and ended.why and ended.steps:
         del last[ended.steps[-1].step]
@@ -118,17 +118,17 @@ def _decimals(value: float | None) -> str:
 
 
 def counted(rows: Sequence[TrialRow], ended: Sequence[EpisodeResult]) -> list[Line]:
-    """The rows with what became of their episodes."""
+    """Groups the results of the episodes by row."""
     return [Line(row, tuple(each for each in ended if each.row == row.name)) for row in rows]
 
 
 def text(lines: Sequence[Line]) -> str:
-    """For a person: a table in Markdown, and why what did not succeed did not."""
+    """A Markdown table for people, and the reason of each episode that did not succeed."""
     disturbed = _has_disturbed(lines)
-    columns = ["", "episodes", "done as said", "goal", "refused", "failed", "off, p50", "p95"]
-    columns.append("seconds a step")
+    columns = ["", "episodes", "succeeded", "goal", "refused", "failed", "error, p50", "p95"]
+    columns.append("seconds per step")
     if disturbed:
-        columns.insert(3, "rightly given up in words")
+        columns.insert(3, "correctly given up")
     rows = [_columns(columns), "|---|" + (len(columns) - 1) * "---:|"]
     for line in lines:
         _, episodes, succeeded, refused, failed, half, most, seconds = line.values()
@@ -149,14 +149,14 @@ def text(lines: Sequence[Line]) -> str:
 
 
 def _columns(texts: Sequence[str]) -> str:
-    """Of a line of a table in Markdown."""
+    """A row of a Markdown table."""
     return f"| {' | '.join(texts)} |".replace("|  |", "| |")
 
 
 def _beside(lines: Sequence[Line]) -> list[str]:
-    """What is told of all rows together."""
+    """Remarks on all rows together."""
     told = []
-    # The others are given true poses and sub-goals, or have no loop.
+    # The other rows are given true poses and sub-goals, or have no closed loop.
     if by_model := [line for line in lines if line.row.goal and not line.row.is_control]:
         ended = [each for line in by_model for each in line.ended]
         kinds = Counter(each.kind for each in ended if each.kind)
@@ -164,24 +164,22 @@ def _beside(lines: Sequence[Line]) -> list[str]:
         refused = ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items())) or "none"
         corrected_mm = 1000 * np.array([by for each in ended for by in each.corrected_m])
         told = [
-            f"- Of {asked} sub-goals of the model refused: {refused} ({_percent(count, asked)})."
+            f"- Of {asked} sub-goals of the model, refused: {refused} ({_percent(count, asked)})."
         ]
         if len(corrected_mm):
             much = _percent(int((corrected_mm > CORRECTED_MM).sum()), len(corrected_mm))
             told.append(
-                f"- Sub-goals of the model that were put right against what is seen under them: "
+                f"- Sub-goals of the model that were corrected by what is seen below them: "
                 f"{much} by more than {CORRECTED_MM} mm, {np.median(corrected_mm):.1f} mm in the "
-                f"middle, {corrected_mm.max():.1f} at most."
+                f"median, {corrected_mm.max():.1f} mm at most."
             )
     if undisturbed := [line for line in lines if not line.row.is_disturbed]:
         touched = sum(bool(step.touched) for line in undisturbed for step in line.steps)
-        told.append(
-            f"- Steps in which the arm or its block touched what it should not have: {touched}."
-        )
+        told.append(f"- Steps with an unexpected contact of the arm or its block: {touched}.")
     if _has_disturbed(lines):
         told.append(
-            "- Off, where someone interferes: each step at its last attempt, without those at "
-            "which was rightly given up."
+            "- Errors in disturbed rows: each step at its last attempt, without the steps that "
+            "were correctly given up."
         )
     again = sum(tries > 1 for line in lines for each in line.ended for tries in each.tries)
     return [*told, f"- Sub-goals that took more than one try: {again}."]
@@ -192,16 +190,16 @@ def _has_disturbed(lines: Sequence[Line]) -> bool:
 
 
 def missed(lines: Sequence[Line]) -> list[str]:
-    """Rows that do worse than chance allows of an arm that reaches their goals. Where nobody
-    interferes, also contacts that nothing had foreseen, and in rows of `ENOUGH` episodes sub-goals
-    that were refused, and steps that were too far off or too slow in simulated time."""
+    """Lists the missed goals: rows that do significantly worse than their goal; in undisturbed rows
+    also unexpected contacts and, from `ENOUGH` episodes on, too many refused sub-goals and steps
+    that were too inaccurate or too slow in simulated time."""
     found = []
     for line in lines:
         episodes, succeeded = len(line.ended), line.ends["succeeded"]
         if is_worse(succeeded, episodes, line.row.goal):
             found.append(
-                f"{line.row.title}: {succeeded} of {episodes} done as said, "
-                f"{100 * line.row.goal:.1f} % is the goal"
+                f"{line.row.title}: {succeeded} of {episodes} succeeded, "
+                f"the goal is {100 * line.row.goal:.1f} %"
             )
         if line.row.is_disturbed:
             continue
@@ -209,27 +207,26 @@ def missed(lines: Sequence[Line]) -> list[str]:
             found += [f"{line.row.title}: {what}" for what in _too_much(line)]
         touched = [pair for step in line.steps for pair in step.touched]
         if touched:
-            found.append(
-                f"{line.row.title}: not foreseen: {', '.join(sorted(set(touched)))} touched"
-            )
+            pairs = ", ".join(sorted(set(touched)))
+            found.append(f"{line.row.title}: unexpected contact: {pairs}")
     return found
 
 
 def _too_much(line: Line) -> list[str]:
-    """What is beyond the goals that all rows have."""
+    """Violations of the limits that all rows share."""
     p95_mm = CONTROL_P95_MM if line.row.is_control else OFF_P95_MM
     told = [
-        f"{value:.2f} {what}, {most} is the goal"
+        f"{what.format(value)}, the goal is {most}"
         for value, most, what in (
-            (_quantile(line.off_mm, 0.5), OFF_P50_MM, "mm off in the middle"),
-            (_quantile(line.off_mm, 0.95), p95_mm, "mm off at 95 %"),
-            (_quantile(line.seconds, 0.5), SECONDS_P50, "seconds a step in the middle"),
+            (_quantile(line.off_mm, 0.5), OFF_P50_MM, "median error {:.2f} mm"),
+            (_quantile(line.off_mm, 0.95), p95_mm, "95 % error {:.2f} mm"),
+            (_quantile(line.seconds, 0.5), SECONDS_P50, "median {:.2f} s per step"),
         )
         if value is not None and value > most
     ]
     if line.refused > REFUSED * line.asked:
         told.append(
-            f"{line.refused} of {line.asked} sub-goals refused, {100 * REFUSED:.0f} % is the goal"
+            f"{line.refused} of {line.asked} sub-goals refused, the goal is {100 * REFUSED:.0f} %"
         )
     return told
 
@@ -239,14 +236,13 @@ def _percent(count: int, whole: int) -> str:
 
 
 def worst(lines: Sequence[Line], count: int) -> list[EpisodeResult]:
-    """Those that ended worst, of rows with a goal: failed ones, refused ones, then the farthest
-    off."""
+    """The worst episodes of rows with a goal: failed, then refused, then the largest errors."""
     order = ("failed", "refused", "succeeded")
     return sorted(_aimed(lines), key=lambda each: (order.index(each.end), -_off_m(each)))[:count]
 
 
 def best(lines: Sequence[Line], count: int) -> list[EpisodeResult]:
-    """Those that were done best, of rows with a goal: of the most steps, the least off."""
+    """The best episodes of rows with a goal: most steps, then the smallest errors."""
     done = [each for each in _aimed(lines) if each.end == "succeeded"]
     return sorted(done, key=lambda each: (-len(each.steps), _off_m(each)))[:count]
 
@@ -260,7 +256,7 @@ def _off_m(ended: EpisodeResult) -> float:
 
 
 def write_csv(lines: Sequence[Line], path: Path) -> None:
-    """A line a row."""
+    """Writes one line per row."""
     disturbed = _has_disturbed(lines)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -270,15 +266,15 @@ def write_csv(lines: Sequence[Line], path: Path) -> None:
 
 
 def draw(lines: Sequence[Line], path: Path) -> None:
-    """How the episodes ended, and how far steps were off and how long they took in rows with a
-    goal, as a PNG."""
+    """Plots how the episodes ended, and the errors and times of steps in rows with a goal, as a
+    PNG."""
     figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(16.0, 4.2), layout="constrained")
     names = [line.row.title for line in lines]
     left = np.zeros(len(lines))
     given_up = [line.given_up for line in lines]
     counts = {
-        ("done as said", "tab:green"): [line.ends["succeeded"] - line.given_up for line in lines],
-        ("rightly given up in words", "yellowgreen"): given_up,
+        ("succeeded", "tab:green"): [line.ends["succeeded"] - line.given_up for line in lines],
+        ("correctly given up", "yellowgreen"): given_up,
         ("refused", "gold"): [line.ends["refused"] for line in lines],
         ("failed", "tab:red"): [line.ends["failed"] for line in lines],
     }
@@ -296,7 +292,7 @@ def draw(lines: Sequence[Line], path: Path) -> None:
         title="how episodes ended (goal: |)", xlabel="percent", xlim=(80 if least > 82 else 0, 100)
     )
     ends.invert_yaxis()
-    # Beside the bars, which fill it.
+    # Outside the axes, which the bars fill.
     ends.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)
     for line in lines:
         if not line.row.goal:
@@ -304,13 +300,13 @@ def draw(lines: Sequence[Line], path: Path) -> None:
         for axis, values in ((off, np.sort(line.off_mm)), (seconds, np.sort(line.seconds))):
             if len(values):
                 axis.step(values, np.arange(1, len(values) + 1) / len(values), label=line.row.title)
-    off.set(title="off from the true relation", xlabel="millimetres", ylabel="share of steps")
+    off.set(title="distance from the true relation", xlabel="millimetres", ylabel="share of steps")
     off.set_xscale("log")
-    seconds.set(title="time of a step, simulated", xlabel="seconds")
+    seconds.set(title="simulated time of a step", xlabel="seconds")
     for axis in (off, seconds):
         axis.grid(alpha=0.3)
     if aimed:
-        # Beside the curves, which are everywhere.
+        # Outside the axes, which the curves fill.
         seconds.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.02, 1.0))
     figure.savefig(path, dpi=110)
     plt.close(figure)

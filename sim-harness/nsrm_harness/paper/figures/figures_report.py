@@ -1,4 +1,4 @@
-"""What the variations came to: for people, and as files."""
+"""Reports the results of the figures' variations: a Markdown table and files."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from nsrm_harness.paper.figures.scenes import FIGURES
 
 ENDS = ("succeeded", "refused", "failed")
 GOAL = 0.98
-"""Share of a figure's variations that is to succeed."""
+"""Share of a figure's variations that must succeed."""
 
 
 def text(ended: Sequence[VariationResult]) -> str:
-    """A table in Markdown, and why what did not succeed did not."""
+    """A Markdown table for people, and the reason of each variation that did not succeed."""
     lines = [
         "| figure | sentence | variations | succeeded | refused | failed |",
         "|---:|---|---:|---:|---:|---:|",
@@ -30,7 +30,7 @@ def text(ended: Sequence[VariationResult]) -> str:
     touched = sum(bool(done.verdict.touched) for each in ended for done in each.steps)
     lines += [
         "",
-        f"- Steps in which the arm or its block touched what it should not have: {touched}.",
+        f"- Steps with an unexpected contact of the arm or its block: {touched}.",
     ]
     others = [each for each in ended if each.end != "succeeded"]
     lines += [
@@ -41,23 +41,22 @@ def text(ended: Sequence[VariationResult]) -> str:
 
 
 def missed(ended: Sequence[VariationResult]) -> list[str]:
-    """Figures that do worse than chance allows of an arm that reaches `GOAL`, and contacts that
-    nothing had foreseen."""
+    """Lists the figures that do significantly worse than `GOAL`, and unexpected contacts."""
     found = []
     for number, variations, succeeded, *_ in _rows(ended):
         if is_worse(succeeded, variations, GOAL):
             found.append(
-                f"figure {number}: {succeeded} of {variations} done as said, "
-                f"{100 * GOAL:.1f} % is the goal"
+                f"figure {number}: {succeeded} of {variations} succeeded, "
+                f"the goal is {100 * GOAL:.1f} %"
             )
         done = [done for each in ended if each.figure == number for done in each.steps]
         if touched := sorted({pair for each in done for pair in each.verdict.touched}):
-            found.append(f"figure {number}: not foreseen: {', '.join(touched)} touched")
+            found.append(f"figure {number}: unexpected contact: {', '.join(touched)}")
     return found
 
 
 def write_csv(ended: Sequence[VariationResult], path: Path) -> None:
-    """A line a figure: how many variations ended how."""
+    """Writes one line per figure: how many variations ended in each way."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(("figure", "variations", *ENDS))
@@ -65,7 +64,7 @@ def write_csv(ended: Sequence[VariationResult], path: Path) -> None:
 
 
 def write_jsonl(ended: Sequence[VariationResult], path: Path) -> None:
-    """A line an episode."""
+    """Writes one line per episode."""
     lines = [json_text(asdict(each), ensure_ascii=False) + "\n" for each in ended]
     path.write_text("".join(lines), encoding="utf-8")
 

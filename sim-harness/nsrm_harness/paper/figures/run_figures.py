@@ -1,5 +1,5 @@
-"""A figure carried out: the model plans from sentence and picture, the arm follows its sub-goals,
-and each attempt at a step is judged."""
+"""Runs a figure: the model plans from sentence and image, the arm executes the sub-goals, and each
+attempt at a step is judged."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 @dataclass(frozen=True)
 class CompletedStep:
-    """A step that was carried out.
+    """A step that was executed.
 
-    * `goal_off_m`: between the model's first sub-goal and where the block is to be
-    * `corrected_m`: between the model's sub-goal and where the arm meant to put the block
+    * `goal_off_m`: distance of the model's first sub-goal from the true one
+    * `corrected_m`: distance of the model's sub-goal from where the arm planned to put the block
     """
 
     verdict: PlacementVerdict
@@ -53,8 +53,8 @@ class CompletedStep:
 class VariationResult:
     """How an episode ended.
 
-    * `end`: "succeeded", "refused" (a reason was given in place of a step) or "failed"
-    * `why`: the reason, or what was not as said
+    * `end`: "succeeded", "refused" (a reason was given instead of a step) or "failed"
+    * `why`: the reason, or what did not succeed
     """
 
     figure: int
@@ -73,10 +73,10 @@ def run(
     picture: Path | None = None,
     domain: Domain | None = None,
 ) -> VariationResult:
-    """Carries a variation of a figure out, and draws it into `picture`; the same in any
+    """Runs a variation of a figure and draws it into `picture`, with the same result in any
     process.
 
-    * `domain`: the paper's if none is given; a cluster's worker has no file of it
+    * `domain`: by default the paper's; a worker in a cluster does not have its file
     """
     domain = domain or domains.load()
     scene = draw(figure, domain, seed, variation)
@@ -103,7 +103,7 @@ class _Episode:
         self.done: list[CompletedStep] = []
 
     def carry_out(self, sentence: str) -> tuple[str, str]:
-        """How it ends, and why."""
+        """Runs the sentence; returns how it ended, and why."""
         try:
             plan, known = self._plan(sentence)
         except nsrm.Refused as refusal:
@@ -111,7 +111,7 @@ class _Episode:
         except PerceptionError as error:
             return "failed", f"detector: {error}"
         if len(plan.steps) != len(self._moves):
-            return "failed", f"model: {len(plan.steps)} steps, but {len(self._moves)} were said"
+            return "failed", f"model: {len(plan.steps)} steps instead of {len(self._moves)}"
         self._steps = plan.steps
         follower = Follower(
             self._world,
@@ -132,7 +132,7 @@ class _Episode:
             return "failed", f"arm, step {self._number}: {error}"
         for number, done in enumerate(self.done, start=1):
             if not done.verdict.is_as_said:
-                return "failed", f"attempt {number} at a step was not as said: {done}"
+                return "failed", f"attempt {number} at a step did not succeed: {done}"
         if not self._judge.stands(lasting(self._moves)):
             return "failed", "what was done did not stay"
         return "succeeded", ""
@@ -149,7 +149,7 @@ class _Episode:
         self._sight = sight
 
     def _begin(self, index: int) -> None:
-        # A sentence of which more steps were understood later is judged by its last one.
+        # If replanning finds more steps than there are, the extra ones are judged as the last.
         index = min(index, len(self._moves) - 1)
         self._number = index + 1
         self._truth = self._judge.begin(self._moves[index])

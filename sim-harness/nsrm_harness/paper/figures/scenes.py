@@ -1,4 +1,4 @@
-"""What is said in each figure, and scenes in which it can be done."""
+"""The sentences of the figures, and random scenes in which they are possible."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nsrm_harness.simulation.blocks import Block
 from nsrm_harness.simulation.layout import LayoutError, sample_layout
 
 BLOCKS = (4, 6)
-"""Fewest and most in a scene, as where the model was trained."""
+"""Smallest and largest number in a scene, as in training."""
 MAX_TRIES = 20_000
 
 
@@ -24,7 +24,7 @@ class Figure:
     """A figure of the paper's annexure I.
 
     * `sentence`: word for word
-    * `program`: what it means; only the judge knows
+    * `program`: its meaning, which only the judge knows
     """
 
     number: int
@@ -76,8 +76,7 @@ class FigureScene:
 
 
 def draw(figure: Figure, domain: Domain, seed: int, variation: int) -> FigureScene:
-    """Blocks at random, each that is named the only one of its name, where there is room for
-    every step."""
+    """Draws random blocks in which each description is unique, with room for every step."""
     rng = generator(seed, "figures", 10 * variation + figure.number)
     for _ in range(MAX_TRIES):
         blocks = sample_blocks(rng, domain, int(rng.integers(BLOCKS[0], BLOCKS[1] + 1)))
@@ -92,12 +91,12 @@ def draw(figure: Figure, domain: Domain, seed: int, variation: int) -> FigureSce
             return FigureScene(arrangement, moves)
     raise HarnessError(
         f"figure {figure.number}, variation {variation}: no scene after {MAX_TRIES} tries: "
-        "another seed"
+        "use another seed"
     )
 
 
 def _meant(program: Program, domain: Domain, blocks: Sequence[Block]) -> tuple[Move, ...] | None:
-    """None where a description fits no block or several."""
+    """The moves of a program; None if a description fits no block or several."""
     moves = []
     for step in program:
         moved, reference = _called(step.object, blocks), _called(step.reference, blocks)

@@ -1,5 +1,5 @@
-"""The picture of a figure: its scene, the predicted sub-goals, and what is seen after each step,
-side by side."""
+"""Draws a figure: its scene, the predicted sub-goals, and what is seen after each step, side by
+side."""
 
 from __future__ import annotations
 
@@ -20,29 +20,28 @@ from nsrm_harness.visualization.pictures import (
 )
 
 SHOWN: Rect = (0.03, 0.14, 0.97, 0.97)
-"""The part of the camera's picture where blocks and their labels are, as fractions of its width
-and height."""
+"""The part of the camera's image with blocks and labels, as fractions of its width and height."""
 COLUMNS = 3
-"""More panels than these go into more rows."""
+"""Number of panels in a row."""
 WIDTH_PX = 1800
-"""Of the picture, at most."""
+"""Largest width of the picture."""
 
 
 class Sheet:
-    """Panels that are added as they come about."""
+    """A picture made of panels, which are added one by one."""
 
     def __init__(self, figure: Figure) -> None:
         self._figure = figure
         self._panels: list[tuple[str, Image.Image]] = []
 
     def add_scene(self, sight: Observation, known: ObjectNames) -> None:
-        """What is seen first, and what the model takes the objects for."""
+        """Adds the first observation, with the names that the model gives the objects."""
         self._first, self._known = sight, known
         marks = [self._mark(number, box, f"{number} ") for number, box in sight.locations.items()]
         self._add("The scene", annotate(sight.rgb, marks))
 
     def add_plan(self, plan: nsrm.Plan) -> None:
-        """All sub-goals, each with the number of its step."""
+        """Adds all sub-goals, each with the number of its step."""
         self._plan = plan
         arrows, marks = [], []
         locations: dict[int, Location] = dict(self._first.locations)
@@ -53,7 +52,7 @@ class Sheet:
         self._add("The predicted sub-goals, step by step", annotate(self._first.rgb, marks, arrows))
 
     def add_step(self, number: int, sight: Observation, outcome: str) -> None:
-        """What is seen after a step: its block, and dashed its sub-goal."""
+        """Adds what is seen after a step: its block and, dashed, its sub-goal."""
         step = self._plan.steps[number - 1]
         seen = sight.locations.get(step.object_id)
         marks = [] if seen is None else [self._mark(step.object_id, seen)]
@@ -62,7 +61,7 @@ class Sheet:
         self._add(f"After step {number}: {outcome}", picture)
 
     def save(self, path: Path, ending: str = "") -> None:
-        """Writes a PNG under the sentence and how it ended; removes one if nothing was seen."""
+        """Writes a PNG titled with the sentence and how it ended; without panels, removes it."""
         if not self._panels:
             path.unlink(missing_ok=True)
             return
@@ -70,7 +69,7 @@ class Sheet:
         titles, images = zip(*self._panels, strict=True)
         panels = in_rows(images, titles, COLUMNS)
         sheet = side_by_side([panels], [f"{caption}\n{ending}" if ending else caption])
-        # As large as it is drawn it would fill three screens.
+        # At full size it would fill three screens.
         sheet.thumbnail((WIDTH_PX, sheet.height), Image.Resampling.LANCZOS)
         sheet.save(path)
 

@@ -1,1 +1,1 @@
-"""How fast trials of the arm run: by how many workers, and where their time goes."""
+"""Measures how fast trials of the arm run, with how many workers, and where their time goes."""

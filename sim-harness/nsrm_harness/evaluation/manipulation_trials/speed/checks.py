@@ -1,7 +1,7 @@
-"""How long FCL takes to look at one configuration of the arm among blocks.
+"""Measures how long FCL takes to check one configuration of the arm among blocks.
 
-By the processor's time of the thread: one look in a hundred would else be one that had to wait for
-other processes.
+Times are the thread's processor time: in wall time, one check in a hundred would include waiting
+for other processes.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from nsrm_harness.simulation.blocks import Block
 from nsrm_harness.simulation.layout import WORK_SPACE, LayoutError, sample_layout
 
 GOAL_S = 0.001
-"""A look is to take no longer."""
+"""Goal for the time of one check."""
 BLOCKS = 10
 SCENES, CONFIGURATIONS = 10, 100
-"""So many free configurations are looked at in each of so many scenes."""
+"""Number of scenes, and of free configurations that are checked in each."""
 FINGERTIPS_M = (0.01, 0.20)
-"""How high above the table they are over the work space."""
+"""Lowest and highest fingertips above the table in the workspace."""
 MAX_TRIES = 1000
-"""Of a scene, and of a free configuration."""
+"""Largest number of draws for a scene, and for a free configuration."""
 
 Draw = Callable[[np.random.Generator, Kinematics], Joints | None]
 
 
 @dataclass(frozen=True, eq=False)
 class CheckTimes:
-    """The times of many looks, seconds.
+    """The times of many checks, in seconds.
 
     * `where`: one of `PLACES`
     * `holds`: whether the hand holds a block
-    * `touches_s`: whether anything is too near, as the sampling planner asks
-    * `free_s`: how far the arm may move until something is, as is asked along trajectories
+    * `touches_s`: of the query whether anything is too near, which the sampling planner makes
+    * `free_s`: of the query for the distance, which is made along trajectories
     """
 
     where: str
@@ -66,14 +66,14 @@ def _over_blocks(rng: np.random.Generator, kinematics: Kinematics) -> Joints | N
 
 
 PLACES: dict[str, Draw] = {
-    "all joints anywhere": _anywhere,
+    "random joints": _anywhere,
     "hand among or above the blocks": _over_blocks,
 }
-"""How a configuration is drawn, by title."""
+"""How configurations are drawn, by title."""
 
 
 def looks(seed: int) -> list[CheckTimes]:
-    """Times in random free configurations, each place with and without a block in the hand."""
+    """Times checks in random free configurations, with and without a block in the hand."""
     kinematics = Kinematics()
     found: dict[tuple[str, bool], list[tuple[float, float]]] = {}
     for scene in range(SCENES):
@@ -104,7 +104,7 @@ def _free(
     opening_m: float,
     draw: Draw,
 ) -> Iterator[Joints]:
-    """Configurations in which nothing is too near to anything."""
+    """Collision-free configurations."""
     for _ in range(CONFIGURATIONS):
         for _ in range(MAX_TRIES):
             joints = draw(rng, kinematics)
@@ -112,11 +112,11 @@ def _free(
                 yield joints
                 break
         else:
-            raise SpeedError(f"no free configuration in {MAX_TRIES} tries: another --seed")
+            raise SpeedError(f"no free configuration in {MAX_TRIES} tries: use another --seed")
 
 
 def _scene(rng: np.random.Generator) -> tuple[dict[str, Cuboid], Cuboid]:
-    """What stands on the table, and what is held, in the hand's frame."""
+    """The objects on the table, and the held block in the hand's frame."""
     domain = domains.load()
     for _ in range(MAX_TRIES):
         *standing, held = sample_blocks(rng, domain, BLOCKS + 1)
@@ -129,9 +129,9 @@ def _scene(rng: np.random.Generator) -> tuple[dict[str, Cuboid], Cuboid]:
             for number, (block, pose) in enumerate(zip(standing, poses, strict=True), start=1)
         }
         return objects, _in_hand(held)
-    raise SpeedError(f"no room for {BLOCKS} blocks in {MAX_TRIES} scenes: another --seed")
+    raise SpeedError(f"no room for {BLOCKS} blocks in {MAX_TRIES} scenes: use another --seed")
 
 
 def _in_hand(block: Block) -> Cuboid:
-    """Held at its middle; the hand points down, its z is the block's turned about."""
+    """The block held at its middle. The hand points down: its z axis is opposite to the block's."""
     return Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), block.edges_m)

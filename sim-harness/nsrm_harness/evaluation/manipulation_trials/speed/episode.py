@@ -1,5 +1,5 @@
-"""The episodes that are measured, and a worker's first one, which is not: in that one renderer,
-model and planner are loaded."""
+"""The measured episodes, and each worker's unmeasured first one, which loads renderer, model and
+planner."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from nsrm_harness.evaluation.manipulation_trials.episode import EpisodeResult
 from nsrm_harness.evaluation.manipulation_trials.rows import ROWS, TrialRow
 
 WARM_UP = 1_000_000
-"""The index of a worker's first episode: none that is measured."""
+"""The index of a worker's first episode, which no measured episode has."""
 
 _is_warm = False
 
 
 class SpeedError(HarnessError):
-    """Workers that don't start, or episodes that do not end the same each time."""
+    """Workers that do not start, or episodes that do not end the same each time."""
 
 
 @dataclass(frozen=True)
 class SpeedEpisode:
-    """One of the trials'."""
+    """One episode of the trials."""
 
     row: TrialRow
     seed: int
@@ -32,18 +32,18 @@ class SpeedEpisode:
     domain: Domain
 
     def carry_out(self) -> EpisodeResult:
-        """The same in any process."""
+        """Runs it, with the same result in any process."""
         return trial.run(self.row, self.seed, self.index, domain=self.domain)
 
 
 def mixed(count: int, seed: int) -> list[SpeedEpisode]:
-    """The first episodes of the trials, of each row in turn."""
+    """The first episodes of the trials, from all rows in turn."""
     domain = domains.load()
     return [SpeedEpisode(ROWS[n % len(ROWS)], seed, n // len(ROWS), domain) for n in range(count)]
 
 
 def warm_up(episode: SpeedEpisode) -> bool:
-    """Carries one like it out if this process has carried none out; whether it did."""
+    """Runs a similar episode if this process has not run one yet; returns whether it did."""
     global _is_warm
     if _is_warm:
         return False

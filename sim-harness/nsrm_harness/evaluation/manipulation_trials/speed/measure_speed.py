@@ -1,4 +1,4 @@
-"""All that is measured, one after the other: nothing of it runs beside anything else of it."""
+"""Runs all speed measurements, one after the other."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ RAY_WORKERS = 2
 
 @dataclass(frozen=True)
 class Speed:
-    """What was measured.
+    """The results of the measurements.
 
-    * `processors`, `load`: of the machine, and how many processes waited for them when it began
-    * `throughput`: by one process first
+    * `processors`, `load`: number of processors of the machine, and its load at the start
+    * `throughput`: starts with one process
     """
 
     processors: int
@@ -39,16 +39,16 @@ class Speed:
 def run(
     count: int, seed: int, jobs: Sequence[int], *, with_ray: bool, done: Callable[[], object]
 ) -> Speed:
-    """Measures `count` episodes by each kind of workers.
+    """Measures `count` episodes with each kind of workers.
 
-    * `jobs`: numbers of processes, besides one
-    * `done`: is called after each episode, `rounds` times `count` in all
+    * `jobs`: numbers of processes, in addition to one
+    * `done`: called after each episode, `rounds` times `count` in all
 
-    Raises `SpeedError`, and `WorkersError` where Ray is asked for and can't be had.
+    Raises `SpeedError`, and `WorkersError` if Ray is requested but not available.
     """
     load, _, _ = os.getloadavg()
     episodes = mixed(count, seed)
-    # Ray first, as it may be missing.
+    # Ray first because it may be missing.
     on_ray = _on_ray(episodes, done) if with_ray else ()
     throughput = (*(_by_processes(each, episodes, done) for each in _counts(jobs)), *on_ray)
     profile = _profile(episodes, done)
@@ -63,7 +63,7 @@ def run(
 
 
 def rounds(jobs: Sequence[int], *, with_ray: bool) -> int:
-    """How often all episodes are carried out."""
+    """How often all episodes are run."""
     return len(_counts(jobs)) + with_ray + 1
 
 
@@ -74,9 +74,9 @@ def check_same(
     for each, other in zip(ended, expected, strict=True):
         if each != other:
             raise SpeedError(
-                f"{title}: {each.row} {each.index} ended otherwise than by one process: a fault, "
-                "as an episode is the same in any process; compare both by harness trials "
-                f"--row {each.row}"
+                f"{title}: {each.row} {each.index} ended differently than in one process, which "
+                "is a fault: an episode must be the same in any process; compare both with "
+                f"harness trials --row {each.row}"
             )
 
 
@@ -97,7 +97,7 @@ def _by_processes(
 
 
 def _profile(episodes: Sequence[SpeedEpisode], done: Callable[[], object]) -> tuple[Profiled, ...]:
-    """In one process; which of the two comes first changes from one episode to the next."""
+    """Profiles in one process; which of the two runs comes first alternates between episodes."""
     tasks = ((number, (episode, number % 2 == 0)) for number, episode in enumerate(episodes))
     found = {}
     for number, each in LocalProcesses(1).each(profiled, tasks):

@@ -1,4 +1,4 @@
-"""Where the time of an episode goes."""
+"""Profiles where the time of an episode goes."""
 
 from __future__ import annotations
 
@@ -43,21 +43,21 @@ _FUNCTIONS: dict[str, tuple[tuple[type | ModuleType, tuple[str, ...]], ...]] = {
 }
 
 PARTS: dict[str, str] = {
-    "rendering": "pictures drawn",
-    "perception": "detector, tracker, boxes in space",
+    "rendering": "rendering",
+    "perception": "detector, tracker, cuboids",
     "model": "the model: crops, plan",
     "kinematics": "inverse kinematics",
     "collision": "collision checks (FCL)",
-    "sampling": "sampling planner (OMPL) without its checks",
-    "planning": "planning besides: grasps, support, order",
-    "timing": "timing (Ruckig), places on trajectories",
-    "physics": "steps of physics (PyBullet)",
-    "motors": "joints and fingers told and read",
-    "world": "the simulated world made",
-    "judge": "the judge, in each step of physics",
+    "sampling": "sampling planner (OMPL) without its collision checks",
+    "planning": "other planning: grasps, support, order",
+    "timing": "trajectories (Ruckig)",
+    "physics": "physics steps (PyBullet)",
+    "motors": "joint and finger commands and states",
+    "world": "creating the simulated world",
+    "judge": "the judge, in each physics step",
     REST: "rest",
 }
-"""Each with its title, in the order in which it is told."""
+"""Titles of the parts, in the order of the report."""
 
 SITES = tuple(
     Site(owner, name, part)
@@ -65,12 +65,12 @@ SITES = tuple(
     for owner, names in owners
     for name in names
 )
-"""All functions that are timed. What they call that is not among them is theirs."""
+"""All timed functions. The time of untimed functions counts for their caller."""
 
 
 @dataclass(frozen=True)
 class EpisodeTime:
-    """How long something took: on the clock, and of the processor's time."""
+    """How long something took, in wall time and in processor time."""
 
     clock_s: float
     processor_s: float
@@ -78,12 +78,12 @@ class EpisodeTime:
 
 @dataclass(frozen=True)
 class Profiled:
-    """An episode with and without the stopwatch.
+    """An episode run with and without stopwatches.
 
-    * `plain`, `profiled`: how it ended without and with it
-    * `plain_took`, `profiled_took`: how long it took
-    * `seconds`: of each part, on the clock; they add up to those of `profiled_took`
-    * `entered`: how often it was called from another part
+    * `plain`, `profiled`: how it ended without and with them
+    * `plain_took`, `profiled_took`: how long it took without and with them
+    * `seconds`: wall time of each part; they add up to that of `profiled_took`
+    * `entered`: how often each part was called from another one
     """
 
     plain: EpisodeResult
@@ -95,10 +95,10 @@ class Profiled:
 
 
 def profiled(episode: SpeedEpisode, plain_first: bool) -> Profiled:
-    """Carries an episode out twice.
+    """Runs an episode twice.
 
-    * `plain_first`: what comes second finds the processor's memory warm, so the order is to
-      change from one episode to the next
+    * `plain_first`: the second run finds warm processor caches, so alternate the order between
+      episodes
     """
     warm_up(episode)
     watch = Stopwatch()

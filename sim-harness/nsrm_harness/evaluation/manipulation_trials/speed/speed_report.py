@@ -1,4 +1,4 @@
-"""What was measured: for people, as CSV, and as a picture."""
+"""Reports the speed measurements: Markdown tables, CSV files and a plot."""
 
 from __future__ import annotations
 
@@ -35,22 +35,21 @@ TOUCHES, FREE = "touches", "free"
 
 
 def seconds(profile: Sequence[Profiled]) -> dict[str, float]:
-    """Of each part, over all episodes."""
+    """Time of each part over all episodes."""
     return {part: sum(each.seconds[part] for each in profile) for part in PARTS}
 
 
 def shares(profile: Sequence[Profiled]) -> dict[str, float]:
-    """Of the whole time, which each part took."""
+    """Share of each part in the whole time."""
     whole_s = sum(each.profiled_took.clock_s for each in profile)
     return {part: of_s / whole_s for part, of_s in seconds(profile).items()}
 
 
 def text(speed: Speed) -> str:
-    """For a person: three tables in Markdown."""
+    """Three Markdown tables for people."""
     return "\n".join(
         (
-            f"On {speed.processors} processors, for which {speed.load:.1f} processes waited when "
-            "it began:",
+            f"On {speed.processors} processors, load {speed.load:.1f} at the start:",
             "",
             *_throughput(speed),
             "",
@@ -63,7 +62,8 @@ def text(speed: Speed) -> str:
 
 def _throughput(speed: Speed) -> list[str]:
     lines = [
-        "| workers | episodes a minute | sub-goals a minute | of one process | start |",
+        "| workers | episodes per minute | sub-goals per minute | relative to one process "
+        "| start |",
         "|---|---:|---:|---:|---:|",
     ]
     one = speed.throughput[0].episodes_a_minute
@@ -72,9 +72,9 @@ def _throughput(speed: Speed) -> list[str]:
         f"| {each.episodes_a_minute / one:.2f} | {each.start_s:.1f} s |"
         for each in speed.throughput
     ]
-    lines += ["", f"- {len(speed.profile)} episodes by each, of all rows in turn."]
+    lines += ["", f"- {len(speed.profile)} episodes each, from all rows in turn."]
     lines += [
-        f"- {each.title}: {each.late} of them started late, within the time of work."
+        f"- {each.title}: {each.late} of them started late, within the measured time."
         for each in speed.throughput
         if each.late
     ]
@@ -84,7 +84,7 @@ def _throughput(speed: Speed) -> list[str]:
 def _profile(profile: Sequence[Profiled]) -> list[str]:
     count = len(profile)
     lines = [
-        "| where the time of one process goes | share | ms an episode | calls an episode |",
+        "| where the time of one process goes | share | ms per episode | calls per episode |",
         "|---|---:|---:|---:|",
     ]
     of_parts, of_whole = seconds(profile), shares(profile)
@@ -105,14 +105,14 @@ def _profile(profile: Sequence[Profiled]) -> list[str]:
     return [
         *lines,
         "",
-        f"- {watched[0]:.2f} s an episode with the stopwatches, {plain[0]:.2f} s without: "
-        f"{clock:+.1f} %; of the processor's time {processor:+.1f} %.",
+        f"- {watched[0]:.2f} s per episode with the stopwatches, {plain[0]:.2f} s without: "
+        f"{clock:+.1f} %; processor time {processor:+.1f} %.",
     ]
 
 
 def _checks(looks: Sequence[CheckTimes]) -> list[str]:
     lines = [
-        f"| one configuration among {BLOCKS} blocks | too near: p50 | p99 | how far: p50 | p99 |",
+        f"| one configuration among {BLOCKS} blocks | too near: p50 | p99 | distance: p50 | p99 |",
         "|---|---:|---:|---:|---:|",
     ]
     for each in looks:
@@ -127,13 +127,13 @@ def _checks(looks: Sequence[CheckTimes]) -> list[str]:
     return [
         *lines,
         "",
-        f"- {100 * float((every <= GOAL_S).mean()):.2f} % of {len(every)} looks took at most "
-        f"{1000 * GOAL_S:.0f} ms of the processor's time.",
+        f"- {100 * float((every <= GOAL_S).mean()):.2f} % of {len(every)} checks took at most "
+        f"{1000 * GOAL_S:.0f} ms of processor time.",
     ]
 
 
 def write(speed: Speed, folder: Path) -> list[Path]:
-    """`speed.csv`, `profile.csv`, `checks.csv`, the tables and the picture."""
+    """Writes `speed.csv`, `profile.csv`, `checks.csv`, `speed.md` and `speed.png`."""
     _write_csv(
         folder / "speed.csv",
         SPEED_FIELDS,
@@ -160,7 +160,7 @@ def write(speed: Speed, folder: Path) -> list[Path]:
             (
                 part,
                 f"{of_parts[part]:.6f}",
-                # All digits: they add up to 1.
+                # All digits, so that they add up to 1.
                 repr(of_whole[part]),
                 sum(each.entered[part] for each in speed.profile),
             )
@@ -196,12 +196,12 @@ def _write_csv(path: Path, fields: Sequence[str], rows: Iterable[tuple[object, .
 
 
 def draw(speed: Speed, path: Path) -> None:
-    """How many episodes by whom, where the time goes, and how long looks take, as a PNG."""
+    """Plots the throughput, where the time goes, and the times of checks, as a PNG."""
     figure, (by_whom, parts, looks) = plt.subplots(1, 3, figsize=(14.0, 4.4), layout="constrained")
     titles = [each.title for each in speed.throughput]
     bars = by_whom.bar(titles, [each.episodes_a_minute for each in speed.throughput])
     by_whom.bar_label(bars, fmt="%.1f")
-    by_whom.set(title="trials of the arm", ylabel="episodes a minute")
+    by_whom.set(title="trials of the arm", ylabel="episodes per minute")
     by_whom.tick_params(axis="x", labelsize=8)
     of_whole = shares(speed.profile)
     order = sorted(PARTS, key=lambda part: of_whole[part], reverse=True)
@@ -218,12 +218,12 @@ def draw(speed: Speed, path: Path) -> None:
         _tail(looks, each.touches_s, f"{each.where},\n{held}", style, color)
     looks.axvline(1000 * GOAL_S, c="black", lw=1, label="goal")
     looks.set(
-        title=f"is anything too near, among {BLOCKS} blocks?",
+        title=f"check whether anything is too near, {BLOCKS} blocks",
         xlabel="milliseconds",
         ylabel="share that takes longer",
         yscale="log",
     )
-    # From nothing to the goal: what lies between is the room that is left.
+    # From zero, so that the distance to the goal shows.
     looks.set_xlim(left=0.0)
     looks.grid(alpha=0.3)
     looks.legend(fontsize=7, loc="upper right", bbox_to_anchor=(0.94, 1.0))
@@ -232,6 +232,6 @@ def draw(speed: Speed, path: Path) -> None:
 
 
 def _tail(axis: Axes, of_s: NDArray[np.float64], label: str, style: str, color: str) -> None:
-    # The last one has none behind it, which has no logarithm.
+    # No sample is longer than the last one, and zero has no logarithm.
     longer = 1.0 - np.arange(1, len(of_s)) / len(of_s)
     axis.step(1000 * np.sort(of_s)[:-1], longer, style, color=color, label=label, where="post")

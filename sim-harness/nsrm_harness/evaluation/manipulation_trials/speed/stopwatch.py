@@ -1,5 +1,5 @@
-"""Where the time of one thread goes: functions are wrapped, and each moment belongs to the one
-that was called last and has not returned."""
+"""Measures where the time of one thread goes by wrapping functions; each moment belongs to the
+innermost wrapped function."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ REST = "rest"
 
 
 class Site(NamedTuple):
-    """A function where it is looked up when it is called: a class or module, and its name
-    there."""
+    """Where a function is looked up when it is called: a class or module, and its name there."""
 
     owner: Any
     name: str
@@ -25,9 +24,9 @@ class Site(NamedTuple):
 class Stopwatch:
     """Exclusive times of parts.
 
-    * `seconds`: of each part, without the parts that were called from it
+    * `seconds`: time of each part, without the parts called from it
     * `entered`: how often each was called from another part
-    * `whole_s`: what was watched, by two looks at the clock
+    * `whole_s`: total time watched, from two readings of the clock
     """
 
     def __init__(self) -> None:
@@ -39,7 +38,7 @@ class Stopwatch:
 
     @contextmanager
     def watching(self, sites: Sequence[Site]) -> Iterator[None]:
-        """Wraps these functions while the block runs; what is not in any of them is `REST`."""
+        """Wraps these functions while the block runs; time outside of them is `REST`."""
         originals = [(site, vars(site.owner)[site.name]) for site in sites]
         began_s = time.perf_counter()
         self._parts, self._since_s = [REST], began_s
@@ -62,7 +61,7 @@ class Stopwatch:
         @functools.wraps(function)
         def timed(*arguments: Any, **named: Any) -> Any:
             parts = self._parts
-            # One that calls itself, or another of its part, is in it already.
+            # Calls within a part, recursive ones included, are already counted.
             if parts[-1] == part:
                 return function(*arguments, **named)
             self._lap()

@@ -1,4 +1,4 @@
-"""How many episodes a minute workers carry out, without the time that they take to start."""
+"""Measures how many episodes per minute workers run, without the time that they take to start."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from nsrm_harness.evaluation.manipulation_trials.speed.episode import (
 )
 
 NAP_S = 0.05
-"""A warm worker waits so long at a time for the others."""
+"""Interval at which a warm worker waits for the others."""
 MAX_START_S = 300.0
-"""Of all workers' start."""
+"""Timeout for the start of all workers."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Episodes by some workers.
+    """Episodes run by some workers.
 
-    * `title`: of the workers
-    * `start_s`: until each of them had done its first episode, which is not counted
-    * `work_s`: from then until the last episode ended
-    * `late`: of the workers, those that had done none before, and started within that time
+    * `title`: name of the workers
+    * `start_s`: time until each of them had run its first episode, which is not counted
+    * `work_s`: time from then until the last episode ended
+    * `late`: number of workers that only started during `work_s`
     """
 
     title: str
@@ -41,17 +41,17 @@ class Measured:
 
     @property
     def episodes_a_minute(self) -> float:
-        """Carried out."""
+        """Episodes run per minute."""
         return 60 * len(self.ended) / self.work_s
 
     @property
     def sub_goals(self) -> int:
-        """That were reached."""
+        """Number of sub-goals reached."""
         return sum(len(each.tries) for each in self.ended)
 
     @property
     def sub_goals_a_minute(self) -> float:
-        """Reached."""
+        """Sub-goals reached per minute."""
         return 60 * self.sub_goals / self.work_s
 
 
@@ -61,12 +61,12 @@ def measure(
     episodes: Sequence[SpeedEpisode],
     done: Callable[[], object],
 ) -> Measured:
-    """Has workers carry episodes out.
+    """Has workers run episodes.
 
     * `workers`: starts them
-    * `done`: is called after each episode
+    * `done`: called after each episode
 
-    Raises `SpeedError` if they don't start.
+    Raises `SpeedError` if they do not start.
     """
     began_s = time.monotonic()
     with workers() as started:
@@ -99,9 +99,9 @@ class _Result:
 
 
 class _Start:
-    """Hands warm-ups out until all workers have done one.
+    """Hands out warm-ups until all workers have run one.
 
-    * `warm`: the processes that have
+    * `warm`: the processes that have run one
     """
 
     def __init__(self, count: int, until_s: float) -> None:
@@ -117,7 +117,7 @@ class _Start:
             if time.monotonic() > self._until_s:
                 raise SpeedError(
                     f"{len(self.warm)} of {self._count} workers have started after "
-                    f"{MAX_START_S:.0f} s: fewer --jobs, or less other work beside"
+                    f"{MAX_START_S:.0f} s: use fewer --jobs, or run less beside"
                 )
             yield None, (episodes[0], True)
         self.ended_s = time.monotonic()
