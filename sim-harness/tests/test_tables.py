@@ -108,7 +108,7 @@ def test_what_are_no_figures_is_refused(tmp_path: Path, content: str) -> None:
 def test_damaged_figures_are_refused(report: Path) -> None:
     path = report / TABLES
     path.write_text(path.read_text(encoding="utf-8") + "test,nsrm,x\n", encoding="utf-8")
-    with pytest.raises(ResultsError, match=r"tables\.csv: can't read the figures"):
+    with pytest.raises(ResultsError, match=r"tables\.csv: cannot read the figures"):
         read_rows(path)
 
 
@@ -129,10 +129,10 @@ def test_the_report_tells_every_split_and_the_papers_figures() -> None:
     assert all(title in text for title in TITLES.values())
     assert "| paper, model | 56.8 | 54.7 | 53.6 | 27.2 | 12.9 |" in text
     assert "| ours, baseline | - | 99.1 (99.0-99.2) |" in text
-    assert "| 200, as programs of 3-5 steps leave them | 2 mm | 1018 | 1.0000, 0.9990 |" in text
-    assert "at commits abc, def; seeds of the models 0, 1, 2, of the data 5" in text
+    assert "| 200, after programs of 3-5 steps | 2 mm | 1018 | 1.0000, 0.9990 |" in text
+    assert "at commits abc, def; model seeds 0, 1, 2; data seed 5" in text
     # A part of another part is not counted twice.
-    assert f"| {FIRST_MODELS} | 11.0 |\n| all | 40.0 |" in text
+    assert f"| {FIRST_MODELS} | 11.0 |\n| total | 40.0 |" in text
 
 
 def test_the_detectors_table_has_a_dash_where_nothing_was_found(tmp_path: Path) -> None:
@@ -214,12 +214,12 @@ def test_the_readme_gets_the_figures_between_its_marks(report: Path) -> None:
     assert written.startswith(f"above\n{BEGIN}\n| |") and written.endswith(f"{END}\nbelow\n")
     assert "old" not in written
     assert "(Table V) | 97.0 (56.8) | 99.1 (54.7) | 98.0 (53.6) |" in written
-    assert "Of 16 sentences that must be refused, of 1 kinds and by 3 models, 15 are." in written
+    assert "Of 16 sentences that must be refused (1 kinds, 3 models), 15 are." in written
     assert with_figures(written, report) == written
 
 
 def test_a_readme_without_marks_is_refused(report: Path) -> None:
-    with pytest.raises(PublishError, match="no figures' marks"):
+    with pytest.raises(PublishError, match="markers of the figures are missing"):
         with_figures("nothing\n", report)
 
 
@@ -227,7 +227,7 @@ def test_nothing_is_published_without_a_model(report: Path, tmp_path: Path) -> N
     root = tmp_path / "checkout"
     root.mkdir()
     (root / README).write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
-    with pytest.raises(PublishError, match=r"model\.safetensors: not there"):
+    with pytest.raises(PublishError, match=r"model\.safetensors: not found"):
         publish(report, tmp_path / "model.safetensors", root)
     assert [path.name for path in root.iterdir()] == ["README.md"]
 
@@ -278,7 +278,7 @@ def test_another_study_in_the_folder_is_refused(tmp_path: Path) -> None:
     domain = domains.load()
     Tables(quick_study(1), domain, tmp_path, LocalProcesses(1))
     Tables(quick_study(1), domain, tmp_path, LocalProcesses(1))
-    with pytest.raises(StudyError, match="begun with another study"):
+    with pytest.raises(StudyError, match="belongs to another study"):
         Tables(quick_study(2), domain, tmp_path, LocalProcesses(1))
-    with pytest.raises(StudyError, match="begun with another domain"):
+    with pytest.raises(StudyError, match="belongs to another domain"):
         Tables(quick_study(1), domains.load(WORKSHOP), tmp_path, LocalProcesses(1))

@@ -52,7 +52,7 @@ def test_the_worst_come_first(worst: Sequence[JudgedPlans]) -> None:
 
 
 def test_what_went_wrong_is_told(planned: JudgedPlans) -> None:
-    assert what_went_wrong(planned).startswith("Understood; off along x, y, z: step 1 by ")
+    assert what_went_wrong(planned).startswith("Understood; errors along x, y, z: step 1 by ")
     step = planned.truth.steps[0].step
     for changes, words in (
         ({"step": Step("Throw", step.object, step.reference)}, "in place of Throw."),
@@ -62,7 +62,7 @@ def test_what_went_wrong_is_told(planned: JudgedPlans) -> None:
     ):
         assert words in what_went_wrong(meant(planned, **changes))
     shorter = replace(planned, truth=replace(planned.truth, steps=()))
-    assert "meant were 0" in what_went_wrong(shorter)
+    assert "instead of 0" in what_went_wrong(shorter)
     assert "detector" in what_went_wrong(replace(planned, outcome=None))
 
 

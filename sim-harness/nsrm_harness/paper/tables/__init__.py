@@ -1,6 +1,7 @@
-"""The paper's tables, and more, from nothing to a report.
+"""Reproduces the paper's tables, and more, from scratch to a report.
 
-`study` says what is made, `run` makes it (data, models, baselines, metrics) and goes on where
-it was broken off, `compare` what they are compared with, `results` holds the figures, `paper` the
-paper's own, `figures` and `report` tell them to people. Models are judged through the core alone.
+`study` defines what is made; `run_tables` makes it (data, models, baselines, metrics) and resumes
+an interrupted run; `compare` makes the variants to compare with; `results` holds the figures and
+`published_figures` the paper's own; `tables_report`, `plots` and their helpers present them. Models
+are judged only through the core.
 """

@@ -1,5 +1,5 @@
-"""What each action does, learned from final scenes alone: a grid of references, and where the
-core's action module puts a block in respect of each."""
+"""Draws what each action has learned from final scenes: where the core's action module puts a block
+relative to each reference on a grid."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from nsrm_harness.simulation.world import World
 ROWS, COLUMNS = 5, 7
 MARGIN_M = 0.03
 START_M = (0.40, 0.0)
-"""Where the block stands that is moved; x, y in the world."""
+"""Where the moved block stands at first; x, y in the world."""
 
 
 def draw_actions(model: nsrm.Model, domain: Domain, path: Path) -> None:
-    """A panel for each action, the table from above, as a PNG."""
+    """Draws a panel for each action, the table seen from above, as a PNG."""
     moved, reference = (
         block_from_attributes(domain, {a.name: a.values[pick].name for a in domain.attributes})
         for pick in (-1, 0)
@@ -77,7 +77,7 @@ def _grid() -> list[tuple[float, float]]:
 def _seen(
     world: World, renderer: Renderer, block: Block, at: tuple[float, float]
 ) -> NDArray[np.float32]:
-    """Box and depth `[5]` of a block that stands alone."""
+    """Box and depth `[5]` of a single block."""
     world.reset()
     world.spawn([block], [Pose.upright(*at, block.edges_m[2] / 2)])
     return render_objects(renderer, world, default_camera()).location(1)
@@ -86,7 +86,7 @@ def _seen(
 def _draw(
     axis: Axes, name: str, standing: NDArray[np.float32], placed: NDArray[np.float32]
 ) -> PathCollection:
-    """The camera's view: the world's y to the right, its x, towards the camera, down."""
+    """Draws the camera's view: the world's y points right, its x (towards the camera) down."""
     shift = placed - standing
     axis.plot(standing[:, 1], standing[:, 0], "s", ms=7, color="0.8")
     axis.quiver(

@@ -1,4 +1,4 @@
-"""Figures made in processes of their own and kept in files: what is there is not made again."""
+"""Computes figures in separate processes and caches them in files."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from nsrm_harness.paper.tables.results import write_json
 
 
 class Maker(Protocol):
-    """Makes figures, in another process."""
+    """Computes figures in another process."""
 
     def figures(self) -> Any:
-        """The figures, as JSON has them."""
+        """The figures as JSON."""
         ...
 
 
 def make_all(makers: Mapping[str, Maker], folder: Path, jobs: int, title: str) -> list[Any]:
-    """The figures of each, from `NAME.json` in `folder` where that is there.
+    """The figures of each maker, from `NAME.json` in `folder` if it exists.
 
-    Raises `TaskError`; what was made before is kept.
+    Raises `TaskError`; earlier results stay cached.
     """
     kept = {name: folder / f"{name}.json" for name in makers}
     tasks = [
@@ -35,5 +35,5 @@ def make_all(makers: Mapping[str, Maker], folder: Path, jobs: int, title: str) -
 
 
 def keep(maker: Maker, path: Path) -> None:
-    """Make the figures, and keep them."""
+    """Computes the figures and caches them."""
     write_json(path, maker.figures())

@@ -1,4 +1,4 @@
-"""Trains and judges what the models of the tables are compared with."""
+"""Trains and judges the variants, and judges models on disturbed scenes."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ from nsrm_harness.paper.tables.trainings import keep_compiled
 from nsrm_harness.paper.tables.variants import BEFORE_LAST, DisturbedSet, Variant
 
 JUDGED_FILE = "judged.json"
-"""Figures and times of a variant's training, in its folder, when it has ended."""
+"""File with the figures and times of a variant's finished training, in its folder."""
 BEFORE = ", before the last stage"
-"""Behind a variant's name in the rows of its model as it stood then."""
+"""Suffix of a variant's name in the rows of its model before the last stage."""
 
 
 @dataclass(frozen=True)
@@ -46,21 +46,21 @@ class Cost:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What the report tells of variants and of disturbed scenes."""
+    """Results on variants and disturbed scenes for the report."""
 
     rows: tuple[ResultRow, ...]
-    """Variants: `model` is the name."""
+    """Results of variants; `model` is the name of the variant."""
     costs: tuple[Cost, ...]
     merged: tuple[tuple[str, int], ...]
-    """Variants and seeds that learned two actions as one."""
+    """Variants and seeds that learned two actions as the same one."""
     disturbed: tuple[tuple[DisturbedSet, tuple[ResultRow, ...]], ...]
 
 
 def compare(
     tables: Tables, wanted: Sequence[Variant], disturbed: Sequence[DisturbedSet]
 ) -> Comparison:
-    """Everything, in the folder of the tables, whose models must be there; broken off, a further
-    call goes on. Variants are trained on this machine."""
+    """Makes all comparisons in the folder of the tables, whose models must exist. A further call
+    resumes an interrupted run. Variants are trained on this machine."""
     for name, settings in variants.training_sets(tables.study).items():
         if any(variant.train == name for variant in wanted):
             tables.make_episodes(name, settings)
@@ -104,7 +104,7 @@ def compare(
 def train_and_judge(
     variant: Variant, files: Files, seed: int, out: Path, tests: dict[str, Path]
 ) -> None:
-    """Train a variant, going on where it was broken off, and judge it on the files of `tests`."""
+    """Trains a variant, resuming if interrupted, and judges it on the files of `tests`."""
     keep_compiled(out)
     before = out / "before-last.safetensors"
 
@@ -129,7 +129,7 @@ def train_and_judge(
 def _judge(
     name: str, file: ModelFile, path: Path, seed: int, tests: dict[str, Path]
 ) -> list[ResultRow]:
-    """Through the core, if it knows such a model."""
+    """Judges a model through the core, if the core supports it."""
     if not file.model.action.simulator.residual:
         return [
             ResultRow.of(split, name, seed, "mask", judge_without_core(file, test))
@@ -144,8 +144,8 @@ def _judge(
 
 
 def judge_without_core(file: ModelFile, path: Path) -> Metrics:
-    """The same metrics of a model that the core does not know; nothing is refused but a step
-    without descriptions."""
+    """The same metrics for a model that the core does not support. Only a step without descriptions
+    is refused."""
     with Demonstrations(path) as demonstrations:
         data = training_set(demonstrations)
         sentences = list(demonstrations.sentences)
@@ -182,7 +182,7 @@ def judge_without_core(file: ModelFile, path: Path) -> Metrics:
 
 
 def _contenders(tables: Tables, runs: Sequence[tuple[Variant, int, Path]]) -> tuple[Contender, ...]:
-    """On disturbed scenes: the study's models, and those that were trained on varied ones."""
+    """The models to judge on disturbed scenes: the study's, and those trained on varied data."""
     return (
         *tables.models(FAMILIES[0]),
         *(

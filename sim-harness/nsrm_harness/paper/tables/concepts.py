@@ -1,4 +1,4 @@
-"""What the concepts have become: how like one another they are, and what blocks score on them."""
+"""Draws the learned concepts: their similarity, and the scores of blocks on them."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.learning.export import read_model
 
 EPISODES = 100
-"""Episodes whose blocks are looked at."""
+"""Number of episodes whose blocks are scored."""
 
 
 def draw_concepts(model_file: Path, episodes: Path, path: Path) -> None:
-    """Cosines of the concepts' embeddings; mean cosines of blocks with them, as a PNG."""
+    """Draws the cosines between the concepts' embeddings, and of blocks with them, as a PNG."""
     file = read_model(model_file)
     names = [value.name for value in file.domain.concepts]
     vectors = np.asarray(file.model.vision.concept.weight, np.float64)

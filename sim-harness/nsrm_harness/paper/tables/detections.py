@@ -1,4 +1,4 @@
-"""How well the detector finds the blocks, against the boxes of the simulator's mask."""
+"""Measures how well the detector finds the blocks, compared with the simulator's mask."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from nsrm_harness.paper.tables.cache import make_all
 from nsrm_harness.paper.tables.lines import TITLES
 
 SCENES = 500
-"""Scenes of a file that are looked at, at most."""
+"""Largest number of scenes used from a file."""
 SPLITS = ("test", "objects_10")
 STEPS = (3, 5)
-"""Of the programs that leave stacks and hide blocks behind others."""
+"""Numbers of steps of the programs that leave stacks and hidden blocks."""
 AFTER = "after_3_5"
 NOISES_MM = (0.0, 2.0)
-"""Standard deviations of noise on depth."""
+"""Standard deviations of the depth noise."""
 DROPOUT = 0.01
-"""Share of the pixels without depth where there is noise."""
+"""Share of the pixels without depth, if there is noise."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class DetectorRow:
     """Figures of the detector on one set of scenes; shares in 0..1. None as in `Measure`."""
 
     scenes: str
-    """A split's name, or `after_3_5`: as programs of 3 to 5 steps leave scenes."""
+    """A split's name, or `after_3_5`: scenes after programs of 3 to 5 steps."""
     noise_mm: float
     count: int
     objects: int
@@ -50,19 +50,19 @@ COLUMNS = tuple(field.name for field in fields(DetectorRow))
 
 
 class Sighting(NamedTuple):
-    """Scenes to look at."""
+    """A set of scenes to measure on."""
 
     name: str
     """See `DetectorRow.scenes`."""
     noise_mm: float
     data: Path | None
-    """None: made as programs leave them."""
+    """None: scenes after programs."""
     domain: Domain
     count: int
     seed: int
 
     def pictures(self) -> Iterable[Picture]:
-        """What the detector gets."""
+        """The images for the detector."""
         if self.data is None:
             pictures = after_programs(self.domain, STEPS, self.count, self.seed)
         else:
@@ -72,7 +72,7 @@ class Sighting(NamedTuple):
         return pictures
 
     def figures(self) -> dict[str, Any]:
-        """The row, as JSON has it."""
+        """The row as JSON."""
         return asdict(self.row())
 
     def row(self) -> DetectorRow:
@@ -99,7 +99,7 @@ def _mm(length_m: float | None) -> float | None:
 
 
 def detect_all(sightings: Iterable[Sighting], folder: Path, jobs: int) -> tuple[DetectorRow, ...]:
-    """A row for each; those that are kept in `folder` are not made again.
+    """A row for each set; those cached in `folder` are not computed again.
 
     Raises `TaskError`.
     """
@@ -108,14 +108,14 @@ def detect_all(sightings: Iterable[Sighting], folder: Path, jobs: int) -> tuple[
 
 
 def table_of(rows: Iterable[DetectorRow]) -> str:
-    """In Markdown."""
+    """The rows as a Markdown table."""
     lines = [
         "| scenes | noise | blocks | recall, precision at IoU 0.5 | at 0.75 | mean IoU | depth | "
-        "place, p95 | time |",
+        "position, p95 | time |",
         "|---|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for row in rows:
-        title = TITLES.get(row.scenes, "as programs of 3-5 steps leave them")
+        title = TITLES.get(row.scenes, "after programs of 3-5 steps")
         noise = f"{row.noise_mm:g} mm" if row.noise_mm > 0.0 else "none"
         shares = (row.recall_50, row.precision_50, row.recall_75, row.precision_75)
         recall_50, precision_50, recall_75, precision_75 = (or_dash(s, ".4f") for s in shares)

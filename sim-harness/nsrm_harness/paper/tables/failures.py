@@ -1,4 +1,4 @@
-"""The episodes that a model does worst, as pictures, with what went wrong in words."""
+"""Draws the episodes on which a model does worst, with what went wrong."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from nsrm_harness.visualization.illustrate import draw_steps
 COUNT = 20
 COLUMNS = 4
 TILE_PX = 640
-"""Width of an episode's picture on the sheet."""
+"""Width of an episode's tile on the sheet."""
 GAP_PX = 16
 PALETTE = 192
-"""Colours of the sheet: a third of the bytes."""
+"""Number of colours of the sheet, which reduces it to a third of the bytes."""
 
 
 def worst_episodes(model: nsrm.Model, path: Path) -> list[JudgedPlans]:
-    """The `COUNT` worst, the worst first: wrong programs, then wrong objects, then by IoU."""
+    """The `COUNT` worst episodes, worst first: wrong programs, then wrong objects, then by IoU."""
     judged = (each for (each,) in judge_episodes([model], path, name="worst episodes"))
     return heapq.nsmallest(COUNT, judged, key=_merit)
 
@@ -35,14 +35,14 @@ def _merit(judged: JudgedPlans) -> tuple[float, ...]:
 
 
 def what_went_wrong(judged: JudgedPlans) -> str:
-    """In words, a sentence for each step that is not as meant; for right ones how far off."""
+    """One sentence for each wrong step; if all are right, their position errors."""
     if judged.outcome is None:
-        return "The detector can't use the picture."
+        return "The detector cannot use the image."
     if isinstance(judged.outcome, nsrm.Refused):
         return f"Refused: {judged.outcome}"
     planned, meant = judged.outcome.steps, judged.truth.steps
     if len(planned) != len(meant):
-        return f"Understood as {len(planned)} steps, meant were {len(meant)}."
+        return f"Understood as {len(planned)} steps instead of {len(meant)}."
     wrong = [
         f"Step {number}: {problem}."
         for number, (own, true) in enumerate(zip(planned, meant, strict=True), start=1)
@@ -53,19 +53,19 @@ def what_went_wrong(judged: JudgedPlans) -> str:
 
 def _difference(planned: nsrm.PlannedStep, meant: StepTruth) -> str:
     if planned.action != meant.step.action:
-        return f"{planned.action} in place of {meant.step.action}"
+        return f"{planned.action} instead of {meant.step.action}"
     for what, own, true in (
         ("moves", planned.object_id, meant.object_id),
         ("refers to", planned.reference_id, meant.reference_id),
     ):
         if own != true:
-            return f"{what} block {own} in place of {true}"
+            return f"{what} block {own} instead of {true}"
     for what, own, true in (
         ("object", planned.object, meant.step.object),
         ("reference", planned.reference, meant.step.reference),
     ):
         if sorted(own) != sorted(true):
-            return f"the {what} is understood as {' '.join(own)}, meant was {' '.join(true)}"
+            return f"the {what} is understood as {' '.join(own)} instead of {' '.join(true)}"
     return ""
 
 
@@ -74,11 +74,11 @@ def _misses(planned: list[nsrm.PlannedStep], meant: tuple[StepTruth, ...]) -> st
     for number, (own, true) in enumerate(zip(planned, meant, strict=True), start=1):
         x, y, z = np.subtract(own.position, true.sub_goal.position) * 1e3
         parts.append(f"step {number} by {x:+.1f}, {y:+.1f}, {z:+.1f} mm")
-    return f"Understood; off along x, y, z: {'; '.join(parts)}."
+    return f"Understood; errors along x, y, z: {'; '.join(parts)}."
 
 
 def draw_failures(worst: list[JudgedPlans], path: Path, out: Path) -> None:
-    """All of them on one sheet: the plan, where there is one, over the initial scene."""
+    """Draws all of them on one sheet: the plan, if any, over the initial scene."""
     tiles = []
     with Demonstrations(path) as demonstrations:
         for judged in worst:

@@ -1,4 +1,4 @@
-"""Models judged on files of episodes, in processes of their own; what is judged is kept."""
+"""Judges models on files of episodes in separate processes, and caches the results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from nsrm_harness.paper.tables.results import ResultRow
 
 
 class Contender(NamedTuple):
-    """A model file, and what rows call it."""
+    """A model file and its name in the rows."""
 
     name: str
     seed: int
@@ -24,27 +24,27 @@ class Contender(NamedTuple):
 
 
 class Judging(NamedTuple):
-    """Models that are judged on one file."""
+    """A task: models to judge on one file."""
 
     split: str
     data: Path
     contenders: tuple[Contender, ...]
     boxes: Boxes | None
-    """None: baselines, which see the boxes of the mask."""
+    """None for baselines, which get the mask's boxes."""
 
     @property
     def name(self) -> str:
-        """Of the file with its rows."""
+        """Name of the file with its rows."""
         return f"{self.split}-{self.boxes or 'baseline'}"
 
     def figures(self) -> list[dict[str, Any]]:
-        """The rows, as JSON has them."""
+        """The rows as JSON."""
         return [asdict(row) for row in self.rows()]
 
     def rows(self) -> list[ResultRow]:
-        """One for each of the models."""
+        """One row per model."""
         if self.boxes is None:
-            # Imported here: JAX takes seconds in each process, and the core does without.
+            # Imported here: JAX takes seconds in each process, and the core does not need it.
             from nsrm_harness.learning.baseline.evaluate import evaluate_baseline
             from nsrm_harness.learning.baseline.file import read_baseline
 
@@ -64,9 +64,9 @@ class Judging(NamedTuple):
 def judge_all(
     judgings: Sequence[Judging], folder: Path, jobs: int, title: str
 ) -> list[list[ResultRow]]:
-    """The rows of each; those that are kept in `folder` are not made again.
+    """The rows of each task; those cached in `folder` are not computed again.
 
-    Raises `TaskError`; what was judged before is kept.
+    Raises `TaskError`; earlier results stay cached.
     """
     made = make_all({judging.name: judging for judging in judgings}, folder, jobs, title)
     return [[ResultRow(**row) for row in rows] for rows in made]

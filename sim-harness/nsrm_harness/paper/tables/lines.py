@@ -1,4 +1,4 @@
-"""Lines of the report's tables, in Markdown, and what splits and measures are called in them."""
+"""Markdown rows of the report's tables, and the titles of splits and measures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ HEADINGS = ("program", "O1", "O2", "IoU-2D", "IoU-3D")
 TITLES = {
     "train": "training episodes, 1-2 steps",
     "test": "test, 1-2 steps",
-    "novel_pairs": "attribute pairs never seen in training",
+    "novel_pairs": "attribute pairs not in the training data",
     "steps_3": "3 steps, trained on 1-2",
     "steps_4": "4 steps",
     "steps_5": "5 steps",
@@ -20,12 +20,12 @@ TITLES = {
     "multi_attribute": "two attributes in each description, trained on one",
     "objects_8": "8 objects, trained on 4-6",
     "objects_10": "10 objects, trained on 4-6",
-    "paraphrase": "orders of words never heard in training",
+    "paraphrase": "word orders not in the training data",
 }
 
 
 def cells_of(rows: Sequence[ResultRow]) -> list[str]:
-    """Each measure of a model's rows: the mean over the seeds, with least and greatest."""
+    """Each measure of a model's rows: the mean over the seeds, with the lowest and highest."""
     cells = []
     for measure in MEASURES:
         summary = summarize(rows, measure)
@@ -39,7 +39,7 @@ def cells_of(rows: Sequence[ResultRow]) -> list[str]:
 
 
 def number(value: float | None) -> str:
-    """A percentage, or a dash for none."""
+    """A percentage, or a dash for None."""
     return or_dash(value, ".1f")
 
 
@@ -49,5 +49,5 @@ def header_of(first: str) -> str:
 
 
 def line_of(first: str, cells: Iterable[str]) -> str:
-    """A line of a table."""
+    """A row of a table."""
     return f"| {first} | " + " | ".join(cells) + " |"

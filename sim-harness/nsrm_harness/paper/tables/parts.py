@@ -1,4 +1,4 @@
-"""What the parts are worth: the report's sections on variants and on disturbed scenes."""
+"""Writes the report's sections on variants (an ablation study) and on disturbed scenes."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from nsrm_harness.paper.tables.variants import JUDGED as COMPARED
 
 
 def comparison_sections(comparison: Comparison) -> list[str]:
-    """Headings, tables and words of both."""
+    """Headings, tables and text of both sections."""
     models = list(dict.fromkeys(row.model for row in comparison.rows))
     seconds = {
         name: sum(cost.seconds for cost in comparison.costs if cost.variant == name)
         for name in models
     }
     headings = [f"{name}, {split}" for split in COMPARED for name in ("program", "IoU-3D")]
-    lines = [line_of("trained otherwise", [*headings, "seeds", "minutes"])]
+    lines = [line_of("variant", [*headings, "seeds", "minutes"])]
     lines.append("|---|" + "---:|" * (len(headings) + 2))
     for name in models:
         cells, count = [], 0
@@ -33,15 +33,15 @@ def comparison_sections(comparison: Comparison) -> list[str]:
     merged = ", ".join(f"{name} (seed {seed})" for name, seed in comparison.merged)
     return [
         "## What the parts are worth",
-        "The same data, one thing changed in each row; minutes on the clock a seed, beside "
-        "whatever else ran. Mean over the seeds, in brackets the least and the greatest.",
+        "The same data, with one change in each row; minutes of wall time per seed, beside other "
+        "work. Mean over the seeds, with the lowest and highest in brackets.",
         "\n".join(lines),
         *([f"Two actions were learned as one by: {merged}."] if merged else []),
         *_reinforce(comparison),
-        "## Disturbed scenes, and how much data",
-        "The same scenes whatever the size. At the size 1 the camera stands up to "
-        f"{VARIED.camera_m * 1e3:.0f} mm beside its place along each axis and is turned by up to "
-        f"{VARIED.camera_deg:g}°, light is off by up to {VARIED.light:.0%}, colours by up to "
+        "## Disturbed scenes and amounts of data",
+        "The scenes are the same at each size. At size 1 the camera is displaced by up to "
+        f"{VARIED.camera_m * 1e3:.0f} mm along each axis and rotated by up to "
+        f"{VARIED.camera_deg:g}°, light varies by up to {VARIED.light:.0%}, colours by up to "
         f"{VARIED.color:.0%}, and depth has noise of {VARIED.depth_m * 1e3:.0f} mm.",
         "![accuracy against disturbance and data](comparison.png)",
         _disturbed_table(comparison),
@@ -49,11 +49,11 @@ def comparison_sections(comparison: Comparison) -> list[str]:
 
 
 def _reinforce(comparison: Comparison) -> list[str]:
-    """How near the sampled splitter comes to the exact one, seed by seed."""
+    """Compares the sampled splitter with the exact one, seed by seed."""
     told = []
     for exact, sampled, when in (
-        (EXACT, SAMPLED, "In the end"),
-        (EXACT + BEFORE, SAMPLED + BEFORE, "Before the last stage, which teaches the splitter too"),
+        (EXACT, SAMPLED, "At the end"),
+        (EXACT + BEFORE, SAMPLED + BEFORE, "Before the last stage, which also trains the splitter"),
     ):
         for split in COMPARED:
             means = [
@@ -70,7 +70,7 @@ def _reinforce(comparison: Comparison) -> list[str]:
             ]
             told.append(
                 f"{when}, {TITLES[split]}: {near} of {len(own)} seeds are within 1 point of the "
-                f"exact expectation's mean; deviation over the seeds {deviations[0]:.2f} exact, "
+                f"exact splits' mean; standard deviation over the seeds {deviations[0]:.2f} exact, "
                 f"{deviations[1]:.2f} sampled."
             )
     if not told:

@@ -1,4 +1,4 @@
-"""The report's plots."""
+"""Draws the report's plots."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from nsrm_harness.paper.tables.results import ResultRow, select, summarize
 from nsrm_harness.paper.tables.study import Study
 from nsrm_harness.paper.tables.variants import UNDISTURBED as NONE
 
-#: The split and the number of steps at which it stands; test has one and two.
+#: Where each split is plotted, in steps; test has one and two.
 STEPS = {"test": 1.5, "steps_3": 3, "steps_4": 4, "steps_5": 5, "steps_6": 6, "steps_8": 8}
 PANELS = (("program", "program"), ("o1", "objects moved"), ("iou_3d", "IoU-3D"))
 LINES = (
@@ -31,7 +31,7 @@ PAPER = (("nsrm", "tab:blue", "paper, model"), ("baseline", "tab:orange", "paper
 
 
 def draw_steps(rows: Sequence[ResultRow], path: Path) -> None:
-    """Accuracy against the number of steps, mean and range over the seeds, as a PNG."""
+    """Plots accuracy against the number of steps, mean and range over the seeds, as a PNG."""
     figure, axes = plt.subplots(1, len(PANELS), figsize=(11.0, 4.1), layout="constrained")
     for axis, (measure, title) in zip(axes, PANELS, strict=True):
         _draw(rows, measure, axis)
@@ -48,8 +48,8 @@ def draw_steps(rows: Sequence[ResultRow], path: Path) -> None:
 def draw_comparison(
     comparison: Comparison, rows: Sequence[ResultRow], study: Study, path: Path
 ) -> None:
-    """Accuracy against the size of each disturbance, and against the number of episodes that a
-    model was trained on, as a PNG."""
+    """Plots accuracy against the size of each disturbance, and against the number of training
+    episodes, as a PNG."""
     figure, axes = plt.subplots(2, 2, figsize=(11.0, 7.4), layout="constrained")
     for (left, right), (measure, title) in zip(axes, (PANELS[0], PANELS[2]), strict=True):
         _draw_disturbed(comparison, measure, left)

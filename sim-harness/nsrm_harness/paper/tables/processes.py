@@ -1,4 +1,4 @@
-"""Functions in processes of their own, one for each processor, and what they print in files."""
+"""Runs functions in separate processes, one per processor, with their output in log files."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class TaskError(HarnessError):
 
 
 class ProcessTask(NamedTuple):
-    """A function that a module has at its top, and its arguments."""
+    """A module-level function and its arguments."""
 
     name: str
     function: Callable[..., object]
     arguments: tuple[Any, ...]
     log: Path
-    """What it prints is appended here."""
+    """Its output is appended to this file."""
 
 
 def run_all(
@@ -37,10 +37,10 @@ def run_all(
     title: str,
     done: Callable[[ProcessTask], None] = lambda task: None,
 ) -> None:
-    """Run every task, at most `jobs` at a time, each on a processor of its own; `done` is told of
-    each when it has ended.
+    """Runs all tasks, at most `jobs` at a time, each on its own processor; calls `done` with each
+    finished one.
 
-    Raises `TaskError` for the first that fails. Then, and on Ctrl-C, the others are ended.
+    Raises `TaskError` for the first that fails. Then, and on Ctrl-C, the others are terminated.
     """
     # "spawn": a forked child would share the parent's threads and their locks.
     context = multiprocessing.get_context("spawn")
@@ -78,7 +78,8 @@ def _run(task: ProcessTask, processor: int) -> None:
         os.dup2(log.fileno(), sys.stdout.fileno())
         os.dup2(log.fileno(), sys.stderr.fileno())
     if hasattr(os, "sched_setaffinity"):
-        # XLA makes as many threads as it sees processors; two runs' would wait for each other.
+        # XLA starts as many threads as it sees processors; those of two runs would block each
+        # other.
         os.sched_setaffinity(0, {processor})
     try:
         task.function(*task.arguments)
@@ -94,4 +95,4 @@ def _processors() -> list[int]:
 
 def _last_line(log: Path) -> str:
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-    return lines[-1] if lines else "it printed nothing"
+    return lines[-1] if lines else "it printed no message"

@@ -1,4 +1,4 @@
-"""What of a report goes into the project: the report itself, the model, the README's figures."""
+"""Publishes a report into the project: the report itself, the model, and the README's figures."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ MODEL = Path("weights-codegen/tabletop/tabletop.safetensors")
 
 
 class PublishError(HarnessError):
-    """A report or a README from which nothing can be published."""
+    """A report or a README that cannot be used for publishing."""
 
 
 def publish(report: Path, model: Path, root: Path) -> None:
     """Copy the report's files and the model into the checkout at `root`; update its README."""
     for needed in (report / TABLES_FILE, report / REFUSALS, model):
         if not needed.exists():
-            raise PublishError(f"{needed}: not there: 'harness tables' makes it")
+            raise PublishError(f"{needed}: not found: create it with 'harness tables'")
     text = with_figures((root / README).read_text(encoding="utf-8"), report)
     target = root / REPORT_FOLDER
-    # Folders in it are other reports.
+    # Its folders are other reports.
     for old in target.glob("*"):
         if old.is_file():
             old.unlink()
@@ -44,19 +44,19 @@ def publish(report: Path, model: Path, root: Path) -> None:
 
 
 def with_figures(readme: str, report: Path) -> str:
-    """The README with the figures of a report between its two marks."""
+    """The README with the figures of a report between its two markers."""
     before, begin, rest = readme.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise PublishError(f"README: has no figures' marks: {BEGIN!r} and {END!r}")
+        raise PublishError(f"README: the markers of the figures are missing: {BEGIN!r} and {END!r}")
     block = figures(read_rows(report / TABLES_FILE), _refusals(report / REFUSALS))
     return f"{before}{BEGIN}\n{block}\n{END}{after}"
 
 
 def figures(rows: Sequence[ResultRow], refusals: Sequence[dict[str, Any]]) -> str:
-    """The README's table, means over the seeds with the paper's beside them, and a sentence.
+    """The README's table (means over the seeds, with the paper's in brackets) and its remarks.
 
-    A split that the report does not have is left out.
+    Splits that the report does not have are left out.
     """
     lines = [f"| | {' | '.join(HEADINGS)} |", "|---|" + "---:|" * len(HEADINGS)]
     for split in JUDGED:
@@ -78,10 +78,11 @@ def figures(rows: Sequence[ResultRow], refusals: Sequence[dict[str, Any]]) -> st
             *lines,
             "",
             f"Percent, mean of {seeds} {'seed' if seeds == 1 else 'seeds'}, at least {least} "
-            "episodes a row; a refusal counts as wrong; in brackets the paper's, on its own data.",
+            "episodes per row; a refusal counts as wrong; in brackets the paper's figures, on its "
+            "own data.",
             _with_detector(rows),
-            f"Of {count} sentences that must be refused, of {len(kinds)} kinds and by "
-            f"{seeds} {'model' if seeds == 1 else 'models'}, {refused} are.",
+            f"Of {count} sentences that must be refused ({len(kinds)} kinds, "
+            f"{seeds} {'model' if seeds == 1 else 'models'}), {refused} are.",
         ]
     )
 
@@ -90,7 +91,7 @@ def _with_detector(rows: Sequence[ResultRow]) -> str:
     chosen = select(rows, "test", "nsrm", "detector")
     told = [f"{name} {_cell('', m, chosen)}" for name, m in zip(HEADINGS, MEASURES, strict=True)]
     return (
-        "With boxes and depths from the detector in place of the simulator's mask, on test: "
+        "With boxes and depths from the detector instead of the simulator's mask, on test: "
         f"{', '.join(told)}."
     )
 

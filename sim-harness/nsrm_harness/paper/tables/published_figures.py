@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class PaperRow(NamedTuple):
-    """A row of one of its tables; the baseline has no programs."""
+    """A row of one of the paper's tables; the baseline has no programs."""
 
     program: float | None
     o1: float
@@ -22,7 +22,7 @@ TABLES = {
     "steps_3": "V, three steps",
     "multi_attribute": "VI, two attributes",
 }
-"""The table of each split that the paper has."""
+"""The table of each split that is in the paper."""
 
 ROWS = {
     ("train", "nsrm"): PaperRow(99.1, 98.0, 97.8, 59.8, 29.1),

@@ -1,4 +1,4 @@
-"""The figures of the tables, and their file."""
+"""The figures of the tables, and their CSV file."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ DECIMALS = 2
 
 
 class ResultsError(HarnessError):
-    """A file of figures that can't be read."""
+    """A file of figures that cannot be read."""
 
 
 @dataclass(frozen=True)
 class ResultRow:
-    """A model of one seed on one split; percentages."""
+    """The results of a model of one seed on one split, in percent."""
 
     split: str
     model: str
@@ -33,7 +33,7 @@ class ResultRow:
     """`mask` or `detector`."""
     episodes: int
     program: float | None
-    """None for the baseline, which has none."""
+    """None for the baseline, which has no programs."""
     o1: float
     o2: float
     iou_2d: float
@@ -41,7 +41,7 @@ class ResultRow:
 
     @classmethod
     def of(cls, split: str, model: str, seed: int, boxes: str, metrics: Metrics) -> ResultRow:
-        """From shares."""
+        """Converts metrics, which are shares, to percentages."""
         shares = (
             metrics.program,
             metrics.object,
@@ -67,7 +67,7 @@ class Summary:
 
 
 def summarize(rows: Sequence[ResultRow], measure: str) -> Summary | None:
-    """None where a row has no such measure or there is none."""
+    """Summarises a measure over the rows; None if a row lacks it or there are no rows."""
     values = [getattr(row, measure) for row in rows]
     if not values or None in values:
         return None
@@ -75,18 +75,18 @@ def summarize(rows: Sequence[ResultRow], measure: str) -> Summary | None:
 
 
 def select(rows: Iterable[ResultRow], split: str, model: str, boxes: str) -> list[ResultRow]:
-    """The rows of all seeds."""
+    """The rows of all seeds for a split, model and kind of boxes."""
     wanted = (split, model, boxes)
     return [row for row in rows if (row.split, row.model, row.boxes) == wanted]
 
 
 def write_rows(path: Path, rows: Sequence[ResultRow]) -> None:
-    """Under `COLUMNS`; the baseline's program stays empty."""
+    """Writes rows as CSV with `COLUMNS`; the baseline's program is empty."""
     write_records(path, COLUMNS, rows)
 
 
 def write_records(path: Path, columns: Sequence[str], records: Sequence[object]) -> None:
-    """A CSV file of these fields; None is left empty."""
+    """Writes a CSV file of these fields; None is left empty."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
@@ -94,7 +94,7 @@ def write_records(path: Path, columns: Sequence[str], records: Sequence[object])
 
 
 def read_rows(path: Path) -> list[ResultRow]:
-    """What `write_rows` wrote."""
+    """Reads rows written by `write_rows`."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
             reader = csv.reader(file)
@@ -103,11 +103,11 @@ def read_rows(path: Path) -> list[ResultRow]:
                 raise ResultsError(f"{path}: expected the columns {','.join(COLUMNS)}")
             return [_row(values) for values in reader]
     except (OSError, ValueError, UnicodeDecodeError) as error:
-        raise ResultsError(f"{path}: can't read the figures: {error}") from error
+        raise ResultsError(f"{path}: cannot read the figures: {error}") from error
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a file, all of it or nothing."""
+    """Writes a file atomically."""
     partial = path.with_name(path.name + ".part")
     partial.write_text(json_text(content, indent=1), encoding="utf-8")
     partial.replace(path)

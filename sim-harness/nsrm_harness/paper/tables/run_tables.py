@@ -1,7 +1,7 @@
-"""From nothing to figures: data, models, baselines, metrics. What is done is not done again.
+"""Runs a study from scratch to figures: data, models, baselines, metrics. Finished parts are kept.
 
-Everything lies in one folder, which belongs to one study: figures of different ones are never
-mixed. It keeps every commit at which something in it was made, for the report to tell.
+Everything is in one folder, which belongs to one study: figures of different studies are never
+mixed. The folder records every commit at which something in it was made, for the report.
 """
 
 from __future__ import annotations
@@ -37,19 +37,19 @@ from nsrm_harness.paper.tables.trainings import Training, packed, train, train_e
 
 REFUSAL_SETS = ("validation", "test")
 PUBLISHED = Path("runs") / f"nsrm-{FAMILIES[0].name}-0" / "model.safetensors"
-"""The model that the project carries: the first seed's, in a study's folder."""
+"""The model that the project publishes: the first seed's, in a study's folder."""
 TRAININGS = "models and baselines"
-FIRST_MODELS = "of these, until the models that were trained on everything were done"
-"""A part of the trainings' time."""
+FIRST_MODELS = "of these, until the models of the full data were done"
+"""Name of a part of the training time."""
 
 
 class StudyError(HarnessError):
-    """A folder with another study in it."""
+    """A folder that belongs to another study."""
 
 
 @dataclass(frozen=True)
 class SeedReport:
-    """What the model of a seed refuses."""
+    """What one seed's model refuses."""
 
     seed: int
     report: RefusalReport
@@ -57,25 +57,25 @@ class SeedReport:
 
 @dataclass(frozen=True)
 class TablesResult:
-    """All that the report tells."""
+    """All results for the report."""
 
     rows: tuple[ResultRow, ...]
     refusals: tuple[SeedReport, ...]
-    """Of each model: on validation, where thresholds are chosen, and on test."""
+    """For each model: on validation, where thresholds are chosen, and on test."""
     detections: tuple[DetectorRow, ...]
     commits: tuple[str, ...]
-    """States of the project at which it was made."""
+    """The commits at which it was made."""
     model: Path
-    """The first seed's model file, of which there are pictures."""
+    """The first seed's model file, which the plots show."""
     episodes: Path
-    """The test episodes that they show."""
+    """The test episodes that the plots show."""
     times: tuple[PartTime, ...]
     processes: int
-    """How many worked at a time."""
+    """Number of parallel processes."""
 
 
 class Tables:
-    """The making of one study in one folder."""
+    """Runs one study in one folder."""
 
     def __init__(
         self,
@@ -84,14 +84,14 @@ class Tables:
         folder: Path,
         workers: Workers,
     ) -> None:
-        """Raises `StudyError` where the folder has another study in it."""
+        """Raises `StudyError` if the folder belongs to another study."""
         self.study, self._domain, self.folder = study, domain, folder
         self.workers = workers
         self._commits = self._claim()
         self._times = ReportTimes(folder / "times.json")
 
     def make(self) -> TablesResult:
-        """Everything; broken off, a further call goes on."""
+        """Makes everything; a further call resumes an interrupted run."""
         with self._times.of("data"):
             for split in self.study.splits():
                 self.make_episodes(split, self.study.settings(split))
@@ -136,8 +136,8 @@ class Tables:
             for what, own in content.items():
                 if found[what] != own:
                     raise StudyError(
-                        f"{note}: the folder was begun with another {what}: give another --out, "
-                        "or remove the folder to begin anew"
+                        f"{note}: the folder belongs to another {what}: use another --out, or "
+                        "remove the folder to start from scratch"
                     )
         commits = list(dict.fromkeys([*commits, commit()]))
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -145,7 +145,7 @@ class Tables:
         return tuple(commits)
 
     def data(self, name: str) -> Path:
-        """A file of episodes."""
+        """Path of a file of episodes."""
         return self.folder / "data" / f"{name}.h5"
 
     @property
@@ -157,7 +157,7 @@ class Tables:
         return self.runs / f"{kind}-{family.name}-{seed}"
 
     def files(self, family: Family) -> Files:
-        """What a family's trainings read."""
+        """The files that a family's trainings read."""
         return Files(
             train=self.data(family.train),
             validation=self.data(family.validation),
@@ -166,7 +166,7 @@ class Tables:
         )
 
     def make_episodes(self, name: str, settings: Settings) -> None:
-        """A file of episodes, unless it is there."""
+        """Makes a file of episodes, unless it exists."""
         with tqdm(total=settings.count, unit="episode", desc=f"{name:>22}") as bar:
 
             def report(progress: ShardProgress) -> None:
@@ -184,7 +184,7 @@ class Tables:
             )
 
     def _train(self) -> None:
-        """What is not trained yet."""
+        """Trains what is not trained yet."""
         missing = [training for training in self._trainings() if not training.is_done]
         with self._times.of(FIRST_MODELS) as end:
             waited = {self._run_of("nsrm", FAMILIES[0], seed) for seed in self.study.seeds}
@@ -208,8 +208,8 @@ class Tables:
                     done(out)
 
     def _trainings(self) -> list[Training]:
-        """The first family's models before all others, but for a baseline behind the very first:
-        what XLA compiles for that one meanwhile serves those that follow."""
+        """All trainings: the first family's models first, except that a baseline comes second, so
+        that what XLA compiles for the first model serves the others."""
         trainings = [
             Training(self.files(family), config, seed, self._run_of(kind, family, seed))
             for family in FAMILIES
@@ -222,7 +222,7 @@ class Tables:
         return [first, baseline, *models, *others]
 
     def judge(self, judgings: Sequence[Judging], title: str) -> list[list[ResultRow]]:
-        """The rows of each, made on this machine unless they are there."""
+        """The rows of each task, computed on this machine unless cached."""
         return judge_all(judgings, self.folder / "figures", self.workers.count, title)
 
     def models(self, family: Family) -> tuple[Contender, ...]:
@@ -230,7 +230,7 @@ class Tables:
         return tuple(Contender("nsrm", seed, self.model(family, seed)) for seed in self.study.seeds)
 
     def _judgings(self) -> list[Judging]:
-        """All of the tables', in the order of their rows."""
+        """The tasks for all tables, in the order of their rows."""
         judgings = []
         for family in FAMILIES:
             models, baselines = self.models(family), self._baselines(family)
@@ -241,7 +241,7 @@ class Tables:
         return judgings
 
     def _sightings(self) -> list[Sighting]:
-        """What the detector is measured on."""
+        """The sets of scenes for measuring the detector."""
         seed, few = self.study.data_seed, self.study.settings("test").count // 10
         files = [(name, self.data(name), detections.SCENES) for name in detections.SPLITS]
         return [
@@ -262,7 +262,7 @@ class Tables:
 
 
 def commit() -> str:
-    """The state of the project: its commit, with a hash of what differs from it."""
+    """The state of the project: its commit, with a hash of uncommitted changes."""
     here = Path(__file__).resolve().parent
     try:
         name = _git(here, "rev-parse", "--short=12", "HEAD").strip()

@@ -1,4 +1,4 @@
-"""What the tables rest on: splits, families of models, and how many of each."""
+"""Defines the study behind the tables: splits, families of models, and their sizes."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ FULL, QUICK = "full", "quick"
 
 @dataclass(frozen=True)
 class Family:
-    """Models of the same training data."""
+    """Models with the same training data."""
 
     name: str
     train: str
     validation: str
     judged: tuple[str, ...]
-    """Splits on which they are judged, by the names that the figures have."""
+    """The splits on which they are judged."""
 
 
 FAMILIES = (
@@ -41,7 +41,7 @@ FAMILIES = (
             "paraphrase",
         ),
     ),
-    # Single attribute values alone and without the novel pairs (Tables IV and VI).
+    # Only single attribute values, and without the novel pairs (Tables IV and VI).
     Family(
         "restricted",
         "train_restricted",
@@ -50,39 +50,39 @@ FAMILIES = (
     ),
 )
 JUDGED = tuple(split for family in FAMILIES for split in family.judged)
-"""All splits with figures, in the order in which they are told."""
+"""All judged splits, in the order of the report."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """How much of everything."""
+    """The sizes and settings of a study."""
 
     name: str
     seeds: tuple[int, ...]
-    """Of the models; the data has one of its own."""
+    """Seeds of the models; the data has its own seed."""
     data_seed: int
     counts: Mapping[str, int]
-    """Episodes of each split; those that aren't named have as many as `SPLITS` says."""
+    """Numbers of episodes by split; `SPLITS` gives those that are missing here."""
     calibration_scenes: int
     config: TrainingConfig
     baseline: BaselineConfig
     refusals: int
-    """Sentences of each kind that must be refused."""
+    """Number of sentences to refuse of each kind."""
 
     def settings(self, split: str) -> Settings:
-        """What the file of a split is made from; without what nothing reads."""
+        """Settings of a split's data file, without the final images, which nothing reads."""
         default = SPLITS[split]
         count = self.counts.get(split, default.count)
         return replace(default, count=count, seed=self.data_seed, final_image=False)
 
     def splits(self) -> list[str]:
-        """All splits of which there are files."""
+        """Names of all splits that have files."""
         names = [name for f in FAMILIES for name in (f.train, f.validation, *f.judged)]
         return list(dict.fromkeys(names))
 
 
 def full_study(data_seed: int = 1) -> Study:
-    """Three seeds, on about the amount of data that the paper has."""
+    """Three seeds, on about as much data as the paper's."""
     return Study(
         name=FULL,
         seeds=(0, 1, 2),
@@ -96,7 +96,7 @@ def full_study(data_seed: int = 1) -> Study:
 
 
 def quick_study(data_seed: int = 1) -> Study:
-    """One seed on a fifth of the data: shows that everything hangs together."""
+    """One seed on a fifth of the data: shows that all parts work together."""
     counts = dict.fromkeys(SPLITS, 40)
     counts |= {"train": 500, "train_restricted": 500, "test": 60}
     few = StageConfig(epochs=3, learning_rate=3e-3, batch=32)

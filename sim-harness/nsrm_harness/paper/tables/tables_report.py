@@ -1,4 +1,4 @@
-"""The report: Markdown with its plots and CSV files beside it."""
+"""Writes the report: Markdown with its plots and CSV files."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ TABLES = "tables.csv"
 REFUSALS = "refusals.csv"
 REFUSAL_COLUMNS: tuple[str, ...] = ("seed", *COLUMNS)
 COMPARISON = "comparison.csv"
-"""Variants and disturbed scenes, with the columns of the tables."""
+"""Results for variants and disturbed scenes, with the columns of the tables."""
 COSTS = "costs.csv"
 DETECTOR = "detector.csv"
 TIMES = "times.csv"
@@ -50,7 +50,7 @@ def write_report(
     folder: Path,
     comparison: Comparison | None = None,
 ) -> None:
-    """`README.md`, its pictures and CSV files; with a comparison its own, too."""
+    """Writes `README.md`, its plots and CSV files, and those of a comparison, if any."""
     folder.mkdir(parents=True, exist_ok=True)
     write_rows(folder / TABLES, outcome.rows)
     write_records(folder / DETECTOR, DETECTOR_COLUMNS, outcome.detections)
@@ -74,39 +74,40 @@ def write_report(
 
 
 def markdown(outcome: TablesResult, study: Study, comparison: Comparison | None = None) -> str:
-    """The text of the report."""
+    """The report as Markdown."""
     *of_paper, beyond, with_detector = tables_of(outcome.rows)
     sections = [
         "# Report",
         _origin(outcome, study),
         "## The paper's tables",
-        "Percent, mean over the seeds, in brackets the least and the greatest. The paper's own "
+        "Percent: the mean over the seeds, with the lowest and highest in brackets. The paper's "
         "figures are for its own data.",
         *of_paper,
-        "## Beyond them",
+        "## Beyond the paper's tables",
         beyond,
         "![accuracy against steps](steps.png)",
         "## Boxes from the detector",
         "The same models and episodes; boxes and depths come from the detector on colour and "
-        "depth in place of the simulator's mask.",
+        "depth instead of the simulator's mask.",
         with_detector,
-        "What the detector finds, by the mask's boxes; with noise on depth a hundredth of the "
-        "pixels has none. Errors are of the mean depth, and of the box's centre at it in the "
-        "world; the time is the median on one core.",
+        "The detections compared with the mask's boxes; where depth has noise, one pixel in a "
+        "hundred has no depth. Errors are those of the mean depth and of the box's centre at that "
+        "depth, in the world; the time is the median on one core.",
         table_of(outcome.detections),
         "## Refusals",
         *(part for name in REFUSAL_SETS for part in _refusals(name, outcome.refusals)),
         *(comparison_sections(comparison) if comparison is not None else []),
         "## What was learned",
         f"The model of seed {study.seeds[0]}. Each action, over a grid of references (grey): where "
-        "the block comes to stand (dot, its height in colour), and the mean and deviation of the "
-        "way from the reference's centre. The scenes never said which action is which.",
+        "the block is placed (dot, its height in colour), and the mean and standard deviation of "
+        "its offset from the reference's centre. The scenes never showed the names of the "
+        "actions.",
         "![each action on a grid](actions.png)",
-        "Concepts of different attribute types are in different spaces: only cosines between the "
-        "black lines mean something.",
+        "Concepts of different attribute types are in different spaces: only cosines within the "
+        "black lines are meaningful.",
         "![concepts and blocks](concepts.png)",
         "## The worst episodes",
-        "Of the test episodes with the boxes of the mask, the worst first.",
+        "The worst of the test episodes with the mask's boxes, worst first.",
         "![the worst episodes](failures.png)",
         "## How long it took",
         _times(outcome.times, outcome.processes),
@@ -115,7 +116,7 @@ def markdown(outcome: TablesResult, study: Study, comparison: Comparison | None 
 
 
 def tables_of(rows: Sequence[ResultRow]) -> list[str]:
-    """The paper's tables, those beyond them, and those with the detector's boxes."""
+    """The paper's tables, the splits beyond them, and the splits with the detector's boxes."""
     return [
         *(_paper_table(rows, split) for split in JUDGED if split in paper.TABLES),
         _table(rows, [split for split in JUDGED if split not in paper.TABLES], "mask"),
@@ -130,10 +131,10 @@ def _origin(outcome: TablesResult, study: Study) -> str:
     )
     return (
         f"Written by `cargo harness tables{' --quick' if study.name == QUICK else ''}` at "
-        f"{_commits(outcome.commits)}; seeds of the models {seeds}, of the data {study.data_seed}; "
-        f"episodes for training: {families}. Models are judged through the Rust core alone; a "
-        "refused sentence counts as wrong in every measure. The baseline is told where the "
-        "steps of a sentence end."
+        f"{_commits(outcome.commits)}; model seeds {seeds}; data seed {study.data_seed}; "
+        f"training episodes: {families}. Models are judged only through the Rust core; a refused "
+        "sentence counts as wrong in every measure. The baseline is told where the steps of a "
+        "sentence end."
     )
 
 
@@ -141,9 +142,9 @@ def _times(times: Sequence[PartTime], processes: int) -> str:
     whole = sum(took.seconds for took in times if took.part != FIRST_MODELS)
     parts = [(took.part, took.seconds) for took in times]
     lines = ["| part | minutes |", "|---|---:|"]
-    lines += [f"| {part} | {s / 60:.1f} |" for part, s in [*parts, ("all", whole)]]
+    lines += [f"| {part} | {s / 60:.1f} |" for part, s in [*parts, ("total", whole)]]
     return (
-        f"On the clock, in {processes} processes, where it was broken off over all calls; pictures "
+        f"Wall time with {processes} processes, summed over all calls if it was interrupted; plots "
         "and variants are not counted.\n\n" + "\n".join(lines)
     )
 
@@ -173,13 +174,13 @@ def _table(rows: Sequence[ResultRow], splits: Iterable[str], boxes: str) -> str:
 
 
 def _refusals(which: str, every: Sequence[SeedReport]) -> list[str]:
-    """The section of a set: what each seed's model refuses, by kind."""
+    """The section on a set: how many sentences of each kind each seed's model refuses."""
     of_set = [each for each in every if each.report.set == which]
     if not of_set:
         return []
     seeds = [f"seed {each.seed} refused" for each in of_set]
     lines = [
-        f"| what is wrong | sentences | {' | '.join(seeds)} |",
+        f"| fault | sentences | {' | '.join(seeds)} |",
         "|---|" + "---:|" * (1 + len(of_set)),
     ]
     for rows in zip(*(each.report.kinds for each in of_set), strict=True):
@@ -194,8 +195,8 @@ def _refusals(which: str, every: Sequence[SeedReport]) -> list[str]:
     return [
         f"### On {which}",
         "\n".join(lines),
-        f"Of what must be refused {refused / bad:.2%} was. Of {good} good sentences "
-        f"{right / good:.2%} were planned rightly and {lost / good:.2%} refused.",
+        f"{refused / bad:.2%} of the sentences that must be refused were refused. Of {good} good "
+        f"sentences {right / good:.2%} were planned correctly and {lost / good:.2%} refused.",
         f"![risk against coverage, and calibration](refusals-{which}.png)",
     ]
 

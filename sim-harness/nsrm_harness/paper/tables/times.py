@@ -1,4 +1,4 @@
-"""How long the making of a report took, part by part, over all the calls that it took."""
+"""Records how long each part of a report took, summed over all calls."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from nsrm_harness.paper.tables.results import write_json
 
 @dataclass(frozen=True)
 class PartTime:
-    """A part of the making and its time on the clock."""
+    """A part of the work and its wall time."""
 
     part: str
     seconds: float
 
 
 class ReportTimes:
-    """The times of all parts, in a file."""
+    """The times of all parts, kept in a file."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def all(self) -> tuple[PartTime, ...]:
-        """In the order in which they were begun for the first time."""
+        """The times, in the order in which the parts were first started."""
         if not self._path.exists():
             return ()
         return tuple(
@@ -36,8 +36,8 @@ class ReportTimes:
 
     @contextmanager
     def of(self, part: str) -> Iterator[Callable[[], None]]:
-        """Adds the time until the block ends, however it ends, or until what it is given is called
-        for the first time."""
+        """Adds the time until the block ends, however it ends, or until the callable that it yields
+        is first called."""
         began, ended = time.monotonic(), False
 
         def end() -> None:

@@ -1,4 +1,4 @@
-"""Trainings of models and baselines, here or where the data must be sent first."""
+"""Trains models and baselines, on this machine or on one to which the data is sent."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from nsrm_harness.learning.export import write_whole
 from nsrm_harness.learning.run_training import Files, finish, fit
 
 DONE = "trained.json"
-"""Metrics on test, in the folder of a training that has ended."""
+"""File with the metrics on test, in the folder of a finished training."""
 KEPT = ("model.safetensors", "baseline.safetensors", "curves.png", DONE)
-"""What a training elsewhere sends back."""
+"""Files that a remote training sends back."""
 
 
 class Training(NamedTuple):
-    """A model's or a baseline's training."""
+    """The training of a model or a baseline."""
 
     files: Files
     config: TrainingConfig | BaselineConfig
@@ -33,12 +33,12 @@ class Training(NamedTuple):
 
     @property
     def is_done(self) -> bool:
-        """Whether it has ended."""
+        """Whether it is finished."""
         return (self.out / DONE).exists()
 
 
 def train(training: Training) -> None:
-    """Train here, going on where it was broken off."""
+    """Trains on this machine, resuming if interrupted."""
     files, config, seed, out = training
     keep_compiled(out)
     if isinstance(config, TrainingConfig):
@@ -59,7 +59,7 @@ def packed(training: Training) -> tuple[dict[str, bytes], Any, int]:
 def train_elsewhere(
     contents: dict[str, bytes], config: TrainingConfig | BaselineConfig, seed: int
 ) -> dict[str, bytes]:
-    """Train on files with these contents; returns the contents of what was made, by name."""
+    """Trains on files with these contents; returns the contents of the results by name."""
     with TemporaryDirectory() as name:
         folder = Path(name)
         for key, content in contents.items():
@@ -70,14 +70,14 @@ def train_elsewhere(
 
 
 def unpack(made: dict[str, bytes], out: Path) -> None:
-    """Write what `train_elsewhere` returned; what says that it is done comes last."""
+    """Writes what `train_elsewhere` returned; the file that marks it as done comes last."""
     for name in sorted(made, key=lambda name: name == DONE):
         write_whole(out / name, made[name])
 
 
 def keep_compiled(out: Path) -> None:
-    """What XLA compiles, beside a training's folder, for the others there; unless the environment
-    names another place."""
+    """Caches what XLA compiles next to a training's folder, for the other trainings there, unless
+    the environment names another place."""
     if "JAX_COMPILATION_CACHE_DIR" in os.environ:
         return
     jax.config.update("jax_compilation_cache_dir", str(out.parent / "compiled"))

@@ -1,4 +1,4 @@
-"""What the models of the tables are compared with: trained otherwise, on other data, or judged on
+"""Defines what the models of the tables are compared with: other trainings, other data, and
 disturbed scenes."""
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ from nsrm_harness.learning.config import GUMBEL, REINFORCE, StageConfig, Trainin
 from nsrm_harness.paper.tables.study import QUICK, Study
 
 BEFORE_LAST = "perception"
-"""The last stage but one."""
+"""The second to last stage."""
 JUDGED = ("test", "steps_3")
-"""Splits on which variants are judged."""
+"""The splits on which variants are judged."""
 DATA_SIZES = (500, 1000, 5000, 10000)
-"""Episodes for training, beside those of the study."""
+"""Numbers of training episodes, in addition to the study's."""
 DISTURBED, UNDISTURBED = "disturbed", "none"
 VARIED = Disturbance(camera_m=0.01, camera_deg=1.0, light=0.3, color=0.2, depth_m=0.01)
-"""Each disturbance at the size 1."""
+"""The disturbances at size 1."""
 TRAIN_VARIED = "train_varied"
-"""Training data with each of them up to that size."""
+"""Training data with all disturbances up to size 1."""
 SIZES = (0.5, 1.0, 2.0)
 KINDS = {
     "camera": ("camera_m", "camera_deg"),
@@ -29,7 +29,7 @@ KINDS = {
     "depth noise": ("depth_m",),
     "all at once": ("camera_m", "camera_deg", "light", "color", "depth_m"),
 }
-"""Which disturbances grow together."""
+"""The disturbances that each kind scales."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Variant:
     train: str = "train"
     """Name of the data file."""
     before_last: bool = False
-    """Whether the model is judged as it stood before the last stage, too."""
+    """Whether the model is also judged as it was before the last stage."""
 
     @property
     def folder(self) -> str:
-        """Its name as one of a folder."""
+        """Its name as a folder name."""
         return self.name.replace(" ", "-").replace(",", "")
 
 
@@ -54,7 +54,7 @@ EXACT, SAMPLED = "exact splits", "REINFORCE"
 
 
 def variants(study: Study) -> list[Variant]:
-    """All of them, in the order of the report; of a quick study one."""
+    """All variants, in the order of the report; a quick study has one."""
     config, seeds = study.config, study.seeds
     if study.name == QUICK:
         return [Variant("no joint training", replace(config, joint=_none(config.joint)), seeds)]
@@ -77,8 +77,8 @@ def _none(stage: StageConfig) -> StageConfig:
 
 
 def _at_once(config: TrainingConfig) -> TrainingConfig:
-    """The joint stage from the beginning, with as many passes and the rate of the stages that it
-    stands for."""
+    """Starts with the joint stage, with the epochs and the learning rate of the stages it
+    replaces."""
     stages = (config.actions, config.selection, config.attributes)
     joint = replace(
         config.joint,
@@ -98,7 +98,7 @@ def _at_once(config: TrainingConfig) -> TrainingConfig:
 
 @dataclass(frozen=True)
 class DisturbedSet:
-    """Episodes disturbed by one kind, in one size; size 0: not at all."""
+    """Episodes with one kind of disturbance at one size; size 0 means none."""
 
     kind: str
     size: float
@@ -106,19 +106,19 @@ class DisturbedSet:
 
     @property
     def name(self) -> str:
-        """Of the data file."""
+        """Name of the data file."""
         return f"{DISTURBED}_{self.kind.replace(' ', '_')}_{self.size:g}"
 
 
 def training_sets(study: Study) -> dict[str, Settings]:
-    """What the data files are made from that variants are trained on, beside the study's."""
+    """Settings of the training data of variants, in addition to the study's."""
     train = study.settings("train")
     sizes = {f"train_{size}": replace(train, count=size) for size in DATA_SIZES}
     return sizes | {TRAIN_VARIED: replace(train, disturbance=VARIED)}
 
 
 def disturbed_sets(study: Study) -> list[DisturbedSet]:
-    """The same scenes and sentences in all of them."""
+    """The disturbed sets, all with the same scenes and sentences."""
     none = study.settings(DISTURBED)
     kinds, sizes = (KINDS, SIZES) if study.name != QUICK else ({"camera": KINDS["camera"]}, (1.0,))
     return [DisturbedSet(UNDISTURBED, 0.0, none)] + [
