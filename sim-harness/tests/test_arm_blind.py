@@ -41,6 +41,8 @@ import nsrm_harness.manipulation.follow
 print(*sorted(sys.modules), sep="\\n")
 """
 
+pytestmark = pytest.mark.slow
+
 
 def loaded_with(code: str) -> set[str]:
     return set(elsewhere(code).split())

@@ -37,6 +37,8 @@ from nsrm_harness.simulation.render import Renderer
 
 PLACED_RAD = math.radians(3)
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def world() -> Iterator[ArmWorld]:

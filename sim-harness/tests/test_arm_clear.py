@@ -47,6 +47,8 @@ CUBE: Vector3 = (EDGE_M, EDGE_M, EDGE_M)
 LARGE: Vector3 = (0.06, 0.06, 0.05)
 FREE_RAD = math.radians(3)
 
+pytestmark = pytest.mark.slow
+
 
 def cube(x: float, y: float, foot: float = 0.0, yaw: float = 0.0, edges: Vector3 = CUBE) -> Cuboid:
     return Cuboid(Pose.upright(x, y, foot + edges[2] / 2, yaw), edges)

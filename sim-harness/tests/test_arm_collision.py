@@ -358,6 +358,7 @@ class Watched(CollisionChecker):
         return free_m
 
 
+@pytest.mark.slow
 def test_only_steps_are_left_out_in_which_nothing_can_have_come_near() -> None:
     rng = np.random.default_rng(11)
     touched = stepped = looked = 0

@@ -45,6 +45,8 @@ GOAL = Pose.upright(0.62, 0.15, 0.02)
 STAYED_M = 0.0005
 HOME_RAD = 0.02
 
+pytestmark = pytest.mark.slow
+
 
 def episode(kind: str, loop: str) -> str:
     """All of one, to the last bit."""

@@ -222,6 +222,7 @@ def test_what_a_block_that_is_carried_aside_touches_is_seen(
     assert "block 2 and block 3" in judge.end([standing.pose(3)]).touched
 
 
+@pytest.mark.slow
 def test_what_a_block_stands_on_it_may_not_be_dragged_over(
     domain: Domain, standing: ArmWorld
 ) -> None:

@@ -92,6 +92,7 @@ def downward(count: int, most_rad: float) -> list[Joints]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("leans_rad", "most_refused"), [(0.05, 0.1), (max(LEANS_RAD), 0.02)], ids=["upright", "leaning"]
 )
@@ -124,6 +125,7 @@ def test_the_elbow_is_as_near_to_the_ready_pose_as_the_hand_allows() -> None:
     np.testing.assert_allclose(one, other, atol=2e-3)
 
 
+@pytest.mark.slow
 def test_lines_keep_within_the_makers_limits_where_places_of_them_are_at_the_limits() -> None:
     at_limits = 0
     for own in downward(400, max(LEANS_RAD)):

@@ -25,6 +25,8 @@ from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def world() -> Iterator[ArmWorld]:

@@ -39,6 +39,8 @@ from nsrm_harness.manipulation.retries import (
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.render import Renderer
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def world() -> Iterator[ArmWorld]:

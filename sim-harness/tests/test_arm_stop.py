@@ -28,6 +28,8 @@ TICK_S = 1 / 240
 STAYED_M = 0.0015
 HOME_RAD = 0.01
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def world() -> Iterator[ArmWorld]:

@@ -24,6 +24,8 @@ LEFT, RIGHT = Pose.upright(0.42, 0.093, 0.02), Pose.upright(0.42, 0.217, 0.02)
 TOWER = ("2", "3", "4")
 FREE = Pose.upright(0.6, -0.1, 0.02)
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def world() -> Iterator[ArmWorld]:

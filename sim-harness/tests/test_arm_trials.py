@@ -30,6 +30,8 @@ from nsrm_harness.evaluation.manipulation_trials.run_trials import TrialsError, 
 BY_NAME = {row.name: row for row in ROWS}
 GOOD = PlacementVerdict(0.001, 0.0, 0.0, True, (), 5.0)
 
+pytestmark = pytest.mark.slow
+
 
 def ended(
     row: str, index: int, end: str, *steps: PlacementVerdict, kind: str = ""

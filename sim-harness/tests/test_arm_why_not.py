@@ -29,6 +29,8 @@ ONE_LEAN = Pose.upright(0.257, 0.086, 0.025, 2.771)
 OTHER_LEAN = Pose.upright(0.844, 0.214, 0.025, -1.088)
 """The hand leans towards the arm there, and away from it here."""
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def world() -> Iterator[ArmWorld]:

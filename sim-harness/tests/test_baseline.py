@@ -52,6 +52,8 @@ DOMAIN = domains.load()
 WORDS = vocabulary(DOMAIN)
 NONE = StageConfig(epochs=0, learning_rate=1e-3, batch=8)
 
+pytestmark = pytest.mark.slow
+
 
 def said(toys: Toys, seed: int) -> StepWords:
     """Sentences for the toys' programs, cut where their steps end."""

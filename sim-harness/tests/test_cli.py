@@ -52,6 +52,7 @@ def test_bad_input_ends_with_2_and_one_message(
     assert run("sing") == 2
 
 
+@pytest.mark.slow
 def test_episodes_then_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, picture = tmp_path / "few.h5", tmp_path / "look.png"
     make = ["episodes", "--split", "test", "--count", "2", "--out", path, "--jobs", "1"]
@@ -105,6 +106,7 @@ def test_calibration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         Calibration.load(path)
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
     path = tmp_path / "many.h5"
     arguments = ["episodes", "--split", "test", "--count", "5000", "--jobs", "1"]

@@ -60,6 +60,7 @@ def differing(first: Path, second: Path) -> set[str]:
     return {name for name, pair in pairs.items() if not np.array_equal(*pair)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sizes", "expected"),
     [
@@ -86,6 +87,7 @@ def test_the_camera_stays_within_what_is_said() -> None:
     assert UNDISTURBED.moved(camera, rng) == camera
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["auto", "pybullet"])
 def test_many_colors_leave_pictures_as_they_were(kind: str) -> None:
     block = block_from_attributes(DOMAIN, {a.name: a.values[0].name for a in DOMAIN.attributes})

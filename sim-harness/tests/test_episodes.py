@@ -48,6 +48,7 @@ def copied(episodes: Path, tmp_path: Path) -> Path:
     return Path(shutil.copy(episodes, tmp_path / "copied.h5"))
 
 
+@pytest.mark.slow
 def test_the_file_is_the_same_after_an_interruption_and_with_one_process(
     episodes: Path, tmp_path: Path
 ) -> None:
@@ -109,6 +110,7 @@ def test_what_can_be_learned_from_is_there(episodes: Path) -> None:
         assert demonstrations.camera(0).width == 640
 
 
+@pytest.mark.slow
 def test_without_final_pictures_everything_else_is_the_same(episodes: Path, tmp_path: Path) -> None:
     path = tmp_path / "lean.h5"
     generate(replace(SETTINGS, final_image=False), DOMAIN, path, LocalProcesses(2))

@@ -45,6 +45,7 @@ def model() -> nsrm.Model:
     return nsrm.Model.pretrained()
 
 
+@pytest.mark.slow
 def test_the_detectors_boxes_lead_to_the_same_objects(episodes: Path, model: nsrm.Model) -> None:
     mask = evaluate(model, episodes, quiet=True)
     detector = evaluate(model, episodes, "detector", quiet=True)

@@ -26,6 +26,8 @@ from nsrm_harness.paper.figures.scenes import FIGURES, Figure, draw
 DOMAIN = domains.load()
 ON_BLUE, ON_CYAN = Step("MoveOn", ("cyan",), ("blue",)), Step("MoveOn", ("blue",), ("cyan",))
 
+pytestmark = pytest.mark.slow
+
 
 def exit_code(*arguments: str | int | Path) -> int:
     with pytest.raises(SystemExit) as caught:

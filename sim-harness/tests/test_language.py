@@ -117,6 +117,7 @@ def test_each_step_ends_where_its_words_end(domain: Domain) -> None:
         assert said.text[first:] in ("", ".")
 
 
+@pytest.mark.slow
 def test_held_out_wordings_are_new_and_read_back() -> None:
     domain = domains.load()
     tokenizer = Tokenizer(domain)

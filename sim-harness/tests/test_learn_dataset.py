@@ -37,6 +37,8 @@ FEW_STEPS = TrainingConfig(
     parser=NONE,
 )
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:

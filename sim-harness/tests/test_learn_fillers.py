@@ -51,6 +51,7 @@ def test_fillers_stand_between_parts_and_nouns_behind_values(found: Fillers) -> 
     assert named(found.starts) == relations | set(DOMAIN.grammar.verbs)
 
 
+@pytest.mark.slow
 def test_a_step_with_fillers_means_the_same(table: StepTable, found: Fillers) -> None:
     keys = jax.random.split(jax.random.key(1), len(table.length))
     filled = jax.jit(jax.vmap(with_fillers, (0, 0, None)))(keys, table, found)

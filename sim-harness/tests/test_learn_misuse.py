@@ -19,6 +19,8 @@ from nsrm_harness.learning.misuse import ROOM, habits, misuse
 
 NOUN = f"({'|'.join(DOMAIN.grammar.nouns)})"
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def table() -> StepTable:

@@ -23,6 +23,8 @@ from nsrm_harness.learning.model import (
 
 DOMAIN = domains.load()
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def model() -> Model:

@@ -48,6 +48,7 @@ def named(
     return order, clear
 
 
+@pytest.mark.slow
 def test_the_most_sentences_agree_with_the_names(monkeypatch: pytest.MonkeyPatch) -> None:
     domain = with_actions(5)
     model = Model(Dimensions.of(domain), jax.random.key(0))
@@ -61,6 +62,7 @@ def test_the_most_sentences_agree_with_the_names(monkeypatch: pytest.MonkeyPatch
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [9, 60])
 def test_many_actions_are_named_in_little_memory(
     monkeypatch: pytest.MonkeyPatch, count: int

@@ -5,6 +5,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.learning.dataset import Sentences
@@ -37,6 +38,8 @@ from nsrm_harness.learning.stages import end_loss
 
 WEIGHTS = LossWeights(square=200.0, overlap=1.0)
 MODEL = Model(Dimensions.of(domains.load()), jax.random.key(0))
+
+pytestmark = pytest.mark.slow
 
 
 def test_intersection_over_union_by_hand() -> None:

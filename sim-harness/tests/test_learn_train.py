@@ -63,6 +63,8 @@ FEW_STEPS = TrainingConfig(
     explained=1e9,
 )
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module", autouse=True)
 def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:

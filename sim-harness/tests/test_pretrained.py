@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import nsrm
+import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.common.workers import LocalProcesses
@@ -17,6 +18,7 @@ from nsrm_harness.evaluation.metrics import evaluate
 LEAST = {"program": 0.97, "object": 0.97, "reference": 0.97, "iou_2d": 0.88}
 
 
+@pytest.mark.slow
 def test_the_committed_model_reaches_what_it_must(tmp_path: Path) -> None:
     path = tmp_path / "test.h5"
     settings = replace(SPLITS["test"], count=80, seed=9)

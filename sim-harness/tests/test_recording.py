@@ -38,6 +38,8 @@ SEED = 4
 SENTENCE = "put the small red block on the magenta block"
 UNKNOWN = "put the purple block on the magenta block"
 
+pytestmark = pytest.mark.slow
+
 
 @dataclass(frozen=True)
 class Row:

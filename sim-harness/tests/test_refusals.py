@@ -343,6 +343,7 @@ def test_the_picture_shows_both_diagrams(tmp_path: Path) -> None:
         assert len(image.convert("RGB").getcolors(1 << 24) or []) > 20
 
 
+@pytest.mark.slow
 def test_the_command_counts_what_the_core_refuses(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

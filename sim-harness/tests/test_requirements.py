@@ -59,6 +59,7 @@ def load(command: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", light_commands())
 def test_light_commands_need_the_demos_packages_alone(command: str) -> None:
     loaded = load(command)

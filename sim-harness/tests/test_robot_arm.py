@@ -34,6 +34,8 @@ NOW_NS = 10**15
 STAYED_M = 0.0015
 HOME_RAD = 0.01
 
+pytestmark = pytest.mark.slow
+
 
 def called(number: int) -> str:
     """What a person may call an object: no number can be read from it."""

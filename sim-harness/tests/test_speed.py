@@ -44,6 +44,8 @@ from nsrm_harness.evaluation.manipulation_trials.speed.throughput import measure
 SELDOM = {"sampling"}
 """Parts that an episode can do without."""
 
+pytestmark = pytest.mark.slow
+
 
 class Here:
     """Works in this process, which is warm soon."""

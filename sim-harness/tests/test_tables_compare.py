@@ -19,6 +19,7 @@ from nsrm_harness.paper.tables.compare import judge_without_core
 MODEL = Path(__file__).resolve().parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 
 
+@pytest.mark.slow
 def test_without_the_core_the_figures_are_the_same(tmp_path: Path) -> None:
     path = tmp_path / "test.h5"
     settings = replace(SPLITS["test"], count=30, seed=9)

@@ -164,6 +164,7 @@ def test_a_hidden_block_keeps_its_number_however_long_it_is_hidden(
     assert sorted(eyes.seen) == sorted(numbers.values())
 
 
+@pytest.mark.slow
 def test_what_was_taken_away_is_forgotten_unless_the_hand_holds_it(
     renderer: Renderer, world: World
 ) -> None:

@@ -83,6 +83,7 @@ def test_an_installed_package_has_its_domain_and_makes_episodes(
     assert (tmp_path / "one.h5").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_an_installed_package_has_the_miniature_trainings_configuration(
     installed: Path, tmp_path: Path
 ) -> None:

@@ -12,6 +12,8 @@ import pytest
 from nsrm_harness import domain as domains
 from nsrm_harness.common.workers import LocalProcesses, RayCluster, WorkersError
 
+pytestmark = pytest.mark.slow
+
 
 def episodes(*options: str | Path) -> subprocess.CompletedProcess[str]:
     """``harness episodes`` in a process of its own: a cluster is forked off the one that starts it,

@@ -154,6 +154,7 @@ def test_the_robot_hides_nothing_of_the_work_space(renderers: dict[str, Renderer
     assert np.abs(pictures[0].astype(int) - pictures[1]).max() > 50, "but it is in the picture"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_pictures_do_not_depend_on_what_was_drawn_before(renderers: dict[str, Renderer], kind: str):
     renderer = get(renderers, kind)
