@@ -139,9 +139,10 @@ pub(super) const CHECKS: &[Check] = &[
         "trials",
         "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
          trials in small",
-        "4 min",
+        "4 min, beside others",
         trials,
-    ),
+    )
+    .waiting(),
     Check::new(
         "robot",
         "cargo robot carries sentences out, through all processes",
