@@ -309,7 +309,11 @@ fn append_to(log: &Path) -> Result<File> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Arguments, CHECKS};
+    use std::path::PathBuf;
+    use std::sync::Mutex;
+
+    use super::checks::{Check, Context, Step};
+    use super::{Arguments, CHECKS, Project, Report, Run};
 
     fn parse(words: &[&str]) -> anyhow::Result<Arguments> {
         Arguments::parse(&words.iter().map(Into::into).collect::<Vec<_>>())
@@ -332,5 +336,47 @@ mod tests {
         assert!(!CHECKS.iter().all(|check| quick.wants(check)));
         let all = parse(&[]).unwrap();
         assert!(CHECKS.iter().all(|check| all.wants(check)));
+    }
+
+    fn mark(context: &Context) -> PathBuf {
+        context.logs().join("mark")
+    }
+
+    /// Ends when what computes behind it has begun.
+    const WAITING: Check = Check::new("waiting", "", "", |context| {
+        let script = "until [ -e \"$0\" ]; do sleep 0.01; done";
+        Ok(vec![
+            Step::new("sh", &["-c", script]).argument(mark(context)),
+        ])
+    })
+    .waiting();
+    const COMPUTING: Check = Check::new("computing", "", "", |context| {
+        Ok(vec![Step::new("touch", &[]).argument(mark(context))])
+    })
+    .quick(|_| Ok(vec![Step::new("false", &[])]));
+
+    fn run(quick: bool, checks: &[&'static Check]) -> Report {
+        let project = Project::find().unwrap();
+        let name = format!("nsrm-verify-{}-{quick}", std::process::id());
+        let logs = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&logs).unwrap();
+        let run = Run {
+            context: Context::new(project, logs.clone()),
+            quick,
+            report: Mutex::default(),
+        };
+        run.all(checks).unwrap();
+        std::fs::remove_dir_all(logs).unwrap();
+        run.report.into_inner().unwrap()
+    }
+
+    #[test]
+    fn what_waits_runs_beside_what_computes() {
+        assert!(run(false, &[&WAITING, &COMPUTING]).passed());
+    }
+
+    #[test]
+    fn quick_runs_the_quick_steps() {
+        assert!(!run(true, &[&COMPUTING]).passed());
     }
 }

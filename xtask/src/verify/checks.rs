@@ -48,7 +48,7 @@ pub(super) struct Check {
 type Steps = fn(&Context) -> Result<Vec<Step>>;
 
 impl Check {
-    const fn new(
+    pub(super) const fn new(
         name: &'static str,
         title: &'static str,
         about: &'static str,
@@ -65,12 +65,12 @@ impl Check {
     }
 
     /// With `--quick`, these steps.
-    const fn quick(mut self, steps: Steps) -> Self {
+    pub(super) const fn quick(mut self, steps: Steps) -> Self {
         self.quick = Some(steps);
         self
     }
 
-    const fn waiting(mut self) -> Self {
+    pub(super) const fn waiting(mut self) -> Self {
         self.waits = true;
         self
     }
