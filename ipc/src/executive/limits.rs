@@ -75,6 +75,15 @@ impl core::error::Error for LimitsError {}
 
 impl Limits {
     /// Whether anything can be done within them.
+    ///
+    /// ```
+    /// use nsrm_ipc::executive::{Limits, LimitsError};
+    ///
+    /// let limits = Limits { retries: 0, ..Limits::default() };
+    /// assert_eq!(limits.check(), Ok(()));
+    /// let limits = Limits { tolerance_m: f32::NAN, ..limits };
+    /// assert_eq!(limits.check(), Err(LimitsError::Tolerance));
+    /// ```
     pub fn check(&self) -> Result<(), LimitsError> {
         for (name, time) in [
             ("scene age", self.scene_age_ns),

@@ -133,6 +133,46 @@ impl core::fmt::Display for Busy {
 impl core::error::Error for Busy {}
 
 /// Carries out one sentence at a time.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../core/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use nsrm_ipc::executive::{Event, Executive, Limits, Mode, Sentence};
+/// use nsrm_ipc::message::{Feedback, Outcome, SceneMessage};
+/// use nsrm_tabletop::TABLETOP;
+///
+/// let mut executive = Executive::new(&TABLETOP, Limits::default(), 1);
+/// let sentence = Sentence::try_from("put the red block on the lego block").expect("it fits");
+/// executive.ask(sentence, Mode::OpenLoop)?;
+/// let mut now_ns = 1_000_000_000;
+/// let mut message = SceneMessage::from(&scene(&TABLETOP));
+/// message.timestamp_ns = now_ns;
+/// executive.see(&message, now_ns)?;
+/// let result = loop {
+///     now_ns += 1_000_000;
+///     match executive.poll(now_ns) {
+///         Event::Command(command) => {
+///             // To the controller, which does it and says so.
+///             let feedback = |sequence, outcome| Feedback {
+///                 plan: command.id.plan,
+///                 sequence,
+///                 timestamp_ns: now_ns,
+///                 command: command.id.command,
+///                 outcome: outcome as u32,
+///                 objects: [0; 2],
+///             };
+///             executive.hear(&feedback(1, Outcome::Accepted), now_ns)?;
+///             executive.hear(&feedback(2, Outcome::Reached), now_ns)?;
+///         }
+///         Event::Ended(result) => break result,
+///         Event::Waiting => panic!("it has all that it needs"),
+///         other => println!("{other:?}"),
+///     }
+/// };
+/// assert_eq!(result, Ok(()));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Executive<'m> {
     planner: Planner<'m>,

@@ -122,6 +122,15 @@ impl From<CameraError> for CameraFrameError {
 
 impl CameraFrame {
     /// The parts of the frame, `image` being the slice that came with it.
+    ///
+    /// ```
+    /// use nsrm_core::camera::CameraError;
+    /// use nsrm_ipc::message::{CameraFrame, CameraFrameError};
+    ///
+    /// // Nobody has filled in the camera.
+    /// let fault = CameraFrame::default().read(&[]).unwrap_err();
+    /// assert_eq!(fault, CameraFrameError::Camera(CameraError::NotPositive("width")));
+    /// ```
     pub fn read<'a>(&'a self, image: &'a [u8]) -> Result<Frame<'a>, CameraFrameError> {
         let camera = Camera::from(self.camera);
         camera.check()?;

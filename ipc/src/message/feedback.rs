@@ -180,6 +180,23 @@ impl core::error::Error for FeedbackError {}
 
 impl Feedback {
     /// What was heard, checked.
+    ///
+    /// ```
+    /// use nsrm_ipc::message::{Feedback, FeedbackError, Outcome};
+    ///
+    /// let mut feedback = Feedback {
+    ///     plan: 9,
+    ///     sequence: 1,
+    ///     timestamp_ns: 5,
+    ///     command: 2,
+    ///     outcome: Outcome::Reached as u32,
+    ///     objects: [0; 2],
+    /// };
+    /// assert_eq!(feedback.read()?.outcome, Outcome::Reached);
+    /// feedback.outcome = 17; // anything may stand in a message that was received
+    /// assert_eq!(feedback.read(), Err(FeedbackError::Outcome(17)));
+    /// # Ok::<(), FeedbackError>(())
+    /// ```
     pub fn read(&self) -> Result<Report, FeedbackError> {
         if self.command == 0 {
             return Err(FeedbackError::NoCommand);

@@ -99,6 +99,20 @@ impl core::error::Error for HeartbeatError {}
 
 impl Heartbeat {
     /// The sender's role and state.
+    ///
+    /// ```
+    /// use nsrm_ipc::message::{Heartbeat, Role, State};
+    ///
+    /// let heartbeat = Heartbeat {
+    ///     role: Role::Planner as u32,
+    ///     state: State::Idle as u32,
+    ///     sequence: 1,
+    ///     timestamp_ns: 6,
+    ///     started_ns: 5,
+    ///     rejected: 0,
+    /// };
+    /// assert_eq!(heartbeat.read(), Ok((Role::Planner, State::Idle)));
+    /// ```
     pub fn read(&self) -> Result<(Role, State), HeartbeatError> {
         let role = Role::from_number(self.role).ok_or(HeartbeatError::Role(self.role))?;
         let state = State::from_number(self.state).ok_or(HeartbeatError::State(self.state))?;

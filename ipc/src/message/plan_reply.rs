@@ -279,6 +279,17 @@ impl PlanReply {
     /// The node itself says no.
     ///
     /// * `reason`: one of [`REASONS`]
+    ///
+    /// ```
+    /// use nsrm_ipc::message::{PlanReply, Reply, ReplyTo};
+    ///
+    /// let to = ReplyTo { asker: 1, request: 7, plan: 0, number: 1 };
+    /// let reply = PlanReply::refused(to, "busy", "another sentence is being carried out");
+    /// let Ok(Reply::Failed { reason, message }) = reply.read() else {
+    ///     panic!("it failed");
+    /// };
+    /// assert_eq!((reason, message), ("busy", "another sentence is being carried out"));
+    /// ```
     pub fn refused(to: ReplyTo, reason: &str, message: impl fmt::Display) -> Self {
         Self::new(to, Status::Failed).because(reason, message)
     }

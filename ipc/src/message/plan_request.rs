@@ -96,6 +96,18 @@ numbers! {
 
 impl PlanRequest {
     /// Asks for a sentence to be followed.
+    ///
+    /// ```
+    /// use nsrm_ipc::executive::Mode;
+    /// use nsrm_ipc::message::{Asked, PlanRequest};
+    ///
+    /// let request = PlanRequest::new(1, 7, Mode::ClosedLoop, "put the red block on the blue block")?;
+    /// let Asked::Follow { sentence, mode } = request.read()? else {
+    ///     panic!("a sentence was asked");
+    /// };
+    /// assert_eq!((sentence.as_str(), mode), ("put the red block on the blue block", Mode::ClosedLoop));
+    /// # Ok::<(), nsrm_ipc::message::PlanRequestError>(())
+    /// ```
     pub fn new(
         asker: u64,
         sequence: u64,
@@ -122,6 +134,12 @@ impl PlanRequest {
     }
 
     /// Asks for the request of this number to be no longer followed.
+    ///
+    /// ```
+    /// use nsrm_ipc::message::{Asked, PlanRequest};
+    ///
+    /// assert_eq!(PlanRequest::cancel(1, 7).read(), Ok(Asked::Cancel));
+    /// ```
     pub const fn cancel(asker: u64, sequence: u64) -> Self {
         Self {
             asker,

@@ -129,6 +129,16 @@ impl From<&RawScene> for SceneMessage {
 
 impl SceneMessage {
     /// The scene, checked for a planner on `model`; copies the 4.5 KB once.
+    ///
+    /// ```
+    /// use nsrm_core::{SceneError, camera::CameraError};
+    /// use nsrm_ipc::message::SceneMessage;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// let message = SceneMessage::from(&nsrm_core::RawScene::empty(&TABLETOP, Default::default()));
+    /// let fault = message.to_scene(&TABLETOP).unwrap_err();
+    /// assert_eq!(fault, SceneError::Camera(CameraError::NotPositive("width")));
+    /// ```
     pub fn to_scene(&self, model: &Model<'_>) -> Result<Scene, SceneError> {
         let raw = RawScene {
             header: SceneHeader {

@@ -161,6 +161,16 @@ impl SubGoal {
     };
 
     /// A stop of this command.
+    ///
+    /// ```
+    /// use nsrm_ipc::executive::CommandId;
+    /// use nsrm_ipc::message::{Order, SubGoal};
+    ///
+    /// let id = CommandId { plan: 9, command: 2 };
+    /// let stop = SubGoal::stop(id);
+    /// assert_eq!(stop.id(), id);
+    /// assert_eq!(stop.read(0), Ok(Order::Stop));
+    /// ```
     pub const fn stop(id: CommandId) -> Self {
         Self {
             plan: id.plan,

@@ -8,6 +8,15 @@ pub const MAX_NAME: usize = 32;
 
 /// Which robot: a part of every service's name, so that several in one machine
 /// don't hear each other.
+///
+/// ```
+/// use nsrm_ipc::service::{RobotName, RobotNameError};
+///
+/// let name: RobotName = "left-arm".parse()?;
+/// assert_eq!(name.as_str(), "left-arm");
+/// assert_eq!("Left".parse::<RobotName>(), Err(RobotNameError::Letter('L')));
+/// # Ok::<(), RobotNameError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct RobotName(String<MAX_NAME>);
 
