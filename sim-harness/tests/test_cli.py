@@ -47,7 +47,7 @@ def test_bad_input_ends_with_2_and_one_message(
     message = capsys.readouterr().err
     assert message == f"harness: {missing}: no such episode file; 'harness episodes' makes one\n"
     assert run("episodes", "--split", "train", "--domain", tmp_path / "none.toml") == 2
-    assert "can't read the domain file" in capsys.readouterr().err
+    assert "cannot read the domain file" in capsys.readouterr().err
     assert run("episodes", "--split", "train", "--steps", "two") == 2
     assert run("sing") == 2
 
@@ -61,7 +61,7 @@ def test_episodes_then_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     printed = capsys.readouterr().out
     assert "2 episodes, " in printed and "; 2 made in " in printed
     assert run(*make) == 0
-    assert "is there already" in capsys.readouterr().out
+    assert "already exists" in capsys.readouterr().out
     assert run(*make, "--seed", "1") == 2
     assert "made with other settings" in capsys.readouterr().err
 
@@ -127,6 +127,6 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path: Path) -> None:
             process.kill()
             raise
     assert process.returncode == 130, message
-    assert "of 5000 episodes finished; the same command goes on" in message
+    assert "of 5000 episodes finished; run the same command to resume" in message
     assert any(work.glob("*.h5"))
     assert not path.exists()

@@ -148,6 +148,6 @@ def test_a_damaged_file_is_not_converted(path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[-1] ^= 1
     path.write_bytes(content)
-    with pytest.raises(ModelFileError, match="tensors don't have the hash"):
+    with pytest.raises(ModelFileError, match="tensors do not have the hash"):
         convert(path)
     assert path.read_bytes() == content

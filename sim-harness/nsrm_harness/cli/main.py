@@ -1,6 +1,6 @@
-"""The command ``harness``.
+"""Defines the command ``harness``.
 
-Subcommands are imported when called, so that each needs only what it uses:
+Subcommands are imported when they are called, so that each needs only what it uses:
 ``harness look`` works without the training environment.
 """
 
@@ -14,30 +14,30 @@ import click
 
 from nsrm_harness.common.errors import HarnessError
 
-#: Name of each subcommand, its module under `commands`, and its line of help. The
-#: module holds a `click.Command` named `command`.
+#: The name of each subcommand, which is also its module under `commands`, and its help line. The
+#: module has a `click.Command` named `command`.
 COMMANDS = {
-    "demo": "Plan a sentence in a scene and draw what comes of it.",
-    "figures": "The paper's figures 2 to 5: its sentences, carried out by the arm.",
-    "episodes": "Make a file of demonstrations.",
-    "calibration": "Make the file from which the camera model is fitted.",
+    "demo": "Plan a sentence in a scene, execute it, and draw the result.",
+    "figures": "Reproduce the paper's figures 2 to 5 with the arm.",
+    "episodes": "Generate a file of demonstrations.",
+    "calibration": "Generate the file to which the camera model is fitted.",
     "look": "Draw an episode: before, after, boxes and sentence.",
-    "train": "Learn a model from demonstrations.",
-    "detect": "Measure the detector, which needs no mask.",
-    "evaluate": "The paper's metrics of a model on an episode file.",
+    "train": "Train a model on demonstrations.",
+    "detect": "Measure the detector, which works without the mask.",
+    "evaluate": "Evaluate a model on an episode file with the paper's metrics.",
     "baseline": "Train and measure the paper's baseline, a network without programs.",
-    "refusals": "How much of what must be refused a model refuses.",
-    "miscalibration": "How much of a wrong calibration the core finds, and what of right ones.",
-    "tables": "The paper's tables, from nothing to a report.",
-    "publish": "A finished report and its model into the project.",
-    "trials": "How often the arm does what a sentence says.",
-    "speed": "How fast such trials run, and where their time goes.",
-    "robot": "All processes of a robot in a simulated world, for one sentence.",
-    "world": "A simulated world as a robot's camera and controller.",
-    "chaos": "Kill a robot's processes at random and see what becomes of its commands.",
-    "soak": "A robot's processes at work for hours: what they hold, how fast they are.",
-    "latency": "How fast a robot's processes answer, and what that is made of.",
-    "convert": "Model files of the schema before this one, for this one.",
+    "refusals": "Measure how many of the sentences that must be refused a model refuses.",
+    "miscalibration": "Measure how many camera miscalibrations the core detects.",
+    "tables": "Reproduce the paper's tables, from scratch to a report.",
+    "publish": "Copy a finished report and its model into the project.",
+    "trials": "Measure how often the arm does what a sentence says.",
+    "speed": "Measure how fast such trials run, and where their time goes.",
+    "robot": "Run all processes of a simulated robot for one sentence.",
+    "world": "Run a simulated world as a robot's camera and controller.",
+    "chaos": "Kill a robot's processes at random and check that no command is lost.",
+    "soak": "Run a robot's processes for hours; measure their resources and speed.",
+    "latency": "Measure how fast a robot's processes answer, and why.",
+    "convert": "Convert model files of the previous schema.",
     "golden": "Write the golden vectors of a model file.",
 }
 
@@ -46,11 +46,11 @@ class LazyCommands(click.Group):
     """A group that imports a subcommand when it is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names, as listed above."""
+        """The names, in the order above."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The subcommand, imported now; None for an unknown name."""
+        """Imports a subcommand; None for an unknown name."""
         if cmd_name not in COMMANDS:
             return None
         return import_module(f"nsrm_harness.cli.commands.{cmd_name}").command
@@ -67,7 +67,7 @@ def commands() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Runs the command line; ends the process: 0 done, 2 bad input or refused."""
+    """Runs the command line and exits: 0 done, 2 bad input or refused."""
     try:
         commands.main(arguments, prog_name="harness")
     except HarnessError as error:

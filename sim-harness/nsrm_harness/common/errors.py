@@ -10,7 +10,7 @@ class HarnessError(Exception):
 
 
 class DomainError(HarnessError):
-    """A domain file that can't be read or does not make sense."""
+    """A domain file that cannot be read or does not make sense."""
 
 
 class EpisodeFileError(HarnessError):

@@ -1,4 +1,4 @@
-"""Processes that don't outlive the one that started them."""
+"""Processes that do not outlive the one that started them."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ SECONDS_TO_ANSWER = 10.0
 
 
 class WorkersError(HarnessError):
-    """Workers that can't be had."""
+    """Workers that cannot be had."""
 
 
 class Workers(Protocol):

@@ -85,7 +85,7 @@ class Settings:
 
     def checked(self, domain: domains.Domain) -> Settings:
         """The same settings, descriptions bound to the domain's attribute types;
-        ``EpisodeSettingsError`` says what can't be."""
+        ``EpisodeSettingsError`` says what cannot be."""
         least, most = self.attributes
         bound = (least, min(most, len(domain.attributes)))
         for name, (low, high), limit in (

@@ -151,7 +151,7 @@ def load(path: Path | str = DEFAULT) -> Domain:
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise DomainError(f"{path}: can't read the domain file: {error}") from error
+        raise DomainError(f"{path}: cannot read the domain file: {error}") from error
     except tomllib.TOMLDecodeError as error:
         raise DomainError(f"{path}: not TOML: {error}") from error
     return parse(document, str(path))
@@ -226,7 +226,7 @@ def _action(table: Table) -> Action:
         )
     phrases = table.phrases("phrases")
     if "" in phrases:
-        raise table.error("phrases", "an action can't be left unsaid: remove the empty string")
+        raise table.error("phrases", "an action cannot be left unsaid: remove the empty string")
     table.no_other_keys()
     return Action(name, place, direction, phrases)
 
@@ -260,7 +260,7 @@ def _commands(table: Table) -> tuple[str, ...]:
         if abs(fields.index("{moved}") - fields.index("{reference}")) == 1:
             raise table.error("commands", f"no word between the two objects in {template!r}")
         if fields[0] in ("{moved}", "{reference}"):
-            raise table.error("commands", f"a command can't begin with an object: {template!r}")
+            raise table.error("commands", f"a command cannot begin with an object: {template!r}")
     return commands
 
 
@@ -320,7 +320,7 @@ def _check_words(root: Table, domain: Domain) -> None:
             seen[word] = value.name
     for word in sorted(_grammar_words(domain.grammar, domain.actions) & seen.keys()):
         raise root.error(
-            "grammar", f"{word!r} names the concept {seen[word]!r} and can't be another word too"
+            "grammar", f"{word!r} names the concept {seen[word]!r} and cannot be another word too"
         )
 
 

@@ -2,7 +2,7 @@
 
 A sentence is one command a step, joined by connectives. Both orders of the
 arguments occur ("on the blue block put the red block"), so that which of the two
-is moved can't be read off their order.
+is moved cannot be read off their order.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The core sees what a camera gives: image, boxes, depths and calibration. The truth comes from
 `judge`. A refusal counts as wrong in every metric, and so does a scene that the
-detector can't use. A sequence counts as right only when each of its steps is right.
+detector cannot use. A sequence counts as right only when each of its steps is right.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from nsrm_harness.perception.relief import PerceptionError
 
 
 class EvaluationError(HarnessError):
-    """A model that can't be evaluated on a file."""
+    """A model that cannot be evaluated on a file."""
 
 
 class StepPlan(Protocol):
@@ -102,7 +102,7 @@ class Metrics:
     """Over all steps whose moved object is right; None, as p95, where there is none."""
     error_p95_m: float | None
     refused: dict[str, int]
-    """Refusals by kind; "perception": the detector can't use the picture."""
+    """Refusals by kind; "perception": the detector cannot use the picture."""
 
     def as_json(self) -> dict[str, Any]:
         """For the model file and for `--json`."""
@@ -181,7 +181,7 @@ class JudgedPlans:
     index: int
     truth: Truth
     outcome: nsrm.Plan | nsrm.Refused | None
-    """None: the detector can't use the picture."""
+    """None: the detector cannot use the picture."""
     score: Score
 
 
@@ -217,7 +217,7 @@ class _Scene:
 
     index: int
     observed: nsrm.Observed | None
-    """None where the detector can't use the picture."""
+    """None where the detector cannot use the picture."""
     sentence: str
     truth: Truth
     true_ids: dict[int, int] | None

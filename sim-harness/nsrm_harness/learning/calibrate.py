@@ -37,7 +37,7 @@ LEAST_ROWS = 100
 ROUNDS = 5
 OUTLIER = 3.0
 """A block whose error is more than this times the median is left out of the next round's fit: it is
-partly hidden, so that its visible box and depth don't tell where it is."""
+partly hidden, so that its visible box and depth do not tell where it is."""
 
 
 class CalibrationError(HarnessError):

@@ -77,7 +77,7 @@ class Checkpoints:
         """The model with which the stage began, in the structure of `like`."""
         if not self._begun(progress).exists():
             raise CheckpointError(
-                f"{self._begun(progress)}: not there, so the run can't go on: begin anew without "
+                f"{self._begun(progress)}: not there, so the run cannot go on: begin anew without "
                 "--resume"
             )
         return eqx.tree_deserialise_leaves(self._begun(progress), like)

@@ -24,7 +24,7 @@ QUICK_CONFIG = Path(__file__).resolve().parent / "quick.toml"
 
 
 class ConfigError(HarnessError):
-    """A configuration that can't be read or does not make sense."""
+    """A configuration that cannot be read or does not make sense."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class TrainingConfig:
     """How actions learn what they are: "exact", from the soft minimum over them, or "gumbel", from
     straight-through samples as objects do."""
     residual: bool = True
-    """Whether the simulator's output is added to where the reference is. A model without can't be
+    """Whether the simulator's output is added to where the reference is. A model without cannot be
     exported."""
     splits: int = 3
     """How many of the likeliest splits joint training carries out."""
@@ -120,7 +120,7 @@ def read_config(path: Path | None) -> TrainingConfig:
     try:
         document = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ConfigError(f"{path}: can't read the configuration: {error}") from error
+        raise ConfigError(f"{path}: cannot read the configuration: {error}") from error
     return _filled(TrainingConfig(), document, f"{path}: ")
 
 

@@ -29,7 +29,7 @@ def convert(path: Path) -> None:
         raise ModelFileError(f"{path}: expected a file of schema {known} to convert, got {found}")
     if metadata.get("hash") != tensor_hash(arrays):
         raise ModelFileError(
-            f"{path}: the tensors don't have the hash that the file names: it was changed or "
+            f"{path}: the tensors do not have the hash given in the file: it was changed or "
             "damaged, fetch it again"
         )
     write_whole(path, hashed_bytes(arrays, metadata | {"schema": NEXT[found]}))

@@ -1,6 +1,6 @@
 """Demonstrations as arrays: initial scene, sentence and final scene, and nothing else.
 
-Reads through `episodes.file.Demonstrations`, which can't see the evaluation's part of a file.
+Reads through `episodes.file.Demonstrations`, which cannot see the evaluation's part of a file.
 How many steps a command has is not given either: it is read off the number of concept groups in
 its sentence, two for each step.
 """

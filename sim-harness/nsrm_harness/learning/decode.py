@@ -158,7 +158,7 @@ def split_table(
 ) -> SplitTable:
     """Losses of every split of the commands of one and two steps, and of good splits' remainders.
 
-    A split that leaves a part with fewer than two groups can't be carried out.
+    A split that leaves a part with fewer than two groups cannot be carried out.
     """
     one, two = data.select(1), data.select(2)
     tokens, length = data.sentences.tokens, data.sentences.length

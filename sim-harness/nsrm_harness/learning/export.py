@@ -32,7 +32,7 @@ CONVERTIBLE = ("2", "baseline 1")
 
 
 class ModelFileError(HarnessError):
-    """A model file that can't be read."""
+    """A model file that cannot be read."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def model_bytes(file: ModelFile) -> bytes:
     """The file's content; the same model gives the same bytes. Raises `ModelFileError` for a
     simulator that the core does not know."""
     if not file.model.action.simulator.residual:
-        raise ModelFileError("a model whose simulator has no residual can't be exported")
+        raise ModelFileError("a model whose simulator has no residual cannot be exported")
     return hashed_bytes(arrays_of(file.model), metadata_of(file))
 
 
@@ -181,7 +181,7 @@ def read_raw(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
             metadata = dict(reader.metadata() or {})
             arrays = {name: reader.get_tensor(name) for name in reader.keys()}  # noqa: SIM118
     except (OSError, SafetensorError) as error:
-        raise ModelFileError(f"{path}: can't read the model file: {error}") from error
+        raise ModelFileError(f"{path}: cannot read the model file: {error}") from error
     return arrays, metadata
 
 
@@ -195,7 +195,7 @@ def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[s
         )
     if metadata.get(hashes.HASH) != hashes.file_hash(arrays, metadata):
         raise ModelFileError(
-            f"{path}: metadata and tensors don't have the hash that the file names: it was changed "
+            f"{path}: metadata and tensors do not have the hash given in the file: it was changed "
             "or damaged, fetch it again or export the model again"
         )
     return arrays, metadata

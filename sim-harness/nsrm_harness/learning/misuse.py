@@ -3,7 +3,7 @@
 "Put the red block on the block left of the blue block" has the words of a good sentence and a
 relation too many; so have "above and to the left of" and "to the top left of". "The first red
 block" is an ordinal, and "…, first put the green block there" another order in time. A parser that
-has heard none of them drops what it can't represent and is sure of the rest. So the trainer makes
+has heard none of them drops what it cannot represent and is sure of the rest. So the trainer makes
 such steps and asks for an even distribution over actions, which the planner refuses.
 
 A step that means something after all teaches doubt about good sentences: "on the" put into "right

@@ -61,7 +61,7 @@ class Grounding(NamedTuple):
 
 
 def intersection_over_union(left: Array, right: Array) -> Array:
-    """Boxes `[..., >= 4]` as x1, y1, x2, y2 -> `[...]`; 0 where they don't meet."""
+    """Boxes `[..., >= 4]` as x1, y1, x2, y2 -> `[...]`; 0 where they do not meet."""
     low = jnp.maximum(left[..., :2], right[..., :2])
     high = jnp.minimum(left[..., 2:4], right[..., 2:4])
     shared = jnp.prod(jnp.maximum(high - low, 0.0), axis=-1)

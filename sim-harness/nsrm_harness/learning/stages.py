@@ -64,7 +64,7 @@ TINT = 0.5
 
 
 class TrainingError(HarnessError):
-    """A training run that can't begin, or whose result can't be used."""
+    """A training run that cannot begin, or whose result cannot be used."""
 
 
 class Demonstration(NamedTuple):
@@ -319,7 +319,7 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
             else:
                 loss = soft_minimum(log_probability, losses, config.temperature)
             # First what is possible, then what is preferred: from the start it would settle on
-            # splits that some commands can't have.
+            # splits that some commands cannot have.
             return loss + done * config.indecision * entropy(log_probability)
 
         keys = jax.random.split(key, len(table.first))

@@ -23,7 +23,7 @@ KEYS = ("robot", "model", "line", "hosts", "limits", "shared_memory")
 
 
 class RobotConfigError(HarnessError):
-    """A configuration that can't be read, or makes no sense."""
+    """A configuration that cannot be read, or makes no sense."""
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,7 @@ class Controller:
         plan, number = command.plan, command.command
         why = fault(command)
         if why is not None:
-            # Its numbers don't count: those of commands to come may be smaller.
+            # Its numbers do not count: those of commands to come may be smaller.
             self._reject("sub_goal", why)
             if number > 0:
                 self._say(plan, number, Answer(Outcome.IMPOSSIBLE))

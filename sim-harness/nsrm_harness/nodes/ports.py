@@ -46,7 +46,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class PortError(HarnessError):
-    """A service can't be used."""
+    """A service cannot be used."""
 
 
 _clock = time.monotonic_ns
@@ -68,7 +68,7 @@ class RobotServices:
     """A process's place among those of one robot."""
 
     def __init__(self, config: RobotConfig, role: str) -> None:
-        """Raises `PortError` for a name that a robot can't have, and where processes can't
+        """Raises `PortError` for a name that a robot cannot have, and where processes cannot
         meet."""
         name, shared_memory = config.robot, config.shared_memory or iox2.config.global_config()
         if config.several_hosts:
@@ -135,7 +135,7 @@ class RobotServices:
         return True
 
     def _nodes(self) -> list[Any]:
-        """How the nodes of all processes that meet here are; of none, if they can't be looked
+        """How the nodes of all processes that meet here are; of none, if they cannot be looked
         at."""
         with contextlib.suppress(iox2.NodeListFailure):
             return iox2.Node.list(iox2.ServiceType.Ipc, self._node.config)
@@ -221,7 +221,7 @@ class RobotServices:
         try:
             return builder.open_or_create()
         except Exception as error:
-            opened = f"robot `{self.name}`: `{service}` can't be opened: {error}"
+            opened = f"robot `{self.name}`: `{service}` cannot be opened: {error}"
             raise PortError(self._of_other_user() or opened) from None
 
     def _create(self, service: str, builder: Any) -> Any:

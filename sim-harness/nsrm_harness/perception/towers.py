@@ -1,6 +1,6 @@
 """Towers: what stands on one spot of the table, one block or a stack of them.
 
-Seen from above, blocks that don't stand on each other lie apart, however they
+Seen from above, blocks that do not stand on each other lie apart, however they
 overlap in the picture. So the points above the table are entered into a plan, and
 its connected parts are the towers.
 """

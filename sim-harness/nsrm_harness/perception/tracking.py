@@ -58,7 +58,7 @@ does not."""
 CONFIRMED = 3
 """An object is confirmed once so many pictures have shown it."""
 UNCONFIRMED_PICTURES, UNSEEN_PICTURES = 5, 100
-"""One that is not is forgotten after so many pictures that should show it and don't, a confirmed
+"""One that is not is forgotten after so many pictures that should show it and do not, a confirmed
 one after so many: at the ten pictures a second of a robot's camera, 10 s."""
 MOST_TRACKS = 64
 """So many objects are known at most. Beyond that, those are forgotten that are not confirmed, then

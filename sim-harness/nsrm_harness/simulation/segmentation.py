@@ -65,7 +65,7 @@ def segmented_objects(seen: Surfaces) -> SegmentedObjects:
     """Boxes and mean depths of the ids in the mask."""
     depth, mask = seen.depth, seen.mask
     height, width = mask.shape
-    # Of truth values, NumPy finds those that aren't 0 several times as fast as of integers.
+    # Of truth values, NumPy finds those that are not 0 several times as fast as of integers.
     pixels = np.flatnonzero(mask != 0)
     rows, columns = np.divmod(pixels, width)
     found = mask.ravel()[pixels]

@@ -69,7 +69,7 @@ class Film:
         film, strip = folder / "film.gif", folder / "strip.png"
         last = self._look()
         filmed = [*self._frames, last]
-        # One palette for all: what doesn't move has the same colours throughout.
+        # One palette for all: what does not move has the same colours throughout.
         some = filmed[:: max(1, len(filmed) // PALETTE_FRAMES)]
         palette = Image.fromarray(np.vstack(some)).quantize(COLORS)
         frames = [

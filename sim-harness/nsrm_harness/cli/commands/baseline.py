@@ -1,4 +1,4 @@
-"""``harness baseline``: trains the paper's baseline and measures it."""
+"""``harness baseline``: trains and measures the paper's baseline."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from nsrm_harness.cli.commands.options import seed_option
     help="Folder for baseline.safetensors.",
 )
 def command(data: Path, seed: int, out: Path | None) -> None:
-    """Train the network without programs that the paper compares with; print its metrics.
+    """Train the paper's baseline, a network without programs, and print its metrics.
 
-    It is told where a command's steps end, in training and on test.
+    It is told where the steps of a command end, in training and on test.
     """
     from nsrm_harness.learning.baseline.run_baseline import run
     from nsrm_harness.learning.baseline.train import BaselineConfig

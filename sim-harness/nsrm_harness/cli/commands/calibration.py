@@ -1,4 +1,4 @@
-"""``harness calibration``: makes the file from which the camera model is fitted."""
+"""``harness calibration``: generates the file to which the camera model is fitted."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ from nsrm_harness.simulation.render import KINDS
 
 
 @click.command("calibration")
-@click.option("--count", type=click.IntRange(1), default=400, show_default=True, help="Scenes.")
+@click.option(
+    "--count", type=click.IntRange(1), default=400, show_default=True, help="Number of scenes."
+)
 @domain_option
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     show_default="data/DOMAIN/calibration.h5",
-    help="The file to make.",
+    help="File to write.",
 )
 @seed_option
 @click.option("--renderer", type=click.Choice(KINDS), default="auto", show_default=True)
 def command(count: int, domain_path: Path, out: Path | None, seed: int, renderer: str) -> None:
-    """Make the file from which the camera model is fitted: blocks at known poses."""
+    """Generate the file to which the camera model is fitted: blocks at known poses."""
     domain = domains.load(domain_path)
     path = out or Path("data") / domain.name / "calibration.h5"
     with tqdm(total=count, unit="scene", disable=None) as bar:

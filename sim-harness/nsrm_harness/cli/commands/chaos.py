@@ -1,4 +1,4 @@
-"""``harness chaos``: processes of a robot are killed at random, and their journal is read."""
+"""``harness chaos``: kills a robot's processes at random and judges their journal."""
 
 from __future__ import annotations
 
@@ -18,10 +18,16 @@ from nsrm_harness.evaluation.process_trials.run_program import (
 
 @click.command("chaos")
 @programs_options
-@click.option("--kills", type=click.IntRange(1), default=1000, show_default=True, help="How many.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of chance.")
+@click.option(
+    "--kills", type=click.IntRange(1), default=1000, show_default=True, help="Number of kills."
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Random seed.")
 @out_option("out/chaos")
-@click.option("--journal", type=click.Path(path_type=Path), help="Read this one, kill nobody.")
+@click.option(
+    "--journal",
+    type=click.Path(path_type=Path),
+    help="Judge this journal instead of running processes.",
+)
 def command(
     nsrm_trials: Path | None,
     nsrm: Path | None,
@@ -30,8 +36,8 @@ def command(
     out: Path,
     journal: Path | None,
 ) -> None:
-    """Kill processes of a robot with SIGKILL at random moments, have them hang, start them anew,
-    and ask all the while; then read from the journal whether anything was lost or done twice.
+    """Kill processes of a robot with SIGKILL at random moments, suspend and restart them, and send
+    sentences all the while; then check in the journal whether anything was lost or done twice.
 
     Exit code 1 if so.
     """

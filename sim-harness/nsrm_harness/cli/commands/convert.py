@@ -1,4 +1,4 @@
-"""``harness convert``: model files of the schema before this one, for this one."""
+"""``harness convert``: converts model files of the previous schema."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ import click
 @click.command("convert")
 @click.argument("paths", type=click.Path(path_type=Path), metavar="FILE...", nargs=-1)
 def command(paths: tuple[Path, ...]) -> None:
-    """Give models and baselines of schema 2 and 'baseline 1' a hash that covers their metadata.
+    """Convert models of schema 2 and baselines of 'baseline 1': their hash then covers the
+    metadata.
 
-    Each FILE is replaced. Weights and metadata stay as they are.
+    Each FILE is replaced. Weights and metadata do not change.
     """
     from nsrm_harness.learning.convert import convert
 
     if not paths:
-        raise click.UsageError("expected the files to convert, found none: name at least one")
+        raise click.UsageError("no file given: name at least one file to convert")
     for path in paths:
         convert(path)
         click.echo(f"{path}: converted")

@@ -1,4 +1,4 @@
-"""``harness demo``: a sentence and a scene in; a program, sub-goals and pictures out."""
+"""``harness demo``: plans a sentence in a scene, executes it, and draws the result."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from nsrm_harness.visualization.demo_listener import DemoListener, Stopped
     "--record",
     type=click.Path(path_type=Path),
     metavar="FILE.rrd",
-    help="Write a recording for Rerun's viewer as well.",
+    help="Also write a recording for the Rerun viewer.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document instead of text.")
 def command(
@@ -43,11 +43,11 @@ def command(
     record: Path | None,
     as_json: bool,
 ) -> None:
-    """Plan SENTENCE in the scene of a seed; without a sentence, one that fits.
+    """Plan and execute SENTENCE in the scene of a seed; by default a sentence that fits.
 
-    A sentence that can't be obeyed is refused with the reason and exit code 2; the
-    scene is shown all the same. So is a sub-goal that the arm can't reach or that would
-    not stand.
+    A sentence that cannot be carried out is refused with the reason and exit code 2; the scene
+    is shown all the same. The same holds for a sub-goal that the arm cannot reach, or on which
+    the block would not stand.
     """
     folder = out or Path("out") / f"demo-{seed}"
     with _recording(record) as onlooker, closing(open_renderer()) as renderer:
@@ -80,7 +80,7 @@ def command(
 
 @contextmanager
 def _recording(path: Path | None) -> Iterator[DemoListener]:
-    """Who writes the recording; without a path, nobody."""
+    """The listener that writes the recording; without a path, one that does nothing."""
     if path is None:
         yield DemoListener()
         return
@@ -89,9 +89,8 @@ def _recording(path: Path | None) -> Iterator[DemoListener]:
         from nsrm_harness.visualization.recording.file import recorded
     except ModuleNotFoundError as error:
         raise HarnessError(
-            f"--record needs the Python package rerun-sdk ({error}): cargo installs it where the "
-            "arguments say --record; or: pip install --require-hashes -r "
-            "sim-harness/requirements/record.txt"
+            f"--record needs the Python package rerun-sdk ({error}): `cargo demo --record` "
+            "installs it; or: pip install --require-hashes -r sim-harness/requirements/record.txt"
         ) from error
     with recorded(path) as stream:
         yield Recording(stream)

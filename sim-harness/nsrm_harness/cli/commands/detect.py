@@ -1,4 +1,4 @@
-"""``harness detect``: how well objects are found without the simulator's mask."""
+"""``harness detect``: measures how well objects are found without the simulator's mask."""
 
 from __future__ import annotations
 
@@ -18,15 +18,19 @@ from nsrm_harness.common.json_text import json_text
     type=click.Path(path_type=Path),
     default=Path("data/tabletop/test.h5"),
     show_default=True,
-    help="Episode file, of which the initial scenes are used.",
+    help="Episode file; its initial scenes are used.",
 )
 @click.option(
     "--after",
     type=Span(),
-    help="Instead of --data: scenes as programs of so many steps leave them.",
+    help="Instead of --data: scenes after programs with this many steps.",
 )
 @click.option(
-    "--count", type=click.IntRange(1), default=100, show_default=True, help="Scenes of --after."
+    "--count",
+    type=click.IntRange(1),
+    default=100,
+    show_default=True,
+    help="Number of scenes for --after.",
 )
 @domain_option
 @seed_option
@@ -34,19 +38,19 @@ from nsrm_harness.common.json_text import json_text
     "--noise-mm",
     type=click.FloatRange(0.0),
     default=0.0,
-    help="Standard deviation of noise added to depth.",
+    help="Standard deviation of the noise added to depth.",
 )
 @click.option(
     "--dropout",
     type=click.FloatRange(0.0, 1.0),
     default=0.0,
-    help="Share of pixels whose depth is taken away.",
+    help="Share of pixels whose depth is removed.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="Picture to write, with the boxes found in the three worst scenes.",
+    help="Picture to write, with the detections in the three worst scenes.",
 )
 def command(
     data: Path,
@@ -59,7 +63,7 @@ def command(
     as_json: bool,
     out: Path | None,
 ) -> None:
-    """Find the objects of every scene and judge them by the mask's boxes."""
+    """Detect the objects of every scene and compare them with the mask's boxes."""
     from nsrm_harness.evaluation.detector.measure import draw, measure
     from nsrm_harness.evaluation.detector.scenes import Picture, after_programs, of_file, with_noise
 

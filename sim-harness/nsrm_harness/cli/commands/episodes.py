@@ -30,39 +30,39 @@ from nsrm_harness.simulation.render import KINDS
 
 
 @click.command("episodes")
-@click.option("--split", type=click.Choice(list(SPLITS)), required=True)
+@click.option("--split", type=click.Choice(list(SPLITS)), required=True, help="Kind of data.")
 @click.option("--count", type=click.IntRange(1), help="Number of episodes.")
 @domain_option
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     show_default="data/DOMAIN/SPLIT.h5",
-    help="The file to make.",
+    help="File to write.",
 )
 @seed_option
 @jobs_option
 @ray_option
-@click.option("--steps", type=Span(), help="Number of steps; each occurs equally often.")
+@click.option("--steps", type=Span(), help="Number of steps; each is equally frequent.")
 @click.option("--objects", type=Span(), help="Number of blocks.")
 @click.option("--attributes", type=Span(), help="Number of attribute values in a description.")
 @click.option(
     "--exclude",
     type=Values(),
     multiple=True,
-    help="No block has all of these attribute values; may be given several times.",
+    help="No block has all of these attribute values; may be repeated.",
 )
 @click.option("--renderer", type=click.Choice(KINDS), default="auto", show_default=True)
 @click.option(
     "--disturbance",
     type=Sizes(),
-    help="What is unlike training, such as camera_m=0.01,camera_deg=1,light=0.1,color=0.1,"
-    "depth_m=0.001; of the same scenes, whatever the sizes.",
+    help="Differences from training, such as camera_m=0.01,camera_deg=1,light=0.1,color=0.1,"
+    "depth_m=0.001; the scenes are the same at all sizes.",
 )
-@click.option("--fixed-light", is_flag=True, help="The same light in all episodes.")
+@click.option("--fixed-light", is_flag=True, help="Use the same light in all episodes.")
 @click.option(
     "--no-final-images",
     is_flag=True,
-    help="Leave out the final scenes' pictures, which are for people alone: a quarter faster.",
+    help="Omit the images of final scenes, which are only for people: a quarter faster.",
 )
 def command(
     split: str,
@@ -81,10 +81,10 @@ def command(
     fixed_light: bool,
     no_final_images: bool,
 ) -> None:
-    """Make a file of demonstrations: initial scene, sentence, final scene.
+    """Generate a file of demonstrations: initial scene, sentence, final scene.
 
-    Ctrl-C keeps what is finished; the same command goes on with it and gives the
-    same file, byte for byte.
+    Ctrl-C keeps the finished episodes; the same command resumes from them and gives the same
+    file, byte for byte.
     """
     domain = domains.load(domain_path)
     default = SPLITS[split]
@@ -116,7 +116,7 @@ def _generate(settings: Settings, domain: domains.Domain, path: Path, workers: W
             nonlocal last, there
             last = progress
             there = progress.done if there is None else there
-            bar.set_postfix_str(f"left out: {describe(progress.rejected)}")
+            bar.set_postfix_str(f"rejected: {describe(progress.rejected)}")
             bar.update(progress.done - bar.n)
 
         try:
@@ -124,18 +124,18 @@ def _generate(settings: Settings, domain: domains.Domain, path: Path, workers: W
         except KeyboardInterrupt:
             click.echo(
                 f"{path}: interrupted with {last.done} of {settings.count} episodes finished; "
-                f"the same command goes on with them",
+                f"run the same command to resume",
                 err=True,
             )
             sys.exit(130)
     if not made:
-        click.echo(f"{path}: is there already, made with these settings")
+        click.echo(f"{path}: already exists, made with these settings")
         return
     seconds = time.monotonic() - begun
     made_now = settings.count - (there or 0)
     rate = made_now / seconds / workers.count
     click.echo(
         f"{path}: {settings.count} episodes, {path.stat().st_size / 1e6:.1f} MB; "
-        f"{made_now} made in {seconds:.0f} s, {rate:.1f} a second and process; "
-        f"attempts left out: {describe(last.rejected)}"
+        f"{made_now} made in {seconds:.0f} s, {rate:.1f} per second and process; "
+        f"rejected attempts: {describe(last.rejected)}"
     )

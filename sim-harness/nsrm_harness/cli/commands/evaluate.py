@@ -1,4 +1,4 @@
-"""``harness evaluate``: the paper's metrics of a model on an episode file."""
+"""``harness evaluate``: evaluates a model on an episode file with the paper's metrics."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     type=click.Choice(["mask", "detector"]),
     default="mask",
     show_default=True,
-    help="What finds the objects: the simulator's mask, or the detector on colour and depth.",
+    help="Source of the boxes: the simulator's mask, or the detector on colour and depth.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the metrics as JSON.")
 def command(model_path: Path | None, data: Path, boxes: Boxes, as_json: bool) -> None:

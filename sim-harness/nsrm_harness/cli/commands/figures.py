@@ -1,4 +1,4 @@
-"""``harness figures``: the paper's figures 2 to 5, carried out by the arm."""
+"""``harness figures``: reproduces the paper's figures 2 to 5 with the arm."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from nsrm_harness.cli.commands.options import episodes_options, make_folder, wor
     type=click.IntRange(1),
     default=1,
     show_default=True,
-    help="Scenes of each figure; the first is drawn.",
+    help="Number of scenes per figure; the first one is drawn.",
 )
 @episodes_options("out/figures", "Folder for the pictures, figures.csv and figures.jsonl.")
 def command(variations: int, seed: int, jobs: int, ray: str | None, quiet: bool, out: Path) -> None:
-    """Have the arm carry the sentences of the paper's figures 2 to 5 out, in random scenes.
+    """Let the arm execute the sentences of the paper's figures 2 to 5 in random scenes.
 
-    The model plans from what camera and detector see; the truth of the simulator judges each step
-    when it is done. Exit code 1 if a figure does worse than chance allows, or something is touched
-    that was not foreseen.
+    The model plans from the camera and the detector; the simulator's ground truth judges each
+    finished step. Exit code 1 if a figure does significantly worse than its goal, or there is an
+    unexpected contact.
     """
     from nsrm_harness import domain as domains
     from nsrm_harness.paper.figures import figures_report as report

@@ -1,4 +1,4 @@
-"""``harness golden``: writes the golden vectors that every form of the model must agree with."""
+"""``harness golden``: writes the golden vectors with which all forms of the model must agree."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ import click
     type=click.Path(path_type=Path),
     default=Path("data/tabletop/validation.h5"),
     show_default=True,
-    help="Episode file that gives scenes and sentences.",
+    help="Episode file with scenes and sentences.",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     default=Path("tests/golden"),
     show_default=True,
-    help="Folder to write to.",
+    help="Output folder.",
 )
 def command(model_path: Path, data: Path, out: Path) -> None:
-    """Compute every layer, module and the whole chain with the trainer's code."""
+    """Compute every layer, every module and the whole pipeline with the trainer's code."""
     from nsrm_harness.learning.export import read_model
     from nsrm_harness.learning.golden import write_golden
 

@@ -1,4 +1,4 @@
-"""``harness latency``: how fast a robot's processes answer."""
+"""``harness latency``: measures how fast a robot's processes answer."""
 
 from __future__ import annotations
 
@@ -21,17 +21,19 @@ from nsrm_harness.evaluation.process_trials.run_program import (
     type=click.IntRange(100),
     default=20000,
     show_default=True,
-    help="How often each is measured.",
+    help="Number of samples of each.",
 )
 @out_option("out/latency")
-@click.option("--measured", type=click.Path(path_type=Path), help="Draw this, measure nothing.")
+@click.option(
+    "--measured", type=click.Path(path_type=Path), help="Plot this file instead of measuring."
+)
 def command(
     nsrm_trials: Path | None, nsrm: Path | None, samples: int, out: Path, measured: Path | None
 ) -> None:
-    """Measure from a sentence to its first sub-goal and from a frame to its scene, through
-    processes and shared memory; as OUT/latency.md and OUT/latency.png.
+    """Measure the times from a sentence to its first sub-goal and from a frame to its scene,
+    through processes and shared memory; write OUT/latency.md and OUT/latency.png.
 
-    Nothing else should run meanwhile: two cores are needed, and the figures are the machine's.
+    This needs two cores. Run nothing else meanwhile: the figures depend on the machine.
     """
     if measured is None:
         options = ["--samples", str(samples)]
@@ -42,4 +44,4 @@ def command(
     text = table(rows)
     (out / "latency.md").write_text(text + "\n", encoding="utf-8")
     click.echo(text)
-    click.echo(f"picture: {out / 'latency.png'}")
+    click.echo(f"plot: {out / 'latency.png'}")

@@ -1,5 +1,5 @@
-"""``harness look``: a picture of an episode, for people. A judge's tool: the names of
-the blocks and the steps come from the truth about the episode."""
+"""``harness look``: draws an episode for people, with the names of blocks and steps from its ground
+truth."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from nsrm_harness.visualization.illustrate import draw_episode
     "--out",
     type=click.Path(path_type=Path),
     show_default="out/FILE-INDEX.png",
-    help="The picture to write.",
+    help="Picture to write.",
 )
 def command(file: Path, index: int, out: Path | None) -> None:
     """Draw episode INDEX (counted from 0) of FILE: before, after, boxes, sentence."""
@@ -37,5 +37,5 @@ def command(file: Path, index: int, out: Path | None) -> None:
             f"{number}. {step.step.action}: {step.object_id} {truth.name(step.object_id)}, "
             f"reference {step.reference_id} {truth.name(step.reference_id)}"
         )
-    click.echo(f"attempts left out before it: {describe(truth.rejected)}")
+    click.echo(f"rejected attempts before it: {describe(truth.rejected)}")
     click.echo(path)

@@ -1,4 +1,4 @@
-"""``harness miscalibration``: what the core makes of wrong calibrations, and of right ones."""
+"""``harness miscalibration``: measures how many miscalibrations the core detects."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from nsrm_harness.common.json_text import json_text
     type=click.IntRange(1),
     default=500,
     show_default=True,
-    help="Scenes of each kind.",
+    help="Number of scenes of each kind.",
 )
 @seed_option
 @quiet_option
@@ -33,8 +33,8 @@ def command(
     quiet: bool,
     as_json: bool,
 ) -> None:
-    """Show the core scenes with a camera whose calibration is right, and with faults in it; count
-    what it refuses."""
+    """Give the core scenes with a correctly calibrated camera, and with faults in the calibration;
+    count the refusals."""
     from nsrm_harness.evaluation.metrics import load_model
     from nsrm_harness.evaluation.miscalibration.measure import measure
     from nsrm_harness.evaluation.miscalibration.scenes import KINDS

@@ -1,4 +1,4 @@
-"""Types of options that several subcommands share."""
+"""Options, and types of options, that several subcommands share."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from nsrm_harness.data.disturbance import Disturbance
 
 
 class Span(click.ParamType):
-    """``4-6`` or ``5``: least and most of a number."""
+    """``4-6`` or ``5``: a range of numbers."""
 
-    name = "LEAST-MOST"
+    name = "MIN-MAX"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
@@ -29,7 +29,9 @@ class Span(click.ParamType):
         """The two numbers."""
         match = re.fullmatch(r"(\d+)(?:-(\d+))?", str(value))
         if match is None:
-            self.fail(f"expected a number or two with a hyphen between, got {value!r}", param, ctx)
+            self.fail(
+                f"expected a number, or two with a hyphen between them, got {value!r}", param, ctx
+            )
         return int(match[1]), int(match[2] or match[1])
 
 
@@ -75,12 +77,14 @@ domain_option = click.option(
     show_default="the paper's",
     help="Domain file.",
 )
-seed_option = click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+seed_option = click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Random seed."
+)
 model_option = click.option(
     "--model",
     "model_path",
     type=click.Path(path_type=Path),
-    show_default="the one that is built in",
+    show_default="the built-in one",
     help="Model file.",
 )
 arm_option = click.option(
@@ -88,21 +92,25 @@ arm_option = click.option(
     "with_arm",
     default=True,
     show_default=True,
-    help="The arm carries blocks to their sub-goals; or they are set down there without it.",
+    help="Let the arm execute the sub-goals, or place the blocks there without it.",
 )
 jobs_option = click.option(
-    "--jobs", type=click.IntRange(1), default=os.cpu_count(), show_default="one a processor"
+    "--jobs",
+    type=click.IntRange(1),
+    default=os.cpu_count(),
+    show_default="one per processor",
+    help="Parallel processes.",
 )
 ray_option = click.option(
     "--ray",
     metavar="ADDRESS",
-    help="Work on a Ray cluster: 'auto', 'HOST:PORT', or 'local' for one of --jobs processors.",
+    help="Use a Ray cluster: 'auto', 'HOST:PORT', or 'local' for one with --jobs workers.",
 )
-quiet_option = click.option("--quiet", is_flag=True, help="No progress.")
+quiet_option = click.option("--quiet", is_flag=True, help="Show no progress bar.")
 
 
 def out_option(default: str, help_text: str) -> Callable[[FC], FC]:
-    """The folder that results go into."""
+    """Option for the folder of the results."""
     return click.option(
         "--out",
         type=click.Path(path_type=Path, file_okay=False),
@@ -113,8 +121,8 @@ def out_option(default: str, help_text: str) -> Callable[[FC], FC]:
 
 
 def episodes_options(default: str, help_text: str) -> Callable[[FC], FC]:
-    """What a command that carries episodes out is given besides its own: --seed, who works, and
-    where what comes of it goes, as `out_option`."""
+    """Options of commands that run episodes: --seed, the workers, and the folder of the results
+    (see `out_option`)."""
 
     def add(command: FC) -> FC:
         for option in (out_option(default, help_text), quiet_option, ray_option, jobs_option):
@@ -125,18 +133,18 @@ def episodes_options(default: str, help_text: str) -> Callable[[FC], FC]:
 
 
 def make_folder(path: Path) -> None:
-    """Makes a folder that results go into. Raises `HarnessError`."""
+    """Creates the folder of the results. Raises `HarnessError`."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise HarnessError(
-            f"can't make the folder {path}: {error.strerror}: another --out"
+            f"cannot create the folder {path}: {error.strerror}: use another --out"
         ) from None
 
 
 @contextmanager
 def workers_of(jobs: int, ray: str | None) -> Iterator[Workers]:
-    """Who works under `jobs_option` and `ray_option`."""
+    """The workers that `jobs_option` and `ray_option` select."""
     if ray is None:
         yield LocalProcesses(jobs)
         return

@@ -1,4 +1,4 @@
-"""``harness refusals``: how much of what must be refused a model refuses."""
+"""``harness refusals``: measures how many of the sentences that must be refused are refused."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from nsrm_harness.common.json_text import json_text
     type=click.Choice(["validation", "test"]),
     default="test",
     show_default=True,
-    help="Which sentences; the episode file is of the split of that name.",
+    help="Set of sentences; the episode file is that of the split with this name.",
 )
 @click.option(
     "--data",
     type=click.Path(path_type=Path),
     show_default="data/tabletop/SET.h5",
-    help="Episode file that gives scenes and good sentences.",
+    help="Episode file with scenes and good sentences.",
 )
 @click.option(
     "--count",
     type=click.IntRange(1),
     show_default="160",
-    help="Sentences of each kind.",
+    help="Number of sentences of each kind.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 @click.option(
@@ -48,7 +48,7 @@ def command(
     as_json: bool,
     out: Path,
 ) -> None:
-    """Plan sentences that must be refused, and those of a file, with the core."""
+    """Plan sentences that must be refused, and the good ones of a file, with the core."""
     from nsrm_harness.evaluation.metrics import load_model
     from nsrm_harness.evaluation.refusals.measure import measure
     from nsrm_harness.evaluation.refusals.plot import draw_report

@@ -1,4 +1,4 @@
-"""``harness robot``: all processes of a robot in a simulated world, for one sentence."""
+"""``harness robot``: runs all processes of a simulated robot for one sentence."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from nsrm_harness.nodes.processes import ProcessGroup
     "--nsrm",
     type=click.Path(path_type=Path, dir_okay=False, exists=True),
     required=True,
-    help="The command `nsrm`; `cargo robot` builds and names it.",
+    help="Path of the command `nsrm`; `cargo robot` builds and passes it.",
 )
 @click.option(
     "--config",
     type=click.Path(path_type=Path, dir_okay=False, exists=True),
-    help="The robot's configuration (TOML), for all of its processes.",
+    help="Configuration (TOML) for all of the robot's processes.",
 )
-@click.option("--open-loop", is_flag=True, help="Don't look after each step, as in the paper.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON, a line for each event.")
+@click.option("--open-loop", is_flag=True, help="Do not observe after each step, as in the paper.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, one line per event.")
 def command(
     sentence: str | None,
     seed: int,
@@ -39,10 +39,11 @@ def command(
     open_loop: bool,
     as_json: bool,
 ) -> None:
-    """Have SENTENCE carried out in the scene of a seed; without one, one that fits.
+    """Execute SENTENCE in the scene of a seed; by default a sentence that fits.
 
-    Starts world, perception and planner as processes of a robot of their own, says the
-    sentence, follows what becomes of it, and stops them. Ctrl-C stops the robot first.
+    Starts world, perception and planner as the processes of a separate robot, sends the sentence,
+    reports its progress, and stops them. Ctrl-C stops the robot first.
+
     Exit code 2 if it was refused or not done.
     """
     place = ["--robot", f"demo-{os.getpid()}"]

@@ -1,4 +1,4 @@
-"""``harness soak``: processes of a robot at work for hours, and what they hold after it."""
+"""``harness soak``: runs a robot's processes for hours and measures their resources."""
 
 from __future__ import annotations
 
@@ -18,12 +18,20 @@ from nsrm_harness.evaluation.process_trials.soak import draw, read_soak
 
 @click.command("soak")
 @programs_options
-@click.option("--hours", type=float, default=1.0, show_default=True, help="How long.")
+@click.option("--hours", type=float, default=1.0, show_default=True, help="Duration.")
 @click.option(
-    "--every", type=click.IntRange(1), default=10, show_default=True, help="Seconds to a sample."
+    "--every",
+    type=click.IntRange(1),
+    default=10,
+    show_default=True,
+    help="Seconds between samples.",
 )
 @out_option("out/soak")
-@click.option("--journal", type=click.Path(path_type=Path), help="Read this one, start nobody.")
+@click.option(
+    "--journal",
+    type=click.Path(path_type=Path),
+    help="Read this journal instead of running processes.",
+)
 def command(
     nsrm_trials: Path | None,
     nsrm: Path | None,
@@ -32,8 +40,8 @@ def command(
     out: Path,
     journal: Path | None,
 ) -> None:
-    """Have sentences carried out for hours; memory, open files and times, as OUT/soak.md and
-    OUT/soak.png.
+    """Let a robot execute sentences for hours; write memory, open files and times as OUT/soak.md
+    and OUT/soak.png.
 
     Exit code 1 if anything has grown, or sentences have become slow.
     """
@@ -46,5 +54,5 @@ def command(
     text = "\n".join([soak.text(), *(f"FAULT: {fault}" for fault in soak.faults())])
     (out / "soak.md").write_text(text + "\n", encoding="utf-8")
     click.echo(text)
-    click.echo(f"picture: {out / 'soak.png'}")
+    click.echo(f"plot: {out / 'soak.png'}")
     sys.exit(1 if soak.faults() else 0)

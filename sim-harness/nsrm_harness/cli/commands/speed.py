@@ -1,4 +1,4 @@
-"""``harness speed``: how fast trials of the arm run, and where their time goes."""
+"""``harness speed``: measures how fast trials of the arm run, and where their time goes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from nsrm_harness.cli.commands.options import make_folder, out_option, quiet_opt
     type=click.IntRange(1),
     default=20,
     show_default=True,
-    help="That each kind of workers carries out, of all rows in turn.",
+    help="Number of episodes for each kind of workers, from all rows in turn.",
 )
 @seed_option
 @click.option(
@@ -26,24 +26,24 @@ from nsrm_harness.cli.commands.options import make_folder, out_option, quiet_opt
     multiple=True,
     default=(2,),
     show_default=True,
-    help="Processes, besides one; may be repeated.",
+    help="Number of processes, in addition to one; may be repeated.",
 )
 @click.option(
     "--ray/--no-ray",
     "with_ray",
     default=None,
     show_default="where Ray is installed",
-    help="Also over a Ray cluster of two workers on this machine.",
+    help="Also measure a Ray cluster of two workers on this machine.",
 )
 @quiet_option
-@out_option("out/speed", "Folder for the tables and the picture.")
+@out_option("out/speed", "Folder for the tables and the plot.")
 def command(
     episodes: int, seed: int, jobs: tuple[int, ...], with_ray: bool | None, quiet: bool, out: Path
 ) -> None:
-    """Measure episodes of `harness trials`: how many a minute by how many workers, where the time
-    of one process goes, and how long one look for collisions takes.
+    """Measure episodes of `harness trials`: how many per minute by how many workers, where the time
+    of one process goes, and how long a collision check takes.
 
-    Nothing else should run meanwhile: the figures are the machine's.
+    Run nothing else meanwhile: the figures depend on the machine.
     """
     from nsrm_harness.evaluation.manipulation_trials.speed import speed_report as report
     from nsrm_harness.evaluation.manipulation_trials.speed.measure_speed import rounds, run
@@ -56,5 +56,5 @@ def command(
     written = report.write(speed, out)
     click.echo(report.text(speed))
     if with_ray is None and not is_on_ray:
-        click.echo("\n- Ray is not installed, and not measured; --ray says how to install it.")
-    click.echo(f"tables and picture: {' '.join(str(path) for path in written)}")
+        click.echo("\n- Ray is not installed and was not measured; --ray says how to install it.")
+    click.echo(f"tables and plot: {' '.join(str(path) for path in written)}")

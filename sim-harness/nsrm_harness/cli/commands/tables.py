@@ -1,4 +1,4 @@
-"""``harness tables``: the paper's tables, from nothing to a report."""
+"""``harness tables``: reproduces the paper's tables, from scratch to a report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from nsrm_harness.cli.commands.options import domain_option, jobs_option, ray_op
     "--variants",
     "with_variants",
     is_flag=True,
-    help="Afterwards train and judge what the models are compared with; takes much longer.",
+    help="Also train and judge the variants; takes much longer.",
 )
 @domain_option
 @click.option(
@@ -43,16 +43,16 @@ def command(
     jobs: int,
     ray: str | None,
 ) -> None:
-    """Make data, models and baselines, judge them on all splits, write OUT/report/.
+    """Make data, models and baselines, judge them on all splits, and write OUT/report/.
 
-    After Ctrl-C the same command goes on.
+    After Ctrl-C, the same command resumes.
     """
     from nsrm_harness import domain as domains
 
     domain = domains.load(domain_path)
     folder = out or Path("runs") / ("tables-quick" if quick else "tables")
     try:
-        # A cluster on this machine is forked off, which is to be done before JAX has threads.
+        # A cluster on this machine is forked, which must happen before JAX starts threads.
         with workers_of(jobs, ray) as workers:
             from nsrm_harness.paper.tables.compare import compare
             from nsrm_harness.paper.tables.run_tables import Tables
@@ -66,7 +66,7 @@ def command(
             if with_variants:
                 comparison = compare(tables, variants(study), disturbed_sets(study))
     except KeyboardInterrupt:
-        click.echo(f"{folder}: interrupted; the same command goes on from here", err=True)
+        click.echo(f"{folder}: interrupted; run the same command to resume", err=True)
         sys.exit(130)
     write_report(outcome, study, domain, folder / "report", comparison)
     click.echo(f"report: {folder / 'report' / REPORT}")

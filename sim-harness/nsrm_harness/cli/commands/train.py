@@ -1,4 +1,4 @@
-"""``harness train``: learns a model from demonstrations and writes its model file."""
+"""``harness train``: trains a model on demonstrations and writes its model file."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ from nsrm_harness.cli.commands.options import seed_option
 @click.option(
     "--config",
     type=click.Path(path_type=Path),
-    help="TOML file over the defaults of learn/config.py.",
+    help="TOML file that overrides the defaults of learning/config.py.",
 )
-@click.option("--quick", is_flag=True, help="A miniature training, with learning/quick.toml.")
+@click.option("--quick", is_flag=True, help="A reduced training, with learning/quick.toml.")
 @seed_option
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     show_default="runs/DATA-SEED",
-    help="Folder for the model, the curves and the checkpoint.",
+    help="Folder for the model, the training curves and the checkpoint.",
 )
-@click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
+@click.option("--resume", is_flag=True, help="Resume from the checkpoint in the folder.")
 def command(
     data: Path, config: Path | None, quick: bool, seed: int, out: Path | None, resume: bool
 ) -> None:
-    """Learn a model: initial scenes, sentences and final scenes in, a model file out.
+    """Train a model on initial scenes, sentences and final scenes; write its model file.
 
-    After Ctrl-C the same command with --resume gives the same model as one run.
+    After Ctrl-C, the same command with --resume gives the same model as an uninterrupted run.
     """
     from nsrm_harness.learning.config import QUICK_CONFIG, ConfigError, read_config
     from nsrm_harness.learning.run_training import Files, finish, fit
 
     if quick and config is not None:
-        raise ConfigError("--quick and --config exclude each other: --quick is a config file")
+        raise ConfigError("--quick and --config cannot be combined: --quick selects a config file")
     settings = read_config(QUICK_CONFIG if quick else config)
     folder = out or Path("runs") / f"{data.name}-{seed}"
     files = Files.of(data)
@@ -52,6 +52,6 @@ def command(
         finish(fitted, files.test, folder, say=click.echo)
     except KeyboardInterrupt:
         click.echo(
-            f"{folder}: interrupted; the same command with --resume goes on from here", err=True
+            f"{folder}: interrupted; run the same command with --resume to continue", err=True
         )
         sys.exit(130)

@@ -1,4 +1,4 @@
-"""``harness trials``: how often the arm does what a sentence says."""
+"""``harness trials``: measures how often the arm does what a sentence says."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ import click
 from nsrm_harness.cli.commands.options import episodes_options, workers_of
 
 WORST, BEST = 20, 4
-"""Episodes that ended so are shown as films."""
+"""Numbers of worst and best episodes that are filmed."""
 
 
 @click.command("trials")
 @click.option(
-    "--episodes", type=click.IntRange(1), default=500, show_default=True, help="Of each row."
+    "--episodes", type=click.IntRange(1), default=500, show_default=True, help="Episodes per row."
 )
-@click.option("--quick", is_flag=True, help="Ten episodes of each row from the start, no films.")
+@click.option("--quick", is_flag=True, help="Ten episodes per row, from scratch and without films.")
 @click.option(
     "--disturbed",
     is_flag=True,
-    help="Rows that are disturbed on purpose, with open loops beside.",
+    help="Rows that are disturbed on purpose, with closed and open loop.",
 )
-@click.option("--row", "names", multiple=True, help="Only this one; may be repeated.")
+@click.option("--row", "names", multiple=True, help="Run only this row; may be repeated.")
 @episodes_options(
-    "out/trials", "Folder for the table and what it is made of; one that was broken off goes on."
+    "out/trials", "Folder for the table and its data; an interrupted run in it is resumed."
 )
 def command(
     episodes: int,
@@ -38,12 +38,12 @@ def command(
     quiet: bool,
     out: Path,
 ) -> None:
-    """Have the arm carry random sentences out, judged by the truth of the simulator.
+    """Let the arm execute random sentences, judged by the simulator's ground truth.
 
-    The model plans through the core from what camera and detector see; the arm sees pictures and
-    feels its joints. In the control row it is given the true poses and sub-goals.
+    The model plans through the core from the camera and the detector; the arm has only images and
+    its joints. In the control row it is given the true poses and sub-goals.
 
-    Exit code 1 if a goal was missed otherwise than by chance.
+    Exit code 1 if a goal was missed by more than chance explains.
     """
     from nsrm_harness.evaluation.manipulation_trials import trials_report as report
     from nsrm_harness.evaluation.manipulation_trials.disturbed_episode import DISTURBED_ROWS
@@ -68,7 +68,7 @@ def command(
     text = report.text(lines)
     (out / "trials.md").write_text(f"{text}\n", encoding="utf-8")
     click.echo(text)
-    click.echo(f"tables and picture: {out / 'trials.csv'} {out / 'trials.md'} {out / 'trials.png'}")
+    click.echo(f"tables and plot: {out / 'trials.csv'} {out / 'trials.md'} {out / 'trials.png'}")
     if missed := report.missed(lines):
         click.echo(f"harness: {'; '.join(missed)}", err=True)
         sys.exit(1)

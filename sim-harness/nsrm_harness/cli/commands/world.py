@@ -1,4 +1,4 @@
-"""``harness world``: a simulated world as a robot's camera and controller."""
+"""``harness world``: runs a simulated world as a robot's camera and controller."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from nsrm_harness.simulation.render import open_renderer
 
 
 @click.command("world")
-@click.option("--robot", help="Which robot it is.  [default: (the file's, or `robot`)]")
+@click.option("--robot", help="Name of the robot.  [default: (the file's, or `robot`)]")
 @click.option(
     "--config",
     "file",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="The robot's configuration (TOML), the same as that of `nsrm`.",
+    help="The robot's configuration (TOML), the same as for `nsrm`.",
 )
 @seed_option
 @arm_option
-@click.option("--json", "as_json", is_flag=True, help="Print JSON when it is ready.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON when ready.")
 def command(robot: str | None, file: Path | None, seed: int, with_arm: bool, as_json: bool) -> None:
-    """The tabletop of a seed, as a robot's camera and controller, until SIGINT or SIGTERM.
+    """Run the tabletop of a seed as a robot's camera and controller, until SIGINT or SIGTERM.
 
-    Its camera publishes frames with the boxes that the detector finds; its controller has the arm
-    carry a block from where it is seen to its sub-goal; or, without it, lets it go above that,
-    where physics does the rest.
+    The camera publishes frames with the detector's boxes. The controller lets the arm move a block
+    from where it is seen to its sub-goal; without the arm, it releases the block above the sub-goal
+    and lets it fall.
     """
     config = read_config(file, robot)
     stop = threading.Event()

@@ -46,7 +46,7 @@ LEAST_LETTERS = 3
 
 
 class RefusalSetError(HarnessError):
-    """A file whose scenes don't allow a kind of sentence."""
+    """A file whose scenes do not allow a kind of sentence."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def make_items(
 
     The same for the same arguments.
 
-    Raises `RefusalSetError` where the scenes don't allow as many.
+    Raises `RefusalSetError` where the scenes do not allow as many.
     """
     return [
         item
@@ -123,7 +123,7 @@ def _items_of(
 
 
 def set_of(sentence: str) -> str:
-    """The one set that a sentence may be in; its spelling and punctuation don't matter."""
+    """The one set that a sentence may be in; its spelling and punctuation do not matter."""
     return SETS[hashlib.sha256(_key(sentence).encode()).digest()[0] % len(SETS)]
 
 

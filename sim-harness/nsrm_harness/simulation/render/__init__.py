@@ -67,7 +67,7 @@ def open_renderer(kind: str = "auto") -> Renderer:
 
     "auto" is what the environment variable `NSRM_RENDERER` names, else OpenGL where
     a context can be made, else PyBullet's. Raises `RendererError` for an unknown
-    kind and where OpenGL was asked for by name and can't run.
+    kind and where OpenGL was asked for by name and cannot run.
     """
     chosen = kind
     if kind == "auto":
@@ -84,7 +84,7 @@ def open_renderer(kind: str = "auto") -> Renderer:
     except gl.GlUnavailableError as error:
         if chosen == "gl":
             raise RendererError(
-                f"the OpenGL renderer can't run here: {error}. Install libegl1 and "
+                f"the OpenGL renderer cannot run here: {error}. Install libegl1 and "
                 f"libgl1-mesa-dri, or use the renderer 'pybullet'"
             ) from error
         return tiny.TinyRenderer()

@@ -96,7 +96,7 @@ class _Targets:
 
 
 class GlRenderer:
-    """The fast renderer. Raises `GlUnavailableError` where it can't run."""
+    """The fast renderer. Raises `GlUnavailableError` where it cannot run."""
 
     name = "gl"
 

@@ -23,7 +23,7 @@ EYE_M, LOOKS_AT_M = (1.45, 0.7, 0.9), (0.35, 0.0, 0.25)
 
 
 class RecordingError(HarnessError):
-    """A recording that can't be written."""
+    """A recording that cannot be written."""
 
 
 @contextmanager
@@ -42,7 +42,7 @@ def recorded(path: Path) -> Iterator[rr.RecordingStream]:
         partial.touch()
     except OSError as error:
         raise _unwritable(path, error) from error
-    # What can't be logged is a fault of ours; otherwise it would only be left out, with a warning.
+    # What cannot be logged is a fault of ours; otherwise it would only be left out, with a warning.
     rr.set_strict_mode(True)
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     try:
