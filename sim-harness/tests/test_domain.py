@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import json
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -50,8 +52,6 @@ def test_synonyms_share_a_concept() -> None:
 def test_json_carries_the_whole_file(document: dict[str, Any]) -> None:
     domain = domains.load()
     assert domains.from_json(domain.as_json(), "a model") == domain
-    import json
-
     assert json.loads(domain.as_json()) == document
 
 
@@ -73,9 +73,17 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("name", "two words", "name: expected a name of letters"),
         ("name", None, "name: is missing"),
         ("atribute", [], "atribute: unknown key"),
-        ("attribute.0.view", "infrared", "attribute[0].view: expected one of color, brightness"),
-        ("attribute.0.values", [], "attribute[0].values: expected 2 or more tables"),
-        ("attribute.0.values.1.rgb", [0, 2, 0], "attribute[0].values[1].rgb: expected 3 numbers"),
+        (
+            "attribute.0.view",
+            "infrared",
+            "attribute[0].view: expected 'color' or 'brightness', got 'infrared'",
+        ),
+        ("attribute.0.values", [], "attribute[0].values: expected 2 or more entries, got []"),
+        (
+            "attribute.0.values.1.rgb",
+            [0, 2, 0],
+            "attribute[0].values[1].rgb[1]: should be at most 1, got 2",
+        ),
         ("attribute.0.values.1.rgb", None, "color.green: rgb is missing"),
         ("attribute.0.values.1.words", ["light green"], "single words"),
         ("attribute.0.values.1.words", ["Green"], "lower-case words"),
@@ -84,22 +92,52 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("attribute.0.values.1.words", ["block"], "'block' names the concept 'green'"),
         ("attribute.0.values.1.name", "red", "the name 'red' is given twice"),
         ("attribute.0.values.1.edges_m", [0.1, 0.1, 0.1], "more than one attribute type"),
-        ("attribute.1.values.0.studs", [2, 0], "expected 2 whole numbers in 1..8"),
-        ("attribute.1.values.0.edges_m", [0.06, -0.06, 0.05], "expected 3 numbers"),
-        ("action.0.place", "under", "action[0].place: expected one of on, beside"),
+        (
+            "attribute.1.values.0.studs",
+            [2, 0],
+            "attribute[1].values[0].studs[1]: should be at least 1, got 0",
+        ),
+        (
+            "attribute.1.values.0.edges_m",
+            [0.06, -0.06, 0.05],
+            "attribute[1].values[0].edges_m[1]: should be at least 0.01",
+        ),
+        ("action.0.place", "under", "action[0].place: expected 'on' or 'beside', got 'under'"),
         ("action.0.direction", [0.0, 1.0], "action[0].direction: only"),
         ("action.1.direction", [0.6, 0.8], "action[1].direction: expected one of [1, 0]"),
         ("action.1.direction", None, "action[1].direction: expected one of [1, 0]"),
         ("action.0.phrases", ["on", ""], "cannot be left unsaid"),
-        ("grammar.verbs", ["put", "Put"], "grammar.verbs: expected lower-case words"),
+        ("grammar.verbs", ["put", "Put"], "grammar.verbs[1]: expected lower-case words"),
         ("grammar.verbs", ["put", "put"], "'put' is given twice"),
         ("grammar.verbs", ["put", ""], "run together"),
         ("grammar.commands", ["{verb} {moved} {relation}"], "{reference} must stand once"),
         ("grammar.commands", ["{moved} {reference} {relation} {verb}"], "no word between"),
         ("grammar.commands", ["{moved} {relation} {reference} {verb}"], "cannot begin with"),
         ("grammar.commands", ["{verb} {moved} {relation} {reference} {noun}"], "or fields"),
-        ("grammar.connectives", "and", "grammar.connectives: expected a list"),
+        ("grammar.connectives", "and", "grammar.connectives: expected a list, got 'and'"),
         ("grammar.connectives", ["and  then"], "single spaces"),
+        ("grammar.order_words", ["then"], "grammar.order_words: expected openings of one word"),
+        ("grammar.order_words", [], "grammar.order_words: expected 1 or more entries"),
+        ("attribute", "color", "attribute: expected a list, got 'color'"),
+        ("attribute.0", "color", "attribute[0]: expected a table, got 'color'"),
+        ("attributes", [], "attributes: unknown key; expected some of: action, attribute, "),
+        ("document", "{}", "document: unknown key; expected some of: action, attribute, grammar, "),
+        ("attribute.0.values.1.attribute", "color", "attribute[0].values[1].attribute: unknown"),
+        ("attribute.0.values.1.color", [], "color: unknown key; expected some of: edges_m, name, "),
+        ("attribute.0.values.1.name", 5, "attribute[0].values[1].name: should be a valid string"),
+        ("attribute.0.values.1.rgb", [0, 1], "attribute[0].values[1].rgb[2]: is missing"),
+        ("attribute.0.values.1.rgb", [0, 1, 0, 1], "rgb: expected 3 or fewer entries"),
+        ("attribute.0.values.1.rgb", [0, True, 1], "rgb[1]: should be a valid number, got True"),
+        ("attribute.0.values.1.rgb", [0, "1", 1], "rgb[1]: should be a valid number, got '1'"),
+        ("attribute.0.values.1.rgb", [0, math.nan, 1], "rgb[1]: should be a finite number"),
+        ("attribute.1.values.0.studs", [2, 1.5], "studs[1]: should be a valid integer, got 1.5"),
+        ("attribute.1.values.0.studs", [2, 2.0], "studs[1]: should be a valid integer, got 2.0"),
+        ("attribute.1.values.0.studs", [2, True], "studs[1]: should be a valid integer, got True"),
+        ("action.0.phrases.0", 3, "action[0].phrases[0]: should be a valid string, got 3"),
+        ("held_out.phrases.MoveOn", None, "held_out.phrases.MoveOn: is missing"),
+        ("held_out.phrases.MoveUp", ["up"], "held_out.phrases.MoveUp: unknown action; expected"),
+        ("held_out.phrases.MoveOn", ["on"], "held_out: 'on' is no new wording"),
+        ("held_out.phrases.MoveOn", ["atop of us"], "'us' in 'atop of us' is a word of no other"),
     ],
 )
 def test_refusals_name_key_and_fault(
@@ -110,6 +148,49 @@ def test_refusals_name_key_and_fault(
         domains.parse(document, "some.toml")
     assert str(caught.value).startswith("some.toml: ")
     assert message in str(caught.value)
+
+
+def test_each_fault_has_a_line(document: dict[str, Any]) -> None:
+    document["attribute"][0]["values"][1]["rgb"] = [0.0, 2.0, 0.0]
+    document["grammar"]["verb"] = ["put"]
+    del document["action"][2]["place"]
+    with pytest.raises(DomainError) as caught:
+        domains.parse(document, "some.toml")
+    assert [line.partition(";")[0] for line in str(caught.value).splitlines()] == [
+        "some.toml: attribute[0].values[1].rgb[1]: should be at most 1, got 2.0",
+        "some.toml: action[2].place: is missing",
+        "some.toml: grammar.verb: unknown key",
+    ]
+
+
+def test_a_wrong_value_is_no_missing_one(document: dict[str, Any]) -> None:
+    """The list with it is not too short."""
+    document["attribute"][1]["values"][0]["studs"] = "2 by 2"
+    with pytest.raises(DomainError) as caught:
+        domains.parse(document, "some.toml")
+    key = "attribute[1].values[0].studs"
+    assert str(caught.value) == f"some.toml: {key}: expected a list, got '2 by 2'"
+
+
+@pytest.mark.parametrize("key", ["held_out", "grammar", "name", "action"])
+def test_what_json_has_as_null_is_refused(document: dict[str, Any], key: str) -> None:
+    document[key] = None
+    with pytest.raises(DomainError, match=f"^a model: {key}: .*None"):
+        domains.from_json(json.dumps(document), "a model")
+
+
+def test_long_values_are_shown_in_part(document: dict[str, Any]) -> None:
+    document["action"] = "n" * 1000
+    with pytest.raises(DomainError) as caught:
+        domains.parse(document, "some.toml")
+    assert f"action: expected a list, got '{79 * 'n'}…" in str(caught.value)
+
+
+def test_held_out_phrases_stand_in_any_order(document: dict[str, Any]) -> None:
+    phrases = document["held_out"]["phrases"]
+    document["held_out"]["phrases"] = dict(reversed(phrases.items()))
+    read, default = domains.parse(document, "some.toml"), domains.load()
+    assert read.held_out == default.held_out
 
 
 def test_more_attribute_types_than_filters_are_refused(document: dict[str, Any]) -> None:

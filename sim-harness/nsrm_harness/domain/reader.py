@@ -1,169 +1,136 @@
-"""Reading a table of the domain file: each getter checks type and range and says
-file and key when something is wrong."""
+"""Reading a domain file: its tables by their types, then what concerns more than one of them."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from nsrm_harness.common.errors import DomainError
-from nsrm_harness.domain.letters import lower_case
+from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.toml_file import checked, read_toml, refusal
+from nsrm_harness.domain.domain import Attribute, Domain
 
-_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-# A token of a sentence, of letters in lower case: text without white space and the
-# punctuation that the tokenizer takes off; or the comma.
-_WORD = re.compile(r"""[^\s,.!?;:"'{}\[\]]+|,""")
+#: The paper's domain.
+DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
+#: Most concepts that may describe one object, a capacity of the core: a domain
+#: has no more attribute types than this.
+MAX_ATTRIBUTES = 4
+#: Indices of concepts and actions are bytes in the core.
+MAX_CONCEPTS = 255
 
-
-class Table:
-    """A table of the document; remembers which keys were asked for."""
-
-    def __init__(self, content: Mapping[str, Any], source: str, where: str) -> None:
-        self._content = content
-        self._source = source
-        self._where = where
-        self._asked: set[str] = set()
-
-    def error(self, key: str, problem: str) -> DomainError:
-        """The error to raise: file, key and what is wrong."""
-        where = f"{self._where}.{key}" if self._where else key
-        return DomainError(f"{self._source}: {where}: {problem}")
-
-    def no_other_keys(self) -> None:
-        """Refuse keys that nobody asked for; most are misspelt."""
-        for key in self._content:
-            if key not in self._asked:
-                expected = ", ".join(sorted(self._asked))
-                raise self.error(key, f"unknown key; expected some of: {expected}")
-
-    def table(self, key: str) -> Table:
-        """A table within this one."""
-        value = self._required(key)
-        if not isinstance(value, Mapping):
-            raise self.error(key, f"expected a table, got {value!r}")
-        return Table(value, self._source, f"{self._where}.{key}" if self._where else key)
-
-    def tables(self, key: str, least: int = 1) -> list[Table]:
-        """A list of at least `least` tables."""
-        value = self._required(key)
-        if (
-            not isinstance(value, list)
-            or len(value) < least
-            or not all(isinstance(item, Mapping) for item in value)
-        ):
-            raise self.error(key, f"expected {least} or more tables")
-        where = f"{self._where}.{key}" if self._where else key
-        return [Table(item, self._source, f"{where}[{index}]") for index, item in enumerate(value)]
-
-    def identifier(self, key: str) -> str:
-        """A name of letters, digits and underscores."""
-        value = self._required(key)
-        if not isinstance(value, str) or not _IDENTIFIER.fullmatch(value):
-            raise self.error(key, f"expected a name of letters, digits and _, got {value!r}")
-        return value
-
-    def choice(self, key: str, choices: tuple[str, ...]) -> str:
-        """One of `choices`."""
-        value = self._required(key)
-        if value not in choices:
-            raise self.error(key, f"expected one of {', '.join(choices)}, got {value!r}")
-        return value
-
-    def numbers(self, key: str, length: int, least: float, most: float) -> tuple[float, ...] | None:
-        """`length` numbers from `least` to `most`, or None where the key is absent."""
-        value = self._optional(key)
-        if value is None:
-            return None
-        if (
-            not isinstance(value, list)
-            or len(value) != length
-            or not all(
-                isinstance(item, int | float)
-                and not isinstance(item, bool)
-                and least <= item <= most
-                for item in value
-            )
-        ):
-            raise self.error(key, f"expected {length} numbers in {least}..{most}, got {value!r}")
-        return tuple(float(item) for item in value)
-
-    def integers(self, key: str, length: int, least: int, most: int) -> tuple[int, ...] | None:
-        """`length` whole numbers from `least` to `most`, or None where the key is absent."""
-        value = self._optional(key)
-        if value is None:
-            return None
-        if (
-            not isinstance(value, list)
-            or len(value) != length
-            or not all(
-                isinstance(item, int) and not isinstance(item, bool) and least <= item <= most
-                for item in value
-            )
-        ):
-            raise self.error(
-                key, f"expected {length} whole numbers in {least}..{most}, got {value!r}"
-            )
-        return tuple(value)
-
-    def phrases(self, key: str) -> tuple[str, ...]:
-        """A list of phrases of lower-case words with one space between; "" may stand in it."""
-        value = self._texts(key)
-        for text in value:
-            for word in text.split(" ") if text else ():
-                if not _is_word(word):
-                    raise self.error(key, _not_words(text))
-        return value
-
-    def optional_phrases(self, key: str) -> tuple[str, ...]:
-        """As :meth:`phrases`; empty where the key is absent."""
-        return () if self._optional(key) is None else self.phrases(key)
-
-    def templates(
-        self, key: str, required: tuple[str, ...], optional: tuple[str, ...]
-    ) -> tuple[str, ...]:
-        """Phrases with each of the `required` fields once and the `optional` at most once."""
-        value = self._texts(key)
-        for text in value:
-            words = text.split(" ")
-            for field in required:
-                if words.count(f"{{{field}}}") != 1:
-                    raise self.error(key, f"{{{field}}} must stand once in {text!r}")
-            fields = {f"{{{field}}}" for field in (*required, *optional)}
-            for word in words:
-                if word in fields and words.count(word) == 1:
-                    continue
-                if not _is_word(word):
-                    raise self.error(key, f"{_not_words(text)}, or fields {sorted(fields)}")
-        return value
-
-    def _texts(self, key: str) -> tuple[str, ...]:
-        value = self._required(key)
-        if (
-            not isinstance(value, list)
-            or not value
-            or not all(isinstance(item, str) for item in value)
-        ):
-            raise self.error(key, f"expected a list of one or more strings, got {value!r}")
-        for text in value:
-            if value.count(text) > 1:
-                raise self.error(key, f"{text!r} is given twice")
-        return tuple(value)
-
-    def _optional(self, key: str) -> Any:
-        self._asked.add(key)
-        return self._content.get(key)
-
-    def _required(self, key: str) -> Any:
-        value = self._optional(key)
-        if value is None:
-            raise self.error(key, "is missing")
-        return value
+Faults = Iterator[tuple[str, str]]
+"""Dotted keys, each with what is wrong there."""
 
 
-def _is_word(word: str) -> bool:
-    return bool(_WORD.fullmatch(word)) and lower_case(word) == word
+def load(path: Path | str = DEFAULT) -> Domain:
+    """Read and check a domain file; ``DomainError`` says file, key and what is wrong."""
+    path = Path(path)
+    return parse(read_toml(path, DomainError, "domain file"), str(path))
 
 
-def _not_words(text: str) -> str:
-    return f"expected lower-case words or commas with single spaces between, got {text!r}"
+def from_json(text: str, source: str) -> Domain:
+    """The domain that an episode or model file carries; `source` names it in errors."""
+    try:
+        document = json.loads(text)
+    except ValueError as error:
+        raise DomainError(f"{source}: the domain is not JSON: {error}") from error
+    if not isinstance(document, dict):
+        raise DomainError(f"{source}: the domain is not a JSON object")
+    return parse(document, source)
+
+
+def parse(document: Mapping[str, Any], source: str) -> Domain:
+    """Check a document as read from TOML or JSON; `source` names it in errors."""
+    read = checked(Domain, document, source, DomainError)
+    domain = replace(
+        read,
+        attributes=tuple(map(_with_its_name, read.attributes)),
+        document=json_text(document, ensure_ascii=False),
+    )
+    for check in (_names, _appearance, _words, _held_out_actions, _held_out):
+        if faults := list(check(domain)):
+            raise refusal(source, faults, DomainError)
+    return domain
+
+
+def _with_its_name(attribute: Attribute) -> Attribute:
+    """Each of its values says of which attribute type it is."""
+    values = (replace(value, attribute=attribute.name) for value in attribute.values)
+    return replace(attribute, values=tuple(values))
+
+
+def _names(domain: Domain) -> Faults:
+    """None stands twice, and there are no more than the core can hold."""
+    for key, named in (
+        ("attribute", domain.attributes),
+        ("attribute.values", domain.concepts),
+        ("action", domain.actions),
+    ):
+        names = [item.name for item in named]
+        for name in dict.fromkeys(names):
+            if names.count(name) > 1:
+                yield key, f"the name {name!r} is given twice"
+    if len(domain.attributes) > MAX_ATTRIBUTES:
+        yield "attribute", f"at most {MAX_ATTRIBUTES} types, got {len(domain.attributes)}"
+    if len(domain.concepts) > MAX_CONCEPTS:
+        yield "attribute.values", f"at most {MAX_CONCEPTS} in all, got {len(domain.concepts)}"
+
+
+def _appearance(domain: Domain) -> Faults:
+    """One attribute type says the colour, one the edges, at most one the studs."""
+    for key in ("rgb", "edges_m", "studs"):
+        types = {value.attribute for value in domain.concepts if getattr(value, key) is not None}
+        if len(types) > 1:
+            yield key, f"given by more than one attribute type: {sorted(types)}"
+        elif key != "studs" and not types:
+            yield key, "no attribute type gives it, but every block needs it"
+        elif key != "studs":
+            for value in domain.attribute(types.pop()).values:
+                if getattr(value, key) is None:
+                    yield f"{value.attribute}.{value.name}", f"{key} is missing"
+
+
+def _words(domain: Domain) -> Faults:
+    """Each names one thing."""
+    seen: dict[str, str] = {}
+    for value in domain.concepts:
+        for word in value.words:
+            if word in seen:
+                yield (
+                    f"{value.attribute}.{value.name}.words",
+                    f"{word!r} already names {seen[word]!r}",
+                )
+            seen.setdefault(word, value.name)
+    for word in sorted(domain.other_words() & seen.keys()):
+        yield "grammar", f"{word!r} names the concept {seen[word]!r} and cannot be another word too"
+
+
+def _held_out_actions(domain: Domain) -> Faults:
+    """It has phrases of every action, and of no other."""
+    if domain.held_out is None:
+        return
+    given, names = domain.held_out.phrases, [action.name for action in domain.actions]
+    for name in names:
+        if name not in given:
+            yield f"held_out.phrases.{name}", "is missing"
+    for name in given:
+        if name not in names:
+            yield f"held_out.phrases.{name}", f"unknown action; expected {', '.join(names)}"
+
+
+def _held_out(domain: Domain) -> Faults:
+    """Nothing of it may stand in the grammar, and no word may be a new one."""
+    if domain.held_out is None:
+        return
+    known = {*domain.vocabulary(), *domain.lexicon()}
+    said = {*domain.grammar.commands, *(p for a in domain.actions for p in a.phrases)}
+    held_out = domain.held_out
+    for text in (*held_out.commands, *(p for each in held_out.phrases.values() for p in each)):
+        if text in said:
+            yield "held_out", f"{text!r} is no new wording: training has it"
+        for word in text.split():
+            if not word.startswith("{") and word not in known:
+                yield "held_out", f"{word!r} in {text!r} is a word of no other wording"
