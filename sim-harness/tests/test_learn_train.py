@@ -4,6 +4,7 @@ another domain needs no change."""
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -42,6 +43,7 @@ from nsrm_harness.learning.model import (
     unique,
 )
 from nsrm_harness.learning.nonsense import known_gaps, nonsense
+from nsrm_harness.learning.objective import LossWeights
 from nsrm_harness.learning.stages import TrainingError
 from nsrm_harness.learning.train import TRAINS, Fit, Result, make_stage, train
 
@@ -403,18 +405,36 @@ def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
     config = read_config(path)
     assert (config.temperature, config.joint.epochs) == (0.1, 3)
     assert config.joint.batch == TrainingConfig().joint.batch
+    # The rest of a table is that of the very field, whole numbers are numbers.
+    path.write_text("[polish_loss]\noverlap = 2\n[parser]\nbatch = 1\n")
+    config, default = read_config(path), TrainingConfig()
+    assert config == dataclasses.replace(
+        default,
+        polish_loss=LossWeights(default.polish_loss.square, 2.0),
+        parser=dataclasses.replace(default.parser, batch=1),
+    )
+    assert isinstance(config.polish_loss.overlap, float)
+    path.write_text("")
+    assert read_config(path) == default
     for text, problem in (
         ("temprature = 0.1", "temprature: unknown key"),
-        ("[joint]\nepochs = 1.5", "joint.epochs: expected a number like"),
-        ("residual = 1", "residual: expected true or false"),
-        ('action_gradient = "soft"', "action_gradient: expected 'exact' or 'gumbel'"),
-        ("joint = 3", "joint: expected a table"),
-        ("temperature = -1", "temperature: -1 is too small"),
-        ("temperature = nan", "temperature: expected a finite number, got nan"),
-        ("[joint]\nlearning_rate = inf", "joint.learning_rate: expected a finite number, got inf"),
-        ("split_samples = 1", "split_samples: 1 is too small"),
+        ("[joint]\nepochs = 1.5", "joint.epochs: should be a valid integer, got 1.5"),
+        ("residual = 1", "residual: expected true or false, got 1"),
+        ('action_gradient = "soft"', "action_gradient: expected 'exact' or 'gumbel', got 'soft'"),
+        ("joint = 3", "joint: expected a table, got 3"),
+        ("temperature = -1", "temperature: should be at least 1e-09, got -1"),
+        ("temperature = nan", "temperature: should be a finite number, got nan"),
+        ("[joint]\nlearning_rate = inf", "joint.learning_rate: should be a finite number, got inf"),
+        ("split_samples = 1", "split_samples: should be at least 2, got 1"),
+        ("temperature = true", "temperature: should be a valid number, got True"),
+        ("temperature = '1'", "temperature: should be a valid number, got '1'"),
+        ("[joint]\nepochs = true", "joint.epochs: should be a valid integer, got True"),
+        ("[joint]\nepochs = 2.0", "joint.epochs: should be a valid integer, got 2.0"),
+        ("[joint]\nbatch = 0", "joint.batch: should be at least 1, got 0"),
+        ("[joint]\nepoch = 1", "joint.epoch: unknown key; expected some of: batch, epochs, "),
+        ("[loss]\nsquare = -1", "loss.square: should be at least 0, got -1"),
         ("split_gradient = 'best'", "split_gradient: expected 'exact' or 'reinforce', got 'best'"),
     ):
         path.write_text(text)
-        with pytest.raises(ConfigError, match=problem):
+        with pytest.raises(ConfigError, match=f"^{re.escape(f'{path}: {problem}')}"):
             read_config(path)

@@ -20,6 +20,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from nsrm_harness.common.toml_file import NO_OTHER_KEYS, PositiveOrZero
 from nsrm_harness.learning.model import (
     GROUP_TOKEN,
     MISSING,
@@ -35,9 +36,11 @@ from nsrm_harness.learning.model import (
 class LossWeights:
     """`w1 · MSE + w2 · (1 - IoU)`, the paper's hyper-parameters."""
 
-    square: float
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    square: PositiveOrZero
     """w1, on the mean of squares over corners (fractions of the image) and depth (metres)."""
-    overlap: float
+    overlap: PositiveOrZero
     """w2, on one minus the intersection over union of the boxes."""
 
 
