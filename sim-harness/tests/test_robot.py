@@ -250,14 +250,23 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
     file = tmp_path / "robot.toml"
     for text, words in [
         ("robot = ", "Invalid value"),
-        ('arms = 2\nrobot = "left"', "unknown: arms; known: robot, model"),
-        ("robot = 5", "robot = 5: a name is a text"),
-        ('hosts = "two"', "hosts = 'two': it is one of one, several"),
-        ("shared_memory = 3", "[shared_memory] may have root and prefix"),
-        ("[shared_memory]\nfolder = 'x'", "[shared_memory] may have root and prefix"),
-        ("[shared_memory]\nprefix = 'a/b'", "shared_memory.prefix = 'a/b'"),
-        ("[shared_memory]\nroot = 3", "shared_memory.root = 3"),
-        ("[shared_memory]\nroot = 'here'", "shared_memory.root = 'here': a path from / is needed"),
+        (
+            'arms = 2\nrobot = "left"',
+            "arms: unknown key; expected some of: hosts, limits, line, model, ",
+        ),
+        ("robot = 5", "robot: should be a valid string, got 5"),
+        ('hosts = "two"', "hosts: expected 'one' or 'several', got 'two'"),
+        ("shared_memory = 3", "shared_memory: expected a table, got 3"),
+        (
+            "[shared_memory]\nfolder = 'x'",
+            "shared_memory.folder: unknown key; expected some of: prefix, root",
+        ),
+        (
+            "[shared_memory]\nprefix = 'a/b'",
+            "shared_memory.prefix: too long, or not a name that files may have: got 'a/b'",
+        ),
+        ("[shared_memory]\nroot = 3", "shared_memory.root: should be a valid string, got 3"),
+        ("[shared_memory]\nroot = 'here'", "shared_memory.root: a path from / is needed"),
     ]:
         file.write_text(text)
         with pytest.raises(RobotConfigError) as refused:

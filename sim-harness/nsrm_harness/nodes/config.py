@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator
 
 from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Text, checked, read_toml
 
 # It has no types; its names are looked up when they are used.
 iox2: Any = import_module("iceoryx2")
@@ -17,13 +19,59 @@ iox2.set_log_level(iox2.LogLevel.Fatal)
 
 ROBOT = "robot"
 """The robot's name where none is given."""
-HOSTS = ("one", "several")
-KEYS = ("robot", "model", "line", "hosts", "limits", "shared_memory")
-"""All that may stand in it; `model`, `line` and `limits` are for who plans and who asks."""
 
 
 class RobotConfigError(HarnessError):
     """A configuration that cannot be read, or makes no sense."""
+
+
+def _as_iceoryx2_has_it(kind: str) -> AfterValidator:
+    """A check by iceoryx2's own type of that name."""
+
+    def check(text: str) -> str:
+        try:
+            getattr(iox2, kind).new(text)
+        except iox2.SemanticStringError:
+            raise ValueError(f"too long, or not a name that files may have: got {text!r}") from None
+        return text
+
+    return AfterValidator(check)
+
+
+def _absolute(root: str) -> str:
+    if not Path(root).is_absolute():
+        raise ValueError(
+            "a path from / is needed, for processes to meet wherever they are started; "
+            f"got {root!r}"
+        )
+    return root
+
+
+@dataclass(frozen=True)
+class _SharedMemory:
+    """Where iceoryx2 keeps what processes share, if not at its usual place."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    root: Annotated[Text, AfterValidator(_absolute), _as_iceoryx2_has_it("Path")] | None = None
+    """A folder for its files."""
+    prefix: Annotated[Text, _as_iceoryx2_has_it("FileName")] | None = None
+    """What names in shared memory begin with."""
+
+
+@dataclass(frozen=True)
+class _File:
+    """A configuration file. Everything may be left out."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    robot: Text = ROBOT
+    model: Any = None
+    """As `line` and `limits`: for those who plan and ask, which read them."""
+    line: Any = None
+    hosts: Literal["one", "several"] = "one"
+    limits: Any = None
+    shared_memory: _SharedMemory = _SharedMemory()
 
 
 @dataclass(frozen=True)
@@ -40,46 +88,21 @@ class RobotConfig:
 def read_config(path: Path | None, robot: str | None = None) -> RobotConfig:
     """From the file, if there is one; a name that is given comes before the file's. Raises
     `RobotConfigError`."""
-    told: dict[str, Any] = {}
-    if path is not None:
-        try:
-            told = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise RobotConfigError(f"{path}: {error}") from None
-    if unknown := sorted(set(told) - set(KEYS)):
-        raise RobotConfigError(f"{path}: unknown: {', '.join(unknown)}; known: {', '.join(KEYS)}")
-    hosts = told.get("hosts", HOSTS[0])
-    if hosts not in HOSTS:
-        raise RobotConfigError(f"{path}: hosts = {hosts!r}: it is one of {', '.join(HOSTS)}")
-    name = robot or told.get("robot", ROBOT)
-    if not isinstance(name, str):
-        raise RobotConfigError(f"{path}: robot = {name!r}: a name is a text")
+    told = {} if path is None else read_toml(path, RobotConfigError, "configuration")
+    file = checked(_File, told, str(path), RobotConfigError)
     return RobotConfig(
-        robot=name,
-        several_hosts=hosts == HOSTS[1],
-        shared_memory=_shared_memory(path, told.get("shared_memory", {})),
+        robot=robot or file.robot,
+        several_hosts=file.hosts == "several",
+        shared_memory=_iceoryx2_config(file.shared_memory),
     )
 
 
-def _shared_memory(path: Path | None, told: Any) -> Any:
-    if not isinstance(told, dict) or set(told) - {"root", "prefix"}:
-        raise RobotConfigError(f"{path}: [shared_memory] may have root and prefix")
-    if not told:
+def _iceoryx2_config(told: _SharedMemory) -> Any:
+    if told == _SharedMemory():
         return None
     config = iox2.config.default()
-    for key, kind, field in (("root", "Path", "root_path"), ("prefix", "FileName", "prefix")):
-        if key not in told:
-            continue
-        try:
-            if key == "root" and not Path(told[key]).is_absolute():
-                raise RobotConfigError(
-                    f"{path}: shared_memory.root = {told[key]!r}: a path from / is needed, for "
-                    "processes to meet wherever they are started"
-                )
-            setattr(config.global_cfg, field, getattr(iox2, kind).new(told[key]))
-        except (TypeError, iox2.SemanticStringError):
-            raise RobotConfigError(
-                f"{path}: shared_memory.{key} = {told[key]!r}: too long, or not a name that "
-                "files may have"
-            ) from None
+    if told.root is not None:
+        config.global_cfg.root_path = iox2.Path.new(told.root)
+    if told.prefix is not None:
+        config.global_cfg.prefix = iox2.FileName.new(told.prefix)
     return config
