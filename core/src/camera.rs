@@ -5,9 +5,8 @@
 //! down, z forward; pixel (i, j) is sampled at (i + ½, j + ½). The world's frame:
 //! robot base at the origin, x forward, y left, z up, metres.
 
-use core::fmt;
-
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use thiserror::Error;
 
 use crate::model::{LOCATION, PixelToCamera};
 use crate::nn::{dot, is_unit};
@@ -36,30 +35,19 @@ pub struct Camera {
 }
 
 /// Why a camera is not one; the first fault found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// A number is infinite or not a number; the field's name.
+    #[error("camera: {0} is not a finite number")]
     NotFinite(&'static str),
     /// A size or focal length is zero or negative; the field's name.
+    #[error("camera: {0} must be greater than 0")]
     NotPositive(&'static str),
     /// The orientation's length is not 1 within [`crate::nn::LENGTH_TOLERANCE`].
+    #[error("camera: orientation (x, y, z, w) must be a quaternion of length 1")]
     NotNormalised,
 }
-
-impl fmt::Display for CameraError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotFinite(field) => write!(f, "camera: {field} is not a finite number"),
-            Self::NotPositive(field) => write!(f, "camera: {field} must be greater than 0"),
-            Self::NotNormalised => {
-                f.write_str("camera: orientation (x, y, z, w) must be a quaternion of length 1")
-            }
-        }
-    }
-}
-
-impl core::error::Error for CameraError {}
 
 impl Camera {
     /// Finite, positive where it must be, the orientation of length 1.

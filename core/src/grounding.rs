@@ -7,7 +7,7 @@
 //! * `Unique(scores)` → the object with the greatest score; the trainer samples it
 //!   from `softmax(10·scores)`, whose probability is kept as a confidence.
 
-use core::fmt;
+use thiserror::Error;
 
 use crate::capacity::MAX_OBJECTS;
 use crate::dsl::Description;
@@ -19,28 +19,17 @@ use crate::vision;
 pub const UNIQUE_SHARPNESS: f32 = 10.0;
 
 /// Why a description has no score on an object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ScoreError {
     /// The description names a concept or the concept an attribute type that the
     /// model doesn't have; can't be where [`Model::check`] passed.
+    #[error("the description names a concept that the model does not have")]
     UnknownConcept,
     /// A cosine is not a number.
+    #[error("the score is not a finite number; the model does not fit this object")]
     NotFinite,
 }
-
-impl fmt::Display for ScoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::UnknownConcept => "the description names a concept that the model does not have",
-            Self::NotFinite => {
-                "the score is not a finite number; the model does not fit this object"
-            }
-        })
-    }
-}
-
-impl core::error::Error for ScoreError {}
 
 /// How well an object fits a description: all its filters over `Scene()`.
 /// 1 when nothing is said, else the least cosine.

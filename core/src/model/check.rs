@@ -1,4 +1,4 @@
-use core::fmt;
+use thiserror::Error;
 
 use super::{Model, WorkSpace};
 use crate::nn::is_unit;
@@ -9,76 +9,49 @@ const MAX_INDEXED: usize = 256;
 const MAX_WORDS: usize = 65_536;
 
 /// Why a model can't be used; the first fault found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ModelFault<'a> {
     /// A list is empty; its name.
+    #[error("the model has no {0}")]
     Empty(&'static str),
     /// A list is longer than its indices reach; its name.
+    #[error("the model has too many {0}")]
     TooLong(&'static str),
     /// Words must be sorted and all different; the one out of order.
+    #[error("word \"{0}\" is out of order or repeated")]
     WordOrder(&'a str),
     /// Lexicon words must be sorted and all different; the one out of order.
+    #[error("lexicon word \"{0}\" is out of order or repeated")]
     LexiconOrder(&'a str),
     /// A word stands both among the words and in the lexicon.
+    #[error("word \"{0}\" stands in the lexicon too")]
     WordInLexicon(&'a str),
     /// A lexicon word names a concept that isn't there.
+    #[error("lexicon word \"{0}\" names a concept that isn't there")]
     LexiconConcept(&'a str),
     /// A concept is of an attribute type that isn't there; its name.
+    #[error("concept {0} has an attribute type that isn't there")]
     ConceptAttribute(&'a str),
     /// A concept's embedding has not length 1; its name.
+    #[error("the embedding of concept {0} has not length 1")]
     ConceptLength(&'a str),
     /// An edge length of a concept is not finite, or not greater than 0; its name.
+    #[error("an edge of concept {0} is not longer than 0 and finite")]
     ConceptEdges(&'a str),
     /// No concept has edge lengths: how large the objects are is not known.
+    #[error("no concept of the model has edge lengths")]
     NoEdges,
     /// A threshold is not from 0 to 1.
+    #[error("a threshold is not from 0 to 1")]
     Threshold,
     /// The work space is not finite or has its bounds in the wrong order.
+    #[error("the work space's bounds are not ordered and finite")]
     WorkSpace,
     /// The orientation of placed objects is not a quaternion of length 1.
+    #[error("placed_orientation is not a quaternion of length 1")]
     PlacedOrientation,
 }
-
-impl fmt::Display for ModelFault<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty(list) => write!(f, "the model has no {list}"),
-            Self::TooLong(list) => write!(f, "the model has too many {list}"),
-            Self::WordOrder(word) => write!(f, "word \"{word}\" is out of order or repeated"),
-            Self::LexiconOrder(word) => {
-                write!(f, "lexicon word \"{word}\" is out of order or repeated")
-            }
-            Self::WordInLexicon(word) => write!(f, "word \"{word}\" stands in the lexicon too"),
-            Self::LexiconConcept(word) => {
-                write!(
-                    f,
-                    "lexicon word \"{word}\" names a concept that isn't there"
-                )
-            }
-            Self::ConceptAttribute(name) => {
-                write!(f, "concept {name} has an attribute type that isn't there")
-            }
-            Self::ConceptLength(name) => {
-                write!(f, "the embedding of concept {name} has not length 1")
-            }
-            Self::ConceptEdges(name) => {
-                write!(
-                    f,
-                    "an edge of concept {name} is not longer than 0 and finite"
-                )
-            }
-            Self::NoEdges => f.write_str("no concept of the model has edge lengths"),
-            Self::Threshold => f.write_str("a threshold is not from 0 to 1"),
-            Self::WorkSpace => f.write_str("the work space's bounds are not ordered and finite"),
-            Self::PlacedOrientation => {
-                f.write_str("placed_orientation is not a quaternion of length 1")
-            }
-        }
-    }
-}
-
-impl core::error::Error for ModelFault<'_> {}
 
 impl<'a> Model<'a> {
     /// The first eight bytes of the identity: what ties a scene's embeddings to the

@@ -1,4 +1,4 @@
-use core::fmt;
+use thiserror::Error;
 
 use crate::model::CROP;
 use crate::scene::{ObjectFault, location_fault};
@@ -16,10 +16,11 @@ pub struct RgbImage<'a> {
 }
 
 /// Why bytes are not an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ImageError {
     /// Width or height is zero or more than 65,535 pixels.
+    #[error("image: {width}×{height} pixels; each side must be from 1 to 65535")]
     Size {
         /// In pixels.
         width: u32,
@@ -27,6 +28,7 @@ pub enum ImageError {
         height: u32,
     },
     /// Rows overlap: the stride is less than three bytes a pixel.
+    #[error("image: a stride of {got} bytes, but a row takes {expected}")]
     Stride {
         /// The least that will do, in bytes.
         expected: usize,
@@ -34,6 +36,7 @@ pub enum ImageError {
         got: usize,
     },
     /// Fewer bytes than the size says.
+    #[error("image: {got} bytes, but its size takes {expected}")]
     Length {
         /// The least that will do.
         expected: usize,
@@ -41,26 +44,6 @@ pub enum ImageError {
         got: usize,
     },
 }
-
-impl fmt::Display for ImageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size { width, height } => write!(
-                f,
-                "image: {width}×{height} pixels; each side must be from 1 to 65535"
-            ),
-            Self::Stride { expected, got } => write!(
-                f,
-                "image: a stride of {got} bytes, but a row takes {expected}"
-            ),
-            Self::Length { expected, got } => {
-                write!(f, "image: {got} bytes, but its size takes {expected}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for ImageError {}
 
 impl<'a> RgbImage<'a> {
     /// Looks at `pixels` as an image.
