@@ -19,13 +19,15 @@ use crate::project::{Project, output_of, run_on_stderr, without_cargo_variables}
 use crate::stamp::{Inputs, Stamp};
 
 /// What the Python module is made from.
-const MODULE_SOURCES: [&str; 12] = [
+const MODULE_SOURCES: [&str; 14] = [
     "Cargo.lock",
     "Cargo.toml",
     "core/Cargo.toml",
     "core/src",
     "weights-codegen/Cargo.toml",
     "weights-codegen/src",
+    "weights-codegen/tabletop/Cargo.toml",
+    "weights-codegen/tabletop/src",
     "std-shim/Cargo.toml",
     "std-shim/src",
     "std-shim/python/Cargo.toml",
