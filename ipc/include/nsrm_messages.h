@@ -51,7 +51,8 @@ NSRM_ASSERT(offsetof(nsrm_camera_message, orientation) == 36, "offset of orienta
 typedef struct nsrm_detected_box {
     /** Who it is across frames; not zero. */
     uint32_t id;
-    /** Not zero where others are known to hide a part of it. */
+    /** 0 where all of it is seen, 1 where others are known to hide a part of it, 2 where they
+     *  hide all of it: its look is then that of before, and without one it is left out. */
     uint32_t covered;
     /** Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
      *  image's width and height. */
@@ -301,9 +302,12 @@ typedef struct nsrm_sub_goal {
     /** Where the camera will see it, as predicted: x1, y1, x2, y2 as
      *  fractions of the image, mean depth in metres. */
     float location[5];
+    /** Ids of what is to stay where it is besides the reference: what the steps that are done
+     *  have put somewhere, and what they have put it beside or on; 0 for none. */
+    uint32_t keep[16];
 } nsrm_sub_goal;
-#define NSRM_SUB_GOAL_TYPE_NAME "nsrm.v1.SubGoal.5b4da8ebaf1361ba"
-NSRM_ASSERT(sizeof(nsrm_sub_goal) == 96, "size of nsrm_sub_goal");
+#define NSRM_SUB_GOAL_TYPE_NAME "nsrm.v1.SubGoal.027c01d730571850"
+NSRM_ASSERT(sizeof(nsrm_sub_goal) == 160, "size of nsrm_sub_goal");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_sub_goal) == 8, "alignment of nsrm_sub_goal");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, plan) == 0, "offset of plan");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, until_ns) == 8, "offset of until_ns");
@@ -318,6 +322,7 @@ NSRM_ASSERT(offsetof(nsrm_sub_goal, confidence) == 44, "offset of confidence");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, position) == 48, "offset of position");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, orientation) == 60, "offset of orientation");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, location) == 76, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_sub_goal, keep) == 96, "offset of keep");
 
 /** How a command went (service `feedback`). */
 typedef struct nsrm_feedback {

@@ -377,6 +377,9 @@ class Command:
     @property
     def location(self) -> NDArray[np.float32]:
         """Where it will be seen: float32 [5]"""
+    @property
+    def keep(self) -> list[int]:
+        """What is to stay where it is besides the reference, by what is done so far."""
 
 @final
 class Stop:

@@ -402,6 +402,7 @@ fn a_controller_moves_nothing_by_what_is_no_command() {
         position: [0.5, 0.0, 0.02],
         orientation: [0.0, 0.0, 0.0, 1.0],
         location: [0.1, 0.2, 0.3, 0.4, 1.0],
+        keep: [3, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
     };
     let (objects, mut seed) = (world.scene.objects, 7);
     for round in 0..ROUNDS {

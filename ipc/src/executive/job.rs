@@ -9,6 +9,7 @@ use super::belief::Belief;
 use super::failure::Failure;
 use super::limits::Limits;
 use super::looking::{AHEAD_NS, Looking, too_old};
+use super::meant::Meant;
 use super::placed::{Amiss, Placements, Steps, Undone};
 use super::stage::{Heard, Purpose, Stage, Tried};
 use super::view::{Seen, View};
@@ -39,6 +40,7 @@ pub(super) struct Job<'m> {
     has_cleared: bool,
     placements: Placements,
     belief: Belief,
+    meant: Meant,
     /// Why it is to end, whatever it is at.
     end: Option<Failure>,
     stage: Stage<'m>,
@@ -62,6 +64,7 @@ impl<'m> Job<'m> {
             has_cleared: false,
             placements: Placements::default(),
             belief: Belief::default(),
+            meant: Meant::default(),
             end: None,
             stage: Stage::Parse(ParsingTask::new(planner.model(), sentence)),
         }
@@ -176,7 +179,9 @@ impl<'m> Job<'m> {
                 purpose,
             } => match looking.look(after_ns, limits, now_ns) {
                 Some(scene) => {
-                    let scene = self.belief.complete(&scene, self.planner.model());
+                    let model = self.planner.model();
+                    let scene = self.belief.complete(&scene, model);
+                    let scene = self.meant.only(&scene, self.step, model);
                     match purpose {
                         Purpose::Ground { .. } => self.prepare(scene, since_ns, limits),
                         Purpose::Verify { tried, .. } => {
@@ -331,7 +336,10 @@ impl<'m> Job<'m> {
         let (taken_ns, since_ns) = (*taken_ns, *since_ns);
         let scene = *task.scene();
         match plan {
-            Ok(plan) => self.plan = plan,
+            Ok(plan) => {
+                self.meant.update(&plan, &scene);
+                self.plan = plan;
+            }
             // Something that was moved may be in the camera's view still.
             Err(refusal @ Refusal::Calibration(_)) if self.commands > 0 => {
                 let refused = Some(Failure::Refused(refusal));
@@ -377,6 +385,7 @@ impl<'m> Job<'m> {
             step: self.step as u8,
             steps: self.steps() as u8,
             planned,
+            keep: self.placements.kept(),
         };
         self.stage = Stage::Commanded {
             command,

@@ -82,7 +82,7 @@ impl Limits {
     /// let limits = Limits { retries: 0, ..Limits::default() };
     /// assert_eq!(limits.check(), Ok(()));
     /// let limits = Limits { tolerance_m: f32::NAN, ..limits };
-    /// assert_eq!(limits.check(), Err(LimitsError::Tolerance));
+    /// assert_eq!(limits.check(), Err(LimitsError::Distance("tolerance")));
     /// ```
     pub fn check(&self) -> Result<(), LimitsError> {
         for (name, time) in [

@@ -14,6 +14,7 @@ mod failure;
 mod job;
 mod limits;
 mod looking;
+mod meant;
 mod placed;
 mod stage;
 mod view;
@@ -23,7 +24,7 @@ pub use limits::{Limits, LimitsError};
 
 use heapless::String;
 use nsrm_core::planner::PlannedStep;
-use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner};
+use nsrm_core::{MAX_OBJECTS, MAX_SENTENCE_BYTES, Model, Plan, Planner};
 
 use crate::message::{Feedback, FeedbackError, SceneMessage};
 use job::Job;
@@ -66,6 +67,9 @@ pub struct Command {
     pub steps: u8,
     /// Which object, and where to.
     pub planned: PlannedStep,
+    /// Ids of what is to stay where it is besides the reference: what the steps that are done have
+    /// put somewhere, and what they have put it beside or on; 0 for none.
+    pub keep: [u32; MAX_OBJECTS],
 }
 
 /// What a call of [`Executive::poll`] has come to.

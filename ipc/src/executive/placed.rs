@@ -1,10 +1,15 @@
 //! What the steps so far have put where, and whether it is still observed there.
 
-use nsrm_core::MAX_STEPS;
 use nsrm_core::planner::PlannedStep;
+use nsrm_core::{MAX_OBJECTS, MAX_STEPS};
 
 use super::failure::Failure;
 use super::view::{Seen, View};
+
+const _: () = assert!(
+    2 * MAX_STEPS <= MAX_OBJECTS,
+    "not all of `kept` would find room"
+);
 
 /// Some of a program's steps, by their places.
 pub(super) type Steps = [bool; MAX_STEPS];
@@ -176,6 +181,23 @@ impl Placements {
         found
     }
 
+    /// Ids of what the steps that are done have put somewhere, and beside or on what; 0 for none.
+    pub(super) fn kept(&self) -> [u32; MAX_OBJECTS] {
+        let done = self.placed.iter().zip(self.done).filter(|(_, done)| *done);
+        let planned = done.filter_map(|(placed, _)| placed.as_ref());
+        let ids = planned.flat_map(|it| [it.planned.object.object, it.planned.reference.object]);
+        let mut kept = [0; MAX_OBJECTS];
+        for id in ids {
+            // Two a step, at most.
+            if !kept.contains(&id)
+                && let Some(place) = kept.iter_mut().find(|place| **place == 0)
+            {
+                *place = id;
+            }
+        }
+        kept
+    }
+
     /// These steps are to be done again.
     pub(super) fn undo(&mut self, steps: &Steps) {
         for (done, undone) in self.done.iter_mut().zip(steps) {
@@ -187,7 +209,7 @@ impl Placements {
 /// Whether an object is observed where it was before.
 fn stayed(step: u8, object: u32, before: &Seen, view: &View<'_>) -> Result<(), Amiss> {
     let now = view.see(object).ok_or(Amiss::Missing { step, object })?;
-    match now.moved_m(before, view.limits) {
+    match view.moved_m(&now, before) {
         None => Ok(()),
         Some(off_m) => Err(Amiss::Elsewhere {
             step,

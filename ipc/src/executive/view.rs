@@ -15,8 +15,8 @@ const COVERED_SHARE: f32 = 0.05;
 pub(super) struct Seen {
     /// Of its centre, world frame, metres.
     position: [f32; 3],
-    /// Whether another that has stayed where it was covers a part of it.
-    is_covered: bool,
+    /// Another that covers a part of it, and has stayed where it was.
+    covered_by: Option<u32>,
 }
 
 impl Seen {
@@ -29,17 +29,6 @@ impl Seen {
     /// Whether it is so near to where it was before, metres.
     pub(super) fn is_within(&self, before: &Self, most_m: f32) -> bool {
         self.off_m(&before.position) <= most_m
-    }
-
-    /// How far it is from where it was before, metres, if it has moved.
-    pub(super) fn moved_m(&self, before: &Self, limits: &Limits) -> Option<f32> {
-        let off_m = self.off_m(&before.position);
-        let most_m = if self.is_covered || before.is_covered {
-            limits.covered_m.max(limits.moved_m)
-        } else {
-            limits.moved_m
-        };
-        (off_m.is_nan() || off_m > most_m).then_some(off_m)
     }
 }
 
@@ -59,41 +48,61 @@ impl View<'_> {
     /// Where an object is; `None` if it isn't observed.
     pub(super) fn see(&self, object: u32) -> Option<Seen> {
         let own = self.find(object)?;
-        let is_covered = self.scene.objects().iter().any(|other| {
+        let covers = |other: &&ObservedObject| {
             other.id != own.id
                 && depth_m(other) < depth_m(own)
                 && shared(&other.location, &own.location) > COVERED_SHARE
-                && self.has_stayed(other)
-        });
+                && self.has_stayed(other.id)
+        };
+        let covered_by = self.scene.objects().iter().find(covers);
         Some(Seen {
             position: self.locate(own),
-            is_covered,
+            covered_by: covered_by.map(|other| other.id),
         })
+    }
+
+    /// How far an object is from where it was before, metres, if it has moved.
+    ///
+    /// One that another covers in part, now or then, may seem to: unless that has moved, too, as
+    /// what stands on it does.
+    pub(super) fn moved_m(&self, now: &Seen, before: &Seen) -> Option<f32> {
+        let off_m = now.off_m(&before.position);
+        let was_covered = before
+            .covered_by
+            .is_some_and(|other| self.has_stayed(other));
+        let most_m = if now.covered_by.is_some() || was_covered {
+            self.limits.covered_m.max(self.limits.moved_m)
+        } else {
+            self.limits.moved_m
+        };
+        (off_m.is_nan() || off_m > most_m).then_some(off_m)
     }
 
     /// Whether anything that was not carried is elsewhere than before, or gone.
     pub(super) fn has_changed(&self) -> bool {
-        self.before.objects().iter().any(|before| {
-            let before_m = Seen {
-                position: self.locate(before),
-                is_covered: false,
+        self.before.objects().iter().any(|object| {
+            let before = Seen {
+                position: self.locate(object),
+                covered_by: None,
             };
-            let now = self.see(before.id);
-            now.is_none_or(|now| now.moved_m(&before_m, self.limits).is_some())
+            let now = self.see(object.id);
+            now.is_none_or(|now| self.moved_m(&now, &before).is_some())
         })
     }
 
-    /// What was carried is looked at for itself.
-    fn has_stayed(&self, other: &ObservedObject) -> bool {
+    /// Whether an object is where it was before. What was carried since is looked at for itself, as
+    /// is what is no longer observed.
+    fn has_stayed(&self, object: u32) -> bool {
         let mut objects = self.before.objects().iter();
-        let before = objects.find(|before| before.id == other.id);
-        before.is_none_or(|before| {
-            let now = Seen {
-                position: self.locate(other),
-                is_covered: false,
-            };
-            now.off_m(&self.locate(before)) <= self.limits.moved_m
-        })
+        let before = objects.find(|before| before.id == object);
+        let Some((before, now)) = before.zip(self.find(object)) else {
+            return true;
+        };
+        let now = Seen {
+            position: self.locate(now),
+            covered_by: None,
+        };
+        now.off_m(&self.locate(before)) <= self.limits.moved_m
     }
 
     fn find(&self, object: u32) -> Option<&ObservedObject> {

@@ -17,7 +17,8 @@ message! {
     pub struct DetectedBox {
         /// Who it is across frames; not zero.
         pub id: u32,
-        /// Not zero where others are known to hide a part of it.
+        /// 0 where all of it is seen, 1 where others are known to hide a part of it, 2 where they
+        /// hide all of it: its look is then that of before, and without one it is left out.
         pub covered: u32,
         /// Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
         /// image's width and height.
@@ -30,6 +31,9 @@ message! {
 }
 
 impl DetectedBox {
+    /// [`DetectedBox::covered`] of what is hidden.
+    pub const HIDDEN: u32 = 2;
+
     /// One of which nothing is hidden, or nobody knows what.
     pub const fn whole(id: u32, location: [f32; 5]) -> Self {
         let [x1, y1, x2, y2, _] = location;

@@ -193,8 +193,8 @@ impl Feedback {
     ///     objects: [0; 2],
     /// };
     /// assert_eq!(feedback.read()?.outcome, Outcome::Reached);
-    /// feedback.outcome = 17; // anything may stand in a message that was received
-    /// assert_eq!(feedback.read(), Err(FeedbackError::Outcome(17)));
+    /// feedback.outcome = 99; // anything may stand in a message that was received
+    /// assert_eq!(feedback.read(), Err(FeedbackError::Outcome(99)));
     /// # Ok::<(), FeedbackError>(())
     /// ```
     pub fn read(&self) -> Result<Report, FeedbackError> {

@@ -5,7 +5,7 @@ use core::fmt;
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use nsrm_core::MAX_STEPS;
+use nsrm_core::{MAX_OBJECTS, MAX_STEPS};
 
 use super::checks::{all_finite, is_unit};
 use super::layout::message;
@@ -21,7 +21,7 @@ message! {
     /// more: of all that wait it obeys stops first, and it answers without a move what
     /// is read after `until_ns` or comes before a command that it has had (of a smaller
     /// plan, or of the same one with a smaller number).
-    "nsrm.v1.SubGoal.5b4da8ebaf1361ba"
+    "nsrm.v1.SubGoal.027c01d730571850"
     pub struct SubGoal {
         /// Number of the plan; a later plan has a greater one.
         pub plan: u64,
@@ -52,6 +52,9 @@ message! {
         /// Where the camera will see it, as predicted: x1, y1, x2, y2 as
         /// fractions of the image, mean depth in metres.
         pub location: [f32; 5],
+        /// Ids of what is to stay where it is besides the reference: what the steps that are done
+        /// have put somewhere, and what they have put it beside or on; 0 for none.
+        pub keep: [u32; MAX_OBJECTS],
     }
 }
 
@@ -158,6 +161,7 @@ impl SubGoal {
         position: [0.0; 3],
         orientation: [0.0; 4],
         location: [0.0; 5],
+        keep: [0; MAX_OBJECTS],
     };
 
     /// A stop of this command.
@@ -244,6 +248,7 @@ impl From<&Command> for SubGoal {
             step,
             steps,
             planned,
+            keep,
         } = command;
         let pose = &planned.sub_goal.pose;
         Self {
@@ -260,13 +265,14 @@ impl From<&Command> for SubGoal {
             position: pose.translation.vector.into(),
             orientation: pose.rotation.coords.into(),
             location: planned.location,
+            keep: *keep,
         }
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use super::{CommandId, Kind, Order, SubGoal, SubGoalError};
+    use super::{CommandId, Kind, MAX_OBJECTS, Order, SubGoal, SubGoalError};
 
     /// A sub-goal that passes.
     pub(crate) fn sub_goal() -> SubGoal {
@@ -284,6 +290,7 @@ pub(crate) mod tests {
             position: [0.5, -0.1, 0.02],
             orientation: [0.0, 0.0, 0.6, 0.8],
             location: [0.1, 0.2, 0.3, 0.4, 1.0],
+            keep: [0; MAX_OBJECTS],
         }
     }
 

@@ -41,6 +41,11 @@ impl Looks {
         }
     }
 
+    /// Whether it is known how an object looks.
+    pub(super) fn knows(&self, id: u32) -> bool {
+        self.known.iter().any(|look| look.id == id)
+    }
+
     /// In the place of one that is not in the frame, if all are taken: there is one then.
     fn remember(&mut self, object: &ObjectMessage, header: &CameraFrame) {
         let look = Look {

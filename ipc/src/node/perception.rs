@@ -13,7 +13,7 @@ use tracing::warn;
 use super::life::{HEARTBEAT_NS, Life};
 use super::looks::Looks;
 use crate::clock::{is_due, now_ns};
-use crate::message::{CameraFrame, CameraFrameError, Role, SceneMessage, State};
+use crate::message::{CameraFrame, CameraFrameError, DetectedBox, Role, SceneMessage, State};
 use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
 
 /// The longest sleep when no frame arrives.
@@ -103,6 +103,11 @@ impl<'m> PerceptionNode<'m> {
             Ok(mut scene) => {
                 let objects = scene.objects.get_mut(..scene.count as usize);
                 self.looks.recall(&header, objects.unwrap_or_default());
+                leave_out(&mut scene, |id| {
+                    let mut boxes = header.boxes.iter();
+                    let is_hidden = |it: &DetectedBox| it.covered == DetectedBox::HIDDEN;
+                    boxes.any(|it| it.id == id && is_hidden(it)) && !self.looks.knows(id)
+                });
                 if let Err(failure) = self.scenes.send(&scene) {
                     warn!(%failure, "scene");
                 }
@@ -116,6 +121,24 @@ impl<'m> PerceptionNode<'m> {
     pub const fn rejected(&self) -> u64 {
         self.life.rejected()
     }
+}
+
+/// Takes objects out of a scene; the others keep their order.
+fn leave_out(scene: &mut SceneMessage, is_out: impl Fn(u32) -> bool) {
+    let mut kept = 0;
+    for index in 0..scene.count as usize {
+        let Some(object) = scene.objects.get(index).copied() else {
+            break;
+        };
+        if !is_out(object.id)
+            && let Some(place) = scene.objects.get_mut(kept)
+        {
+            *place = object;
+            kept += 1;
+        }
+    }
+    // No more than before.
+    scene.count = kept as u32;
 }
 
 /// The scene that a frame shows.
@@ -148,4 +171,33 @@ pub fn see(
         .and_then(ObservationTask::finish)
         .map(|scene| SceneMessage::from(&scene))
         .map_err(FrameFault::Scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use nsrm_core::scene::ObservedObject;
+    use nsrm_core::{Camera, RawScene};
+    use nsrm_tabletop::TABLETOP;
+
+    use super::{SceneMessage, leave_out};
+
+    #[test]
+    fn what_is_left_out_leaves_no_gap() {
+        let mut raw = RawScene::empty(&TABLETOP, Camera::default());
+        for id in 1..=4 {
+            let object = ObservedObject::EMPTY;
+            raw.push(ObservedObject { id, ..object }).unwrap();
+        }
+        let mut scene = SceneMessage::from(&raw);
+        leave_out(&mut scene, |id| id == 1 || id == 3);
+        let ids: Vec<_> = scene.objects[..scene.count as usize]
+            .iter()
+            .map(|object| object.id)
+            .collect();
+        assert_eq!(ids, [2, 4]);
+        // A count that is wrong stays so, for who checks it, or is cut to what there is.
+        scene.count = 99;
+        leave_out(&mut scene, |_| false);
+        assert_eq!(scene.count as usize, scene.objects.len());
+    }
 }

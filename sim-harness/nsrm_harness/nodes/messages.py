@@ -238,7 +238,8 @@ class DetectedBox(ctypes.Structure):
     _fields_: ClassVar = [
         # Who it is across frames; not zero.
         ("id", ctypes.c_uint32),
-        # Not zero where others are known to hide a part of it.
+        # 0 where all of it is seen, 1 where others are known to hide a part of it, 2 where they
+        # hide all of it: its look is then that of before, and without one it is left out.
         ("covered", ctypes.c_uint32),
         # Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
         # image's width and height.
@@ -558,8 +559,11 @@ class SubGoal(ctypes.Structure):
         # Where the camera will see it, as predicted: x1, y1, x2, y2 as
         # fractions of the image, mean depth in metres.
         ("location", ctypes.c_float * 5),
+        # Ids of what is to stay where it is besides the reference: what the steps that are done
+        # have put somewhere, and what they have put it beside or on; 0 for none.
+        ("keep", ctypes.c_uint32 * 16),
     ]
-    LAYOUT: ClassVar = (96, 8)
+    LAYOUT: ClassVar = (160, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
         "plan": 0,
@@ -575,13 +579,14 @@ class SubGoal(ctypes.Structure):
         "position": 48,
         "orientation": 60,
         "location": 76,
+        "keep": 96,
     }
     """Bytes before each field, as Rust has them."""
 
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.SubGoal.5b4da8ebaf1361ba"
+        return "nsrm.v1.SubGoal.027c01d730571850"
 
 
 class Feedback(ctypes.Structure):

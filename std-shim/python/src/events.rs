@@ -40,6 +40,7 @@ pub(crate) struct Command {
     position: (f32, f32, f32),
     orientation: (f32, f32, f32, f32),
     location: Py<PyArray1<f32>>,
+    keep: Vec<u32>,
 }
 
 /// This command is no longer wanted.
@@ -266,5 +267,6 @@ fn command(py: Python<'_>, model: &Model<'_>, command: &executive::Command) -> C
         position: position.into(),
         orientation: orientation.into(),
         location: PyArray1::from_slice(py, &planned.location).unbind(),
+        keep: command.keep.into_iter().filter(|id| *id != 0).collect(),
     }
 }

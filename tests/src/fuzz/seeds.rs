@@ -176,6 +176,7 @@ fn events() -> Vec<Event> {
                 step,
                 steps: 2,
                 planned: *planned,
+                keep: core::array::from_fn(|place| if place < 2 { place as u32 + 1 } else { 0 }),
             })
         })
         .collect();

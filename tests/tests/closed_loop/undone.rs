@@ -2,6 +2,7 @@
 //! something has changed.
 
 use nsrm_core::model::LOCATION;
+use nsrm_core::scene::ObservedObject;
 use nsrm_core::{Model, Refusal};
 use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode};
 use nsrm_ipc::message::Outcome;
@@ -126,6 +127,22 @@ fn what_has_gone_to_one_that_was_moved_on_goes_back_to_where_it_was() {
     }
 }
 
+#[test]
+fn a_controller_is_told_what_is_to_stay_as_the_steps_that_are_done_have_left_it() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, Limits::default());
+    let result = world.follow(BESIDE, 2, |world| world.push(1, 0.1));
+    assert_eq!(result, Ok(()));
+    let kept = world.commands.iter().map(|command| {
+        let ids = command.keep.into_iter().filter(|id| *id != 0);
+        (command.step, ids.collect::<Vec<_>>())
+    });
+    // What has come undone may be moved aside by what is done in its place.
+    let expected = [(0, vec![]), (1, vec![1, 2]), (0, vec![4, 3])];
+    assert_eq!(kept.collect::<Vec<_>>(), expected);
+}
+
 /// The step that goes to one that has come undone is done when that is back.
 #[test]
 fn what_the_next_step_goes_to_is_put_back_before() {
@@ -157,7 +174,6 @@ fn a_small_shift_is_noticed_unless_another_covers_a_part() {
         ("on", 0.004, true, true),
     ] {
         let mut world = world(&model, Limits::default());
-        // The block that is put there first.
         let sentence = format!(
             "put the lego red block {relation} the lego blue block then put the small green block \
              beside the lego green block"
@@ -171,6 +187,31 @@ fn a_small_shift_is_noticed_unless_another_covers_a_part() {
         assert_eq!(result, Ok(()));
         let steps: &[u8] = if is_undone { &[0, 1, 0] } else { &[0, 1] };
         assert_eq!(world.commanded(), steps, "{relation} {by_m}");
+    }
+}
+
+/// A block that nobody spoke of stands on the reference from the beginning.
+#[test]
+fn a_reference_that_bears_another_is_seen_less_well_unless_that_goes_with_it() {
+    let parts = parts();
+    let model = parts.model();
+    for (by_m, with_what_it_bears, is_undone) in [
+        (0.004, false, false),
+        (0.012, false, true),
+        (0.004, true, true),
+    ] {
+        let mut world = world(&model, Limits::default());
+        *world.at(6) = *world.at(2);
+        world.at(6)[4] -= EDGE_M;
+        let result = world.follow(BESIDE, 2, |world| {
+            world.push(2, by_m);
+            if with_what_it_bears {
+                world.push(6, by_m);
+            }
+        });
+        assert_eq!(result, Ok(()));
+        let steps: &[u8] = if is_undone { &[0, 1, 0] } else { &[0, 1] };
+        assert_eq!(world.commanded(), steps, "{by_m}");
     }
 }
 
@@ -369,5 +410,31 @@ fn a_scene_that_disagrees_with_the_calibration_is_refused_unless_a_later_one_agr
             },
             "{result:?}"
         );
+    }
+}
+
+/// A detector may take parts of two blocks for a third one, midway.
+#[test]
+fn what_appears_later_is_no_object_of_the_sentence_unless_one_that_is_meant_has_gone() {
+    let parts = parts();
+    let model = parts.model();
+    for is_in_its_place in [false, true] {
+        let mut world = world(&model, Limits::default());
+        let result = world.follow(BESIDE, 1, |world| {
+            // It looks as the one of the second step.
+            let green = world.scene.objects[3];
+            let mut appeared = ObservedObject { id: 9, ..green };
+            appeared.location[0] += 0.1;
+            appeared.location[2] += 0.1;
+            if is_in_its_place {
+                world.scene.objects[3] = appeared;
+            } else {
+                world.scene.push(appeared).unwrap();
+            }
+        });
+        assert_eq!(result, Ok(()));
+        assert_eq!(world.commanded(), [0, 1]);
+        let moved = world.commands[1].planned.object.object;
+        assert_eq!(moved, if is_in_its_place { 9 } else { 4 });
     }
 }
