@@ -34,12 +34,10 @@ PATIENCE_S = 600.0
 
 # 8 kB a second, of which scenes need more than a hundred: those that come are seconds old.
 NARROW = ("rate", "64kbit", "burst", "5kb", "latency", "3s")
-UNTIL_LATE_S = 5.0
-"""Until they are, for certain."""
 TIMES = 3
 """How often each is tried."""
 LATE = "ms old, 500 ms are allowed"
-REASONS_OF_LATENESS = (LATE, "did not accept it", "whether it was carried out is unknown")
+REASONS_OF_LATENESS = {"no_scene", "not_accepted", "unanswered", "controller_lost"}
 """How a sentence may end where what is sent comes late."""
 
 
@@ -129,13 +127,25 @@ class Both:
         self.camera.start_nsrm("perceive")
         self.camera.start_tunnel()
         self.planner.start_tunnel()
-        time.sleep(1)
+        # What the tunnel has made of the other host's services: nothing else is there.
+        wait_until(lambda: any(self.planner.root.glob("services/*")), self)
         self.planner.start_nsrm("serve")
 
     def noted(self, what: str) -> list[dict[str, Any]]:
         """What the controller wrote down of this kind."""
         lines = [json.loads(line) for line in self.journal.read_text().splitlines()]
         return [line for line in lines if line["who"] == "controller" and line["what"] == what]
+
+    def assert_moved(self, said: subprocess.CompletedProcess[str]) -> None:
+        """What a sentence that is done commanded was carried out, nothing twice. Others, that were
+        said on a busy machine and came to nothing, may have moved the block before."""
+        told = [json.loads(line) for line in said.stdout.splitlines()]
+        (plan,) = {event["plan"] for event in told if event["event"] == "commanded"}
+        moved = [line["command"] for line in self.noted("moved") if line["plan"] == plan]
+        assert len(set(moved)) == len(moved), moved
+        # Each that was not said to be tried again.
+        again = events(said).count("again")
+        assert 1 <= events(said).count("commanded") - again <= len(moved) <= 1 + again
 
     def logs(self) -> str:
         return self.camera.logs() + self.planner.logs()
@@ -191,44 +201,70 @@ def events(said: subprocess.CompletedProcess[str]) -> list[str]:
     return [json.loads(line).get("event", "") for line in said.stdout.splitlines()]
 
 
+def reason(said: subprocess.CompletedProcess[str]) -> str:
+    """Why a sentence was not carried out: the planner's reason, or why none is heard of; empty if
+    it was."""
+    *_, last = [json.loads(line) for line in said.stdout.splitlines()]
+    error = last.get("error", {})
+    return last.get("refused") or error.get("kind") or ""
+
+
+def wait_until(is_so: Callable[[], bool], hosts: Both) -> None:
+    """Looks until something is so."""
+    end = time.monotonic() + PATIENCE_S
+    while not is_so():
+        assert time.monotonic() < end, hosts.logs()
+        time.sleep(0.1)
+
+
 def until_done(
     say: Callable[[], subprocess.CompletedProcess[str]], hosts: Both
 ) -> subprocess.CompletedProcess[str]:
     """Says it until it is done: both sides have to find each other (again) first."""
-    end = time.monotonic() + PATIENCE_S
-    while True:
-        said = say()
-        if said.returncode == 0 or time.monotonic() > end:
-            assert said.returncode == 0, said.stdout + said.stderr + hosts.logs()
-            return said
-        time.sleep(0.5)
+    said: list[subprocess.CompletedProcess[str]] = []
+
+    def is_done() -> bool:
+        said.append(say())
+        return said[-1].returncode == 0
+
+    wait_until(is_done, hosts)
+    return said[-1]
+
+
+def until_scenes_are_late(hosts: Both) -> None:
+    """Says it until no scene came for two seconds that may be acted upon: from then on none does,
+    since what waits at the cable only grows, or can't pass."""
+
+    def are_late() -> bool:
+        return reason(hosts.planner.say(SENTENCE)) == "no_scene"
+
+    wait_until(are_late, hosts)
 
 
 def test_a_sentence_from_the_planners_host_is_carried_out(hosts: Both) -> None:
     said = until_done(lambda: hosts.planner.say(SENTENCE), hosts)
     assert events(said)[0] == "planned" and events(said)[-1] == "done"
-    assert len(hosts.noted("moved")) == 1
+    hosts.assert_moved(said)
 
 
 def test_a_sentence_from_the_other_host_needs_publish_subscribe(hosts: Both) -> None:
     refused = hosts.camera.say(SENTENCE)
     assert refused.returncode == 2
-    assert "has no planner" in refused.stderr
-    before = len(hosts.noted("moved"))
+    assert reason(refused) == "no_planner"
     said = until_done(lambda: hosts.camera.say(SENTENCE, hosts.camera.broadcast), hosts)
     assert events(said)[-1] == "done"
-    assert len(hosts.noted("moved")) == before + 1
+    hosts.assert_moved(said)
 
 
 def test_scenes_that_come_late_are_not_acted_upon(hosts: Both) -> None:
     until_done(lambda: hosts.planner.say(SENTENCE), hosts)
     with narrow(hosts.camera):
-        time.sleep(UNTIL_LATE_S)
+        until_scenes_are_late(hosts)
         before = hosts.noted("accepted")
         for _ in range(TIMES):
             said = hosts.planner.say(SENTENCE)
             assert said.returncode == 2, said.stdout
-            assert LATE in said.stderr
+            assert reason(said) == "no_scene" and LATE in said.stderr
         assert hosts.noted("accepted") == before
     until_done(lambda: hosts.planner.say(SENTENCE), hosts)
 
@@ -246,7 +282,7 @@ def test_commands_that_come_late_are_not_carried_out(hosts: Both) -> None:
             said = hosts.planner.say(SENTENCE)
             if said.returncode != 0:
                 assert said.returncode == 2, said.stderr
-                assert any(reason in said.stderr for reason in REASONS_OF_LATENESS), said.stderr
+                assert reason(said) in REASONS_OF_LATENESS, said.stderr
             done += said.returncode == 0
             # Moved perhaps, and not seen in time.
             unknown += said.returncode == 2 and "commanded" in events(said)
@@ -260,15 +296,15 @@ def test_commands_that_come_late_are_not_carried_out(hosts: Both) -> None:
 def test_without_a_cable_nothing_moves(hosts: Both) -> None:
     until_done(lambda: hosts.planner.say(SENTENCE), hosts)
     with unplugged(hosts.camera):
-        time.sleep(1)
+        until_scenes_are_late(hosts)
         before = hosts.noted("accepted")
         said = hosts.planner.say(SENTENCE)
         assert said.returncode == 2
-        assert LATE in said.stderr
+        assert reason(said) == "no_scene" and LATE in said.stderr
         # From where the controller is, nobody is heard who could plan.
         said = hosts.camera.say(SENTENCE, hosts.camera.broadcast)
         assert said.returncode == 2
-        assert "died or hangs" in said.stderr
+        assert reason(said) == "planner_lost"
         assert hosts.noted("accepted") == before
     until_done(lambda: hosts.planner.say(SENTENCE), hosts)
 
