@@ -7,9 +7,10 @@
 
 mod observed;
 
+use core::task::Poll;
 use nsrm_core::heapless::String;
 use nsrm_core::planner::{TASK_BYTES, UNIT_MULTIPLY_ADDS};
-use nsrm_core::{MAX_SENTENCE_BYTES, Plan, Planner, PlanningTask, Progress, Refusal, Scene};
+use nsrm_core::{MAX_SENTENCE_BYTES, Plan, Planner, PlanningTask, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
 
 /// Pieces of work a tick: as many as the time that is left allows. One takes at most
@@ -46,7 +47,7 @@ impl Controller {
         // … read sensors, command joints …
         let task = self.task.as_mut()?;
         for _ in 0..PIECES {
-            if let Progress::Done(result) = task.poll() {
+            if let Poll::Ready(result) = task.poll() {
                 self.task = None;
                 return Some(result);
             }

@@ -64,7 +64,6 @@ pub mod language;
 pub mod model;
 pub mod nn;
 pub mod planner;
-mod progress;
 pub mod refusal;
 pub mod scene;
 pub mod vision;
@@ -82,7 +81,6 @@ pub use capacity::{
 pub use dsl::Program;
 pub use model::Model;
 pub use planner::{GroundingTask, Plan, Planner, PlanningTask};
-pub use progress::Progress;
 pub use refusal::Refusal;
 pub use scene::{RawScene, Scene, SceneError};
 

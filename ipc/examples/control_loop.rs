@@ -26,7 +26,7 @@ use iceoryx2::prelude::{LogLevel, set_log_level};
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::Role;
-use nsrm_ipc::node::{Busyness, PlannerNode};
+use nsrm_ipc::node::{PlannerNode, PollStatus};
 use nsrm_ipc::service::Robot;
 use nsrm_tabletop::TABLETOP;
 use rustix::thread::{ClockId, Timespec, clock_nanosleep_absolute};
@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             ticks.next(|| {
                 let end_ns = now_ns() + BUDGET_NS;
-                while node.poll(now_ns()) == Busyness::Working && now_ns() < end_ns {}
+                while node.poll(now_ns()) == PollStatus::Working && now_ns() < end_ns {}
             });
         }
         Ok((ticks, realtime))

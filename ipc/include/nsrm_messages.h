@@ -148,8 +148,8 @@ NSRM_ASSERT(offsetof(nsrm_scene_message, objects) == 88, "offset of objects");
 /** Asks for a sentence to be followed. */
 typedef struct nsrm_plan_request {
     /** Who asks: a number that no other has. */
-    uint64_t asker;
-    /** Number of the request, the asker's own. */
+    uint64_t client;
+    /** Number of the request, the client's own. */
     uint64_t sequence;
     /** How far it is to be followed, or that it no longer is: the number of a
      *  `Purpose`. */
@@ -162,7 +162,7 @@ typedef struct nsrm_plan_request {
 #define NSRM_PLAN_REQUEST_TYPE_NAME "nsrm.v1.PlanRequest.49797f639851b5df"
 NSRM_ASSERT(sizeof(nsrm_plan_request) == 4120, "size of nsrm_plan_request");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_request) == 8, "alignment of nsrm_plan_request");
-NSRM_ASSERT(offsetof(nsrm_plan_request, asker) == 0, "offset of asker");
+NSRM_ASSERT(offsetof(nsrm_plan_request, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_request, sequence) == 8, "offset of sequence");
 NSRM_ASSERT(offsetof(nsrm_plan_request, purpose) == 16, "offset of purpose");
 NSRM_ASSERT(offsetof(nsrm_plan_request, sentence_length) == 20, "offset of sentence_length");
@@ -220,7 +220,7 @@ NSRM_ASSERT(offsetof(nsrm_step_message, location) == 88, "offset of location");
 /** What has become of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
     /** Who asked. */
-    uint64_t asker;
+    uint64_t client;
     /** Number of the request. */
     uint64_t request;
     /** Number of the plan; 0 if there is none. */
@@ -250,7 +250,7 @@ typedef struct nsrm_plan_reply {
 #define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
 NSRM_ASSERT(sizeof(nsrm_plan_reply) == 1944, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
-NSRM_ASSERT(offsetof(nsrm_plan_reply, asker) == 0, "offset of asker");
+NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, plan) == 16, "offset of plan");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, number) == 24, "offset of number");
@@ -466,7 +466,7 @@ enum nsrm_role {
     /** Carries sub-goals out. */
     NSRM_ROLE_CONTROLLER = 4,
     /** Asks for sentences to be followed. */
-    NSRM_ROLE_ASKER = 5,
+    NSRM_ROLE_CLIENT = 5,
     /** Looks on. */
     NSRM_ROLE_WATCHER = 6,
 };

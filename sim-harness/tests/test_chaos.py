@@ -165,7 +165,7 @@ def test_a_plan_of_which_nobody_was_told_must_be_of_one_who_was_killed() -> None
     without("said", 4)(lines)
     lines[:] = [line for line in lines if line.get("ask") != 2]
     assert any("no client was told" in fault for fault in judge(lines).faults)
-    lines.append(line(12, "kill", node="asker", process=8))
+    lines.append(line(12, "kill", node="client", process=8))
     assert judge(lines).faults == ()
 
 

@@ -23,7 +23,7 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.nodes import ports
 from nsrm_harness.nodes.config import RobotConfigError, read_config
 from nsrm_harness.nodes.controller import Answer, Controller, fault, stops_first
-from nsrm_harness.nodes.half_made import SEGMENTS, remove_segments
+from nsrm_harness.nodes.leftovers import SEGMENTS, remove_segments
 from nsrm_harness.nodes.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
 from nsrm_harness.nodes.movers import TeleportMover
 from nsrm_harness.nodes.ports import (
@@ -336,15 +336,15 @@ def test_a_segment_that_was_given_up_keeps_nobody_waiting(
     assert not old.exists() and not new.exists()
     assert 0.5 < now_s - began_s < 0.6
     young = segment(place, "5_6", 0.5)
-    assert not robot.bury() and young.exists()
+    assert not robot.cleanup_dead_nodes() and young.exists()
     sleep(0.6)
-    assert robot.bury() and not young.exists()
+    assert robot.cleanup_dead_nodes() and not young.exists()
 
 
 @pytest.fixture
 def begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A segment of this user's, given up, among segments kept elsewhere."""
-    monkeypatch.setattr("nsrm_harness.nodes.half_made.SEGMENTS", tmp_path)
+    monkeypatch.setattr("nsrm_harness.nodes.leftovers.SEGMENTS", tmp_path)
     path = tmp_path / "mine_1_2.connection"
     path.touch()
     os.utime(path, (0.0, 0.0))

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use common::stage::{CONFIG, HANGS, SENTENCE, Stage, signal};
 use common::{Bench, done, refused};
-use nsrm_tests::corner::Corner;
+use nsrm_tests::isolated_memory::IsolatedMemory;
 use serde_json::Value;
 
 #[test]
@@ -45,7 +45,10 @@ fn a_sentence_is_followed_through_all_processes() {
 #[test]
 fn a_sentence_may_be_broadcast() {
     let stage = Stage::both("broadcast");
-    let lines = format!("line = 'broadcast'\n{CONFIG}{}", stage.corner.as_toml());
+    let lines = format!(
+        "transport = 'broadcast'\n{CONFIG}{}",
+        stage.memory.as_toml()
+    );
     stage.bench.write("robot.toml", lines);
     // Ctrl-C reaches the robot by the same way.
     stage.works.store(false, Ordering::Relaxed);
@@ -196,7 +199,7 @@ fn a_killed_planner_is_detected_and_another_takes_its_place() {
     stage.works.store(false, Ordering::Relaxed);
     // Its silence tells. One that lives says something three hundred times meanwhile.
     let limits = CONFIG.replace("silence_ms = 3600000", "silence_ms = 30000");
-    let lines = format!("{limits}{}", stage.corner.as_toml());
+    let lines = format!("{limits}{}", stage.memory.as_toml());
     stage.bench.write("robot.toml", lines);
     let (say, _printed) = stage.say_and_wait_for_the_way();
     // A command that was sent is carried out, whoever has died since.
@@ -267,9 +270,9 @@ fn bad_configurations_are_told_of() {
 /// iceoryx2's errors say what could not be made, and not why.
 #[test]
 fn what_keeps_processes_from_meeting_is_found() {
-    let (corner, bench) = (Corner::new("meeting"), Bench::new());
+    let (memory, bench) = (IsolatedMemory::new("meeting"), Bench::new());
     let serve_in = |root: &str| {
-        let prefix = corner.prefix();
+        let prefix = memory.prefix();
         let places = format!("[shared_memory]\nroot = {root:?}\nprefix = {prefix:?}\n");
         bench.write("robot.toml", places);
         ["serve", "--config", "robot.toml"]

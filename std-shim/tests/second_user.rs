@@ -13,7 +13,7 @@ use std::process::Command;
 use common::stage::{SENTENCE, Stage};
 use common::{done, refused};
 use nsrm_ipc::message::Role;
-use nsrm_tests::corner::join;
+use nsrm_tests::isolated_memory::join;
 
 /// User and group `nobody`, on Debian and most others.
 const OTHER: u32 = 65534;
@@ -26,12 +26,12 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
     assert_eq!(user, 0, "only root can start processes as another user");
     stage.open_to_all();
     // Anyone may write there; this looks like what is just being made, for ever.
-    let foreign = format!("/dev/shm/{}x.connection", stage.corner.prefix());
+    let foreign = format!("/dev/shm/{}x.connection", stage.memory.prefix());
     let mut touch = Command::new("touch");
     let touched = touch.arg(&foreign).uid(OTHER).gid(OTHER).status();
     assert!(touched.unwrap().success());
-    let robot = join("left", Role::Watcher, &stage.corner.config);
-    assert!(robot.bury());
+    let robot = join("left", Role::Watcher, &stage.memory.config);
+    assert!(robot.cleanup_dead_nodes());
     assert!(std::fs::exists(&foreign).unwrap());
     std::fs::remove_file(foreign).unwrap();
     drop(robot);
@@ -49,7 +49,7 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
         let message = "which belongs to another user; start all of them as that one";
         refused(&ended, &["robot `left`: its processes meet in", message]);
     }
-    for name in stage.corner.left_behind() {
+    for name in stage.memory.left_behind() {
         // What is being removed just now is nobody's.
         let owner = std::fs::metadata(format!("/dev/shm/{name}")).map_or(user, |it| it.uid());
         assert_eq!(owner, user, "{name}");

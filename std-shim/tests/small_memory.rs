@@ -10,14 +10,14 @@ use std::process::{Command, Output};
 
 use common::stage::{CONFIG, SENTENCE};
 use common::{Bench, refused};
-use nsrm_tests::corner::Corner;
+use nsrm_tests::isolated_memory::IsolatedMemory;
 
 #[test]
 #[ignore = "needs root, to mount memory of its own; run by cargo verify"]
 fn too_little_shared_memory_is_refused() {
-    let corner = Corner::new("small-memory");
+    let memory = IsolatedMemory::new("small-memory");
     let bench = Bench::new();
-    bench.write("robot.toml", format!("{CONFIG}{}", corner.as_toml()));
+    bench.write("robot.toml", format!("{CONFIG}{}", memory.as_toml()));
     for arguments in [
         &["say", SENTENCE][..],
         &["watch", "--once"],

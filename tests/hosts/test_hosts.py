@@ -61,7 +61,7 @@ class Host:
         self.config = folder / "robot.toml"
         self.config.write_text(f"{told}\n[shared_memory]\n{place}")
         self.broadcast = folder / "broadcast.toml"
-        self.broadcast.write_text(f'line = "broadcast"\n{self.config.read_text()}')
+        self.broadcast.write_text(f'transport = "broadcast"\n{self.config.read_text()}')
         # Where iceoryx2 looks for it: beside who is started.
         text = (DOCS / "iceoryx2.toml").read_text()
         place = place.replace("root =", "root-path =")

@@ -5,7 +5,7 @@ use iceoryx2::config::Config;
 use nsrm_ipc::message::{Feedback, Heartbeat, Order, Outcome, Role, State, SubGoal, SubGoalError};
 use nsrm_ipc::service::{Receiver, Robot, Sender};
 
-use crate::corner::join;
+use crate::isolated_memory::join;
 
 /// A robot's controller.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 //! * [`by_hand`]: a model whose weights were set by hand, so that what it does
 //!   with a sentence is known without training;
 //! * [`controller`] and [`world`]: what stands around a planner;
-//! * [`corner`]: shared memory of a test's own, and what was left behind in it;
+//! * [`memory`]: shared memory of a test's own, and what was left behind in it;
 //! * [`counting`]: an allocator that counts;
 //! * [`fuzz`]: what is done with bytes from anywhere, by the fuzz targets and by a test;
 //! * [`golden`]: what the trainer computed, for everything to agree with;
@@ -12,10 +12,10 @@
 
 pub mod by_hand;
 pub mod controller;
-pub mod corner;
 pub mod counting;
 pub mod fuzz;
 pub mod golden;
+pub mod isolated_memory;
 pub mod picture;
 pub mod plans;
 pub mod world;

@@ -12,7 +12,7 @@ use nsrm_ipc::service::{PlanClient, Sender};
 
 use crate::by_hand::{Block, block, raw_scene};
 use crate::controller::Controller;
-use crate::corner::join;
+use crate::isolated_memory::join;
 
 /// What stands on the table unless a test has it otherwise, with ids from 1.
 pub const BLOCKS: [Block; 3] = [
@@ -59,12 +59,12 @@ impl World {
     /// With [`BLOCKS`].
     pub fn new(robot: &str, model: &Model<'_>, config: &Config) -> Self {
         let camera = join(robot, Role::Camera, config);
-        let asker = join(robot, Role::Asker, config);
+        let client = join(robot, Role::Client, config);
         Self {
             scene: raw_scene(model, &BLOCKS),
             controller: Controller::new(robot, config),
             scenes: camera.sender().expect("perception's place"),
-            client: asker.plan_client().expect("an asker's place"),
+            client: client.plan_client().expect("a client's place"),
         }
     }
 

@@ -14,10 +14,10 @@ use nsrm_ipc::executive::{Limits, Mode};
 use nsrm_ipc::message::{
     Feedback, Heartbeat, Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage, SubGoal,
 };
-use nsrm_ipc::node::{AskError, Asker, Line, PlannerNode, Watcher};
+use nsrm_ipc::node::{Client, PlannerNode, RequestError, Transport, Watcher};
 use nsrm_ipc::service::{PlanClient, Receiver, Robot, Sender, ServiceError};
 use nsrm_tests::by_hand::{Parts, raw_scene};
-use nsrm_tests::corner::{Corner, join};
+use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 use nsrm_tests::world::{BLOCKS, Pending, SENTENCE, World, last_reason, patient};
 
 const MS: u64 = 1_000_000;
@@ -33,10 +33,10 @@ const HANGS: Duration = Duration::from_secs(120);
 struct Other(Child);
 
 impl Other {
-    fn start(role: &str, corner: &Corner) -> Self {
+    fn start(role: &str, memory: &IsolatedMemory) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_node"))
             .arg(role)
-            .args(corner.arguments())
+            .args(memory.arguments())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -78,16 +78,16 @@ impl Drop for Other {
 
 /// Removes what the dead have left, when all others have ended. A process may be gone
 /// a moment before its locks are; ends a test in which something stays.
-fn bury(corner: &Corner) {
+fn cleanup_dead_nodes(memory: &IsolatedMemory) {
     let begun = Instant::now();
     while begun.elapsed() < HANGS {
-        join("left", Role::Watcher, &corner.config).bury();
-        if corner.left_behind().is_empty() {
+        join("left", Role::Watcher, &memory.config).cleanup_dead_nodes();
+        if memory.left_behind().is_empty() {
             return;
         }
         std::thread::sleep(Duration::from_millis(10));
     }
-    panic!("left behind: {:?}", corner.left_behind());
+    panic!("left behind: {:?}", memory.left_behind());
 }
 
 /// Waits until so many heartbeats of this role have come from now on.
@@ -113,9 +113,9 @@ struct Scene<'m> {
 }
 
 impl<'m> Scene<'m> {
-    fn new(model: &'m Model<'m>, limits: Limits, corner: &Corner) -> Self {
-        let planner = join("left", Role::Planner, &corner.config);
-        let robot = join("left", Role::Asker, &corner.config);
+    fn new(model: &'m Model<'m>, limits: Limits, memory: &IsolatedMemory) -> Self {
+        let planner = join("left", Role::Planner, &memory.config);
+        let robot = join("left", Role::Client, &memory.config);
         let client = robot.plan_client().unwrap();
         let (scenes, heard) = (robot.sender().unwrap(), robot.receiver().unwrap());
         let planner = PlannerNode::begin(planner, model, limits).unwrap();
@@ -166,15 +166,15 @@ fn a_controller_that_dies_or_hangs_is_detected_within_half_a_second() {
     let parts = Parts::new();
     let model = parts.model();
     for signal in ["-STOP", "-KILL"] {
-        let corner = Corner::new(&format!("lost{signal}"));
+        let memory = IsolatedMemory::new(&format!("lost{signal}"));
         // The other process has a clock that goes.
         let limits = Limits {
             silence_ns: Limits::default().silence_ns,
             ..patient()
         };
-        let mut it = Scene::new(&model, limits, &corner);
+        let mut it = Scene::new(&model, limits, &memory);
         let heartbeats: Receiver<Heartbeat> = it.robot.receiver().unwrap();
-        let mut controller = Other::start("controller", &corner);
+        let mut controller = Other::start("controller", &memory);
         // Of two the first lies in the planner's queue, and is heard now, however long ago
         // the planner has begun.
         wait_for_beats(&heartbeats, Role::Controller, 2);
@@ -195,7 +195,7 @@ fn a_controller_that_dies_or_hangs_is_detected_within_half_a_second() {
             assert_eq!(it.outcome(), Outcome::Stopped);
         }
         drop((controller, it, heartbeats));
-        bury(&corner);
+        cleanup_dead_nodes(&memory);
     }
 }
 
@@ -204,15 +204,15 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
     let silence_ns = Limits::default().silence_ns;
     let mut corners = 1..;
     for signal in ["-STOP", "-KILL"] {
-        for line in [Line::Connection, Line::Broadcast] {
-            let corner = Corner::new(&format!("detected{}", corners.next().unwrap()));
-            let mut planner = Other::start("planner", &corner);
-            let robot = join("left", Role::Asker, &corner.config);
-            let mut asker = Asker::begin(robot, line, silence_ns).unwrap();
-            let robot = join("left", Role::Watcher, &corner.config);
+        for line in [Transport::Connection, Transport::Broadcast] {
+            let memory = IsolatedMemory::new(&format!("detected{}", corners.next().unwrap()));
+            let mut planner = Other::start("planner", &memory);
+            let robot = join("left", Role::Client, &memory.config);
+            let mut client = Client::begin(robot, line, silence_ns).unwrap();
+            let robot = join("left", Role::Watcher, &memory.config);
             let heartbeats: Receiver<Heartbeat> = robot.receiver().unwrap();
             let mut watcher = Watcher::begin(robot).unwrap();
-            let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+            let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
             // Of two the first lies in all queues, and is heard now, however long ago it
             // was asked.
             while heartbeats.receive().unwrap().is_some() {}
@@ -223,17 +223,17 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
                 let nodes = watcher.look(now).nodes;
                 let mut nodes = nodes.iter().flatten();
                 let planner = nodes.find(|node| node.role == Role::Planner);
-                planner.is_some_and(|planner| planner.lives(silence_ns, now))
+                planner.is_some_and(|planner| planner.is_alive(silence_ns, now))
             };
-            assert_eq!(asker.hear(&mut conversation, now), Ok(None));
+            assert_eq!(client.hear(&mut conversation, now), Ok(None));
             assert!(lives(&mut watcher, now) && lives(&mut watcher, now + silence_ns));
-            assert_eq!(asker.hear(&mut conversation, now + silence_ns), Ok(None));
+            assert_eq!(client.hear(&mut conversation, now + silence_ns), Ok(None));
             let noticed = now + PROMISE_NS - 2 * NAP_NS;
             assert!(!lives(&mut watcher, noticed));
-            let lost = Err(AskError::PlannerLost("left".parse().unwrap()));
-            assert_eq!(asker.hear(&mut conversation, noticed), lost, "{signal}");
-            drop((planner, asker, watcher, heartbeats, conversation));
-            bury(&corner);
+            let lost = Err(RequestError::PlannerLost("left".parse().unwrap()));
+            assert_eq!(client.hear(&mut conversation, noticed), lost, "{signal}");
+            drop((planner, client, watcher, heartbeats, conversation));
+            cleanup_dead_nodes(&memory);
         }
     }
 }
@@ -244,11 +244,11 @@ fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
     let parts = Parts::new();
     let model = parts.model();
     for gives_up in [true, false] {
-        let corner = Corner::new(&format!("held-up-{gives_up}"));
-        let mut it = Scene::new(&model, Limits::default(), &corner);
+        let memory = IsolatedMemory::new(&format!("held-up-{gives_up}"));
+        let mut it = Scene::new(&model, Limits::default(), &memory);
         // Of two heartbeats the first lies in the planner's queue, too.
         let heartbeats: Receiver<Heartbeat> = it.robot.receiver().unwrap();
-        let mut controller = Other::start("controller", &corner);
+        let mut controller = Other::start("controller", &memory);
         wait_for_beats(&heartbeats, Role::Controller, 2);
         controller.silence("-STOP");
         // Where the planner is never polled again, as one that has died, the command's
@@ -273,19 +273,19 @@ fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
             assert_eq!(it.outcome(), Outcome::TooLate);
         }
         drop((controller, it, heartbeats));
-        bury(&corner);
+        cleanup_dead_nodes(&memory);
     }
 }
 
 /// As above, by the rules alone: a later sentence is carried out.
 #[test]
 fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
-    let corner = Corner::new("too-late");
+    let memory = IsolatedMemory::new("too-late");
     let parts = Parts::new();
     let model = parts.model();
-    let robot = join("left", Role::Planner, &corner.config);
+    let robot = join("left", Role::Planner, &memory.config);
     let mut planner = PlannerNode::begin(robot, &model, Limits::default()).unwrap();
-    let mut world = World::new("left", &model, &corner.config);
+    let mut world = World::new("left", &model, &memory.config);
     let pending = world.ask(1, SENTENCE);
     let now = now_ns();
     world.turn(now);
@@ -317,9 +317,9 @@ fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
 /// Also for who joined before it died, and buries nobody in between.
 #[test]
 fn the_place_of_one_that_was_just_killed_is_free() {
-    let corner = Corner::new("just-killed");
-    let mut controller = Other::start("controller", &corner);
-    let heir = join("left", Role::Controller, &corner.config);
+    let memory = IsolatedMemory::new("just-killed");
+    let mut controller = Other::start("controller", &memory);
+    let heir = join("left", Role::Controller, &memory.config);
     let taken = ServiceError::Taken {
         robot: heir.name().clone(),
         service: "feedback",
@@ -329,5 +329,5 @@ fn the_place_of_one_that_was_just_killed_is_free() {
     controller.silence("-KILL");
     assert!(heir.sender::<Feedback>().is_ok() && heir.receiver::<SubGoal>().is_ok());
     drop(heir);
-    bury(&corner);
+    cleanup_dead_nodes(&memory);
 }

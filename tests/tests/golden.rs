@@ -1,6 +1,7 @@
 //! Golden vectors of the trainer: each layer, each module and the whole chain, on
 //! the static model and on the model file loaded at run time.
 
+use core::task::Poll;
 use nsrm_core::action::simulate;
 use nsrm_core::language::{
     Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, TokenKind, choose_action, choose_group,
@@ -9,7 +10,7 @@ use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Conv, Gru, Linear};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
-use nsrm_core::{MAX_GROUPS, Planner, Program, Progress, RawScene, Refusal, Scene};
+use nsrm_core::{MAX_GROUPS, Planner, Program, RawScene, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
 use nsrm_tests::golden::{Array, Golden, camera, fixed, numbers};
 use serde_json::Value;
@@ -265,7 +266,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
 fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Value]) {
     let mut task = ParsingTask::new(model, sentence);
     let parsed = loop {
-        if let Progress::Done(parsed) = task.poll() {
+        if let Poll::Ready(parsed) = task.poll() {
             break parsed.cloned();
         }
     };

@@ -8,11 +8,11 @@ use nsrm_ipc::message::{
     CameraFrame, Feedback, Heartbeat, Message, Outcome, PlanReply, PlanRequest, Reply, ReplyTo,
     Role, SceneMessage, State, SubGoal,
 };
-use nsrm_ipc::node::{Asker, HEARTBEAT_NS, Line, PerceptionNode, PlannerNode, Watcher};
+use nsrm_ipc::node::{Client, HEARTBEAT_NS, PerceptionNode, PlannerNode, Transport, Watcher};
 use nsrm_ipc::service::{Carried, Receiver, Sender};
 use nsrm_tests::by_hand::{Parts, raw_scene};
-use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::counting::{Counting, counted};
+use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 use nsrm_tests::picture;
 use nsrm_tests::world::{BLOCKS, SENTENCE, World, last_reason, patient};
 
@@ -184,8 +184,8 @@ fn beat(planner: &mut PlannerNode<'_>, heard: &Receiver<Heartbeat>, now_ns: u64)
 
 #[test]
 fn a_planner_counts_what_makes_no_sense_and_goes_on() {
-    let corner = Corner::new("hostile-planner");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("hostile-planner");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let robot = join("left", Role::Planner, config);
@@ -257,8 +257,8 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
 
 #[test]
 fn perception_makes_nothing_of_what_is_no_frame() {
-    let corner = Corner::new("hostile-camera");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("hostile-camera");
+    let config = &memory.config;
     let model = &nsrm_tabletop::TABLETOP;
     let camera = join("left", Role::Camera, config);
     // Small, since each is written anew.
@@ -292,8 +292,8 @@ fn perception_makes_nothing_of_what_is_no_frame() {
 
 #[test]
 fn who_asks_takes_no_nonsense_for_an_answer() {
-    let corner = Corner::new("hostile-answers");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("hostile-answers");
+    let config = &memory.config;
     let planner = join("left", Role::Planner, config);
     let (asked, answers, heartbeats, server) = (
         planner.receiver::<PlanRequest>().unwrap(),
@@ -301,9 +301,9 @@ fn who_asks_takes_no_nonsense_for_an_answer() {
         planner.sender::<Heartbeat>().unwrap(),
         planner.plan_server().unwrap(),
     );
-    for line in [Line::Connection, Line::Broadcast] {
-        let mut asker = Asker::begin(join("left", Role::Asker, config), line, u64::MAX).unwrap();
-        let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    for line in [Transport::Connection, Transport::Broadcast] {
+        let mut client = Client::begin(join("left", Role::Client, config), line, u64::MAX).unwrap();
+        let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
         let active = server.receive().unwrap();
         let request = match &active {
             Some(active) => **active,
@@ -322,17 +322,17 @@ fn who_asks_takes_no_nonsense_for_an_answer() {
             let message = broken(&HEARTBEAT, HEARTBEATS, round, &mut seed);
             heartbeats.send(&message).unwrap();
             let now = now_ns();
-            assert_eq!(asker.hear(&mut conversation, now), Ok(None), "{line:?}");
-            assert_eq!(asker.rejected(), 9 * (round + 1), "{line:?}");
+            assert_eq!(client.hear(&mut conversation, now), Ok(None), "{line:?}");
+            assert_eq!(client.rejected(), 9 * (round + 1), "{line:?}");
         }
         reply(done);
-        assert_eq!(asker.hear(&mut conversation, now_ns()), Ok(Some(done)));
+        assert_eq!(client.hear(&mut conversation, now_ns()), Ok(Some(done)));
     }
 }
 
 fn to(request: &PlanRequest, number: u32) -> ReplyTo {
     ReplyTo {
-        asker: request.asker,
+        client: request.client,
         request: request.sequence,
         plan: 0,
         number,
@@ -341,8 +341,8 @@ fn to(request: &PlanRequest, number: u32) -> ReplyTo {
 
 #[test]
 fn who_looks_on_sees_nothing_in_nonsense() {
-    let corner = Corner::new("hostile-watched");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("hostile-watched");
+    let config = &memory.config;
     let parts = Parts::new();
     let mut watcher = Watcher::begin(join("left", Role::Watcher, config)).unwrap();
     let other = join("left", Role::Planner, config);
@@ -381,8 +381,8 @@ fn who_looks_on_sees_nothing_in_nonsense() {
 
 #[test]
 fn a_controller_moves_nothing_by_what_is_no_command() {
-    let corner = Corner::new("hostile-commands");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("hostile-commands");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut world = World::new("left", &model, config);
@@ -428,16 +428,16 @@ fn each_way_to_break_a_scene_breaks_it() {
     let mut valid = SceneMessage::from(&raw_scene(&model, &BLOCKS));
     valid.timestamp_ns = 1000 * MS;
     let mut executive = nsrm_ipc::executive::Executive::new(&model, Limits::default(), 1);
-    assert_eq!(executive.see(&valid, 1000 * MS), Ok(()));
+    assert_eq!(executive.on_scene(&valid, 1000 * MS), Ok(()));
     for (place, break_it) in SCENES.iter().enumerate() {
         let mut scene = valid;
         break_it(&mut scene);
-        let seen = executive.see(&scene, 1000 * MS);
+        let seen = executive.on_scene(&scene, 1000 * MS);
         assert!(seen.is_err(), "way {place}");
     }
     let mut scene = valid;
     scene.count = u32::MAX;
     let count = u32::MAX;
     let expected = SceneFault::Invalid(SceneError::TooManyObjects { count });
-    assert_eq!(executive.see(&scene, 1000 * MS), Err(expected));
+    assert_eq!(executive.on_scene(&scene, 1000 * MS), Err(expected));
 }

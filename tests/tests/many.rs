@@ -4,10 +4,10 @@
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{PlanReply, Role, SceneMessage, SubGoal};
-use nsrm_ipc::node::{Asker, Life, Line, PlannerNode, Watcher};
-use nsrm_ipc::service::{ASKERS, ONLOOKERS, Robot, ServiceError};
+use nsrm_ipc::node::{Client, Heartbeats, PlannerNode, Transport, Watcher};
+use nsrm_ipc::service::{CLIENTS, ONLOOKERS, Robot, ServiceError};
 use nsrm_tests::by_hand::{Block, Parts, block, raw_scene};
-use nsrm_tests::corner::{Corner, join};
+use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 use nsrm_tests::world::{Pending, World, last_reason, patient};
 
 const ONLOOKERS_EACH: usize = 8;
@@ -68,8 +68,8 @@ struct Everyone<'m> {
 
 #[test]
 fn robots_side_by_side_don_t_hear_of_each_other() {
-    let corner = Corner::new("many");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("many");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut robots: Vec<Everyone<'_>> = Vec::new();
@@ -134,8 +134,8 @@ fn robots_side_by_side_don_t_hear_of_each_other() {
 
 #[test]
 fn who_finds_no_place_is_told_so_and_the_others_go_on() {
-    let corner = Corner::new("full");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("full");
+    let config = &memory.config;
     let parts = Parts::new();
     let publisher = join("north", Role::Perception, config);
     let scenes = publisher.sender::<SceneMessage>().unwrap();
@@ -171,27 +171,27 @@ fn who_finds_no_place_is_told_so_and_the_others_go_on() {
 /// Beside all of the robot's own nodes, each of which has a heartbeat too.
 #[test]
 fn as_many_as_may_ask_find_a_place_and_one_more_is_told_so() {
-    let corner = Corner::new("askers");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("clients");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let robot = join("north", Role::Planner, config);
     let mut planner = PlannerNode::begin(robot, &model, patient()).unwrap();
     let nodes = [Role::Controller, Role::Perception, Role::Watcher].map(|role| {
         let robot = join("north", role, config);
-        (Life::begin(&robot, role, now_ns()).unwrap(), robot)
+        (Heartbeats::begin(&robot, role, now_ns()).unwrap(), robot)
     });
-    for line in [Line::Connection, Line::Broadcast] {
-        let begin = || Asker::begin(join("north", Role::Asker, config), line, u64::MAX);
-        let mut askers: Vec<_> = (0..ASKERS).map(|_| begin().unwrap()).collect();
+    for line in [Transport::Connection, Transport::Broadcast] {
+        let begin = || Client::begin(join("north", Role::Client, config), line, u64::MAX);
+        let mut clients: Vec<_> = (0..CLIENTS).map(|_| begin().unwrap()).collect();
         let refused = begin().unwrap_err();
         assert!(matches!(refused, ServiceError::Full { .. }), "{refused}");
         // Each of them is answered.
-        for asker in &mut askers {
-            let mut asked = asker.ask("put the red block", Mode::PlanOnly).unwrap();
+        for client in &mut clients {
+            let mut asked = client.ask("put the red block", Mode::PlanOnly).unwrap();
             let reply = loop {
                 planner.poll(now_ns());
-                if let Some(reply) = asker.hear(&mut asked, now_ns()).unwrap() {
+                if let Some(reply) = client.hear(&mut asked, now_ns()).unwrap() {
                     break reply;
                 }
             };

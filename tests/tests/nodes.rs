@@ -1,5 +1,5 @@
 //! Nodes of one robot over shared memory, in one process and without a sleep: the
-//! planner's and perception's own code, a controller and an asker of the test's.
+//! planner's and perception's own code, a controller and a client of the test's.
 
 use iceoryx2::config::Config;
 use nsrm_core::Model;
@@ -9,8 +9,8 @@ use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{Outcome, PlanReply, PlanRequest, Reply, Role, SceneMessage};
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
-use nsrm_tests::corner::{Corner, join};
 use nsrm_tests::counting::{Counting, counted};
+use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 use nsrm_tests::picture;
 use nsrm_tests::world::{SENTENCE, World, last_reason, patient};
 
@@ -25,8 +25,8 @@ fn planner<'m>(model: &'m Model<'m>, config: &Config) -> PlannerNode<'m> {
 
 #[test]
 fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
-    let corner = Corner::new("done");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("done");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner = planner(&model, config);
@@ -63,7 +63,7 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
     assert!(
         replies
             .iter()
-            .all(|reply| (reply.asker, reply.request) == (3, 7))
+            .all(|reply| (reply.client, reply.request) == (3, 7))
     );
     let objects: Vec<_> = world
         .controller
@@ -83,11 +83,11 @@ const TURN_NS: u64 = 100_000;
 /// From its second sentence on, and its second frame.
 #[test]
 fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
-    let corner = Corner::new("allocation");
+    let memory = IsolatedMemory::new("allocation");
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner = planner(&model, &corner.config);
-    let mut world = World::new("left", &model, &corner.config);
+    let mut planner = planner(&model, &memory.config);
+    let mut world = World::new("left", &model, &memory.config);
     let standing = world.scene;
     // Told, so that as many heartbeats come on any machine.
     let mut now = now_ns();
@@ -115,12 +115,12 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
     }
 
     let model = &nsrm_tabletop::TABLETOP;
-    let camera = join("left", Role::Camera, &corner.config);
+    let camera = join("left", Role::Camera, &memory.config);
     let picture = picture::squares();
     let bytes = picture.pixels.len() / 3 * 7;
     let out = camera.frames_out(bytes).unwrap();
     drop(world);
-    let robot = join("left", Role::Perception, &corner.config);
+    let robot = join("left", Role::Perception, &memory.config);
     let mut perception = PerceptionNode::begin(robot, model).unwrap();
     let began_ns = now_ns();
     let mut calls = Vec::new();
@@ -139,8 +139,8 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
 
 #[test]
 fn refusals_and_a_busy_planner_are_told_in_words() {
-    let corner = Corner::new("refused");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("refused");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner = planner(&model, config);
@@ -200,8 +200,8 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
 /// That a request to cancel was heard is nothing to them, and no end of the sentence.
 #[test]
 fn onlookers_are_told_once_how_a_cancelled_sentence_ended() {
-    let corner = Corner::new("onlooker");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("onlooker");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner = planner(&model, config);
@@ -235,8 +235,8 @@ fn onlookers_are_told_once_how_a_cancelled_sentence_ended() {
 
 #[test]
 fn who_asked_and_left_has_cancelled() {
-    let corner = Corner::new("left");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("left");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner = planner(&model, config);
@@ -256,8 +256,8 @@ fn who_asked_and_left_has_cancelled() {
 
 #[test]
 fn a_controller_that_was_started_anew_ends_the_sentence() {
-    let corner = Corner::new("anew");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("anew");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner = planner(&model, config);
@@ -283,11 +283,11 @@ fn a_controller_that_was_started_anew_ends_the_sentence() {
 /// In a loop of one's own, at whose end nothing else does.
 #[test]
 fn a_planner_that_is_dropped_stops_what_moves() {
-    let corner = Corner::new("dropped");
+    let memory = IsolatedMemory::new("dropped");
     let parts = Parts::new();
     let model = parts.model();
-    let mut planner = planner(&model, &corner.config);
-    let mut world = World::new("left", &model, &corner.config);
+    let mut planner = planner(&model, &memory.config);
+    let mut world = World::new("left", &model, &memory.config);
     world.controller.works = false;
     let pending = world.ask(1, SENTENCE);
     while world.controller.taken == 0 {
@@ -304,12 +304,12 @@ fn a_planner_that_is_dropped_stops_what_moves() {
 
 #[test]
 fn without_a_controller_nothing_is_accepted() {
-    let corner = Corner::new("alone");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("alone");
+    let config = &memory.config;
     let parts = Parts::new();
     let model = parts.model();
     let mut planner = planner(&model, config);
-    let robot = join("left", Role::Asker, config);
+    let robot = join("left", Role::Client, config);
     let (scenes, client) = (
         robot.sender::<SceneMessage>().unwrap(),
         robot.plan_client().unwrap(),
@@ -337,8 +337,8 @@ fn without_a_controller_nothing_is_accepted() {
 /// The same scene as core makes of the same picture, read where it lies.
 #[test]
 fn perception_makes_a_scene_of_a_frame() {
-    let corner = Corner::new("perception");
-    let config = &corner.config;
+    let memory = IsolatedMemory::new("perception");
+    let config = &memory.config;
     let model = &nsrm_tabletop::TABLETOP;
     let camera = join("left", Role::Camera, config);
     let picture = picture::squares();

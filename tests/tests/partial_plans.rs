@@ -1,11 +1,12 @@
 //! A plan of what is left of a program says of each step what the whole plan says of it.
 
+use core::task::Poll;
 use std::sync::LazyLock;
 
 use nsrm::json;
 use nsrm_core::planner::Plan;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Model, Planner, Progress, Scene};
+use nsrm_core::{Model, Planner, Scene};
 use nsrm_tabletop::TABLETOP;
 use nsrm_tests::picture;
 use serde_json::Value;
@@ -66,7 +67,7 @@ fn rest(scene: &Scene, first: usize) -> Plan {
     let parsed = planner.parse(SENTENCE).expect("words that are known");
     let mut task = planner.begin_grounding(*scene, &parsed, first);
     loop {
-        if let Progress::Done(plan) = task.poll() {
+        if let Poll::Ready(plan) = task.poll() {
             return plan.expect("a sentence that fits the squares");
         }
     }

@@ -1,15 +1,16 @@
 //! `poll` comes to the same plan or refusal as `plan`, in a bounded number of calls.
 
+use core::task::Poll;
 use nsrm_core::planner::MAX_POLLS;
-use nsrm_core::{MAX_STEPS, MAX_TOKENS, Model, Plan, Planner, Progress, Refusal, Scene};
+use nsrm_core::{MAX_STEPS, MAX_TOKENS, Model, Plan, Planner, Refusal, Scene};
 use nsrm_tests::by_hand::{self, Parts, block};
 
 /// Polls to the end; the result and the number of calls.
 fn poll(model: &Model<'_>, scene: &Scene, sentence: &str) -> (Result<Plan, Refusal>, usize) {
     let mut task = Planner::new(model).begin(scene, sentence);
     for polls in 1..=MAX_POLLS {
-        if let Progress::Done(result) = task.poll() {
-            let Progress::Done(again) = task.poll() else {
+        if let Poll::Ready(result) = task.poll() {
+            let Poll::Ready(again) = task.poll() else {
                 panic!("what is done stays done");
             };
             assert_eq!(result, again);
@@ -82,7 +83,7 @@ fn no_two_tasks_share_anything() {
     let mut results = [None, None];
     while results.iter().any(Option::is_none) {
         for (task, result) in tasks.iter_mut().zip(&mut results) {
-            if let Progress::Done(done) = task.poll() {
+            if let Poll::Ready(done) = task.poll() {
                 *result = Some(done);
             }
         }

@@ -123,11 +123,11 @@ fn any_camera() -> impl Strategy<Value = Camera> {
 }
 
 fn any_object() -> impl Strategy<Value = ObservedObject> {
-    let corner = || number_near(0.0..0.5);
+    let memory = || number_near(0.0..0.5);
     let far_corner = || number_near(0.5..1.0);
     let location = (
-        corner(),
-        corner(),
+        memory(),
+        memory(),
         far_corner(),
         far_corner(),
         number_near(0.1..3.0),

@@ -1,12 +1,13 @@
 //! Every refusal, by sentence and scene, on the model whose weights were set by
 //! hand: exactly what it carries, and what a person reads.
 
+use core::task::Poll;
 use nsrm_core::calibration::{CalibrationFault, Measured};
 use nsrm_core::dsl::{Argument, Description};
 use nsrm_core::language::Span;
 use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
 use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
-use nsrm_core::{Planner, Progress, RawScene, Refusal, Scene};
+use nsrm_core::{Planner, RawScene, Refusal, Scene};
 use nsrm_tests::by_hand::{Block, Parts, block, raw_scene, scene};
 
 /// One case: what is said, what is seen, what is spoilt, what comes of it.
@@ -430,13 +431,13 @@ fn what_another_model_has_parsed_is_refused() {
     let mut task = Planner::new(&model).begin_grounding(&scene, &parsed, 0);
     let (expected, got) = (model.tag(), other.tag());
     let refusal = Refusal::ParsedByOtherModel { expected, got };
-    assert_eq!(task.poll(), Progress::Done(Err(refusal)));
+    assert_eq!(task.poll(), Poll::Ready(Err(refusal)));
     let message = refusal.in_context(&model, GOOD).to_string();
     assert!(message.contains("parse it again with this model"));
     // What its own model has parsed is not.
     let parsed = Planner::new(&model).parse(GOOD).unwrap();
     let mut task = Planner::new(&model).begin_grounding(&scene, &parsed, 0);
-    assert_eq!(task.poll(), Progress::Pending);
+    assert_eq!(task.poll(), Poll::Pending);
 }
 
 /// A kind that is not listed there would reach other processes as no reason.

@@ -14,15 +14,15 @@ use nsrm_ipc::message::{
 use nsrm_ipc::service::{
     Carried, Hosts, PLAN, Receiver, Robot, RobotName, SendFailure, ServiceError,
 };
-use nsrm_tests::corner::Corner;
+use nsrm_tests::isolated_memory::IsolatedMemory;
 
 fn name(robot: &str) -> RobotName {
     robot.parse().unwrap()
 }
 
 /// Two processes of robot `left`.
-fn pair(corner: &Corner) -> (Robot, Robot) {
-    let join = |role| Robot::join(name("left"), role, &corner.config).unwrap();
+fn pair(memory: &IsolatedMemory) -> (Robot, Robot) {
+    let join = |role| Robot::join(name("left"), role, &memory.config).unwrap();
     (join(Role::Planner), join(Role::Controller))
 }
 
@@ -72,7 +72,7 @@ fn request(sequence: u64) -> PlanRequest {
 
 fn reply(number: u32) -> PlanReply {
     let to = ReplyTo {
-        asker: 1,
+        client: 1,
         request: 7,
         plan: 0,
         number,
@@ -82,15 +82,15 @@ fn reply(number: u32) -> PlanReply {
 
 #[test]
 fn a_heartbeat_arrives_as_it_was_sent_and_rings() {
-    let corner = Corner::new("heartbeat");
-    let (planner, controller) = pair(&corner);
+    let memory = IsolatedMemory::new("heartbeat");
+    let (planner, controller) = pair(&memory);
     let sender = planner.sender::<Heartbeat>().unwrap();
     let receiver = controller.receiver::<Heartbeat>().unwrap();
-    let ears = controller.listen([Heartbeat::SERVICE]).unwrap();
-    assert_eq!(ears.try_wait(), Ok(false));
+    let wait_set = controller.wait_set([Heartbeat::SERVICE]).unwrap();
+    assert_eq!(wait_set.try_wait(), Ok(false));
     assert_eq!(sender.send(&heartbeat(5)), Ok(1));
-    assert_eq!(ears.try_wait(), Ok(true));
-    assert_eq!(ears.try_wait(), Ok(false));
+    assert_eq!(wait_set.try_wait(), Ok(true));
+    assert_eq!(wait_set.try_wait(), Ok(false));
     assert_eq!(all(&receiver), [heartbeat(5)]);
     assert_eq!(heartbeat(5).read(), Ok((Role::Planner, State::Busy)));
 }
@@ -100,63 +100,63 @@ const LATE: Duration = Duration::from_secs(60);
 
 #[test]
 fn what_comes_while_a_bell_rings_is_looked_for() {
-    let corner = Corner::new("bells");
-    let (planner, controller) = pair(&corner);
+    let memory = IsolatedMemory::new("notifiers");
+    let (planner, controller) = pair(&memory);
     let beats = planner.sender::<Heartbeat>().unwrap();
-    let bell = planner.bell(PLAN).unwrap();
+    let notifier = planner.notifier(PLAN).unwrap();
     let receiver = controller.receiver::<Heartbeat>().unwrap();
-    let ears = controller.listen([PLAN, Heartbeat::SERVICE]).unwrap();
+    let wait_set = controller.wait_set([PLAN, Heartbeat::SERVICE]).unwrap();
     for number in 1..4 {
         beats.send(&heartbeat(number)).unwrap();
-        assert_eq!(ears.wait(LATE), Ok(true));
+        assert_eq!(wait_set.wait(LATE), Ok(true));
         assert_eq!(all(&receiver), [heartbeat(number)]);
         beats.send(&heartbeat(10 * number)).unwrap();
-        assert_eq!(ears.wait(LATE), Ok(true));
+        assert_eq!(wait_set.wait(LATE), Ok(true));
         assert_eq!(all(&receiver), [heartbeat(10 * number)]);
-        assert_eq!(ears.wait(Duration::ZERO), Ok(false));
-        bell.ring();
-        assert_eq!(ears.wait(LATE), Ok(true));
+        assert_eq!(wait_set.wait(Duration::ZERO), Ok(false));
+        notifier.notify();
+        assert_eq!(wait_set.wait(LATE), Ok(true));
     }
 }
 
 #[test]
 fn a_sleep_ends_where_nothing_rings() {
-    let corner = Corner::new("naps");
-    let (_, controller) = pair(&corner);
-    let ears = controller.listen([PLAN]).unwrap();
+    let memory = IsolatedMemory::new("naps");
+    let (_, controller) = pair(&memory);
+    let wait_set = controller.wait_set([PLAN]).unwrap();
     let nap = Duration::from_millis(20);
     let begun = Instant::now();
     for _ in 0..5 {
-        assert_eq!(ears.wait(nap), Ok(false));
+        assert_eq!(wait_set.wait(nap), Ok(false));
     }
     // None ends too early, on whatever machine; how late they end is not asserted.
     assert!(begun.elapsed() > 4 * nap, "{:?}", begun.elapsed());
     for other in [Duration::from_millis(3), Duration::ZERO, nap] {
-        assert_eq!(ears.wait(other), Ok(false));
+        assert_eq!(wait_set.wait(other), Ok(false));
     }
 }
 
 #[test]
 fn who_sleeps_for_ever_is_woken() {
-    let corner = Corner::new("ever");
-    let join = |role| Robot::join(name("left"), role, &corner.config).unwrap();
+    let memory = IsolatedMemory::new("ever");
+    let join = |role| Robot::join(name("left"), role, &memory.config).unwrap();
     let controller = join(Role::Controller);
-    let ears = controller.listen([PLAN]).unwrap();
-    assert_eq!(ears.wait(Duration::from_millis(1)), Ok(false));
+    let wait_set = controller.wait_set([PLAN]).unwrap();
+    assert_eq!(wait_set.wait(Duration::from_millis(1)), Ok(false));
     let waits = AtomicBool::new(false);
     let sleeper = std::fs::read_link("/proc/thread-self").unwrap();
     let stat = std::path::Path::new("/proc").join(sleeper).join("stat");
     std::thread::scope(|threads| {
         threads.spawn(|| {
-            let bell = join(Role::Planner).bell(PLAN).unwrap();
+            let notifier = join(Role::Planner).notifier(PLAN).unwrap();
             let sleeps = || std::fs::read_to_string(&stat).unwrap().contains(") S ");
             while !(waits.load(Ordering::Relaxed) && sleeps()) {
                 std::thread::yield_now();
             }
-            bell.ring();
+            notifier.notify();
         });
         waits.store(true, Ordering::Relaxed);
-        assert_eq!(ears.wait(Duration::MAX), Ok(true));
+        assert_eq!(wait_set.wait(Duration::MAX), Ok(true));
     });
 }
 
@@ -164,17 +164,17 @@ fn who_sleeps_for_ever_is_woken() {
 #[test]
 fn no_bell_is_lost_while_one_is_heard_out() {
     const TIMES: u64 = 20_000;
-    let (corner, all_here) = (Corner::new("two-bells"), Barrier::new(2));
-    let join = |role| Robot::join(name("left"), role, &corner.config).unwrap();
+    let (memory, all_here) = (IsolatedMemory::new("two-notifiers"), Barrier::new(2));
+    let join = |role| Robot::join(name("left"), role, &memory.config).unwrap();
     std::thread::scope(|threads| {
         threads.spawn(|| {
             let robot = join(Role::Controller);
             let (asked, answers) = (robot.receiver().unwrap(), robot.sender().unwrap());
-            let ears = robot.listen([Heartbeat::SERVICE]).unwrap();
+            let wait_set = robot.wait_set([Heartbeat::SERVICE]).unwrap();
             all_here.wait();
             for number in 0..TIMES {
                 while all::<Heartbeat>(&asked).is_empty() {
-                    assert_eq!(ears.wait(LATE), Ok(true), "question {number}");
+                    assert_eq!(wait_set.wait(LATE), Ok(true), "question {number}");
                 }
                 answers.send(&feedback(number)).unwrap();
             }
@@ -203,15 +203,15 @@ fn no_bell_is_lost_while_one_is_heard_out() {
 
 #[test]
 fn a_late_reader_gets_the_latest_scene_and_none_before_it() {
-    let corner = Corner::new("scene");
-    let (planner, controller) = pair(&corner);
+    let memory = IsolatedMemory::new("scene");
+    let (planner, controller) = pair(&memory);
     let sender = planner.sender::<SceneMessage>().unwrap();
     let early = controller.receiver::<SceneMessage>().unwrap();
     for sequence in 1..=3 {
         sender.send(&scene(sequence)).unwrap();
     }
     let late = controller.receiver::<SceneMessage>().unwrap();
-    sender.greet();
+    sender.update_connections();
     for receiver in [early, late] {
         let sequences: Vec<_> = all(&receiver).iter().map(|scene| scene.sequence).collect();
         assert_eq!(sequences, [3]);
@@ -220,8 +220,8 @@ fn a_late_reader_gets_the_latest_scene_and_none_before_it() {
 
 #[test]
 fn a_command_that_finds_no_room_is_an_error_and_those_before_it_arrive() {
-    let corner = Corner::new("sub-goal");
-    let (planner, controller) = pair(&corner);
+    let memory = IsolatedMemory::new("sub-goal");
+    let (planner, controller) = pair(&memory);
     let sender = planner.sender::<SubGoal>().unwrap();
     // Nobody is there to carry it out.
     assert_eq!(sender.send(&sub_goal(99)), Ok(0));
@@ -238,8 +238,8 @@ fn a_command_that_finds_no_room_is_an_error_and_those_before_it_arrive() {
 
 #[test]
 fn of_feedback_the_last_64_wait() {
-    let corner = Corner::new("feedback");
-    let (planner, controller) = pair(&corner);
+    let memory = IsolatedMemory::new("feedback");
+    let (planner, controller) = pair(&memory);
     let sender = controller.sender::<Feedback>().unwrap();
     let receiver = planner.receiver::<Feedback>().unwrap();
     for sequence in 0..70 {
@@ -251,8 +251,8 @@ fn of_feedback_the_last_64_wait() {
 
 #[test]
 fn no_robot_has_two_of_what_it_has_one_of() {
-    let corner = Corner::new("taken");
-    let join = |robot, role| Robot::join(name(robot), role, &corner.config).unwrap();
+    let memory = IsolatedMemory::new("taken");
+    let join = |robot, role| Robot::join(name(robot), role, &memory.config).unwrap();
     let planner = join("left", Role::Planner);
     let (_server, _goals) = (
         planner.plan_server().unwrap(),
@@ -290,8 +290,8 @@ fn no_robot_has_two_of_what_it_has_one_of() {
 
 #[test]
 fn the_place_of_one_that_left_is_free() {
-    let corner = Corner::new("left");
-    let (planner, other) = pair(&corner);
+    let memory = IsolatedMemory::new("left");
+    let (planner, other) = pair(&memory);
     let goals = planner.sender::<SubGoal>().unwrap();
     assert!(other.sender::<SubGoal>().is_err());
     drop(goals);
@@ -300,10 +300,10 @@ fn the_place_of_one_that_left_is_free() {
 
 #[test]
 fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
-    let corner = Corner::new("plan");
-    let (planner, asker) = pair(&corner);
+    let memory = IsolatedMemory::new("plan");
+    let (planner, client) = pair(&memory);
     let server = planner.plan_server().unwrap();
-    let client = asker.plan_client().unwrap();
+    let client = client.plan_client().unwrap();
     let pending = client.send_copy(request(7)).unwrap();
     let active = server.receive().unwrap().expect("it was just sent");
     assert_eq!(*active, request(7));
@@ -338,9 +338,9 @@ struct OtherFeedback {
 
 #[test]
 fn a_peer_with_another_layout_is_refused() {
-    let corner = Corner::new("layout");
+    let memory = IsolatedMemory::new("layout");
     let node = NodeBuilder::new()
-        .config(&corner.config)
+        .config(&memory.config)
         .create::<ipc::Service>()
         .unwrap();
     let service = "nsrm/v1/left/feedback".try_into().unwrap();
@@ -355,7 +355,7 @@ fn a_peer_with_another_layout_is_refused() {
         .subscriber_max_buffer_size(64)
         .create()
         .unwrap();
-    let robot = Robot::join(name("left"), Role::Planner, &corner.config).unwrap();
+    let robot = Robot::join(name("left"), Role::Planner, &memory.config).unwrap();
     let refused = robot.sender::<Feedback>().unwrap_err();
     let (robot, service) = (name("left"), "feedback");
     assert_eq!(refused, ServiceError::OtherVersion { robot, service });
@@ -378,16 +378,16 @@ fn what_a_tunnel_makes_is_used_over_several_hosts() {
         assert_eq!(sender.send(&message), Ok(2), "{}", M::SERVICE);
         assert!(receiver.receive().unwrap().is_some() && passes_on.receive().unwrap().is_some());
     }
-    let corner = Corner::new("tunnel");
+    let memory = IsolatedMemory::new("tunnel");
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/hosts/iceoryx2.toml");
     let mut config = Config::from_file(&FilePath::new(file.as_bytes()).unwrap()).unwrap();
-    config.global = corner.config.global.clone();
+    config.global = memory.config.global.clone();
     let tunnel = NodeBuilder::new()
         .config(&config)
         .create::<ipc::Service>()
         .unwrap();
-    let robot = Robot::join(name("left"), Role::Planner, &corner.config).unwrap();
-    let robot = robot.over(Hosts::Several);
+    let robot = Robot::join(name("left"), Role::Planner, &memory.config).unwrap();
+    let robot = robot.with_hosts(Hosts::Several);
     made(&tunnel, &robot, scene(1));
     made(&tunnel, &robot, sub_goal(1));
     made(&tunnel, &robot, feedback(1));
@@ -398,9 +398,9 @@ fn what_a_tunnel_makes_is_used_over_several_hosts() {
 
 #[test]
 fn who_was_told_of_another_number_of_hosts_is_refused() {
-    let corner = Corner::new("hosts");
-    let join = || Robot::join(name("left"), Role::Planner, &corner.config).unwrap();
-    let (one, several) = (join(), join().over(Hosts::Several));
+    let memory = IsolatedMemory::new("hosts");
+    let join = || Robot::join(name("left"), Role::Planner, &memory.config).unwrap();
+    let (one, several) = (join(), join().with_hosts(Hosts::Several));
     let _first = one.sender::<SubGoal>().unwrap();
     let refused = several.receiver::<SubGoal>().unwrap_err();
     let (robot, service) = (name("left"), "sub_goal");
@@ -413,8 +413,8 @@ fn who_was_told_of_another_number_of_hosts_is_refused() {
 
 #[test]
 fn a_frame_is_read_where_it_was_written() {
-    let corner = Corner::new("frame");
-    let (camera, perception) = pair(&corner);
+    let memory = IsolatedMemory::new("frame");
+    let (camera, perception) = pair(&memory);
     let out = camera.frames_out(2 * 3 * 7).unwrap();
     let frames = perception.frames_in().unwrap();
     let frame = frame();

@@ -1,3 +1,4 @@
+use core::task::Poll;
 use std::boxed::Box;
 use std::string::ToString;
 
@@ -312,7 +313,7 @@ fn planning_refuses_at_once_and_call_by_call() {
     let parsed = planner.parse(sentence).unwrap();
     let mut task = planner.begin_grounding(&scene, &parsed, 0);
     let polled = loop {
-        if let crate::Progress::Done(result) = task.poll() {
+        if let Poll::Ready(result) = task.poll() {
             break result;
         }
     };

@@ -1,3 +1,4 @@
+use core::task::Poll;
 use heapless::Vec;
 
 use super::segments::Segments;
@@ -6,7 +7,6 @@ use crate::capacity::{MAX_GROUPS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Program, Step};
 use crate::model::{INSTRUCTION, Model, WordParameters};
 use crate::nn::{Choice, Linear};
-use crate::progress::Progress;
 use crate::refusal::{Decision, Quantity, Refusal};
 
 /// How sure the parser was of a step; probabilities.
@@ -78,13 +78,14 @@ impl Parsed {
 /// [`heapless::String`], where the task outlives the call that began it.
 ///
 /// ```
-/// use nsrm_core::Progress;
+/// use core::task::Poll;
+///
 /// use nsrm_core::language::ParsingTask;
 /// use nsrm_tabletop::TABLETOP;
 ///
 /// let mut task = ParsingTask::new(&TABLETOP, "put the red block on the blue block");
 /// let parsed = loop {
-///     if let Progress::Done(result) = task.poll() {
+///     if let Poll::Ready(result) = task.poll() {
 ///         break result?.clone();
 ///     }
 /// };
@@ -167,15 +168,15 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     /// Does one piece of work. Once it is done, every further call gives the same
     /// result again.
-    pub fn poll(&mut self) -> Progress<Result<&Parsed, Refusal>> {
+    pub fn poll(&mut self) -> Poll<Result<&Parsed, Refusal>> {
         self.stage = match self.advance(self.stage) {
             Ok(stage) => stage,
             Err(refusal) => Stage::Done(Some(refusal)),
         };
         match self.stage {
-            Stage::Done(None) => Progress::Done(Ok(&self.parsed)),
-            Stage::Done(Some(refusal)) => Progress::Done(Err(refusal)),
-            _ => Progress::Pending,
+            Stage::Done(None) => Poll::Ready(Ok(&self.parsed)),
+            Stage::Done(Some(refusal)) => Poll::Ready(Err(refusal)),
+            _ => Poll::Pending,
         }
     }
 

@@ -1,4 +1,5 @@
 use core::borrow::Borrow;
+use core::task::Poll;
 
 use nalgebra::{Isometry3, Translation3};
 
@@ -11,7 +12,6 @@ use crate::dsl::{Argument, Step};
 use crate::grounding::{ScoreError, Scores, score};
 use crate::language::{Parsed, StepDecisions};
 use crate::model::{LOCATION, Model};
-use crate::progress::Progress;
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
 use crate::scene::Scene;
 
@@ -108,15 +108,15 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 
     /// Does one piece of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is
     /// done, every further call gives the same result again.
-    pub fn poll(&mut self) -> Progress<Result<Plan, Refusal>> {
+    pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {
         self.stage = match self.advance(self.stage) {
             Ok(stage) => stage,
             Err(refusal) => Stage::Done(Some(refusal)),
         };
         match self.stage {
-            Stage::Done(None) => Progress::Done(Ok(self.plan.clone())),
-            Stage::Done(Some(refusal)) => Progress::Done(Err(refusal)),
-            _ => Progress::Pending,
+            Stage::Done(None) => Poll::Ready(Ok(self.plan.clone())),
+            Stage::Done(Some(refusal)) => Poll::Ready(Err(refusal)),
+            _ => Poll::Pending,
         }
     }
 

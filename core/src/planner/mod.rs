@@ -17,6 +17,7 @@ pub use task::PlanningTask;
 
 use core::borrow::Borrow;
 use core::mem::size_of;
+use core::task::Poll;
 
 use crate::calibration::{self, Cause};
 use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_STEPS, MAX_TOKENS};
@@ -25,7 +26,6 @@ use crate::model::{
     CONCEPT, ENCODER_HIDDEN, INSTRUCTION, LOCATION, Model, OPERATOR_HIDDEN, SIMULATOR_HIDDEN,
     SPLITTER_HIDDEN, VIEW_EMBEDDING,
 };
-use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::scene::Scene;
 
@@ -133,7 +133,7 @@ impl<'m> Planner<'m> {
     pub fn parse(&self, sentence: &str) -> Result<Parsed, Refusal> {
         let mut task = ParsingTask::new(self.model, sentence);
         loop {
-            if let Progress::Done(parsed) = task.poll() {
+            if let Poll::Ready(parsed) = task.poll() {
                 return parsed.cloned();
             }
         }
@@ -195,7 +195,7 @@ impl<'m> Planner<'m> {
     pub fn plan(&self, scene: &Scene, sentence: &str) -> Result<Plan, Refusal> {
         let mut task = self.begin(scene, sentence);
         loop {
-            if let Progress::Done(plan) = task.poll() {
+            if let Poll::Ready(plan) = task.poll() {
                 return plan;
             }
         }
@@ -205,9 +205,10 @@ impl<'m> Planner<'m> {
     /// spread it over its ticks.
     ///
     /// ```
+    /// use core::task::Poll;
     /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// use nsrm_core::{Planner, Progress};
+    /// use nsrm_core::Planner;
     /// use nsrm_tabletop::TABLETOP;
     ///
     /// # let scene = scene(&TABLETOP);
@@ -216,8 +217,8 @@ impl<'m> Planner<'m> {
     /// let plan = loop {
     ///     match task.poll() {
     ///         // At most UNIT_MULTIPLY_ADDS were done: wait for the next tick.
-    ///         Progress::Pending => {}
-    ///         Progress::Done(result) => break result?,
+    ///         Poll::Pending => {}
+    ///         Poll::Ready(result) => break result?,
     ///     }
     /// };
     /// assert_eq!(plan.steps().len(), 1);
@@ -247,9 +248,10 @@ impl<'m> Planner<'m> {
     /// steps as in the whole sentence. What another model has parsed is refused.
     ///
     /// ```
+    /// use core::task::Poll;
     /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// use nsrm_core::{Planner, Progress};
+    /// use nsrm_core::Planner;
     /// use nsrm_tabletop::TABLETOP;
     ///
     /// # let scene = scene(&TABLETOP);
@@ -259,7 +261,7 @@ impl<'m> Planner<'m> {
     /// // The first step is done, and this is what was observed then.
     /// let mut task = planner.begin_grounding(&scene, &parsed, 1);
     /// let plan = loop {
-    ///     if let Progress::Done(result) = task.poll() {
+    ///     if let Poll::Ready(result) = task.poll() {
     ///         break result?;
     ///     }
     /// };

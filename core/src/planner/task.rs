@@ -1,10 +1,10 @@
 use core::borrow::Borrow;
+use core::task::Poll;
 
 use super::Plan;
 use super::ground::GroundingTask;
 use crate::language::{Parsed, ParsingTask};
 use crate::model::Model;
-use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::scene::Scene;
 
@@ -35,17 +35,17 @@ impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
 
     /// Does one piece of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is
     /// done, every further call gives the same result again.
-    pub fn poll(&mut self) -> Progress<Result<Plan, Refusal>> {
+    pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {
         if self.is_parsed {
             return self.grounding.poll();
         }
         match self.parsing.poll() {
-            Progress::Pending => Progress::Pending,
-            Progress::Done(Err(refusal)) => Progress::Done(Err(refusal)),
-            Progress::Done(Ok(parsed)) => {
+            Poll::Pending => Poll::Pending,
+            Poll::Ready(Err(refusal)) => Poll::Ready(Err(refusal)),
+            Poll::Ready(Ok(parsed)) => {
                 self.grounding.begin(parsed.clone());
                 self.is_parsed = true;
-                Progress::Pending
+                Poll::Pending
             }
         }
     }

@@ -1,3 +1,4 @@
+use core::task::Poll;
 use std::string::{String, ToString};
 
 use super::*;
@@ -90,12 +91,12 @@ fn polling_takes_bounded_steps_and_gives_the_same_plan() {
     let mut polls = 1;
     let polled = loop {
         match task.poll() {
-            Progress::Pending => polls += 1,
-            Progress::Done(plan) => break plan,
+            Poll::Pending => polls += 1,
+            Poll::Ready(plan) => break plan,
         }
     };
     assert_eq!(polled, planner.plan(&scene, sentence));
-    assert_eq!(task.poll(), Progress::Done(polled));
+    assert_eq!(task.poll(), Poll::Ready(polled));
     // 12 words and the end read, 10 tokens split, 20 encoded, the end of the parser,
     // the check of the scene, and for each step its begin, three decoders, 2·(3 scores
     // and their end), two choices and the action.
@@ -114,8 +115,8 @@ fn the_rest_of_a_program_is_grounded_in_another_scene() {
     let ground = |scene: Scene, first| {
         let mut task = planner.begin_grounding(scene, &parsed, first);
         loop {
-            if let Progress::Done(plan) = task.poll() {
-                assert_eq!(task.poll(), Progress::Done(plan.clone()));
+            if let Poll::Ready(plan) = task.poll() {
+                assert_eq!(task.poll(), Poll::Ready(plan.clone()));
                 break plan;
             }
         }
@@ -152,7 +153,7 @@ fn a_task_may_own_what_it_works_on() {
     let scene = fixture::scene(&model);
     let mut task = Planner::new(&model).begin(scene, String::from(sentence));
     let plan = loop {
-        if let Progress::Done(plan) = task.poll() {
+        if let Poll::Ready(plan) = task.poll() {
             break plan;
         }
     };
@@ -181,8 +182,8 @@ fn the_longest_sentence_stays_within_the_bound_of_polls() {
     let mut polls = 1;
     let plan = loop {
         match task.poll() {
-            Progress::Pending => polls += 1,
-            Progress::Done(plan) => break plan,
+            Poll::Pending => polls += 1,
+            Poll::Ready(plan) => break plan,
         }
     };
     assert_eq!(plan.map(|plan| plan.steps().len()), Ok(MAX_STEPS));
@@ -412,7 +413,7 @@ fn a_scene_of_another_model_is_refused() {
     // Of no sentence, not even a bad one.
     assert_eq!(planner.plan(&scene, "put red on blurp"), refusal);
     let mut task = planner.begin_grounding(&scene, Parsed::empty(&other), 0);
-    assert_eq!(task.poll(), Progress::Done(refusal));
+    assert_eq!(task.poll(), Poll::Ready(refusal));
     assert_eq!(got, 0x0100_0000_0000_0007);
 }
 

@@ -2,8 +2,8 @@ use super::{Crop, RgbImage, encode_in_place};
 use crate::camera::Camera;
 use crate::capacity::MAX_OBJECTS;
 use crate::model::{LOCATION, Model};
-use crate::progress::Progress;
 use crate::scene::{ObservedObject, RawScene, Scene, SceneError};
+use core::task::Poll;
 
 /// What a detector says of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,9 +43,9 @@ pub struct Stamp {
 /// All that outlives a call is in here; one call needs about 16 KiB of stack.
 ///
 /// ```
+/// use core::task::Poll;
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use nsrm_core::Progress;
 /// use nsrm_core::vision::{Detection, ObservationTask, RgbImage, Stamp};
 /// # let (model, camera) = (&nsrm_tabletop::TABLETOP, CAMERA);
 /// # let pixels = &[128; 640 * 480 * 3];
@@ -54,7 +54,7 @@ pub struct Stamp {
 /// let detections = [Detection::whole(1, [0.25, 0.5, 0.3, 0.6, 0.9])];
 /// let mut task = ObservationTask::new(model, image, camera, &detections, Stamp::default())?;
 /// let scene = loop {
-///     if let Progress::Done(scene) = task.poll() {
+///     if let Poll::Ready(scene) = task.poll() {
 ///         break scene?;
 ///     }
 /// };
@@ -109,7 +109,7 @@ impl<'a> ObservationTask<'a> {
     /// Once it is done, every further call gives the same result again.
     ///
     /// Cost: one crop and [`super::ENCODE_MULTIPLY_ADDS`], or one [`RawScene::check`].
-    pub fn poll(&mut self) -> Progress<Result<Scene, SceneError>> {
+    pub fn poll(&mut self) -> Poll<Result<Scene, SceneError>> {
         let index = self.scene.count as usize;
         let Some(&Detection {
             id,
@@ -120,7 +120,7 @@ impl<'a> ObservationTask<'a> {
             return self.checked();
         };
         if let Err(fault) = self.crop.fill(&self.image, &visible) {
-            return Progress::Done(Err(SceneError::Object {
+            return Poll::Ready(Err(SceneError::Object {
                 // Below MAX_OBJECTS.
                 index: index as u8,
                 id,
@@ -134,19 +134,19 @@ impl<'a> ObservationTask<'a> {
         };
         // Never full: the number of detections was checked.
         let _ = self.scene.push(object);
-        Progress::Pending
+        Poll::Pending
     }
 
     // Not inlined, so that the encoder and the copy of the scene use the same stack.
     #[inline(never)]
-    fn checked(&self) -> Progress<Result<Scene, SceneError>> {
-        Progress::Done(Scene::new(self.scene, self.model))
+    fn checked(&self) -> Poll<Result<Scene, SceneError>> {
+        Poll::Ready(Scene::new(self.scene, self.model))
     }
 
     /// [`ObservationTask::poll`] to its end.
     pub fn finish(mut self) -> Result<Scene, SceneError> {
         loop {
-            if let Progress::Done(scene) = self.poll() {
+            if let Poll::Ready(scene) = self.poll() {
                 return scene;
             }
         }
@@ -181,12 +181,12 @@ mod tests {
         };
         let begin = || ObservationTask::new(&model, image, fixture::camera(), &DETECTIONS, stamp);
         let mut task = begin().unwrap();
-        assert_eq!(task.poll(), Progress::Pending);
-        assert_eq!(task.poll(), Progress::Pending);
-        let Progress::Done(Ok(scene)) = task.poll() else {
+        assert_eq!(task.poll(), Poll::Pending);
+        assert_eq!(task.poll(), Poll::Pending);
+        let Poll::Ready(Ok(scene)) = task.poll() else {
             panic!("two crops were encoded");
         };
-        assert_eq!(task.poll(), Progress::Done(Ok(scene)));
+        assert_eq!(task.poll(), Poll::Ready(Ok(scene)));
         assert_eq!(begin().unwrap().finish(), Ok(scene));
         assert_eq!(
             (scene.header().sequence, scene.header().timestamp_ns),

@@ -1,17 +1,18 @@
 //! One sentence on its way: from its words to its last step.
 
+use core::task::Poll;
 use nsrm_core::language::{Parsed, ParsingTask};
 use nsrm_core::planner::PlannedStep;
 use nsrm_core::scene::Scene;
-use nsrm_core::{MAX_STEPS, Plan, Planner, Progress, Refusal};
+use nsrm_core::{MAX_STEPS, Plan, Planner, Refusal};
 
 use super::belief::Belief;
 use super::failure::Failure;
 use super::limits::Limits;
-use super::looking::{AHEAD_NS, Looking, too_old};
 use super::meant::Meant;
-use super::placed::{Amiss, Placements, Steps, Undone};
-use super::stage::{Heard, Purpose, Stage, Tried};
+use super::placed::{Deviation, Placements, Steps, Undone};
+use super::scene_gate::{AHEAD_NS, SceneGate, too_old};
+use super::stage::{CommandStatus, Purpose, Stage, Tried};
 use super::view::{Seen, View};
 use super::{Command, CommandId, Event, Mode, Sentence};
 use crate::message::{Outcome, Report};
@@ -91,13 +92,16 @@ impl<'m> Job<'m> {
                 heard,
             } if command.id == report.id => match (report.outcome, &heard) {
                 // It got there, whatever came of sending it.
-                (Outcome::Accepted, Heard::Nothing | Heard::Undelivered) => {
-                    *heard = Heard::Accepted;
+                (Outcome::Accepted, CommandStatus::Nothing | CommandStatus::Undelivered) => {
+                    *heard = CommandStatus::Accepted;
                     *since_ns = now_ns;
                 }
-                (Outcome::Clearing, Heard::Nothing | Heard::Undelivered | Heard::Accepted) => {
-                    if !matches!(heard, Heard::Accepted) {
-                        *heard = Heard::Accepted;
+                (
+                    Outcome::Clearing,
+                    CommandStatus::Nothing | CommandStatus::Undelivered | CommandStatus::Accepted,
+                ) => {
+                    if !matches!(heard, CommandStatus::Accepted) {
+                        *heard = CommandStatus::Accepted;
                         *since_ns = now_ns;
                     }
                     self.clearing = Some(report.objects);
@@ -110,18 +114,24 @@ impl<'m> Job<'m> {
                 (Outcome::Accepted | Outcome::Clearing, _) => {}
                 // What is said first counts; it may have been on its way when the
                 // controller was lost.
-                (_, Heard::Nothing | Heard::Accepted | Heard::Lost | Heard::Undelivered) => {
+                (
+                    _,
+                    CommandStatus::Nothing
+                    | CommandStatus::Accepted
+                    | CommandStatus::Lost
+                    | CommandStatus::Undelivered,
+                ) => {
                     // Not before the command, whatever the controller's clock says: a
                     // scene from before it shows nothing of what came of it. Nor farther
                     // ahead than a scene may be, or none would ever be later.
                     let latest_ns = now_ns.saturating_add(AHEAD_NS);
                     let timestamp_ns = report.timestamp_ns.min(latest_ns).max(*sent_ns);
-                    *heard = Heard::Ended(Report {
+                    *heard = CommandStatus::Ended(Report {
                         timestamp_ns,
                         ..*report
                     });
                 }
-                (_, Heard::Ended(_)) => {}
+                (_, CommandStatus::Ended(_)) => {}
             },
             Stage::Stopping {
                 id,
@@ -139,30 +149,35 @@ impl<'m> Job<'m> {
         }
     }
 
-    pub(super) fn lose_controller(&mut self) {
+    pub(super) fn on_controller_lost(&mut self) {
         if let Stage::Commanded { heard, .. } = &mut self.stage
-            && matches!(heard, Heard::Nothing | Heard::Accepted)
+            && matches!(heard, CommandStatus::Nothing | CommandStatus::Accepted)
         {
-            *heard = Heard::Lost;
+            *heard = CommandStatus::Lost;
         }
     }
 
-    pub(super) fn miss_controller(&mut self) {
+    pub(super) fn on_command_undelivered(&mut self) {
         if let Stage::Commanded { heard, .. } = &mut self.stage
-            && matches!(heard, Heard::Nothing)
+            && matches!(heard, CommandStatus::Nothing)
         {
-            *heard = Heard::Undelivered;
+            *heard = CommandStatus::Undelivered;
         }
     }
 
-    pub(super) fn poll(&mut self, looking: &mut Looking, limits: &Limits, now_ns: u64) -> Event {
-        self.advance(looking, limits, now_ns)
+    pub(super) fn poll(
+        &mut self,
+        scene_gate: &mut SceneGate,
+        limits: &Limits,
+        now_ns: u64,
+    ) -> Event {
+        self.advance(scene_gate, limits, now_ns)
             .unwrap_or_else(|why| self.give_up(why, now_ns))
     }
 
     fn advance(
         &mut self,
-        looking: &mut Looking,
+        scene_gate: &mut SceneGate,
         limits: &Limits,
         now_ns: u64,
     ) -> Result<Event, Failure> {
@@ -177,7 +192,7 @@ impl<'m> Job<'m> {
                 after_ns,
                 since_ns,
                 purpose,
-            } => match looking.look(after_ns, limits, now_ns) {
+            } => match scene_gate.look(after_ns, limits, now_ns) {
                 Some(scene) => {
                     let model = self.planner.model();
                     let scene = self.belief.complete(&scene, model);
@@ -192,7 +207,7 @@ impl<'m> Job<'m> {
                 None if now_ns.saturating_sub(since_ns) <= limits.scene_wait_ns => {
                     Ok(Event::Waiting)
                 }
-                None => self.look_in_vain(purpose, after_ns, looking, limits, now_ns),
+                None => self.look_in_vain(purpose, after_ns, scene_gate, limits, now_ns),
             },
             Stage::Ground { .. } => self.ground(limits, now_ns),
             Stage::Send {
@@ -231,7 +246,7 @@ impl<'m> Job<'m> {
 
     fn parse(&mut self, now_ns: u64) -> Result<Event, Failure> {
         if let Stage::Parse(task) = &mut self.stage
-            && let Progress::Done(parsed) = task.poll()
+            && let Poll::Ready(parsed) = task.poll()
         {
             self.parsed = parsed.map_err(Failure::Refused)?.clone();
             self.look_to_ground(0, now_ns);
@@ -261,7 +276,7 @@ impl<'m> Job<'m> {
         &mut self,
         purpose: Purpose,
         after_ns: u64,
-        looking: &Looking,
+        scene_gate: &SceneGate,
         limits: &Limits,
         now_ns: u64,
     ) -> Result<Event, Failure> {
@@ -280,7 +295,7 @@ impl<'m> Job<'m> {
                 ..
             } => Err(why),
             Purpose::Ground { .. } | Purpose::Verify { .. } => {
-                let last = looking.fault();
+                let last = scene_gate.fault();
                 Err(Failure::NoScene { last })
             }
         }
@@ -330,7 +345,7 @@ impl<'m> Job<'m> {
         else {
             return Ok(Event::Working);
         };
-        let Progress::Done(plan) = task.poll() else {
+        let Poll::Ready(plan) = task.poll() else {
             return Ok(Event::Working);
         };
         let (taken_ns, since_ns) = (*taken_ns, *since_ns);
@@ -391,7 +406,7 @@ impl<'m> Job<'m> {
             command,
             sent_ns: now_ns,
             since_ns: now_ns,
-            heard: Heard::Nothing,
+            heard: CommandStatus::Nothing,
         };
         Ok(Event::Command(command))
     }
@@ -405,7 +420,7 @@ impl<'m> Job<'m> {
         &mut self,
         command: &Command,
         since_ns: u64,
-        heard: Heard,
+        heard: CommandStatus,
         limits: &Limits,
         now_ns: u64,
     ) -> Result<Event, Failure> {
@@ -419,14 +434,16 @@ impl<'m> Job<'m> {
             });
         }
         match heard {
-            Heard::Nothing if waited_ns > limits.accept_wait_ns => {
+            CommandStatus::Nothing if waited_ns > limits.accept_wait_ns => {
                 Err(Failure::NotAccepted { step })
             }
-            Heard::Accepted if waited_ns > limits.move_wait_ns => Err(Failure::NoOutcome { step }),
-            Heard::Nothing | Heard::Accepted => Ok(Event::Waiting),
-            Heard::Lost => Err(Failure::ControllerLost { step }),
-            Heard::Undelivered => Err(Failure::NotAccepted { step }),
-            Heard::Ended(report) => self.end_command(command, &report, limits, now_ns),
+            CommandStatus::Accepted if waited_ns > limits.move_wait_ns => {
+                Err(Failure::NoOutcome { step })
+            }
+            CommandStatus::Nothing | CommandStatus::Accepted => Ok(Event::Waiting),
+            CommandStatus::Lost => Err(Failure::ControllerLost { step }),
+            CommandStatus::Undelivered => Err(Failure::NotAccepted { step }),
+            CommandStatus::Ended(report) => self.end_command(command, &report, limits, now_ns),
         }
     }
 
@@ -516,7 +533,7 @@ impl<'m> Job<'m> {
                 Err(first) => Some(Undone {
                     steps: self.only(self.step),
                     first,
-                    is_missing: matches!(first, Amiss::Missing { .. }),
+                    is_missing: matches!(first, Deviation::Missing { .. }),
                 }),
             },
             Tried::Known | Tried::Unable(_) => self.placements.undone(&view),
@@ -590,7 +607,7 @@ impl<'m> Job<'m> {
     fn give_up(&mut self, why: Failure, now_ns: u64) -> Event {
         let Stage::Commanded {
             command: Command { id, .. },
-            heard: heard @ (Heard::Nothing | Heard::Accepted | Heard::Lost),
+            heard: heard @ (CommandStatus::Nothing | CommandStatus::Accepted | CommandStatus::Lost),
             ..
         } = self.stage
         else {
@@ -599,7 +616,7 @@ impl<'m> Job<'m> {
         self.stage = Stage::Stopping {
             id,
             since_ns: now_ns,
-            is_lost: matches!(heard, Heard::Lost),
+            is_lost: matches!(heard, CommandStatus::Lost),
             confirmed: false,
             begun: false,
             why,

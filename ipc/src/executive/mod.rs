@@ -13,9 +13,9 @@ mod belief;
 mod failure;
 mod job;
 mod limits;
-mod looking;
 mod meant;
 mod placed;
+mod scene_gate;
 mod stage;
 mod view;
 
@@ -28,7 +28,7 @@ use nsrm_core::{MAX_OBJECTS, MAX_SENTENCE_BYTES, Model, Plan, Planner};
 
 use crate::message::{Feedback, FeedbackError, SceneMessage};
 use job::Job;
-use looking::{AHEAD_NS, Looking};
+use scene_gate::{AHEAD_NS, SceneGate};
 
 /// A sentence, as long as it may be.
 pub type Sentence = String<MAX_SENTENCE_BYTES>;
@@ -181,7 +181,7 @@ impl core::error::Error for Busy {}
 pub struct Executive<'m> {
     planner: Planner<'m>,
     limits: Limits,
-    looking: Looking,
+    scene_gate: SceneGate,
     next_plan: u64,
     job: Option<Job<'m>>,
     /// The latest time that it was told.
@@ -198,7 +198,7 @@ impl<'m> Executive<'m> {
         Self {
             planner: Planner::new(model),
             limits,
-            looking: Looking::new(),
+            scene_gate: SceneGate::new(),
             next_plan: first_plan,
             job: None,
             latest_ns: 0,
@@ -222,7 +222,7 @@ impl<'m> Executive<'m> {
         }
         let plan = self.next_plan;
         self.next_plan = plan.wrapping_add(1);
-        self.looking.forget_camera();
+        self.scene_gate.forget_camera();
         self.job = Some(Job::new(self.planner, plan, sentence, mode));
         Ok(plan)
     }
@@ -238,14 +238,14 @@ impl<'m> Executive<'m> {
     /// A scene has arrived; says why it won't be looked at, if so.
     ///
     /// Cost: the checks of [`SceneMessage::to_scene`] and a copy of 4.5 KB.
-    pub fn see(&mut self, message: &SceneMessage, now_ns: u64) -> Result<(), SceneFault> {
+    pub fn on_scene(&mut self, message: &SceneMessage, now_ns: u64) -> Result<(), SceneFault> {
         let model = self.planner.model();
-        self.looking.see(message, model, &self.limits, now_ns)
+        self.scene_gate.see(message, model, &self.limits, now_ns)
     }
 
     /// Feedback has arrived. What is about no command that is waited for changes
     /// nothing.
-    pub fn hear(&mut self, feedback: &Feedback, now_ns: u64) -> Result<(), FeedbackError> {
+    pub fn on_feedback(&mut self, feedback: &Feedback, now_ns: u64) -> Result<(), FeedbackError> {
         let report = feedback.read()?;
         if let Some(job) = &mut self.job {
             job.hear(&report, now_ns);
@@ -255,17 +255,17 @@ impl<'m> Executive<'m> {
 
     /// The controller died, hangs, or is another one than before: what it was
     /// doing has an unknown end. It is told to stop, in case that it only was held up.
-    pub fn lose_controller(&mut self) {
+    pub fn on_controller_lost(&mut self) {
         if let Some(job) = &mut self.job {
-            job.lose_controller();
+            job.on_controller_lost();
         }
     }
 
     /// The command of the last [`Event::Command`] could not be sent: no controller
     /// is there, or it doesn't take its commands.
-    pub fn miss_controller(&mut self) {
+    pub fn on_command_undelivered(&mut self) {
         if let Some(job) = &mut self.job {
-            job.miss_controller();
+            job.on_command_undelivered();
         }
     }
 
@@ -277,7 +277,7 @@ impl<'m> Executive<'m> {
     pub fn poll(&mut self, now_ns: u64) -> Event {
         if now_ns.saturating_add(AHEAD_NS) < self.latest_ns {
             // Its scene would be later than all that come.
-            self.looking = Looking::new();
+            self.scene_gate = SceneGate::new();
             if let Some(job) = &mut self.job {
                 job.set_back(now_ns);
             }
@@ -287,7 +287,7 @@ impl<'m> Executive<'m> {
         let Some(job) = &mut self.job else {
             return Event::Waiting;
         };
-        let event = job.poll(&mut self.looking, &self.limits, now_ns);
+        let event = job.poll(&mut self.scene_gate, &self.limits, now_ns);
         if matches!(event, Event::Ended(_)) {
             self.job = None;
         }

@@ -35,18 +35,18 @@ pub(super) struct Placements {
 
 /// An object that is not as a step has left it. Steps count from 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Amiss {
+pub(super) enum Deviation {
     /// It isn't observed.
     Missing { step: u8, object: u32 },
     /// It is observed elsewhere, so far off.
     Elsewhere { step: u8, object: u32, off_m: f32 },
 }
 
-impl From<Amiss> for Failure {
-    fn from(amiss: Amiss) -> Self {
+impl From<Deviation> for Failure {
+    fn from(amiss: Deviation) -> Self {
         match amiss {
-            Amiss::Missing { step, object } => Self::NotSeen { step, object },
-            Amiss::Elsewhere {
+            Deviation::Missing { step, object } => Self::NotSeen { step, object },
+            Deviation::Elsewhere {
                 step,
                 object,
                 off_m,
@@ -65,7 +65,7 @@ pub(super) struct Undone {
     /// The steps that have to do with it.
     pub(super) steps: Steps,
     /// What is amiss with the first of them.
-    pub(super) first: Amiss,
+    pub(super) first: Deviation,
     /// Whether anything isn't observed; something may hide it for a while.
     pub(super) is_missing: bool,
 }
@@ -116,18 +116,20 @@ impl Placements {
 
     /// Whether a step has put its object where it should, and its reference has stayed: how far
     /// off the object is, metres. Where it is observed now it is to stay.
-    pub(super) fn confirm(&mut self, step: usize, view: &View<'_>) -> Result<f32, Amiss> {
+    pub(super) fn confirm(&mut self, step: usize, view: &View<'_>) -> Result<f32, Deviation> {
         // It was put.
         let Some(placed) = self.placed.get_mut(step).and_then(Option::as_mut) else {
             return Ok(0.0);
         };
         let (step, object) = (step as u8, placed.planned.object.object);
-        let seen = view.see(object).ok_or(Amiss::Missing { step, object })?;
+        let seen = view
+            .see(object)
+            .ok_or(Deviation::Missing { step, object })?;
         let goal = placed.planned.sub_goal.pose.translation.vector.into();
         let off_m = seen.off_m(&goal);
         // Neither is one there whose distance is not a number.
         if off_m.is_nan() || off_m > view.limits.tolerance_m {
-            return Err(Amiss::Elsewhere {
+            return Err(Deviation::Elsewhere {
                 step,
                 object,
                 off_m,
@@ -172,7 +174,7 @@ impl Placements {
                     first: amiss,
                     is_missing: false,
                 });
-                undone.is_missing |= matches!(amiss, Amiss::Missing { .. });
+                undone.is_missing |= matches!(amiss, Deviation::Missing { .. });
                 if let Some(its) = undone.steps.get_mut(usize::from(step)) {
                     *its = true;
                 }
@@ -207,11 +209,13 @@ impl Placements {
 }
 
 /// Whether an object is observed where it was before.
-fn stayed(step: u8, object: u32, before: &Seen, view: &View<'_>) -> Result<(), Amiss> {
-    let now = view.see(object).ok_or(Amiss::Missing { step, object })?;
+fn stayed(step: u8, object: u32, before: &Seen, view: &View<'_>) -> Result<(), Deviation> {
+    let now = view
+        .see(object)
+        .ok_or(Deviation::Missing { step, object })?;
     match view.moved_m(&now, before) {
         None => Ok(()),
-        Some(off_m) => Err(Amiss::Elsewhere {
+        Some(off_m) => Err(Deviation::Elsewhere {
             step,
             object,
             off_m,

@@ -38,7 +38,7 @@ pub(super) enum Stage<'m> {
         sent_ns: u64,
         /// When it was sent, or accepted.
         since_ns: u64,
-        heard: Heard,
+        heard: CommandStatus,
     },
     /// A stop was sent; then the sentence ends so.
     Stopping {
@@ -81,7 +81,7 @@ pub(super) enum Tried {
 
 /// What was heard of a command.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Heard {
+pub(super) enum CommandStatus {
     Nothing,
     Accepted,
     Ended(Report),

@@ -41,7 +41,7 @@ numbers! {
         /// Carries sub-goals out.
         Controller = 4,
         /// Asks for sentences to be followed.
-        Asker = 5,
+        Client = 5,
         /// Looks on.
         Watcher = 6,
     }
@@ -55,7 +55,7 @@ impl Role {
             Self::Perception => "perception",
             Self::Planner => "planner",
             Self::Controller => "controller",
-            Self::Asker => "asker",
+            Self::Client => "client",
             Self::Watcher => "watcher",
         }
     }

@@ -21,7 +21,7 @@ message! {
     "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
     pub struct PlanReply {
         /// Who asked.
-        pub asker: u64,
+        pub client: u64,
         /// Number of the request.
         pub request: u64,
         /// Number of the plan; 0 if there is none.
@@ -215,7 +215,7 @@ impl core::error::Error for PlanReplyError {}
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReplyTo {
     /// Who asked.
-    pub asker: u64,
+    pub client: u64,
     /// Number of the request.
     pub request: u64,
     /// Number of the plan; 0 if there is none.
@@ -227,7 +227,7 @@ pub struct ReplyTo {
 impl PlanReply {
     const fn new(to: ReplyTo, status: Status) -> Self {
         Self {
-            asker: to.asker,
+            client: to.client,
             request: to.request,
             plan: to.plan,
             number: to.number,
@@ -283,7 +283,7 @@ impl PlanReply {
     /// ```
     /// use nsrm_ipc::message::{PlanReply, Reply, ReplyTo};
     ///
-    /// let to = ReplyTo { asker: 1, request: 7, plan: 0, number: 1 };
+    /// let to = ReplyTo { client: 1, request: 7, plan: 0, number: 1 };
     /// let reply = PlanReply::refused(to, "busy", "another sentence is being carried out");
     /// let Ok(Reply::Failed { reason, message }) = reply.read() else {
     ///     panic!("it failed");

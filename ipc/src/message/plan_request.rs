@@ -16,8 +16,8 @@ message! {
     "nsrm.v1.PlanRequest.49797f639851b5df"
     pub struct PlanRequest {
         /// Who asks: a number that no other has.
-        pub asker: u64,
-        /// Number of the request, the asker's own.
+        pub client: u64,
+        /// Number of the request, the client's own.
         pub sequence: u64,
         /// How far it is to be followed, or that it no longer is: the number of a
         /// [`Purpose`].
@@ -109,7 +109,7 @@ impl PlanRequest {
     /// # Ok::<(), nsrm_ipc::message::PlanRequestError>(())
     /// ```
     pub fn new(
-        asker: u64,
+        client: u64,
         sequence: u64,
         mode: Mode,
         sentence: &str,
@@ -125,7 +125,7 @@ impl PlanRequest {
         };
         let text = Clamped::new(sentence);
         Ok(Self {
-            asker,
+            client,
             sequence,
             purpose: purpose as u32,
             sentence_length: text.length,
@@ -140,9 +140,9 @@ impl PlanRequest {
     ///
     /// assert_eq!(PlanRequest::cancel(1, 7).read(), Ok(Asked::Cancel));
     /// ```
-    pub const fn cancel(asker: u64, sequence: u64) -> Self {
+    pub const fn cancel(client: u64, sequence: u64) -> Self {
         Self {
-            asker,
+            client,
             sequence,
             purpose: Purpose::Cancel as u32,
             sentence_length: 0,

@@ -1,15 +1,15 @@
 //! The processes of a robot that are written in Rust.
 
-mod asker;
-mod life;
-mod looks;
+mod appearance_cache;
+mod client;
+mod heartbeats;
 mod perception;
 mod planner;
 mod rejected;
 mod watcher;
 
-pub use asker::{AskError, Asker, Conversation, Line};
-pub use life::{HEARTBEAT_NS, Life, Peer};
+pub use client::{Client, Request, RequestError, Transport};
+pub use heartbeats::{HEARTBEAT_NS, Heartbeats, Peer};
 pub use perception::{FrameFault, PerceptionNode, see};
-pub use planner::{Busyness, PlannerNode};
+pub use planner::{PlannerNode, PollStatus};
 pub use watcher::{Flow, NodeView, View, Watcher};

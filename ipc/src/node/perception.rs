@@ -10,8 +10,8 @@ use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp}
 use nsrm_core::{MAX_OBJECTS, Model, SceneError};
 use tracing::warn;
 
-use super::life::{HEARTBEAT_NS, Life};
-use super::looks::Looks;
+use super::appearance_cache::AppearanceCache;
+use super::heartbeats::{HEARTBEAT_NS, Heartbeats};
 use crate::clock::{is_due, now_ns};
 use crate::message::{CameraFrame, CameraFrameError, DetectedBox, Role, SceneMessage, State};
 use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
@@ -50,8 +50,8 @@ pub struct PerceptionNode<'m> {
     model: &'m Model<'m>,
     frames: Frames,
     scenes: Sender<SceneMessage>,
-    looks: Looks,
-    life: Life,
+    appearances: AppearanceCache,
+    heartbeats: Heartbeats,
 }
 
 impl<'m> PerceptionNode<'m> {
@@ -61,25 +61,26 @@ impl<'m> PerceptionNode<'m> {
             model,
             frames: robot.frames_in()?,
             scenes: robot.sender()?,
-            looks: Looks::default(),
-            life: Life::begin(&robot, Role::Perception, now_ns())?,
+            appearances: AppearanceCache::default(),
+            heartbeats: Heartbeats::begin(&robot, Role::Perception, now_ns())?,
             robot,
         })
     }
 
     /// Makes scenes until it is told to stop. Sleeps while no frame comes.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
-        let ears = self.robot.listen([CAMERA])?;
+        let wait_set = self.robot.wait_set([CAMERA])?;
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
             // A camera without end must not keep it from stopping.
             while self.poll(now_ns()) && !stop.load(Ordering::Relaxed) {}
             // Behind the work: it takes some hundreds of microseconds.
             if is_due(burial_ns, now_ns(), HEARTBEAT_NS) {
-                self.robot.bury();
+                self.robot.cleanup_dead_nodes();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            ears.wait(NAP)
+            wait_set
+                .wait(NAP)
                 .map_err(|error| self.robot.fault(CAMERA, &error))?;
         }
         Ok(())
@@ -88,8 +89,8 @@ impl<'m> PerceptionNode<'m> {
     /// Makes a scene of the latest frame, if there is a new one; whether there was.
     /// Never waits.
     pub fn poll(&mut self, now_ns: u64) -> bool {
-        match self.life.beat(State::Idle, now_ns) {
-            Ok(true) => self.scenes.greet(),
+        match self.heartbeats.beat(State::Idle, now_ns) {
+            Ok(true) => self.scenes.update_connections(),
             Ok(false) => {}
             Err(failure) => warn!(%failure, "heartbeat"),
         }
@@ -102,24 +103,25 @@ impl<'m> PerceptionNode<'m> {
         match see(self.model, &header, frame.payload()) {
             Ok(mut scene) => {
                 let objects = scene.objects.get_mut(..scene.count as usize);
-                self.looks.recall(&header, objects.unwrap_or_default());
+                self.appearances
+                    .recall(&header, objects.unwrap_or_default());
                 leave_out(&mut scene, |id| {
                     let mut boxes = header.boxes.iter();
                     let is_hidden = |it: &DetectedBox| it.covered == DetectedBox::HIDDEN;
-                    boxes.any(|it| it.id == id && is_hidden(it)) && !self.looks.knows(id)
+                    boxes.any(|it| it.id == id && is_hidden(it)) && !self.appearances.knows(id)
                 });
                 if let Err(failure) = self.scenes.send(&scene) {
                     warn!(%failure, "scene");
                 }
             }
-            Err(fault) => self.life.reject(CAMERA, &fault, now_ns),
+            Err(fault) => self.heartbeats.reject(CAMERA, &fault, now_ns),
         }
         true
     }
 
     /// How many frames it has passed over.
     pub const fn rejected(&self) -> u64 {
-        self.life.rejected()
+        self.heartbeats.rejected()
     }
 }
 

@@ -9,7 +9,7 @@ use iceoryx2::prelude::*;
 use nsrm_core::Model;
 use tracing::{debug, info, warn};
 
-use super::life::{HEARTBEAT_NS, Life, Peer};
+use super::heartbeats::{HEARTBEAT_NS, Heartbeats, Peer};
 use crate::clock::{is_due, now_ns};
 use crate::executive::{Event, Executive, Failure, Limits, Sentence};
 use crate::message::{
@@ -19,7 +19,7 @@ use crate::service::{Carried, PLAN, PlanServer, Receiver, Robot, Sender, Service
 
 /// Whether there is more to do at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Busyness {
+pub enum PollStatus {
     /// Nothing until something arrives, or time goes by.
     Idle,
     /// Another [`PlannerNode::poll`] would go on.
@@ -47,9 +47,9 @@ pub struct PlannerNode<'m> {
     scenes: Receiver<SceneMessage>,
     commands: Sender<SubGoal>,
     feedback: Receiver<Feedback>,
-    life: Life,
+    heartbeats: Heartbeats,
     controller: Peer,
-    controller_lives: bool,
+    controller_alive: bool,
     began_ns: u64,
     silence_ns: u64,
     executive: Executive<'m>,
@@ -78,9 +78,9 @@ impl<'m> PlannerNode<'m> {
             scenes: robot.receiver()?,
             commands: robot.sender()?,
             feedback: robot.receiver()?,
-            life: Life::begin(&robot, Role::Planner, now_ns)?,
+            heartbeats: Heartbeats::begin(&robot, Role::Planner, now_ns)?,
             controller: Peer::default(),
-            controller_lives: true,
+            controller_alive: true,
             began_ns: now_ns,
             silence_ns: limits.silence_ns,
             executive: Executive::new(model, limits, now_ns),
@@ -99,7 +99,7 @@ impl<'m> PlannerNode<'m> {
     }
 
     fn work_until(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
-        let ears = self.robot.listen([
+        let wait_set = self.robot.wait_set([
             PLAN,
             PlanRequest::SERVICE,
             SceneMessage::SERVICE,
@@ -110,10 +110,11 @@ impl<'m> PlannerNode<'m> {
             self.work(now_ns());
             // Behind the work: it takes some hundreds of microseconds.
             if is_due(burial_ns, now_ns(), HEARTBEAT_NS) {
-                self.robot.bury();
+                self.robot.cleanup_dead_nodes();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
             }
-            ears.wait(NAP)
+            wait_set
+                .wait(NAP)
                 .map_err(|error| self.robot.fault(PLAN, &error))?;
         }
         Ok(())
@@ -139,7 +140,7 @@ impl<'m> PlannerNode<'m> {
     /// Cost: some microseconds beside the piece. The call that first hears of a process
     /// that comes or goes, who asks among them, has its memory mapped or unmapped: up to
     /// 0.4 ms were seen (`docs/processes`).
-    pub fn poll(&mut self, now_ns: u64) -> Busyness {
+    pub fn poll(&mut self, now_ns: u64) -> PollStatus {
         self.take_in(now_ns);
         self.go_on(now_ns)
     }
@@ -149,7 +150,7 @@ impl<'m> PlannerNode<'m> {
     /// pieces.
     pub fn work(&mut self, now_ns: u64) {
         self.take_in(now_ns);
-        while self.go_on(now_ns) == Busyness::Working {}
+        while self.go_on(now_ns) == PollStatus::Working {}
     }
 
     fn take_in(&mut self, now_ns: u64) {
@@ -163,11 +164,11 @@ impl<'m> PlannerNode<'m> {
         }
     }
 
-    fn go_on(&mut self, now_ns: u64) -> Busyness {
+    fn go_on(&mut self, now_ns: u64) -> PollStatus {
         let event = self.executive.poll(now_ns);
         let busyness = match event {
-            Event::Waiting => Busyness::Idle,
-            _ => Busyness::Working,
+            Event::Waiting => PollStatus::Idle,
+            _ => PollStatus::Working,
         };
         self.act(event);
         busyness
@@ -175,44 +176,45 @@ impl<'m> PlannerNode<'m> {
 
     /// How many messages it has passed over: heartbeats, scenes, feedback, requests.
     pub const fn rejected(&self) -> u64 {
-        self.life.rejected()
+        self.heartbeats.rejected()
     }
 
     fn hear_life(&mut self, now_ns: u64) {
         let mut lost = false;
-        let (life, controller) = (&mut self.life, &mut self.controller);
-        life.listen(now_ns, |role, _, heartbeat| {
+        let (heartbeats, controller) = (&mut self.heartbeats, &mut self.controller);
+        heartbeats.receive(now_ns, |role, _, heartbeat| {
             if role == Role::Controller {
                 lost |= controller.hear(heartbeat, now_ns);
             }
         });
-        self.controller_lives = controller.may_live(self.began_ns, self.silence_ns, now_ns);
-        if lost || !self.controller_lives {
-            self.executive.lose_controller();
+        self.controller_alive = controller.may_be_alive(self.began_ns, self.silence_ns, now_ns);
+        if lost || !self.controller_alive {
+            self.executive.on_controller_lost();
         }
         let state = if self.current.is_some() {
             State::Busy
         } else {
             State::Idle
         };
-        if let Err(failure) = life.beat(state, now_ns) {
+        if let Err(failure) = heartbeats.beat(state, now_ns) {
             warn!(%failure, "heartbeat");
         }
     }
 
     fn hear_feedback(&mut self, now_ns: u64) {
         for feedback in self.feedback.waiting() {
-            if let Err(error) = self.executive.hear(&feedback, now_ns) {
-                self.life.reject(Feedback::SERVICE, &error, now_ns);
+            if let Err(error) = self.executive.on_feedback(&feedback, now_ns) {
+                self.heartbeats.reject(Feedback::SERVICE, &error, now_ns);
             }
         }
     }
 
     fn see(&mut self, now_ns: u64) {
         if let Ok(Some(scene)) = self.scenes.receive()
-            && let Err(fault) = self.executive.see(&scene, now_ns)
+            && let Err(fault) = self.executive.on_scene(&scene, now_ns)
         {
-            self.life.reject(SceneMessage::SERVICE, &fault, now_ns);
+            self.heartbeats
+                .reject(SceneMessage::SERVICE, &fault, now_ns);
         }
     }
 
@@ -234,7 +236,7 @@ impl<'m> PlannerNode<'m> {
 
     fn hear_request(&mut self, request: &PlanRequest, active: Option<Active>, now_ns: u64) {
         let mut to = ReplyTo {
-            asker: request.asker,
+            client: request.client,
             request: request.sequence,
             plan: 0,
             number: 1,
@@ -257,7 +259,7 @@ impl<'m> PlannerNode<'m> {
             }
             Ok(Asked::Cancel) => {
                 let is_it = self.current.as_ref().is_some_and(|current| {
-                    (current.to.asker, current.to.request) == (to.asker, to.request)
+                    (current.to.client, current.to.request) == (to.client, to.request)
                 });
                 if is_it {
                     self.executive.cancel();
@@ -275,7 +277,7 @@ impl<'m> PlannerNode<'m> {
                 }
             }
             Err(error) => {
-                self.life.reject(PLAN, &error, now_ns);
+                self.heartbeats.reject(PLAN, &error, now_ns);
                 Some(PlanReply::refused(to, "bad_request", error))
             }
         };
@@ -302,7 +304,7 @@ impl<'m> PlannerNode<'m> {
     fn command(&mut self, event: &Event) {
         match event {
             // One that hangs would carry it out when it goes on, whatever was said since.
-            Event::Command(_) if !self.controller_lives => self.executive.miss_controller(),
+            Event::Command(_) if !self.controller_alive => self.executive.on_command_undelivered(),
             Event::Command(command) => self.send(&SubGoal::from(command)),
             Event::Stop(id) => self.send(&SubGoal::stop(*id)),
             Event::Again { step, why } => warn!(step, %why, "tried again"),
@@ -341,11 +343,11 @@ impl<'m> PlannerNode<'m> {
 
     fn send(&mut self, command: &SubGoal) {
         match self.commands.send(command) {
-            Ok(0) => self.executive.miss_controller(),
+            Ok(0) => self.executive.on_command_undelivered(),
             Ok(_) => {}
             Err(failure) => {
                 warn!(%failure, "command not sent");
-                self.executive.miss_controller();
+                self.executive.on_command_undelivered();
             }
         }
     }

@@ -4,7 +4,7 @@ use heapless::Deque;
 use nsrm_core::scene::SCENE_SCHEMA;
 use nsrm_core::{MAX_OBJECTS, SceneError};
 
-use super::life::may_live;
+use super::heartbeats::may_be_alive;
 use super::rejected::Rejected;
 use crate::message::{
     Feedback, FeedbackError, Heartbeat, HeartbeatError, PlanReply, PlanReplyError, Role,
@@ -58,8 +58,8 @@ pub struct Flow {
 impl NodeView {
     /// Whether it may be alive: it was heard no longer ago than it may be silent. A time that is
     /// yet to come counts like one that has gone.
-    pub const fn lives(&self, silence_ns: u64, now_ns: u64) -> bool {
-        may_live(self.heard_ns, silence_ns, now_ns)
+    pub const fn is_alive(&self, silence_ns: u64, now_ns: u64) -> bool {
+        may_be_alive(self.heard_ns, silence_ns, now_ns)
     }
 }
 
@@ -276,7 +276,7 @@ mod tests {
         let (silence_ns, heard_ns) = (50, 10_000);
         assert_eq!(view.hear_heartbeat(&heartbeat(5), heard_ns), Ok(()));
         view.scenes.hear(1, heard_ns - 7, heard_ns);
-        let lives = |view: &View, now_ns| view.nodes[2].map(|it| it.lives(silence_ns, now_ns));
+        let lives = |view: &View, now_ns| view.nodes[2].map(|it| it.is_alive(silence_ns, now_ns));
         assert_eq!(lives(&view, heard_ns + 51), Some(false));
         assert_eq!(lives(&view, 3000), Some(false));
         // It has as long again to be heard.

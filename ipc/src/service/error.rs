@@ -2,7 +2,7 @@ use core::fmt;
 use std::path::PathBuf;
 
 use super::RobotName;
-use super::half_made::SEGMENTS;
+use super::leftovers::SEGMENTS;
 
 /// Why a service can't be used.
 #[derive(Debug, Clone, PartialEq, Eq)]

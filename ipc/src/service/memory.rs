@@ -2,7 +2,7 @@
 //! ends who writes where none is left by SIGBUS, without a word; so each process looks before
 //! it begins.
 
-use super::half_made::SEGMENTS;
+use super::leftovers::SEGMENTS;
 use super::{RobotName, ServiceError};
 
 /// Refuses when fewer bytes are left than are wanted.

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `camera` | slices with a `CameraFrame` in front | the latest frame and none before it: an old picture is of no use. One publisher |
 //! | `scene` | `SceneMessage` | the latest scene, also for who comes late. One publisher |
-//! | `plan` | `PlanRequest`, and `PlanReply`s until the last | one server; a request that finds no room is an error of the asker's; replies of a whole sentence fit in |
+//! | `plan` | `PlanRequest`, and `PlanReply`s until the last | one server; a request that finds no room is an error of the client's; replies of a whole sentence fit in |
 //! | `ask`, `answer` | `PlanRequest`, `PlanReply` | the same without a connection, for what carries publish-subscribe alone, such as a tunnel between hosts; the last 8 and 64. `answer` has all replies, for who looks on |
 //! | `sub_goal` | `SubGoal` | none is dropped: a full buffer is an error of the sender's, who never waits. One publisher and one subscriber: no robot has two masters, no command two servants |
 //! | `feedback` | `Feedback` | the last 64; a gap shows in the numbers. A controller never waits for who reads it. One publisher |
@@ -13,28 +13,28 @@
 //! Beside each stands an event service of the same name: who sends rings, who waits
 //! need not spin. What iceoryx2 does by itself and is changed here: a publisher with
 //! a full buffer waits for ever; the dead are found by nobody unless someone looks
-//! ([`Robot::bury`]); signals are taken over; who writes where shared memory is full is
+//! ([`Robot::cleanup_dead_nodes`]); signals are taken over; who writes where shared memory is full is
 //! ended by the system, so none begins without [`ROOM`].
 
 mod cause;
-mod ears;
 mod error;
 mod fault;
-mod half_made;
+mod global_config;
+mod leftovers;
 mod memory;
 mod name;
-mod place;
 mod port;
 mod quality;
+mod wait_set;
 
-pub use ears::Ears;
 pub use error::{SendFailure, ServiceError};
+pub use global_config::set_global_config;
 pub use name::{MAX_NAME, RobotName, RobotNameError};
-pub use place::settle;
-pub use port::{Bell, Frames, FramesOut, Receiver, Sender};
+pub use port::{Frames, FramesOut, Notifier, Receiver, Sender};
 pub use quality::{
-    ASKERS, CAMERA, CAMERA_QUALITY, Carried, FRAMES_AT_ONCE, Hosts, ONLOOKERS, PLAN, Quality, ROOM,
+    CAMERA, CAMERA_QUALITY, CLIENTS, Carried, FRAMES_AT_ONCE, Hosts, ONLOOKERS, PLAN, Quality, ROOM,
 };
+pub use wait_set::WaitSet;
 
 use core::fmt::Debug;
 use core::time::Duration;
@@ -68,7 +68,7 @@ const TRY: Duration = Duration::from_millis(100);
 
 /// The server of `plan`.
 pub type PlanServer = Server<ipc::Service, PlanRequest, (), PlanReply, ()>;
-/// An asker of `plan`.
+/// A client of `plan`.
 pub type PlanClient = Client<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
 /// A process's place among those of one robot.
@@ -97,7 +97,7 @@ impl Robot {
         let node_name = node_name(&name, role);
         let mut config = config.clone();
         config.global.creation_timeout = TRY;
-        // The dead are buried by `bury` alone, which looks first whether that would hang.
+        // The dead are buried by `cleanup_dead_nodes` alone, which looks first whether that would hang.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
@@ -115,24 +115,24 @@ impl Robot {
                 },
                 None => says(&error),
             })?;
-        half_made::remove_nodes(&config);
-        half_made::remove_sockets(&config);
+        leftovers::remove_nodes(&config);
+        leftovers::remove_sockets(&config);
         let robot = Self {
             node,
             name,
             hosts: Hosts::One,
         };
         let begun = Instant::now();
-        while !robot.bury() && begun.elapsed() < IN_FLUX {
+        while !robot.cleanup_dead_nodes() && begun.elapsed() < IN_FLUX {
             std::thread::sleep(BETWEEN_TRIES);
         }
-        half_made::remove_connections(&robot.node);
+        leftovers::remove_connections(&robot.node);
         Ok(robot)
     }
 
     /// The same place, at a robot whose processes are spread over so many hosts; to be said
     /// by all of them.
-    pub const fn over(mut self, hosts: Hosts) -> Self {
+    pub const fn with_hosts(mut self, hosts: Hosts) -> Self {
         self.hosts = hosts;
         self
     }
@@ -145,22 +145,22 @@ impl Robot {
     /// Frees the places of processes that have died; to be called a few times a
     /// second, since nobody else does. Whether it could be done now: not while something
     /// is being made.
-    pub fn bury(&self) -> bool {
-        self.bury_at(SystemTime::now())
+    pub fn cleanup_dead_nodes(&self) -> bool {
+        self.cleanup_dead_nodes_at(SystemTime::now())
     }
 
-    /// As [`Robot::bury`], for a program with a clock of its own.
+    /// As [`Robot::cleanup_dead_nodes`], for a program with a clock of its own.
     ///
     /// * `now`: on the clock by which the system dates files: what a process that died had half
     ///   made is removed when it is a second old
-    pub fn bury_at(&self, now: SystemTime) -> bool {
+    pub fn cleanup_dead_nodes_at(&self, now: SystemTime) -> bool {
         let config = self.node.config();
-        if half_made::remove_segments(config, now) {
+        if leftovers::remove_segments(config, now) {
             return false;
         }
         if self.node.try_cleanup_dead_nodes().failed_cleanups > 0 {
             // The next call then goes through.
-            half_made::remove_tags(config, now);
+            leftovers::remove_tags(config, now);
         }
         true
     }
@@ -172,7 +172,7 @@ impl Robot {
             1 => Self::taken,
             _ => Self::full,
         };
-        let publisher = self.place(M::SERVICE, full, || {
+        let publisher = self.create_port(M::SERVICE, full, || {
             service
                 .publisher_builder()
                 // The default waits for ever when a buffer is full; this says so.
@@ -180,13 +180,13 @@ impl Robot {
                 .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
                 .create()
         })?;
-        Ok(Sender::new(publisher, self.bell(M::SERVICE)?))
+        Ok(Sender::new(publisher, self.notifier(M::SERVICE)?))
     }
 
     /// Receives messages of this type.
     pub fn receiver<M: Carried>(&self) -> Result<Receiver<M>, ServiceError> {
         let service = self.stream::<M>()?;
-        let subscriber = self.place(M::SERVICE, Self::full, || {
+        let subscriber = self.create_port(M::SERVICE, Self::full, || {
             service
                 .subscriber_builder()
                 // A tunnel may have made the service, with room for more.
@@ -201,20 +201,20 @@ impl Robot {
         let frames = FRAMES_AT_ONCE.saturating_mul(bytes as u64);
         find_room(&self.name, CAMERA, frames.saturating_add(ROOM))?;
         let service = self.frames()?;
-        let publisher = self.place(CAMERA, Self::taken, || {
+        let publisher = self.create_port(CAMERA, Self::taken, || {
             service
                 .publisher_builder()
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .initial_max_slice_len(bytes)
                 .create()
         })?;
-        Ok(FramesOut::new(publisher, self.bell(CAMERA)?))
+        Ok(FramesOut::new(publisher, self.notifier(CAMERA)?))
     }
 
     /// Receives frames.
     pub fn frames_in(&self) -> Result<Frames, ServiceError> {
         let service = self.frames()?;
-        let subscriber = self.place(CAMERA, Self::full, || {
+        let subscriber = self.create_port(CAMERA, Self::full, || {
             let builder = service.subscriber_builder();
             builder.buffer_size(CAMERA_QUALITY.buffer).create()
         })?;
@@ -224,7 +224,7 @@ impl Robot {
     /// Answers requests: the planner's end.
     pub fn plan_server(&self) -> Result<PlanServer, ServiceError> {
         let service = self.plan()?;
-        self.place(PLAN, Self::taken, || {
+        self.create_port(PLAN, Self::taken, || {
             let builder = service.server_builder();
             builder
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
@@ -235,7 +235,7 @@ impl Robot {
     /// Asks.
     pub fn plan_client(&self) -> Result<PlanClient, ServiceError> {
         let service = self.plan()?;
-        self.place(PLAN, Self::full, || {
+        self.create_port(PLAN, Self::full, || {
             let builder = service.client_builder();
             builder
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
@@ -243,25 +243,26 @@ impl Robot {
         })
     }
 
-    /// What wakes those who [`Robot::listen`] to a service.
-    pub fn bell(&self, service: &'static str) -> Result<Bell, ServiceError> {
+    /// What wakes those who [`Robot::wait_set`] to a service.
+    pub fn notifier(&self, service: &'static str) -> Result<Notifier, ServiceError> {
         let events = self.events(service)?;
-        let notifier = self.place(service, Self::full, || events.notifier_builder().create())?;
-        Ok(Bell::new(notifier))
+        let notifier =
+            self.create_port(service, Self::full, || events.notifier_builder().create())?;
+        Ok(Notifier::new(notifier))
     }
 
     /// Is woken when something comes through these services.
-    pub fn listen<const N: usize>(
+    pub fn wait_set<const N: usize>(
         &self,
         services: [&'static str; N],
-    ) -> Result<Ears<N>, ServiceError> {
+    ) -> Result<WaitSet<N>, ServiceError> {
         let listeners = services.into_iter().map(|service| self.listener(service));
-        Ok(Ears::new(listeners.collect::<Result<_, _>>()?))
+        Ok(WaitSet::new(listeners.collect::<Result<_, _>>()?))
     }
 
     fn listener(&self, service: &'static str) -> Result<Listener<ipc::Service>, ServiceError> {
         let events = self.events(service)?;
-        self.place(service, Self::full, || events.listener_builder().create())
+        self.create_port(service, Self::full, || events.listener_builder().create())
     }
 
     fn stream<M: Carried>(
@@ -273,7 +274,7 @@ impl Robot {
             overflow,
             publishers,
             subscribers,
-        } = M::QUALITY.over(self.hosts);
+        } = M::QUALITY.with_hosts(self.hosts);
         self.open(M::SERVICE, MessagingPattern::PublishSubscribe, |builder| {
             builder
                 .publish_subscribe::<M>()
@@ -290,7 +291,7 @@ impl Robot {
     fn frames(
         &self,
     ) -> Result<publish_subscribe::PortFactory<ipc::Service, [u8], CameraFrame>, ServiceError> {
-        let quality = CAMERA_QUALITY.over(self.hosts);
+        let quality = CAMERA_QUALITY.with_hosts(self.hosts);
         self.open(CAMERA, MessagingPattern::PublishSubscribe, |builder| {
             builder
                 .publish_subscribe::<[u8]>()
@@ -315,7 +316,7 @@ impl Robot {
             builder
                 .request_response::<PlanRequest, PlanReply>()
                 .max_servers(1)
-                .max_clients(ASKERS)
+                .max_clients(CLIENTS)
                 .max_active_requests_per_client(2)
                 .max_response_buffer_size(REPLIES)
                 .enable_safe_overflow_for_requests(false)
@@ -345,7 +346,7 @@ impl Robot {
     /// buried, by this process or by another one that has begun to.
     ///
     /// * `full`: the error when there is none
-    fn place<T, E: Into<Fault>>(
+    fn create_port<T, E: Into<Fault>>(
         &self,
         service: &'static str,
         full: impl Fn(&Self, &'static str) -> ServiceError,
@@ -356,7 +357,7 @@ impl Robot {
             match take() {
                 Ok(taken) => return Ok(taken),
                 Err(_) if begun.elapsed() < IN_FLUX && self.has_dead() => {
-                    self.bury();
+                    self.cleanup_dead_nodes();
                     std::thread::sleep(BETWEEN_TRIES);
                 }
                 Err(error) => break error.into(),
@@ -399,7 +400,7 @@ impl Robot {
                 Ok(opened) => return Ok(opened),
                 Err(Fault::InFlux) => {
                     // Looked for also when the time is up, by a process that was held up.
-                    if half_made::remove_service(&self.node, &name, pattern) {
+                    if leftovers::remove_service(&self.node, &name, pattern) {
                         warn!(%name, "removed what a process that died had begun to make");
                     } else if begun.elapsed() >= IN_FLUX {
                         break Fault::InFlux;

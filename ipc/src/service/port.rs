@@ -1,4 +1,4 @@
-use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::notifier::Notifier as EventNotifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::port::update_connections::UpdateConnections;
@@ -12,18 +12,18 @@ use crate::message::CameraFrame;
 
 /// Wakes those who listen to a service.
 #[derive(Debug)]
-pub struct Bell {
-    notifier: Notifier<ipc::Service>,
+pub struct Notifier {
+    notifier: EventNotifier<ipc::Service>,
 }
 
-impl Bell {
-    pub(super) const fn new(notifier: Notifier<ipc::Service>) -> Self {
+impl Notifier {
+    pub(super) const fn new(notifier: EventNotifier<ipc::Service>) -> Self {
         Self { notifier }
     }
 
     /// Wakes them. Who could not be woken looks a little later by itself: everyone
     /// who waits does so for a bounded time.
-    pub fn ring(&self) {
+    pub fn notify(&self) {
         let _ = self.notifier.notify();
     }
 }
@@ -32,12 +32,15 @@ impl Bell {
 #[derive(Debug)]
 pub struct Sender<M: Carried> {
     publisher: Publisher<ipc::Service, M, ()>,
-    bell: Bell,
+    notifier: Notifier,
 }
 
 impl<M: Carried> Sender<M> {
-    pub(super) const fn new(publisher: Publisher<ipc::Service, M, ()>, bell: Bell) -> Self {
-        Self { publisher, bell }
+    pub(super) const fn new(publisher: Publisher<ipc::Service, M, ()>, notifier: Notifier) -> Self {
+        Self {
+            publisher,
+            notifier,
+        }
     }
 
     /// Sends a message and rings; says to how many. Never waits.
@@ -49,14 +52,14 @@ impl<M: Carried> Sender<M> {
                 SendError::UnableToDeliver => SendFailure::Full,
                 error => SendFailure::Iceoryx(format!("{error:?}")),
             })?;
-        self.bell.ring();
+        self.notifier.notify();
         Ok(receivers)
     }
 
     /// Gives receivers that came since the last message what the service keeps for
     /// them; iceoryx2 does so only when its publisher acts. To be called a few times
     /// a second where messages are rare.
-    pub fn greet(&self) {
+    pub fn update_connections(&self) {
         // Who could not be reached is reached by the next message, or is gone.
         let _ = self.publisher.update_connections();
     }
@@ -91,15 +94,18 @@ impl<M: Carried> Receiver<M> {
 #[derive(Debug)]
 pub struct FramesOut {
     publisher: Publisher<ipc::Service, [u8], CameraFrame>,
-    bell: Bell,
+    notifier: Notifier,
 }
 
 impl FramesOut {
     pub(super) const fn new(
         publisher: Publisher<ipc::Service, [u8], CameraFrame>,
-        bell: Bell,
+        notifier: Notifier,
     ) -> Self {
-        Self { publisher, bell }
+        Self {
+            publisher,
+            notifier,
+        }
     }
 
     /// Publishes a frame that is written where its readers will find it; says to how
@@ -125,7 +131,7 @@ impl FramesOut {
         *frame.user_header_mut() = header;
         write(frame.payload_mut());
         let receivers = frame.send().map_err(|error| says(&error))?;
-        self.bell.ring();
+        self.notifier.notify();
         Ok(receivers)
     }
 }

@@ -34,7 +34,7 @@ pub enum Hosts {
 
 impl Quality {
     /// What can be promised over so many hosts.
-    pub const fn over(self, hosts: Hosts) -> Self {
+    pub const fn with_hosts(self, hosts: Hosts) -> Self {
         match hosts {
             Hosts::One => self,
             Hosts::Several => Self {
@@ -115,7 +115,7 @@ impl Carried for PlanRequest {
         buffer: 8,
         history: 0,
         overflow: true,
-        publishers: ASKERS,
+        publishers: CLIENTS,
         subscribers: 1,
     };
 }
@@ -146,8 +146,8 @@ pub const CAMERA_QUALITY: Quality = Quality {
 pub const PLAN: &str = "plan";
 /// How many may ask at once; one is answered, the others are told that it is busy. Each has
 /// a heartbeat, beside those of the robot's own nodes.
-pub const ASKERS: usize = 8;
-/// How many replies wait for an asker at most. Eight steps without a retry have 33 at most,
+pub const CLIENTS: usize = 8;
+/// How many replies wait for a client at most. Eight steps without a retry have 33 at most,
 /// and each retry five more for each step that it goes back; who takes none of 160 does
 /// not listen.
 pub(super) const REPLIES: usize = 160;

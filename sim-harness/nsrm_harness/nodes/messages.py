@@ -144,7 +144,7 @@ class Role(IntEnum):
     # Carries sub-goals out.
     CONTROLLER = 4
     # Asks for sentences to be followed.
-    ASKER = 5
+    CLIENT = 5
     # Looks on.
     WATCHER = 6
 
@@ -375,8 +375,8 @@ class PlanRequest(ctypes.Structure):
 
     _fields_: ClassVar = [
         # Who asks: a number that no other has.
-        ("asker", ctypes.c_uint64),
-        # Number of the request, the asker's own.
+        ("client", ctypes.c_uint64),
+        # Number of the request, the client's own.
         ("sequence", ctypes.c_uint64),
         # How far it is to be followed, or that it no longer is: the number of a
         # `Purpose`.
@@ -389,7 +389,7 @@ class PlanRequest(ctypes.Structure):
     LAYOUT: ClassVar = (4120, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
-        "asker": 0,
+        "client": 0,
         "sequence": 8,
         "purpose": 16,
         "sentence_length": 20,
@@ -467,7 +467,7 @@ class PlanReply(ctypes.Structure):
 
     _fields_: ClassVar = [
         # Who asked.
-        ("asker", ctypes.c_uint64),
+        ("client", ctypes.c_uint64),
         # Number of the request.
         ("request", ctypes.c_uint64),
         # Number of the plan; 0 if there is none.
@@ -497,7 +497,7 @@ class PlanReply(ctypes.Structure):
     LAYOUT: ClassVar = (1944, 8)
     """Size and alignment in bytes, as Rust has them."""
     OFFSETS: ClassVar = {
-        "asker": 0,
+        "client": 0,
         "request": 8,
         "plan": 16,
         "number": 24,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.nodes.config import RobotConfig, iox2
 from nsrm_harness.nodes.controller import Answer
-from nsrm_harness.nodes.half_made import SEGMENTS, remove_segments
+from nsrm_harness.nodes.leftovers import SEGMENTS, remove_segments
 from nsrm_harness.nodes.messages import (
     FRAMES_AT_ONCE,
     ONLOOKERS,
@@ -81,7 +81,7 @@ class RobotServices:
         self._find_room("node", ROOM)
         self._several_hosts = config.several_hosts
         places = shared_memory.global_cfg
-        # The dead are buried by `bury` alone, which looks first whether that would hang.
+        # Only `cleanup_dead_nodes` cleans up, which first checks whether that would hang.
         places.node.cleanup_dead_nodes_on_creation = False
         places.node.cleanup_dead_nodes_on_destruction = False
         places.service.cleanup_dead_nodes_on_open = False
@@ -99,7 +99,7 @@ class RobotServices:
         except iox2.NodeCreationFailure as error:
             raise PortError(self._of_other_user() or f"robot `{name}`: {error}") from None
         end = time.monotonic() + IN_FLUX_S
-        while not self.bury() and time.monotonic() < end:
+        while not self.cleanup_dead_nodes() and time.monotonic() < end:
             time.sleep(BETWEEN_TRIES_S)
 
     def _of_other_user(self) -> str | None:
@@ -126,7 +126,7 @@ class RobotServices:
                 "enlarge it (`mount -o remount,size=...`; for a container `--shm-size`)"
             )
 
-    def bury(self) -> bool:
+    def cleanup_dead_nodes(self) -> bool:
         """Frees the places of processes that have died, a few times a second; whether it could
         be done now: not while something is being made."""
         if remove_segments(self._prefix, self._folder):
@@ -175,7 +175,7 @@ class RobotServices:
         publisher = factory.publisher_builder().backpressure_strategy(_DISCARD)
         return self._create("camera", publisher.initial_max_slice_len(size))
 
-    def bell(self, service: str) -> Any:
+    def notifier(self, service: str) -> Any:
         """What wakes those who listen to a service."""
         return self._create(service, self._events(service).notifier_builder())
 
@@ -234,7 +234,7 @@ class RobotServices:
             except Exception as error:
                 if time.monotonic() >= end or not self._has_dead():
                     raise self._not_created(service, error) from None
-            self.bury()
+            self.cleanup_dead_nodes()
             time.sleep(BETWEEN_TRIES_S)
 
     def _not_created(self, service: str, error: Exception) -> PortError:
@@ -308,7 +308,7 @@ class FeedbackOut:
 
     def __init__(self, robot: RobotServices) -> None:
         self._publisher = robot.publisher("feedback", Feedback)
-        self._bell = robot.bell("feedback")
+        self._notifier = robot.notifier("feedback")
         self._sequence = 0
 
     def say(self, plan: int, command: int, answer: Answer) -> None:
@@ -324,7 +324,7 @@ class FeedbackOut:
         for place, number in enumerate(answer.objects[: len(feedback.objects)]):
             feedback.objects[place] = number
         self._publisher.send_copy(feedback)
-        self._bell.notify()
+        self._notifier.notify()
 
 
 class FramesOut:
@@ -333,7 +333,7 @@ class FramesOut:
     def __init__(self, robot: RobotServices, width: int, height: int) -> None:
         self._size = width * height * 7
         self._publisher = robot.frames_out(self._size)
-        self._bell = robot.bell("camera")
+        self._notifier = robot.notifier("camera")
 
     def send(self, header: CameraFrame, rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
         """Publishes a frame; `header` says what is in it."""
@@ -343,4 +343,4 @@ class FramesOut:
         image[: rgb.size] = rgb.ravel()
         image[rgb.size :] = depth.astype("<f4", copy=False).view(np.uint8).ravel()
         sample.assume_init().send()
-        self._bell.notify()
+        self._notifier.notify()

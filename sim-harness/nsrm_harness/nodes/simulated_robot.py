@@ -33,7 +33,7 @@ from nsrm_harness.simulation.world import World
 
 FRAME_S = 0.1
 """Time between two frames, at least."""
-BURIAL_FRAMES = 2
+CLEANUP_FRAMES = 2
 """After how many frames the dead are looked for."""
 
 
@@ -103,8 +103,8 @@ class SimulatedRobot:
         if self._arm is not None:
             self._arm.tidy_up()
         self._look_on()
-        if self._sequence % BURIAL_FRAMES == 0:
-            self._robot.bury()
+        if self._sequence % CLEANUP_FRAMES == 0:
+            self._robot.cleanup_dead_nodes()
 
     def _work(self) -> None:
         self._life.beat(State.BUSY)

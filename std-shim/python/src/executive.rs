@@ -102,7 +102,7 @@ impl Executive {
         };
         let seen = self
             .cell
-            .with_dependent_mut(|_, executive| executive.see(&message, now_ns));
+            .with_dependent_mut(|_, executive| executive.on_scene(&message, now_ns));
         seen.err().map(|fault| fault.to_string())
     }
 
@@ -127,7 +127,7 @@ impl Executive {
         };
         let heard = self
             .cell
-            .with_dependent_mut(|_, executive| executive.hear(&feedback, now_ns));
+            .with_dependent_mut(|_, executive| executive.on_feedback(&feedback, now_ns));
         heard.map_err(|error| NsrmError::new_err(error.to_string()))
     }
 
@@ -138,15 +138,15 @@ impl Executive {
     }
 
     /// The controller died, hangs, or is another one than before.
-    fn lose_controller(&mut self) {
+    fn on_controller_lost(&mut self) {
         self.cell
-            .with_dependent_mut(|_, executive| executive.lose_controller());
+            .with_dependent_mut(|_, executive| executive.on_controller_lost());
     }
 
     /// The last command could not be sent.
-    fn miss_controller(&mut self) {
+    fn on_command_undelivered(&mut self) {
         self.cell
-            .with_dependent_mut(|_, executive| executive.miss_controller());
+            .with_dependent_mut(|_, executive| executive.on_command_undelivered());
     }
 
     /// Does one piece of work: what it has come to.

@@ -1,13 +1,14 @@
 //! The model with its planner.
 
+use core::task::Poll;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use nsrm::{AnyModel, info_json};
+use nsrm_core::Planner;
 use nsrm_core::model::OBJECT_EMBEDDING;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{self, ObservationTask, Stamp};
-use nsrm_core::{Planner, Progress};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, ndarray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -85,7 +86,7 @@ impl Model {
             let parsed = planner.parse(sentence)?;
             let mut task = planner.begin_grounding(&*scene.inner, &parsed, first);
             loop {
-                if let Progress::Done(plan) = task.poll() {
+                if let Poll::Ready(plan) = task.poll() {
                     return plan;
                 }
             }

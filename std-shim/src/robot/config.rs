@@ -6,8 +6,8 @@ use iceoryx2::config::Config as Iceoryx;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
 use nsrm_ipc::clock::{Clock, go_by};
 use nsrm_ipc::executive::{Limits, LimitsError};
-use nsrm_ipc::node::Line;
-use nsrm_ipc::service::{Hosts, RobotName, RobotNameError, settle};
+use nsrm_ipc::node::Transport;
+use nsrm_ipc::service::{Hosts, RobotName, RobotNameError, set_global_config};
 use serde::Deserialize;
 
 /// A configuration file (TOML). Everything may be left out.
@@ -16,7 +16,7 @@ use serde::Deserialize;
 struct File {
     robot: Option<String>,
     model: Option<PathBuf>,
-    line: Option<LineFile>,
+    transport: Option<TransportFile>,
     hosts: Option<HostsFile>,
     #[serde(default)]
     limits: LimitsFile,
@@ -27,7 +27,7 @@ struct File {
 /// [`Line`], by its name.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum LineFile {
+enum TransportFile {
     Connection,
     Broadcast,
 }
@@ -73,7 +73,7 @@ pub(crate) struct Config {
     /// The model file; none: the built-in model.
     pub(crate) model: Option<PathBuf>,
     /// By which services a planner is asked.
-    pub(crate) line: Line,
+    pub(crate) transport: Transport,
     /// Over how many hosts the robot's processes are spread.
     pub(crate) hosts: Hosts,
     /// How the planner works.
@@ -155,9 +155,9 @@ impl Config {
             hosts,
             robot: robot.parse().map_err(ConfigError::Robot)?,
             model: model.cloned().or(file.model),
-            line: match file.line {
-                None | Some(LineFile::Connection) => Line::Connection,
-                Some(LineFile::Broadcast) => Line::Broadcast,
+            transport: match file.transport {
+                None | Some(TransportFile::Connection) => Transport::Connection,
+                Some(TransportFile::Broadcast) => Transport::Broadcast,
             },
             limits,
             shared_memory: file.shared_memory.read()?,
@@ -184,7 +184,7 @@ impl SharedMemoryFile {
             let name = name.map_err(|_| ConfigError::SharedMemory("prefix", prefix.clone()))?;
             config.global.prefix = name;
         }
-        settle(&config).map_err(ConfigError::Settle)?;
+        set_global_config(&config).map_err(ConfigError::Settle)?;
         Ok(config)
     }
 }

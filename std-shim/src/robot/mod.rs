@@ -132,7 +132,7 @@ fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
 
 fn join(config: &Config, role: Role) -> Result<Robot, Failure> {
     let robot = Robot::join(config.robot.clone(), role, &config.shared_memory)?;
-    Ok(robot.over(config.hosts))
+    Ok(robot.with_hosts(config.hosts))
 }
 
 /// Log lines go to stderr, by `NSRM_LOG` (a level, or a filter of tracing's).

@@ -10,7 +10,7 @@ use nsrm_core::dsl::Description;
 use nsrm_ipc::clock::{is_due, now_ns};
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::{PlanReply, Reply, Role, StepMessage};
-use nsrm_ipc::node::{AskError, Asker};
+use nsrm_ipc::node::{Client, RequestError};
 use serde_json::{Value, json};
 
 use super::config::Config;
@@ -32,12 +32,12 @@ pub(super) fn say(
     let any = open(config)?;
     let model = any.model();
     let stop = stop_on_signals()?;
-    let mut asker = Asker::begin(
-        join(config, Role::Asker)?,
-        config.line,
+    let mut client = Client::begin(
+        join(config, Role::Client)?,
+        config.transport,
         config.limits.silence_ns,
     )?;
-    let mut conversation = asker.ask(sentence, mode).map_err(not_heard)?;
+    let mut conversation = client.ask(sentence, mode).map_err(not_heard)?;
     // When a stop that was said is said again.
     let mut again_ns = None;
     let mut told = Told::default();
@@ -46,20 +46,20 @@ pub(super) fn say(
         let is_due = |next_ns| is_due(next_ns, now_ns, SAID_AGAIN_NS);
         if stop.load(Ordering::Relaxed) && again_ns.is_none_or(is_due) {
             let is_first = again_ns.replace(now_ns + SAID_AGAIN_NS).is_none();
-            let said = asker.cancel(&conversation);
+            let said = client.cancel(&conversation);
             // What has become of the planner since the first is heard below.
             if is_first {
                 eprintln!("nsrm: stopping the robot …");
                 said.map_err(not_heard)?;
             }
         }
-        let Some(reply) = asker.hear(&mut conversation, now_ns).map_err(not_heard)? else {
+        let Some(reply) = client.hear(&mut conversation, now_ns).map_err(not_heard)? else {
             std::thread::sleep(NAP);
             continue;
         };
         let said = reply
             .read()
-            .map_err(|error| not_heard(AskError::Iceoryx(error.to_string())))?;
+            .map_err(|error| not_heard(RequestError::Iceoryx(error.to_string())))?;
         let written = if as_json {
             writeln!(std::io::stdout(), "{}", event_json(&model, &reply, &said))
         } else {
@@ -84,7 +84,7 @@ pub(super) fn say(
 }
 
 /// Why nothing more is heard: as JSON with the error's kind.
-fn not_heard(error: AskError) -> Failure {
+fn not_heard(error: RequestError) -> Failure {
     let message = error.to_string();
     let mut json = json::error(&message);
     json["error"]["kind"] = error.kind().into();

@@ -37,7 +37,7 @@ pub(super) fn watch(config: &Config, as_json: bool, once: bool) -> Result<(), Fa
         let silence_ns = config.limits.silence_ns;
         let nodes = view
             .nodes
-            .map(|node| node.map(|node| node.lives(silence_ns, now_ns)));
+            .map(|node| node.map(|node| node.is_alive(silence_ns, now_ns)));
         let someone_is_gone = nodes != living && nodes.contains(&Some(false));
         living = nodes;
         if !is_due(next_ns, now_ns, PICTURE_NS) && (!someone_is_gone || once) {
@@ -81,15 +81,15 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
         Role::Perception,
         Role::Planner,
         Role::Camera,
-        Role::Asker,
+        Role::Client,
     ] {
         let node = view.nodes.iter().flatten().find(|node| node.role == role);
         let needed = matches!(role, Role::Controller | Role::Perception | Role::Planner);
         let _ = match node {
             Some(node) => {
                 let heard_s = seconds(node.heard_ns, now_ns);
-                let lives = node.lives(config.limits.silence_ns, now_ns);
-                if !lives && role == Role::Asker {
+                let lives = node.is_alive(config.limits.silence_ns, now_ns);
+                if !lives && role == Role::Client {
                     // They come and go.
                     continue;
                 }
@@ -179,7 +179,7 @@ fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
             json!({
                 "node": node.role.word(),
                 "state": format!("{:?}", node.state).to_lowercase(),
-                "lives": node.lives(silence_ns, now_ns),
+                "lives": node.is_alive(silence_ns, now_ns),
                 "up_s": rounded(seconds(node.started_ns, node.heard_ns)),
                 "heard_s": rounded(seconds(node.heard_ns, now_ns)),
                 "restarts": node.restarts,

@@ -14,7 +14,7 @@ use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::message::{CameraFrame, CameraMessage, DetectedBox, Role};
 use nsrm_ipc::service::FramesOut;
 use nsrm_tests::controller::Controller;
-use nsrm_tests::corner::{Corner, join};
+use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 
 use super::{Bench, DEPTH_M, ORIENTATION, POSITION};
 
@@ -130,21 +130,21 @@ pub(crate) struct Stage {
     pub(crate) logged: Arc<Mutex<String>>,
     pub(crate) bench: Bench,
     // Last, so that what is left behind is looked for when all have ended.
-    pub(crate) corner: Corner,
+    pub(crate) memory: IsolatedMemory,
     /// The command.
     pub(crate) nsrm: PathBuf,
 }
 
 impl Stage {
     pub(crate) fn new(test: &str) -> Self {
-        let corner = Corner::new(test);
+        let memory = IsolatedMemory::new(test);
         let bench = Bench::new();
-        let shared = corner.as_toml();
+        let shared = memory.as_toml();
         bench.write("robot.toml", format!("{CONFIG}{shared}"));
         let [works, stop] = [true, false].map(|value| Arc::new(AtomicBool::new(value)));
         let taken = Arc::new(AtomicU32::new(0));
         let shared = (Arc::clone(&works), Arc::clone(&taken), Arc::clone(&stop));
-        let config = corner.config.clone();
+        let config = memory.config.clone();
         let world = std::thread::spawn(move || {
             let (works, taken, stop) = shared;
             let mut world = World::new(&config);
@@ -162,7 +162,7 @@ impl Stage {
             processes: Vec::new(),
             logged: Arc::default(),
             bench,
-            corner,
+            memory,
             nsrm: env!("CARGO_BIN_EXE_nsrm").into(),
         }
     }

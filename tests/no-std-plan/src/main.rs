@@ -28,9 +28,10 @@ mod linux;
 #[cfg(feature = "allocate")]
 extern crate alloc;
 
+use core::task::Poll;
 use input::Input;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Planner, Progress, Refusal, Scene};
+use nsrm_core::{Planner, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
 
 /// Bytes of the largest image, 640 × 480.
@@ -69,7 +70,7 @@ fn run() -> i32 {
     let whole = planner.plan(&scene, input.sentence());
     let mut task = planner.begin(&scene, input.sentence());
     let polled = loop {
-        if let Progress::Done(result) = task.poll() {
+        if let Poll::Ready(result) = task.poll() {
             break result;
         }
     };
@@ -112,7 +113,7 @@ fn observe(input: &Input<'_>) -> Option<Scene> {
     let mut task =
         ObservationTask::new(&TABLETOP, image, camera, detections, Stamp::default()).ok()?;
     let observed = loop {
-        if let Progress::Done(scene) = task.poll() {
+        if let Poll::Ready(scene) = task.poll() {
             break scene.ok()?;
         }
     };

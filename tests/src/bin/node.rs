@@ -10,7 +10,7 @@ use nsrm_ipc::message::Role;
 use nsrm_ipc::node::PlannerNode;
 use nsrm_tests::by_hand::Parts;
 use nsrm_tests::controller::Controller;
-use nsrm_tests::corner::{config, join};
+use nsrm_tests::isolated_memory::{config, join};
 use nsrm_tests::world::patient;
 
 fn main() {

@@ -230,15 +230,15 @@ impl World {
             Op::Lose => {
                 let is_lost = script.byte().is_multiple_of(2);
                 if is_lost {
-                    self.executive.lose_controller();
+                    self.executive.on_controller_lost();
                 } else {
-                    self.executive.miss_controller();
+                    self.executive.on_command_undelivered();
                 }
                 if let Some(watched) = &mut self.watched {
                     if is_lost {
-                        watched.lose_controller();
+                        watched.on_controller_lost();
                     } else {
-                        watched.miss_controller();
+                        watched.on_command_undelivered();
                     }
                 }
             }
@@ -285,7 +285,7 @@ impl World {
     }
 
     fn see(&mut self, message: &SceneMessage) {
-        match self.executive.see(message, self.now_ns) {
+        match self.executive.on_scene(message, self.now_ns) {
             Ok(()) => {
                 assert!(message.to_scene(self.executive.model()).is_ok());
                 assert!(message.timestamp_ns >= self.seen_ns);
@@ -313,7 +313,7 @@ impl World {
     }
 
     fn hear(&mut self, feedback: &Feedback) {
-        let heard = self.executive.hear(feedback, self.now_ns);
+        let heard = self.executive.on_feedback(feedback, self.now_ns);
         assert_eq!(heard, feedback.read().map(|_| ()));
         if let (Ok(report), Some(watched)) = (feedback.read(), &mut self.watched) {
             watched.hear(&report, self.now_ns);

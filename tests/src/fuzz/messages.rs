@@ -138,9 +138,9 @@ pub fn plan_request(bytes: &[u8]) {
         Ok(Asked::Follow { sentence, mode }) => {
             assert!(sentence.len() <= MAX_SENTENCE_BYTES);
             let PlanRequest {
-                asker, sequence, ..
+                client, sequence, ..
             } = request;
-            let again = PlanRequest::new(asker, sequence, mode, &sentence);
+            let again = PlanRequest::new(client, sequence, mode, &sentence);
             let again = again.expect("a sentence that came by a request fits into one");
             let read = again.read();
             assert_eq!(read, request.read());
@@ -269,7 +269,7 @@ pub fn heartbeat(bytes: &[u8]) {
         );
         let is_other = heard.is_some_and(|started_ns| started_ns != heartbeat.started_ns);
         assert_eq!(peer.hear(&heartbeat, now_ns), is_other);
-        assert!(peer.may_live(0, 0, now_ns));
+        assert!(peer.may_be_alive(0, 0, now_ns));
         heard = Some(heartbeat.started_ns);
     }
 }

@@ -202,7 +202,7 @@ fn events() -> Vec<Event> {
 
 fn plan_replies() -> Vec<Vec<u8>> {
     let to = ReplyTo {
-        asker: 1,
+        client: 1,
         request: 2,
         plan: 7,
         number: 1,

@@ -1,5 +1,6 @@
 //! What people and files say: sentences, scene files, model files.
 
+use core::task::Poll;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -7,7 +8,7 @@ use nsrm::{ModelError, OwnedModel, SceneText, json, read_scene_text};
 use nsrm_core::language::Parsed;
 use nsrm_core::planner::MAX_POLLS;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner, Progress, Refusal, Scene};
+use nsrm_core::{MAX_SENTENCE_BYTES, Model, Plan, Planner, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
 
 use super::bytes::Script;
@@ -74,7 +75,7 @@ fn follow_with(model: &Model<'_>, scene: &Scene, sentence: &str) {
 fn plan_counting(planner: &Planner<'_>, scene: &Scene, sentence: &str) -> Result<Plan, Refusal> {
     let mut task = planner.begin(scene, sentence);
     for _ in 0..MAX_POLLS {
-        if let Progress::Done(planned) = task.poll() {
+        if let Poll::Ready(planned) = task.poll() {
             return planned;
         }
     }

@@ -96,7 +96,10 @@ fn a_scene_from_before_a_command_shows_nothing_of_what_came_of_it() {
         outcome: Outcome::Reached as u32,
         objects: [0; 2],
     };
-    world.executive.hear(&feedback, world.now_ns).unwrap();
+    world
+        .executive
+        .on_feedback(&feedback, world.now_ns)
+        .unwrap();
     assert_eq!(world.executive.poll(world.now_ns), Event::Working);
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
     assert_eq!(world.run(), Ok(()));
@@ -162,7 +165,7 @@ fn a_lost_controller_ends_it_at_once_unless_it_had_said_how_it_went() {
     world.ask(SENTENCE, Mode::ClosedLoop);
     let command = world.until_command();
     world.say(&command, Outcome::Accepted);
-    world.executive.lose_controller();
+    world.executive.on_controller_lost();
     // In case that it was only held up; its answer is not waited for.
     assert_eq!(world.executive.poll(world.now_ns), Event::Stop(command.id));
     let ended = world.executive.poll(world.now_ns);
@@ -173,7 +176,7 @@ fn a_lost_controller_ends_it_at_once_unless_it_had_said_how_it_went() {
     let command = world.until_command();
     world.carry_out(&command);
     world.say(&command, Outcome::Reached);
-    world.executive.lose_controller();
+    world.executive.on_controller_lost();
     assert_eq!(world.run(), Ok(()));
 }
 
@@ -199,7 +202,7 @@ fn what_is_about_another_command_changes_nothing() {
         outcome: 77,
         objects: [0; 2],
     };
-    let refused = world.executive.hear(&nonsense, world.now_ns);
+    let refused = world.executive.on_feedback(&nonsense, world.now_ns);
     assert_eq!(refused, Err(FeedbackError::Outcome(77)));
     let sentence = Sentence::try_from("put").unwrap();
     let busy = world.executive.ask(sentence, Mode::PlanOnly);

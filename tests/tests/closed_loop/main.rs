@@ -285,7 +285,7 @@ fn scenes_that_must_not_be_acted_upon_are_refused_by_name() {
     let mut see = |change: &dyn Fn(&mut SceneMessage)| {
         let mut message = world.message(now_ns);
         change(&mut message);
-        world.executive.see(&message, now_ns)
+        world.executive.on_scene(&message, now_ns)
     };
     assert_eq!(see(&|_| {}), Ok(()));
     assert_eq!(
@@ -307,7 +307,7 @@ fn scenes_that_must_not_be_acted_upon_are_refused_by_name() {
     // No sentence was begun, so another camera is none too many.
     assert_eq!(see(&|scene| scene.camera.position[0] += 0.1), Ok(()));
     let late_ns = now_ns + 600 * MS;
-    let late = world.executive.see(&world.message(now_ns), late_ns);
+    let late = world.executive.on_scene(&world.message(now_ns), late_ns);
     let (age_ms, limit_ms) = (600, 500);
     assert_eq!(late, Err(SceneFault::TooOld { age_ms, limit_ms }));
 }
@@ -323,7 +323,7 @@ fn a_camera_that_moves_during_a_sentence_ends_it() {
     world.now_ns += MS;
     let mut message = world.message(world.now_ns);
     message.camera.position[2] += 0.001;
-    let fault = world.executive.see(&message, world.now_ns);
+    let fault = world.executive.on_scene(&message, world.now_ns);
     assert_eq!(fault, Err(SceneFault::OtherCamera));
 }
 

@@ -50,8 +50,8 @@ impl World<'_> {
     fn arrive(&mut self, command: &Command, arrival: Arrival) {
         match arrival {
             Arrival::Cancel => self.executive.cancel(),
-            Arrival::LoseController => self.executive.lose_controller(),
-            Arrival::MissController => self.executive.miss_controller(),
+            Arrival::LoseController => self.executive.on_controller_lost(),
+            Arrival::MissController => self.executive.on_command_undelivered(),
             Arrival::SetClockBack => self.now_ns -= 5000 * MS,
             Arrival::LetTimePass => self.now_ns += Limits::default().accept_wait_ns + MS,
             Arrival::Hear(outcome) => self.say(command, outcome),
@@ -130,7 +130,7 @@ fn a_controller_that_is_lost_as_the_sentence_is_cancelled_is_stopped_and_not_wai
     world.say(&command, Outcome::Accepted);
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
     world.executive.cancel();
-    world.executive.lose_controller();
+    world.executive.on_controller_lost();
     assert_eq!(world.executive.poll(world.now_ns), Event::Stop(command.id));
     // One that was started in its place knows nothing of what it was at.
     world.say(&command, Outcome::Stopped);
@@ -147,7 +147,7 @@ fn a_command_that_seemed_not_to_be_sent_and_is_accepted_is_waited_for() {
     let mut world = World::new(&model, Limits::default());
     world.ask("put the red block on the blue block", Mode::ClosedLoop);
     let command = world.until_command();
-    world.executive.miss_controller();
+    world.executive.on_command_undelivered();
     world.say(&command, Outcome::Accepted);
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
     world.carry_out(&command);

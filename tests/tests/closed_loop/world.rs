@@ -80,7 +80,7 @@ impl<'m> World<'m> {
     pub(crate) fn see(&mut self) {
         self.sequence += 1;
         let message = self.message(self.now_ns);
-        self.executive.see(&message, self.now_ns).unwrap();
+        self.executive.on_scene(&message, self.now_ns).unwrap();
     }
 
     pub(crate) fn say(&mut self, command: &Command, outcome: Outcome) {
@@ -92,7 +92,7 @@ impl<'m> World<'m> {
             outcome: outcome as u32,
             objects: IN_THE_WAY,
         };
-        self.executive.hear(&feedback, self.now_ns).unwrap();
+        self.executive.on_feedback(&feedback, self.now_ns).unwrap();
     }
 
     /// The robot puts the object where it is told to.

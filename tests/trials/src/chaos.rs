@@ -13,9 +13,9 @@ use nsrm_ipc::node::{NodeView, Watcher};
 use rustix::process::Signal;
 use serde_json::json;
 
-use crate::asker::{Asker, ask_once};
-use crate::cast::{Cast, PARTS, PATIENCE_NS};
+use crate::client::{Client, ask_once};
 use crate::parts::stop_on_signals;
+use crate::process_group::{PARTS, PATIENCE_NS, ProcessGroup};
 use crate::world::SENTENCES;
 
 const MS: u64 = 1_000_000;
@@ -30,7 +30,7 @@ const HANG_MS: std::ops::Range<u64> = 600..1000;
 /// One of so many is stopped for a while in place of being killed.
 const HANGS_OF: u64 = 6;
 /// How many ask at once; all but one are told that the planner is busy.
-const ASKERS: u64 = 2;
+const CLIENTS: u64 = 2;
 
 /// What is told on the command line.
 #[derive(Debug, clap::Args)]
@@ -72,20 +72,20 @@ struct Unnoticed {
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let stop = stop_on_signals()?;
-    let mut cast = Cast::new(&options.out, &options.nsrm, options.seed)?;
-    let mut watcher = Watcher::begin(cast.join(Role::Watcher)?)?;
+    let mut group = ProcessGroup::new(&options.out, &options.nsrm, options.seed)?;
+    let mut watcher = Watcher::begin(group.join(Role::Watcher)?)?;
     for role in PARTS {
-        cast.start(role)?;
+        group.start(role)?;
     }
-    cast.ready(&mut watcher)?;
-    let askers = (0..ASKERS).map(|number| Asker::begin(&cast, options.seed ^ (number + 1)));
-    let askers = askers.collect::<Result<Vec<_>>>()?;
+    group.ready(&mut watcher)?;
+    let clients = (0..CLIENTS).map(|number| Client::begin(&group, options.seed ^ (number + 1)));
+    let clients = clients.collect::<Result<Vec<_>>>()?;
     let mut chaos = Chaos {
         fates: [Fate::Lives; PARTS.len()],
         unnoticed: [None; PARTS.len()],
         looked_ns: now_ns(),
         rng: fastrand::Rng::with_seed(options.seed),
-        cast,
+        group,
         watcher,
     };
     let mut kills = 0;
@@ -97,7 +97,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         if now_ns() < next_ns {
             continue;
         }
-        if chaos.strike(&askers)? {
+        if chaos.strike(&clients)? {
             kills += 1;
             if kills % 50 == 0 {
                 eprintln!("{kills} of {} kills", options.kills);
@@ -106,29 +106,29 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         next_ns = now_ns() + chaos.rng.u64(BETWEEN_MS) * MS;
     }
     chaos.recover()?;
-    for asker in askers {
-        asker.end()?;
+    for client in clients {
+        client.end()?;
     }
     let Chaos {
-        mut cast,
+        mut group,
         mut watcher,
         ..
     } = chaos;
-    cast.ready(&mut watcher)?;
+    group.ready(&mut watcher)?;
     let end_ns = now_ns() + PATIENCE_NS;
-    let mut done = ask_once(&cast, SENTENCES[0])?;
+    let mut done = ask_once(&group, SENTENCES[0])?;
     while !done && now_ns() < end_ns && !stop.load(Ordering::Relaxed) {
-        done = ask_once(&cast, SENTENCES[0])?;
+        done = ask_once(&group, SENTENCES[0])?;
     }
-    cast.journal().write("recovered", json!({"done": done}))?;
+    group.journal().write("recovered", json!({"done": done}))?;
     drop(watcher);
-    cast.stop()?;
+    group.stop()?;
     ensure!(kills == options.kills, "stopped after {kills} kills");
     Ok(())
 }
 
 struct Chaos {
-    cast: Cast,
+    group: ProcessGroup,
     watcher: Watcher,
     fates: [Fate; PARTS.len()],
     unnoticed: [Option<Unnoticed>; PARTS.len()],
@@ -167,27 +167,27 @@ impl Chaos {
                 "kept_ns": unnoticed.kept_ns,
             });
             *place = None;
-            self.cast.journal().write("noticed", more)?;
+            self.group.journal().write("noticed", more)?;
         }
         Ok(())
     }
 
     /// Starts anew and lets go on what it is time for, and what ended by itself.
     fn go_on(&mut self) -> Result<()> {
-        for (role, _) in self.cast.ended()? {
+        for (role, _) in self.group.ended()? {
             let (place, _) = place(role);
             self.fates[place] = Fate::Gone(now_ns() + 100 * MS);
         }
         for (place, role) in PARTS.into_iter().enumerate() {
             match self.fates[place] {
-                Fate::Gone(until_ns) if now_ns() >= until_ns => self.cast.start(role)?,
+                Fate::Gone(until_ns) if now_ns() >= until_ns => self.group.start(role)?,
                 // Not before its silence was noticed: on a busy machine who looks on may have
                 // been kept from looking for all that time, and it would never be.
                 Fate::Hangs(until_ns)
                     if now_ns() >= until_ns && self.unnoticed[place].is_none() =>
                 {
                     self.note("goes on", role)?;
-                    self.cast.signal(role, Signal::CONT)?;
+                    self.group.signal(role, Signal::CONT)?;
                 }
                 _ => continue,
             }
@@ -197,12 +197,12 @@ impl Chaos {
     }
 
     /// Kills or stops one of those that live; whether it was a kill.
-    fn strike(&mut self, askers: &[Asker]) -> Result<bool> {
-        let choice = self.rng.usize(..PARTS.len() + askers.len());
-        if let Some(asker) = choice.checked_sub(PARTS.len()) {
-            let journal = self.cast.journal();
-            return askers[asker].kill(|process| {
-                journal.write("kill", json!({"node": "asker", "process": process}))
+    fn strike(&mut self, clients: &[Client]) -> Result<bool> {
+        let choice = self.rng.usize(..PARTS.len() + clients.len());
+        if let Some(client) = choice.checked_sub(PARTS.len()) {
+            let journal = self.group.journal();
+            return clients[client].kill(|process| {
+                journal.write("kill", json!({"node": "client", "process": process}))
             });
         }
         let role = PARTS[choice];
@@ -213,7 +213,7 @@ impl Chaos {
         let now_ns = now_ns();
         self.note(if hangs { "hang" } else { "kill" }, role)?;
         if hangs {
-            self.cast.signal(role, Signal::STOP)?;
+            self.group.signal(role, Signal::STOP)?;
             let until_ns = now_ns + self.rng.u64(HANG_MS) * MS;
             self.fates[choice] = Fate::Hangs(until_ns);
         }
@@ -224,7 +224,7 @@ impl Chaos {
         self.unnoticed[choice] = seen(&view.nodes, role)
             .filter(|node| now_ns.saturating_sub(node.heard_ns) <= silence_ns)
             .filter(|_| self.unnoticed[choice].is_none())
-            .zip(self.cast.process(role))
+            .zip(self.group.process(role))
             .map(|(node, process)| Unnoticed {
                 process,
                 since_ns: now_ns,
@@ -232,7 +232,7 @@ impl Chaos {
                 kept_ns: 0,
             });
         if !hangs {
-            self.cast.kill(role)?;
+            self.group.kill(role)?;
             let until_ns = now_ns + self.rng.u64(GONE_MS) * MS;
             self.fates[choice] = Fate::Gone(until_ns);
         }
@@ -240,9 +240,9 @@ impl Chaos {
     }
 
     fn note(&self, what: &str, role: Role) -> Result<()> {
-        let process = self.cast.process(role);
+        let process = self.group.process(role);
         let more = json!({"node": role.word(), "process": process});
-        self.cast.journal().write(what, more)
+        self.group.journal().write(what, more)
     }
 
     /// Lets all live.

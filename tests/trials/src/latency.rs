@@ -20,8 +20,8 @@ use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::message::{
     CameraFrame, Feedback, Outcome, Reply, Role, SceneMessage, State, SubGoal,
 };
-use nsrm_ipc::node::{Life, see};
-use nsrm_ipc::service::{Carried, Ears, FramesOut, PLAN};
+use nsrm_ipc::node::{Heartbeats, see};
+use nsrm_ipc::service::{Carried, FramesOut, PLAN, WaitSet};
 use nsrm_tabletop::TABLETOP;
 use serde_json::json;
 
@@ -29,7 +29,7 @@ use self::alone::sentence;
 use self::answering::{Answering, feedback, stay_on};
 pub(crate) use self::answering::{Looks, Peer, answer};
 use self::beside::{Beside, ByPipe};
-use crate::cast::ROBOT;
+use crate::process_group::ROBOT;
 use crate::world::World;
 
 /// The longest wait for an answer.
@@ -165,7 +165,7 @@ impl Book {
 /// Waits until `take` has something: spinning, or woken by what it hears.
 fn until<T>(
     looks: Looks,
-    ears: &Ears<1>,
+    wait_set: &WaitSet<1>,
     mut take: impl FnMut() -> Result<Option<T>>,
 ) -> Result<T> {
     let end_ns = now_ns() + PATIENCE_NS;
@@ -177,7 +177,7 @@ fn until<T>(
             bail!("no answer after {} s", PATIENCE_NS / 1_000_000_000);
         }
         if looks == Looks::Waiting {
-            let _ = ears.wait(Duration::from_millis(100));
+            let _ = wait_set.wait(Duration::from_millis(100));
         } else {
             std::hint::spin_loop();
         }
@@ -217,9 +217,9 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
     let robot = peer.join(ROBOT, Role::Controller)?;
     let (scenes, commands) = (robot.sender()?, robot.receiver::<SubGoal>()?);
     let feedbacks = robot.sender::<Feedback>()?;
-    let (client, bell) = (robot.plan_client()?, robot.bell(PLAN)?);
-    let ears = robot.listen([SubGoal::SERVICE])?;
-    let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
+    let (client, notifier) = (robot.plan_client()?, robot.notifier(PLAN)?);
+    let wait_set = robot.wait_set([SubGoal::SERVICE])?;
+    let mut heartbeats = Heartbeats::begin(&robot, Role::Controller, now_ns())?;
     let mut beside = Beside::start(looks, Peer::SentenceByPipe, &peer, core)?;
     let mut way = Way::start(looks, core)?;
     let world = World::new()?;
@@ -228,7 +228,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
     let (mut refused, mut not_yet) = (0, 0);
     for number in 1..=u64::from(UNCOUNTED + samples) {
         scenes.send(&see(&TABLETOP, &world.header(number, now_ns()), &image)?)?;
-        let _ = life.beat(State::Idle, now_ns());
+        let _ = heartbeats.beat(State::Idle, now_ns());
         let request = sentence(number)?;
         beside.prepare()?;
         let pipe_ns = way.take()?;
@@ -237,7 +237,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
 
         let begun_ns = now_ns();
         let pending = client.send_copy(request)?;
-        bell.ring();
+        notifier.notify();
         if pending.number_of_server_connections() == 0 {
             // The planner has not begun yet.
             not_yet += 1;
@@ -246,7 +246,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
             continue;
         }
         let mut ended = None;
-        let command = until(looks, &ears, || {
+        let command = until(looks, &wait_set, || {
             let command = commands.receive()?.map(|command| *command);
             if command.is_none() {
                 // A planner that has just begun has no scene yet.
@@ -268,7 +268,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
         for outcome in [Outcome::Accepted, Outcome::Reached] {
             feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
         }
-        until(Looks::Spinning, &ears, || {
+        until(Looks::Spinning, &wait_set, || {
             let has_ended = !pending.is_connected();
             Ok((pending.receive()?.is_none() && has_ended).then_some(()))
         })?;
@@ -285,11 +285,11 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
     let world = World::new()?;
     let frames = robot.frames_out(world.bytes())?;
     let scenes = robot.receiver::<SceneMessage>()?;
-    let ears = robot.listen([SceneMessage::SERVICE])?;
+    let wait_set = robot.wait_set([SceneMessage::SERVICE])?;
     let mut beside = Beside::start(looks, Peer::FrameByPipe, &peer, core)?;
     let frames_beside = beside.robot().frames_out(world.bytes())?;
     let mut way = Way::start(looks, core)?;
-    until(Looks::Spinning, &ears, || {
+    until(Looks::Spinning, &wait_set, || {
         std::thread::sleep(Duration::from_millis(5));
         let sent = frames.send(CameraFrame::default(), world.bytes(), |_| {})?;
         Ok((sent > 0).then_some(()))
@@ -312,7 +312,7 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
         while scenes.receive()?.is_some() {}
 
         let begun_ns = send(&frames, number)?;
-        until(looks, &ears, || {
+        until(looks, &wait_set, || {
             let scene = scenes.receive()?;
             Ok(scene.filter(|scene| scene.sequence == number).map(|_| ()))
         })?;
@@ -338,7 +338,7 @@ fn hand_over(
     let robot = peer.join(ROBOT, Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
     let said = robot.receiver::<Feedback>()?;
-    let ears = robot.listen([Feedback::SERVICE])?;
+    let wait_set = robot.wait_set([Feedback::SERVICE])?;
     let mut left = UNCOUNTED + samples;
     let mut number = 0;
     while left > 0 {
@@ -356,7 +356,7 @@ fn hand_over(
             std::thread::sleep(Duration::from_millis(5));
             continue;
         }
-        until(looks, &ears, || {
+        until(looks, &wait_set, || {
             let said = said.receive()?;
             Ok(said.filter(|said| said.sequence == number).map(|_| ()))
         })?;

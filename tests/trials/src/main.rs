@@ -2,12 +2,12 @@
 //! measure and write down is judged and drawn by the harness: `cargo chaos`,
 //! `cargo soak`, `cargo latency`.
 
-mod asker;
-mod cast;
 mod chaos;
+mod client;
 mod journal;
 mod latency;
 mod parts;
+mod process_group;
 mod soak;
 mod world;
 

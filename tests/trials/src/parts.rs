@@ -9,9 +9,9 @@ use anyhow::Result;
 use nsrm_ipc::clock::{Clock, go_by, now_ns};
 use nsrm_ipc::executive::CommandId;
 use nsrm_ipc::message::{Feedback, Order, Outcome, Role, State, SubGoal, SubGoalError};
-use nsrm_ipc::node::{HEARTBEAT_NS, Life};
-use nsrm_ipc::service::{Carried, Hosts, Receiver, Robot, RobotName, Sender, settle};
-use nsrm_tests::corner;
+use nsrm_ipc::node::{HEARTBEAT_NS, Heartbeats};
+use nsrm_ipc::service::{Carried, Hosts, Receiver, Robot, RobotName, Sender, set_global_config};
+use nsrm_tests::isolated_memory;
 use serde_json::json;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
@@ -52,14 +52,14 @@ impl Place {
 
     /// Joins another robot's processes in the same place.
     pub(crate) fn join_other(&self, robot: &RobotName, role: Role) -> Result<Robot> {
-        let config = corner::config(&self.root, &self.prefix);
-        settle(&config)?;
+        let config = isolated_memory::config(&self.root, &self.prefix);
+        set_global_config(&config)?;
         let robot = Robot::join(robot.clone(), role, &config)?;
         if !self.several_hosts {
             return Ok(robot);
         }
         go_by(Clock::Wall);
-        Ok(robot.over(Hosts::Several))
+        Ok(robot.with_hosts(Hosts::Several))
     }
 
     pub(crate) fn journal(&self) -> &Path {
@@ -78,14 +78,14 @@ pub(crate) fn stop_on_signals() -> Result<Arc<AtomicBool>> {
 
 /// Buries the dead now and then, as every node does.
 #[derive(Debug, Default)]
-struct Burials {
+struct Cleanups {
     next_ns: u64,
 }
 
-impl Burials {
+impl Cleanups {
     fn hold(&mut self, robot: &Robot) {
         if now_ns() >= self.next_ns {
-            robot.bury();
+            robot.cleanup_dead_nodes();
             self.next_ns = now_ns() + HEARTBEAT_NS;
         }
     }
@@ -97,17 +97,17 @@ pub(crate) fn camera(place: &Place) -> Result<()> {
     let (mut world, mut moves) = World::of(place.journal())?;
     let robot = place.join(Role::Camera)?;
     let frames = robot.frames_out(world.bytes())?;
-    let mut life = Life::begin(&robot, Role::Camera, now_ns())?;
-    let (mut burials, mut sequence) = (Burials::default(), 0);
+    let mut heartbeats = Heartbeats::begin(&robot, Role::Camera, now_ns())?;
+    let (mut cleanups, mut sequence) = (Cleanups::default(), 0);
     while !stop.load(Ordering::Relaxed) {
-        burials.hold(&robot);
+        cleanups.hold(&robot);
         let taken_ns = now_ns();
         world.follow(&mut moves)?;
         sequence += 1;
         let header = world.header(sequence, taken_ns);
         // Without a reader it is lost, as a camera's pictures are.
         let _ = frames.send(header, world.bytes(), |image| world.paint(image));
-        let _ = life.beat(State::Idle, now_ns());
+        let _ = heartbeats.beat(State::Idle, now_ns());
         let passed = Duration::from_nanos(now_ns() - taken_ns);
         std::thread::sleep(FRAME.saturating_sub(passed));
     }
@@ -119,7 +119,7 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
     let stop = stop_on_signals()?;
     let journal = Journal::open(place.journal(), "controller")?;
     let robot = place.join(Role::Controller)?;
-    let ears = robot.listen([SubGoal::SERVICE])?;
+    let wait_set = robot.wait_set([SubGoal::SERVICE])?;
     let mut controller = Controller {
         commands: robot.receiver()?,
         feedback: robot.sender()?,
@@ -130,16 +130,16 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
         last: None,
         sequence: 0,
     };
-    let mut life = Life::begin(&robot, Role::Controller, now_ns())?;
-    let mut burials = Burials::default();
+    let mut heartbeats = Heartbeats::begin(&robot, Role::Controller, now_ns())?;
+    let mut cleanups = Cleanups::default();
     while !stop.load(Ordering::Relaxed) {
-        burials.hold(&robot);
+        cleanups.hold(&robot);
         let state = if controller.moving.is_some() {
             State::Busy
         } else {
             State::Idle
         };
-        let _ = life.beat(state, now_ns());
+        let _ = heartbeats.beat(state, now_ns());
         let mut commands: Vec<_> = controller.commands.waiting().map(|it| *it).collect();
         // A stop before the move that it stops.
         commands.sort_by_key(|command| command.read(now_ns()) != Ok(Order::Stop));
@@ -147,7 +147,7 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
             controller.obey(&command)?;
         }
         controller.move_on()?;
-        let _ = ears.wait(NAP);
+        let _ = wait_set.wait(NAP);
     }
     Ok(())
 }

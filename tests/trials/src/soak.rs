@@ -10,9 +10,9 @@ use nsrm_ipc::message::Role;
 use nsrm_ipc::node::{View, Watcher};
 use serde_json::{Value, json};
 
-use crate::asker::Asker;
-use crate::cast::{Cast, PARTS};
+use crate::client::Client;
 use crate::parts::stop_on_signals;
+use crate::process_group::{PARTS, ProcessGroup};
 
 /// Between two looks of who looks on.
 const NAP: Duration = Duration::from_millis(5);
@@ -37,13 +37,13 @@ pub(crate) struct Options {
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let stop = stop_on_signals()?;
-    let mut cast = Cast::new(&options.out, &options.nsrm, 0)?;
-    let mut watcher = Watcher::begin(cast.join(Role::Watcher)?)?;
+    let mut group = ProcessGroup::new(&options.out, &options.nsrm, 0)?;
+    let mut watcher = Watcher::begin(group.join(Role::Watcher)?)?;
     for role in PARTS {
-        cast.start(role)?;
+        group.start(role)?;
     }
-    cast.ready(&mut watcher)?;
-    let asker = Asker::begin(&cast, 1)?;
+    group.ready(&mut watcher)?;
+    let client = Client::begin(&group, 1)?;
     let begun_ns = now_ns();
     let length_ns = (options.hours * 3600.0 * SECOND as f64) as u64;
     let mut next_ns = begun_ns;
@@ -55,9 +55,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
             continue;
         }
         next_ns += options.every * SECOND;
-        let more = sample(&cast, view)?;
-        cast.journal().write("sample", more)?;
-        if let Some((role, status)) = cast.ended()?.first() {
+        let more = sample(&group, view)?;
+        group.journal().write("sample", more)?;
+        if let Some((role, status)) = group.ended()?.first() {
             bail!("{} ended: {status}", role.word());
         }
         let minutes = (now_ns - begun_ns) / (60 * SECOND);
@@ -66,19 +66,19 @@ pub(crate) fn run(options: &Options) -> Result<()> {
             eprintln!("{minutes} of {:.0} minutes", options.hours * 60.0);
         }
     }
-    asker.end()?;
+    client.end()?;
     drop(watcher);
-    cast.stop()
+    group.stop()
 }
 
 /// What the processes hold, and what lies in shared memory.
-fn sample(cast: &Cast, view: &View) -> Result<Value> {
+fn sample(group: &ProcessGroup, view: &View) -> Result<Value> {
     let mut nodes = serde_json::Map::new();
     for role in PARTS {
-        let process = cast.process(role).context("a process is missing")?;
+        let process = group.process(role).context("a process is missing")?;
         nodes.insert(role.word().into(), held(process)?);
     }
-    let (files, bytes) = cast.shared()?;
+    let (files, bytes) = group.shared()?;
     let scenes = &view.scenes;
     Ok(json!({
         "nodes": nodes,

@@ -2,7 +2,7 @@ use super::*;
 use nsrm_core::Refusal;
 
 const TO: ReplyTo = ReplyTo {
-    asker: 1,
+    client: 1,
     request: 7,
     plan: 9,
     number: 2,

@@ -104,11 +104,11 @@ def judge(lines: Iterable[Line]) -> ChaosVerdict:
     if unknown := {line["what"] for line in lines} - set(_KINDS):
         raise JournalError(f"the journal has lines of unknown kinds: {sorted(unknown)}")
     asks = _asks(lines)
-    killed_askers = sum(line["node"] == "asker" for line in of["kill"])
+    killed_clients = sum(line["node"] == "client" for line in of["kill"])
     noticed = [line["after_ns"] - line["kept_ns"] for line in of["noticed"]]
     faults = [
-        *_of_commands(of, asks, killed_askers),
-        *_of_asks(asks, of, killed_askers),
+        *_of_commands(of, asks, killed_clients),
+        *_of_asks(asks, of, killed_clients),
         *(
             f"loss of the {line['node']} was detected only after {after_ns / 1e6:.0f} ms"
             for line, after_ns in zip(of["noticed"], noticed, strict=True)
@@ -175,7 +175,7 @@ def _command(line: Line) -> Command:
 
 
 def _of_commands(
-    of: Mapping[str, list[Line]], asks: Mapping[int, _Ask], killed_askers: int
+    of: Mapping[str, list[Line]], asks: Mapping[int, _Ask], killed_clients: int
 ) -> Iterable[str]:
     accepted = {_command(line): line for line in of["accepted"]}
     moved = Counter(_command(line) for line in of["moved"])
@@ -206,15 +206,15 @@ def _of_commands(
         elif ask.code == 0:
             yield f"command {command} was not carried out, but its sentence was reported done"
     lost = sum(ask.why in (PLANNER_LOST, REPLY_LOST) for ask in asks.values() if ask.ends)
-    if len(unclaimed) > killed_askers + lost:
+    if len(unclaimed) > killed_clients + lost:
         yield f"{len(unclaimed)} plans were not carried out, and no client was told"
 
 
 def _of_asks(
-    asks: Mapping[int, _Ask], of: Mapping[str, list[Line]], killed_askers: int
+    asks: Mapping[int, _Ask], of: Mapping[str, list[Line]], killed_clients: int
 ) -> Iterable[str]:
     moves = Counter(line["plan"] for line in of["moved"])
-    if sum(ask.code is None for ask in asks.values()) > killed_askers:
+    if sum(ask.code is None for ask in asks.values()) > killed_clients:
         yield "more clients were ended by a signal than were killed"
     for number, ask in asks.items():
         if len(ask.ends) != 1:

@@ -89,11 +89,11 @@ impl Watched {
         self.cancelled_ns.get_or_insert(now_ns);
     }
 
-    pub(super) fn lose_controller(&mut self) {
+    pub(super) fn on_controller_lost(&mut self) {
         self.is_lost = true;
     }
 
-    pub(super) fn miss_controller(&mut self) {
+    pub(super) fn on_command_undelivered(&mut self) {
         let is_unheard = self.accepted_ns.is_none() && self.ended.is_none() && !self.is_lost;
         self.is_missed |= self.last.is_some() && is_unheard;
     }
@@ -157,7 +157,7 @@ impl Watched {
     /// What is told of the event can be read by who has asked.
     fn reply(&self, event: &Event, model: &Model<'_>) {
         let to = ReplyTo {
-            asker: 1,
+            client: 1,
             request: 2,
             plan: self.plan,
             number: 1,

@@ -65,7 +65,7 @@ impl Alone for SentenceAlone {
         self.number += 1;
         let header = self.world.header(self.number, now_ns());
         let scene = see(&TABLETOP, &header, &self.image)?;
-        Ok(self.executive.see(&scene, now_ns())?)
+        Ok(self.executive.on_scene(&scene, now_ns())?)
     }
 
     fn take(&mut self) -> Result<u64> {
@@ -87,7 +87,7 @@ impl Alone for SentenceAlone {
             }
         }
         let taken_ns = now_ns() - begun_ns;
-        executive.miss_controller();
+        executive.on_command_undelivered();
         while !matches!(executive.poll(now_ns()), Event::Ended(_)) {}
         Ok(taken_ns)
     }

@@ -13,14 +13,14 @@ use nsrm_ipc::message::{Feedback, Outcome, Role};
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
 use nsrm_ipc::service::{CAMERA, Robot};
 use nsrm_tabletop::TABLETOP;
-use nsrm_tests::corner::Corner;
+use nsrm_tests::isolated_memory::IsolatedMemory;
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::thread::{CpuSet, sched_setaffinity};
 
 use super::alone::{FrameAlone, Nothing, SentenceAlone};
 use super::beside::{Answers, BESIDE, answer_bytes};
-use crate::cast::ROBOT;
 use crate::parts::{Place, stop_on_signals};
+use crate::process_group::ROBOT;
 
 /// Who answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -101,14 +101,14 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
 fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
     let robot = place.join(Role::Controller)?;
     let frames = robot.frames_in()?;
-    let ears = robot.listen([CAMERA])?;
+    let wait_set = robot.wait_set([CAMERA])?;
     let said = robot.sender::<Feedback>()?;
     while !stop.load(Ordering::Relaxed) {
         if let Some(frame) = frames.receive()? {
             let number = frame.user_header().sequence;
             said.send(&feedback(1, 1, number, Outcome::Accepted))?;
         } else if looks == Looks::Waiting {
-            let _ = ears.wait(Duration::from_millis(100));
+            let _ = wait_set.wait(Duration::from_millis(100));
         }
     }
     Ok(())
@@ -128,28 +128,28 @@ pub(super) fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome)
 /// Another process that answers, until this is dropped.
 pub(super) struct Answering {
     child: Child,
-    corner: Corner,
+    memory: IsolatedMemory,
 }
 
 impl Answering {
     pub(super) fn start(peer: Peer, looks: Looks, core: usize) -> Result<Self> {
-        let corner = Corner::new(&format!("latency-{}", looks.word()));
+        let memory = IsolatedMemory::new(&format!("latency-{}", looks.word()));
         let name = |value: &dyn ValueEnumName| value.name();
         let child = Command::new(std::env::current_exe()?)
             .args(["answer", "--robot", ROBOT, "--journal", "none", "--root"])
-            .arg(corner.root())
-            .args(["--prefix", corner.prefix()])
+            .arg(memory.root())
+            .args(["--prefix", memory.prefix()])
             .args(["--peer", &name(&peer), "--looks", &name(&looks)])
             .args(["--core", &core.to_string()])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;
-        Ok(Self { child, corner })
+        Ok(Self { child, memory })
     }
 
     /// Joins a robot's processes where it is.
     pub(super) fn join(&self, robot: &str, role: Role) -> Result<Robot> {
-        Ok(Robot::join(robot.parse()?, role, &self.corner.config)?)
+        Ok(Robot::join(robot.parse()?, role, &self.memory.config)?)
     }
 
     /// Its stdin and stdout, once.
@@ -176,7 +176,7 @@ impl Drop for Answering {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-        self.corner.clear();
+        self.memory.clear();
     }
 }
 

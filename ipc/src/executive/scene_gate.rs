@@ -12,7 +12,7 @@ pub(super) const AHEAD_NS: u64 = 5 * NS_PER_MS;
 
 /// The latest scene that may be acted upon.
 #[derive(Debug)]
-pub(super) struct Looking {
+pub(super) struct SceneGate {
     scene: Option<Scene>,
     /// What was wrong with the last scene, if it was not taken.
     fault: Option<SceneFault>,
@@ -20,7 +20,7 @@ pub(super) struct Looking {
     camera: Option<Camera>,
 }
 
-impl Looking {
+impl SceneGate {
     pub(super) const fn new() -> Self {
         Self {
             scene: None,

@@ -9,26 +9,26 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, SystemTime};
 
 use nsrm_ipc::message::{Feedback, Role};
-use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError, settle};
-use nsrm_tests::corner::Corner;
+use nsrm_ipc::service::{Receiver, Robot, Sender, ServiceError, set_global_config};
+use nsrm_tests::isolated_memory::IsolatedMemory;
 
-fn join(role: Role, corner: &Corner) -> Robot {
-    Robot::join("left".parse().unwrap(), role, &corner.config).unwrap()
+fn join(role: Role, memory: &IsolatedMemory) -> Robot {
+    Robot::join("left".parse().unwrap(), role, &memory.config).unwrap()
 }
 
 /// The files that describe services.
-fn described(corner: &Corner) -> Vec<PathBuf> {
-    let folder = corner.root().join("services");
+fn described(memory: &IsolatedMemory) -> Vec<PathBuf> {
+    let folder = memory.root().join("services");
     let files = std::fs::read_dir(folder).unwrap();
     files.map(|file| file.unwrap().path()).collect()
 }
 
 /// As they stand when their maker is killed between the two parts of a service: there is no
 /// second one.
-fn break_all(corner: &Corner) {
+fn break_all(memory: &IsolatedMemory) {
     for segment in std::fs::read_dir("/dev/shm").unwrap().flatten() {
         let name = segment.file_name().into_string().unwrap();
-        if name.starts_with(corner.prefix()) && name.ends_with(".dynamic") {
+        if name.starts_with(memory.prefix()) && name.ends_with(".dynamic") {
             std::fs::remove_file(segment.path()).unwrap();
         }
     }
@@ -65,16 +65,16 @@ fn sends(sender: &Sender<Feedback>, receiver: &Receiver<Feedback>) -> bool {
 
 #[test]
 fn what_was_begun_and_given_up_is_made_anew() {
-    let corner = Corner::new("half-made");
-    let dead = join(Role::Controller, &corner);
+    let memory = IsolatedMemory::new("half-made");
+    let dead = join(Role::Controller, &memory);
     let lost = dead.sender::<Feedback>().unwrap();
-    break_all(&corner);
-    for file in described(&corner) {
+    break_all(&memory);
+    for file in described(&memory) {
         age(&file);
     }
     let (one, other) = (
-        join(Role::Controller, &corner),
-        join(Role::Planner, &corner),
+        join(Role::Controller, &memory),
+        join(Role::Planner, &memory),
     );
     let sender = one.sender::<Feedback>().unwrap();
     let receiver = other.receiver::<Feedback>().unwrap();
@@ -85,29 +85,29 @@ fn what_was_begun_and_given_up_is_made_anew() {
 
 #[test]
 fn what_is_just_being_made_is_left_alone() {
-    let corner = Corner::new("being-made");
-    let maker = join(Role::Controller, &corner);
+    let memory = IsolatedMemory::new("being-made");
+    let maker = join(Role::Controller, &memory);
     let service = maker.sender::<Feedback>().unwrap();
-    break_all(&corner);
-    let before = described(&corner);
+    break_all(&memory);
+    let before = described(&memory);
     for file in &before {
         keep_young(file);
     }
-    let refused = join(Role::Planner, &corner).receiver::<Feedback>();
+    let refused = join(Role::Planner, &memory).receiver::<Feedback>();
     assert!(
         matches!(refused, Err(ServiceError::Iceoryx { .. })),
         "{refused:?}"
     );
-    assert_eq!(described(&corner).len(), before.len());
+    assert_eq!(described(&memory).len(), before.len());
     drop(service);
 }
 
 /// As it stands when a process is killed before it holds the lock that shows that it lives.
 #[test]
 fn a_node_that_was_begun_and_given_up_is_removed() {
-    let corner = Corner::new("half-a-node");
-    let lives = join(Role::Planner, &corner);
-    let nodes = corner.root().join("nodes");
+    let memory = IsolatedMemory::new("half-a-node");
+    let lives = join(Role::Planner, &memory);
+    let nodes = memory.root().join("nodes");
     let entries = || std::fs::read_dir(&nodes).unwrap().count();
     let own = entries();
     let dead = |number: &str| {
@@ -118,7 +118,7 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     };
     let (old, new) = (dead("4711"), dead("4712"));
     let file = |name: &str| {
-        let file = nodes.join(format!("{}{name}", corner.prefix()));
+        let file = nodes.join(format!("{}{name}", memory.prefix()));
         std::fs::write(&file, "").unwrap();
         file
     };
@@ -142,7 +142,7 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
         age(part);
     }
     keep_young(&new);
-    let other = join(Role::Perception, &corner);
+    let other = join(Role::Perception, &memory);
     for part in old_ones {
         assert!(!part.exists(), "{}", part.display());
     }
@@ -154,10 +154,10 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
 }
 
 /// A controller at work.
-fn controller(corner: &Corner) -> Child {
+fn controller(memory: &IsolatedMemory) -> Child {
     let mut child = Command::new(env!("CARGO_BIN_EXE_node"))
         .arg("controller")
-        .args(corner.arguments())
+        .args(memory.arguments())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
@@ -170,11 +170,11 @@ fn controller(corner: &Corner) -> Child {
 /// As it stands when the one that buries it is killed, too, and a tag was half written.
 #[test]
 fn the_last_of_a_dead_node_is_removed() {
-    let corner = Corner::new("half-buried");
+    let memory = IsolatedMemory::new("half-buried");
     // For the whole process: no other test in this file may, or bury one that died.
-    settle(&corner.config).unwrap();
-    let heir = join(Role::Planner, &corner);
-    let nodes = corner.root().join("nodes");
+    set_global_config(&memory.config).unwrap();
+    let heir = join(Role::Planner, &memory);
+    let nodes = memory.root().join("nodes");
     let folders = || {
         let entries = std::fs::read_dir(&nodes).unwrap().flatten();
         let paths = entries.map(|entry| entry.path());
@@ -182,7 +182,7 @@ fn the_last_of_a_dead_node_is_removed() {
     };
     let own = folders();
     let begun = SystemTime::now();
-    let mut child = controller(&corner);
+    let mut child = controller(&memory);
     child.kill().unwrap();
     child.wait().unwrap();
     let mut folders = folders().into_iter();
@@ -192,53 +192,53 @@ fn the_last_of_a_dead_node_is_removed() {
             std::fs::remove_file(file.path()).unwrap();
         }
     }
-    let tag = format!("{}4711.service_tag", corner.prefix());
+    let tag = format!("{}4711.service_tag", memory.prefix());
     // Nobody may read what is being written: so iceoryx2 does not see it.
     std::fs::write(folder.join("unfinished"), tag).unwrap();
     // By a clock that stands still nothing of it grows old meanwhile.
-    heir.bury_at(begun);
+    heir.cleanup_dead_nodes_at(begun);
     assert!(folder.exists());
     // What is removed from a folder makes it young again.
     age(&folder);
-    heir.bury();
-    heir.bury();
+    heir.cleanup_dead_nodes();
+    heir.cleanup_dead_nodes();
     assert!(!folder.exists());
     drop(heir);
-    let left = corner.left_behind();
+    let left = memory.left_behind();
     assert!(
         !left.iter().any(|name| name.contains("/nodes/")),
         "{left:?}"
     );
-    corner.clear();
+    memory.clear();
 }
 
 /// As it stands when a process is killed between making a segment and giving it a size, for
 /// which iceoryx2 would wait without end.
 #[test]
 fn a_segment_that_was_begun_and_given_up_is_removed() {
-    let corner = Corner::new("half-a-segment");
-    let lives = join(Role::Planner, &corner);
+    let memory = IsolatedMemory::new("half-a-segment");
+    let lives = join(Role::Planner, &memory);
     let segment = |name: &str| {
-        let path = Path::new("/dev/shm").join(format!("{}{name}.connection", corner.prefix()));
+        let path = Path::new("/dev/shm").join(format!("{}{name}.connection", memory.prefix()));
         std::fs::write(&path, "").unwrap();
         path
     };
     let (old, new) = (segment("1_2"), segment("3_4"));
     age(&old);
     keep_young(&new);
-    assert!(!lives.bury());
+    assert!(!lives.cleanup_dead_nodes());
     assert!(!old.exists() && new.exists());
     age(&new);
-    assert!(lives.bury());
+    assert!(lives.cleanup_dead_nodes());
     assert!(!new.exists());
 }
 
 /// As it stands now and then when both of its ports' processes were killed.
 #[test]
 fn a_connection_that_is_nobodys_is_removed() {
-    let corner = Corner::new("connections");
+    let memory = IsolatedMemory::new("connections");
     let segment = |name: &str| {
-        let path = Path::new("/dev/shm").join(format!("{}{name}.connection", corner.prefix()));
+        let path = Path::new("/dev/shm").join(format!("{}{name}.connection", memory.prefix()));
         std::fs::write(&path, "between two ports").unwrap();
         keep_young(&path);
         path
@@ -253,19 +253,19 @@ fn a_connection_that_is_nobodys_is_removed() {
         .unwrap();
     let mut said = BufReader::new(user.stdout.take().unwrap()).lines();
     assert_eq!(said.next().unwrap().unwrap(), "mapped");
-    let other = join(Role::Planner, &corner);
+    let other = join(Role::Planner, &memory);
     for old in [&nobodys, &used] {
         age(old);
     }
     // While others are there it may be theirs.
-    let second = join(Role::Controller, &corner);
+    let second = join(Role::Controller, &memory);
     assert!(nobodys.exists());
     drop((other, second));
-    drop(join(Role::Planner, &corner));
+    drop(join(Role::Planner, &memory));
     assert!(!nobodys.exists() && used.exists() && young.exists());
     drop(user.stdin.take());
     assert!(user.wait().unwrap().success());
-    drop(join(Role::Planner, &corner));
+    drop(join(Role::Planner, &memory));
     assert!(!used.exists() && young.exists());
     std::fs::remove_file(young).unwrap();
 }
@@ -280,16 +280,16 @@ with open(sys.argv[1], 'r+b') as file, mmap.mmap(file.fileno(), 0):
 /// As it stands when a process is killed before it has noted that it made a socket.
 #[test]
 fn a_socket_that_is_nobodys_is_removed() {
-    let corner = Corner::new("sockets");
-    let lives = join(Role::Controller, &corner);
-    let ears = lives.listen(["sub_goal"]).unwrap();
-    let path = |name: &str| corner.root().join(format!("{}{name}", corner.prefix()));
+    let memory = IsolatedMemory::new("sockets");
+    let lives = join(Role::Controller, &memory);
+    let wait_set = lives.wait_set(["sub_goal"]).unwrap();
+    let path = |name: &str| memory.root().join(format!("{}{name}", memory.prefix()));
     let (nobodys, young) = (path("4711.event"), path("4712.event"));
     for socket in [&nobodys, &young] {
         drop(UnixDatagram::bind(socket).unwrap());
     }
     let sockets = || {
-        let entries = std::fs::read_dir(corner.root()).unwrap().flatten();
+        let entries = std::fs::read_dir(memory.root()).unwrap().flatten();
         let names = entries.map(|entry| entry.path());
         names.filter(|path| path.extension().is_some_and(|it| it == "event"))
     };
@@ -305,11 +305,11 @@ fn a_socket_that_is_nobodys_is_removed() {
         assert!(touch.status().unwrap().success());
     }
     assert_eq!(sockets().count(), 3);
-    let bell = join(Role::Planner, &corner).bell("sub_goal").unwrap();
+    let notifier = join(Role::Planner, &memory).notifier("sub_goal").unwrap();
     assert!(!nobodys.exists() && young.exists());
     // Whose holder lives is older, and is there.
     assert_eq!(sockets().count(), 2);
-    bell.ring();
-    assert_eq!(ears.try_wait(), Ok(true));
+    notifier.notify();
+    assert_eq!(wait_set.try_wait(), Ok(true));
     std::fs::remove_file(young).unwrap();
 }

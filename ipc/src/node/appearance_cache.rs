@@ -9,19 +9,19 @@ use crate::message::{CameraFrame, ObjectMessage};
 /// The embeddings of a camera's objects as they were when all of each was seen. The crop of
 /// one that is partly hidden shows what hides it, too.
 #[derive(Debug, Default)]
-pub(super) struct Looks {
+pub(super) struct AppearanceCache {
     /// Of the last frame: another publisher begins anew, with other objects.
     sequence: u64,
-    known: Vec<Look, MAX_OBJECTS>,
+    known: Vec<Appearance, MAX_OBJECTS>,
 }
 
 #[derive(Debug)]
-struct Look {
+struct Appearance {
     id: u32,
     embedding: [f32; OBJECT_EMBEDDING],
 }
 
-impl Looks {
+impl AppearanceCache {
     /// Remembers what is seen whole, and gives what is not its look of before.
     ///
     /// * `objects`: those of the frame's boxes, in their order
@@ -31,7 +31,10 @@ impl Looks {
         }
         self.sequence = header.sequence;
         for (found, object) in header.boxes.iter().zip(objects) {
-            let known = self.known.iter_mut().find(|look| look.id == object.id);
+            let known = self
+                .known
+                .iter_mut()
+                .find(|appearance| appearance.id == object.id);
             match (found.covered, known) {
                 (0, Some(known)) => known.embedding = object.embedding,
                 (0, None) => self.remember(object, header),
@@ -43,21 +46,21 @@ impl Looks {
 
     /// Whether it is known how an object looks.
     pub(super) fn knows(&self, id: u32) -> bool {
-        self.known.iter().any(|look| look.id == id)
+        self.known.iter().any(|appearance| appearance.id == id)
     }
 
     /// In the place of one that is not in the frame, if all are taken: there is one then.
     fn remember(&mut self, object: &ObjectMessage, header: &CameraFrame) {
-        let look = Look {
+        let appearance = Appearance {
             id: object.id,
             embedding: object.embedding,
         };
-        let Err(look) = self.known.push(look) else {
+        let Err(appearance) = self.known.push(appearance) else {
             return;
         };
         let is_here = |id| header.boxes.iter().any(|found| found.id == id);
         if let Some(place) = self.known.iter_mut().find(|known| !is_here(known.id)) {
-            *place = look;
+            *place = appearance;
         }
     }
 }
@@ -67,14 +70,19 @@ mod tests {
     use nsrm_core::MAX_OBJECTS;
     use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING};
 
-    use super::Looks;
+    use super::AppearanceCache;
     use crate::message::{CameraFrame, DetectedBox, ObjectMessage};
 
     const BOX: [f32; LOCATION] = [0.1, 0.1, 0.3, 0.3, 0.9];
 
     /// Of a frame of these objects, each whole or not and all of one look: the looks that
     /// they are given.
-    fn see(looks: &mut Looks, sequence: u64, objects: &[(u32, bool)], look: f32) -> Vec<f32> {
+    fn see(
+        appearances: &mut AppearanceCache,
+        sequence: u64,
+        objects: &[(u32, bool)],
+        appearance: f32,
+    ) -> Vec<f32> {
         let mut header = CameraFrame {
             sequence,
             count: objects.len() as u32,
@@ -87,37 +95,37 @@ mod tests {
             seen.push(ObjectMessage {
                 id,
                 location: BOX,
-                embedding: [look; OBJECT_EMBEDDING],
+                embedding: [appearance; OBJECT_EMBEDDING],
             });
         }
-        looks.recall(&header, &mut seen);
+        appearances.recall(&header, &mut seen);
         seen.iter().map(|object| object.embedding[0]).collect()
     }
 
     #[test]
     fn what_is_hidden_looks_as_it_did_whole() {
-        let mut looks = Looks::default();
+        let mut appearances = AppearanceCache::default();
         // Never seen whole: there is nothing better.
-        assert_eq!(see(&mut looks, 1, &[(5, false)], 1.0), [1.0]);
+        assert_eq!(see(&mut appearances, 1, &[(5, false)], 1.0), [1.0]);
         let both = [(4, true), (5, true)];
-        assert_eq!(see(&mut looks, 2, &both, 2.0), [2.0, 2.0]);
+        assert_eq!(see(&mut appearances, 2, &both, 2.0), [2.0, 2.0]);
         // In another order, too.
         let hidden = [(5, false), (4, true)];
-        assert_eq!(see(&mut looks, 3, &hidden, 3.0), [2.0, 3.0]);
-        assert_eq!(see(&mut looks, 4, &[(4, false)], 4.0), [3.0]);
+        assert_eq!(see(&mut appearances, 3, &hidden, 3.0), [2.0, 3.0]);
+        assert_eq!(see(&mut appearances, 4, &[(4, false)], 4.0), [3.0]);
         // A camera that was started anew: object 4 is another one.
-        assert_eq!(see(&mut looks, 1, &[(4, false)], 5.0), [5.0]);
+        assert_eq!(see(&mut appearances, 1, &[(4, false)], 5.0), [5.0]);
     }
 
     #[test]
     fn who_has_long_left_gives_room() {
-        let mut looks = Looks::default();
+        let mut appearances = AppearanceCache::default();
         let first: Vec<_> = (1..=MAX_OBJECTS as u32).map(|id| (id, true)).collect();
         let then: Vec<_> = first.iter().map(|(id, _)| (100 + id, true)).collect();
-        see(&mut looks, 1, &first, 1.0);
-        see(&mut looks, 2, &then, 2.0);
+        see(&mut appearances, 1, &first, 1.0);
+        see(&mut appearances, 2, &then, 2.0);
         let hidden: Vec<_> = then.iter().map(|(id, _)| (*id, false)).collect();
-        let given = see(&mut looks, 3, &hidden, 3.0);
+        let given = see(&mut appearances, 3, &hidden, 3.0);
         assert_eq!(given, [2.0; MAX_OBJECTS]);
     }
 }

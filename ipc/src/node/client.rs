@@ -5,16 +5,18 @@ use core::fmt;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::prelude::*;
 
-use super::life::{Life, Peer};
+use super::heartbeats::{Heartbeats, Peer};
 use crate::clock::now_ns;
 use crate::executive::Mode;
 use crate::message::{PlanReply, PlanRequest, PlanRequestError, Role, State};
-use crate::service::{Bell, PLAN, PlanClient, Receiver, Robot, RobotName, Sender, ServiceError};
+use crate::service::{
+    Notifier, PLAN, PlanClient, Receiver, Robot, RobotName, Sender, ServiceError,
+};
 
 /// Why nothing was asked, or nothing more will be heard.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum AskError {
+pub enum RequestError {
     /// No planner is there.
     NoPlanner(RobotName),
     /// The planner died or hangs; what was commanded may have been carried out.
@@ -30,7 +32,7 @@ pub enum AskError {
     Iceoryx(String),
 }
 
-impl AskError {
+impl RequestError {
     /// Its name, for programs: part of the interface, as the message is not.
     pub const fn kind(&self) -> &'static str {
         match self {
@@ -43,7 +45,7 @@ impl AskError {
     }
 }
 
-impl fmt::Display for AskError {
+impl fmt::Display for RequestError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoPlanner(robot) => write!(
@@ -68,7 +70,7 @@ impl fmt::Display for AskError {
     }
 }
 
-impl core::error::Error for AskError {}
+impl core::error::Error for RequestError {}
 
 /// How long a planner may say that it is idle while an end is waited for, nanoseconds: so long
 /// two tunnels at most take there and back before all its scenes are too old.
@@ -80,7 +82,7 @@ type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
 /// By which services a planner is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Line {
+pub enum Transport {
     /// `plan`: the planner notices at once when who asked is gone.
     #[default]
     Connection,
@@ -91,13 +93,13 @@ pub enum Line {
 
 /// A person's end.
 #[derive(Debug)]
-pub struct Asker {
+pub struct Client {
     robot: Robot,
     ports: Ports,
-    life: Life,
+    heartbeats: Heartbeats,
     planner: Peer,
     silence_ns: u64,
-    asker: u64,
+    client: u64,
     sequence: u64,
 }
 
@@ -105,7 +107,7 @@ pub struct Asker {
 enum Ports {
     Connection {
         client: PlanClient,
-        bell: Bell,
+        notifier: Notifier,
     },
     Broadcast {
         ask: Sender<PlanRequest>,
@@ -115,7 +117,7 @@ enum Ports {
 
 /// A sentence that was asked, until its last reply.
 #[derive(Debug)]
-pub struct Conversation {
+pub struct Request {
     /// The connection, if there is one.
     pending: Option<Pending>,
     sequence: u64,
@@ -126,42 +128,46 @@ pub struct Conversation {
     idle_ns: Option<u64>,
 }
 
-impl Asker {
-    /// Takes one of the askers' places at a robot.
+impl Client {
+    /// Takes one of the clients' places at a robot.
     ///
     /// * `silence_ns`: how long the planner may be silent before it is held to be dead
-    pub fn begin(robot: Robot, line: Line, silence_ns: u64) -> Result<Self, ServiceError> {
+    pub fn begin(
+        robot: Robot,
+        transport: Transport,
+        silence_ns: u64,
+    ) -> Result<Self, ServiceError> {
         let now_ns = now_ns();
         Ok(Self {
-            ports: match line {
-                Line::Connection => Ports::Connection {
+            ports: match transport {
+                Transport::Connection => Ports::Connection {
                     client: robot.plan_client()?,
-                    bell: robot.bell(PLAN)?,
+                    notifier: robot.notifier(PLAN)?,
                 },
-                Line::Broadcast => Ports::Broadcast {
+                Transport::Broadcast => Ports::Broadcast {
                     ask: robot.sender()?,
                     answers: robot.receiver()?,
                 },
             },
-            life: Life::begin(&robot, Role::Asker, now_ns)?,
+            heartbeats: Heartbeats::begin(&robot, Role::Client, now_ns)?,
             planner: Peer::default(),
             silence_ns,
-            // Two askers begun in the same nanosecond have different processes.
-            asker: now_ns ^ (u64::from(std::process::id()) << 40),
+            // Two clients begun in the same nanosecond have different processes.
+            client: now_ns ^ (u64::from(std::process::id()) << 40),
             sequence: 0,
             robot,
         })
     }
 
     /// Asks for a sentence to be followed.
-    pub fn ask(&mut self, sentence: &str, mode: Mode) -> Result<Conversation, AskError> {
+    pub fn ask(&mut self, sentence: &str, mode: Mode) -> Result<Request, RequestError> {
         self.sequence += 1;
         // What was heard before is no word on this one, nor is a planner that died before.
-        self.life.listen(now_ns(), |_, _, _| {});
+        self.heartbeats.receive(now_ns(), |_, _, _| {});
         self.planner = Peer::default();
-        let request = PlanRequest::new(self.asker, self.sequence, mode, sentence);
-        let pending = self.send(request.map_err(AskError::Request)?)?;
-        Ok(Conversation {
+        let request = PlanRequest::new(self.client, self.sequence, mode, sentence);
+        let pending = self.send(request.map_err(RequestError::Request)?)?;
+        Ok(Request {
             pending,
             sequence: self.sequence,
             number: 1,
@@ -172,28 +178,28 @@ impl Asker {
 
     /// Asks for it to be followed no longer; the conversation then ends with
     /// `cancelled`, once the robot has stopped.
-    pub fn cancel(&mut self, conversation: &Conversation) -> Result<(), AskError> {
-        self.send(PlanRequest::cancel(self.asker, conversation.sequence))
+    pub fn cancel(&mut self, conversation: &Request) -> Result<(), RequestError> {
+        self.send(PlanRequest::cancel(self.client, conversation.sequence))
             .map(|_| ())
     }
 
-    fn send(&self, request: PlanRequest) -> Result<Option<Pending>, AskError> {
+    fn send(&self, request: PlanRequest) -> Result<Option<Pending>, RequestError> {
         let (pending, hearers) = match &self.ports {
-            Ports::Connection { client, bell } => {
+            Ports::Connection { client, notifier } => {
                 let sent = client.send_copy(request);
-                let pending = sent.map_err(|error| AskError::Iceoryx(format!("{error:?}")))?;
-                bell.ring();
+                let pending = sent.map_err(|error| RequestError::Iceoryx(format!("{error:?}")))?;
+                notifier.notify();
                 let hearers = pending.number_of_server_connections();
                 (Some(pending), hearers)
             }
             Ports::Broadcast { ask, .. } => {
                 let sent = ask.send(&request);
-                let hearers = sent.map_err(|failure| AskError::Iceoryx(failure.to_string()))?;
+                let hearers = sent.map_err(|failure| RequestError::Iceoryx(failure.to_string()))?;
                 (None, hearers)
             }
         };
         if hearers == 0 {
-            return Err(AskError::NoPlanner(self.robot.name().clone()));
+            return Err(RequestError::NoPlanner(self.robot.name().clone()));
         }
         Ok(pending)
     }
@@ -202,10 +208,10 @@ impl Asker {
     /// missed when the next one comes.
     fn receive(
         &mut self,
-        conversation: &Conversation,
+        conversation: &Request,
         now_ns: u64,
-    ) -> Result<Option<PlanReply>, AskError> {
-        let says = |error: &dyn fmt::Debug| AskError::Iceoryx(format!("{error:?}"));
+    ) -> Result<Option<PlanReply>, RequestError> {
+        let says = |error: &dyn fmt::Debug| RequestError::Iceoryx(format!("{error:?}"));
         for _ in 0..REPLIES_AT_ONCE {
             let reply = match (&self.ports, &conversation.pending) {
                 (Ports::Broadcast { answers, .. }, _) => {
@@ -221,10 +227,10 @@ impl Asker {
             let Some(reply) = reply else {
                 return Ok(None);
             };
-            // Who takes a dead asker's place in shared memory may get its replies, too.
+            // Who takes a dead client's place in shared memory may get its replies, too.
             if let Err(error) = reply.read() {
-                self.life.reject(PLAN, &error, now_ns);
-            } else if (reply.asker, reply.request) == (self.asker, conversation.sequence) {
+                self.heartbeats.reject(PLAN, &error, now_ns);
+            } else if (reply.client, reply.request) == (self.client, conversation.sequence) {
                 return Ok(Some(reply));
             }
         }
@@ -233,7 +239,7 @@ impl Asker {
 
     /// How many messages it has passed over: heartbeats and replies that make no sense.
     pub const fn rejected(&self) -> u64 {
-        self.life.rejected()
+        self.heartbeats.rejected()
     }
 
     /// The next reply, if there is one now; after the last one, an error. Its
@@ -242,16 +248,16 @@ impl Asker {
     /// * `now_ns`: the time, on the machine's clock
     pub fn hear(
         &mut self,
-        conversation: &mut Conversation,
+        conversation: &mut Request,
         now_ns: u64,
-    ) -> Result<Option<PlanReply>, AskError> {
+    ) -> Result<Option<PlanReply>, RequestError> {
         // What was counted from a later time was so on a clock that was set back since.
         self.planner.not_after(now_ns);
         conversation.began_ns = conversation.began_ns.min(now_ns);
         conversation.idle_ns = conversation.idle_ns.map(|since_ns| since_ns.min(now_ns));
         let planner = &mut self.planner;
         let mut is_other = false;
-        self.life.listen(now_ns, |role, state, heartbeat| {
+        self.heartbeats.receive(now_ns, |role, state, heartbeat| {
             if role == Role::Planner {
                 is_other |= planner.hear(heartbeat, now_ns);
                 match state {
@@ -261,14 +267,14 @@ impl Asker {
             }
         });
         // Not being heard by anyone does not keep it from hearing.
-        let _ = self.life.beat(State::Busy, now_ns);
+        let _ = self.heartbeats.beat(State::Busy, now_ns);
         // Asked first, since replies may come in between.
         let pending = conversation.pending.as_ref();
         let goes_on = pending.is_none_or(PendingResponse::is_connected);
         if let Some(reply) = self.receive(conversation, now_ns)? {
             let number = conversation.number;
             if reply.number != number {
-                return Err(AskError::ReplyLost { number });
+                return Err(RequestError::ReplyLost { number });
             }
             conversation.number = number.saturating_add(1);
             conversation.idle_ns = None;
@@ -276,14 +282,14 @@ impl Asker {
         }
         // One that ends a conversation of its own will has a last word.
         let (began_ns, silence_ns) = (conversation.began_ns, self.silence_ns);
-        if !goes_on || is_other || !self.planner.may_live(began_ns, silence_ns, now_ns) {
-            return Err(AskError::PlannerLost(self.robot.name().clone()));
+        if !goes_on || is_other || !self.planner.may_be_alive(began_ns, silence_ns, now_ns) {
+            return Err(RequestError::PlannerLost(self.robot.name().clone()));
         }
         // Without a connection nothing else tells that what was asked, or its end, was lost.
         let idle_ns = conversation.idle_ns;
         if idle_ns.is_some_and(|since_ns| now_ns.saturating_sub(since_ns) > IDLE_NS) {
             let number = conversation.number;
-            return Err(AskError::ReplyLost { number });
+            return Err(RequestError::ReplyLost { number });
         }
         Ok(None)
     }

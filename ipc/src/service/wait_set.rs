@@ -13,11 +13,11 @@ use rustix::io::Errno;
 /// before they return, and who was woken looks for its message behind them. Here that is left
 /// for the next wait.
 #[derive(Debug)]
-pub struct Ears<const N: usize> {
+pub struct WaitSet<const N: usize> {
     listeners: Vec<Listener<ipc::Service>, N>,
 }
 
-impl<const N: usize> Ears<N> {
+impl<const N: usize> WaitSet<N> {
     pub(super) const fn new(listeners: Vec<Listener<ipc::Service>, N>) -> Self {
         Self { listeners }
     }
@@ -37,16 +37,16 @@ impl<const N: usize> Ears<N> {
         if self.try_wait()? {
             return Ok(true);
         }
-        let bells = self.listeners.iter().map(|listener| {
+        let notifiers = self.listeners.iter().map(|listener| {
             // SAFETY: it is open as long as the listener, which outlives this.
-            let bell =
+            let notifier =
                 unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) };
-            PollFd::from_borrowed_fd(bell, PollFlags::IN)
+            PollFd::from_borrowed_fd(notifier, PollFlags::IN)
         });
-        let mut bells: Vec<_, N> = bells.collect();
+        let mut notifiers: Vec<_, N> = notifiers.collect();
         // What is too long for it is for ever.
         let longest = Timespec::try_from(longest).ok();
-        match poll(&mut bells, longest.as_ref()) {
+        match poll(&mut notifiers, longest.as_ref()) {
             Ok(how_many) => Ok(how_many > 0),
             Err(Errno::INTR) => Ok(false),
             Err(_) => Err(ListenerWaitError::InternalFailure),
@@ -54,7 +54,7 @@ impl<const N: usize> Ears<N> {
     }
 
     /// Whether something has rung since this was asked last, or heard out. Never waits.
-    /// Errors: as [`Ears::wait`].
+    /// Errors: as [`WaitSet::wait`].
     pub fn try_wait(&self) -> Result<bool, ListenerWaitError> {
         let mut any = false;
         for listener in &self.listeners {

@@ -29,14 +29,14 @@ pub fn config(root: &str, prefix: &str) -> Config {
 /// What a test's nodes share; what they leave behind is removed with it. To be made
 /// before them, so that it goes after them.
 #[derive(Debug)]
-pub struct Corner {
+pub struct IsolatedMemory {
     /// For nodes that are to meet here.
     pub config: Config,
     root: PathBuf,
     prefix: String,
 }
 
-impl Corner {
+impl IsolatedMemory {
     /// A corner of this name, of this process alone.
     pub fn new(test: &str) -> Self {
         // The folder's path and the prefix stand in paths of sockets, of 107 bytes at most: the
@@ -102,7 +102,7 @@ impl Corner {
     }
 }
 
-impl Corner {
+impl IsolatedMemory {
     /// Removes what lies under its name.
     pub fn clear(&self) {
         let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
@@ -116,7 +116,7 @@ impl Corner {
     }
 }
 
-impl Drop for Corner {
+impl Drop for IsolatedMemory {
     fn drop(&mut self) {
         let left = self.left_behind();
         self.clear();

@@ -7,37 +7,42 @@ use nsrm_ipc::executive::{Limits, Mode};
 use nsrm_ipc::message::{
     PlanReply, PlanRequest, Reply, ReplyTo, Role, SceneMessage, State, SubGoal,
 };
-use nsrm_ipc::node::{AskError, Asker, Conversation, Life, Line, PlannerNode};
+use nsrm_ipc::node::{Client, Heartbeats, PlannerNode, Request, RequestError, Transport};
 use nsrm_ipc::service::{Robot, Sender};
 use nsrm_tests::by_hand::{Parts, block, raw_scene};
-use nsrm_tests::corner::Corner;
+use nsrm_tests::isolated_memory::IsolatedMemory;
 
 const SENTENCE: &str = "put the small red block on the blue block";
 const MS: u64 = 1_000_000;
 
-fn join(role: Role, corner: &Corner) -> Robot {
-    Robot::join("left".parse().unwrap(), role, &corner.config).unwrap()
+fn join(role: Role, memory: &IsolatedMemory) -> Robot {
+    Robot::join("left".parse().unwrap(), role, &memory.config).unwrap()
 }
 
-/// iceoryx2 was seen to hand the reply for an asker that was killed to the next one.
+/// iceoryx2 was seen to hand the reply for a client that was killed to the next one.
 #[test]
 fn what_is_said_to_another_asker_is_passed_over() {
-    let corner = Corner::new("another-asker");
-    let planner = join(Role::Planner, &corner);
+    let memory = IsolatedMemory::new("another-client");
+    let planner = join(Role::Planner, &memory);
     let server = planner.plan_server().unwrap();
     let silence_ns = 60_000 * MS;
-    let mut asker = Asker::begin(join(Role::Asker, &corner), Line::Connection, silence_ns).unwrap();
-    let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    let mut client = Client::begin(
+        join(Role::Client, &memory),
+        Transport::Connection,
+        silence_ns,
+    )
+    .unwrap();
+    let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
     let active = server.receive().unwrap().unwrap();
     let own = ReplyTo {
-        asker: active.asker,
+        client: active.client,
         request: active.sequence,
         plan: 7,
         number: 1,
     };
     let before = ReplyTo { request: 99, ..own };
     let dead = ReplyTo {
-        asker: own.asker ^ 1,
+        client: own.client ^ 1,
         number: 3,
         ..own
     };
@@ -45,30 +50,30 @@ fn what_is_said_to_another_asker_is_passed_over() {
         let reply = PlanReply::refused(to, "busy", "as it is");
         active.send_copy(reply).unwrap();
     }
-    let reply = asker.hear(&mut conversation, now_ns()).unwrap().unwrap();
+    let reply = client.hear(&mut conversation, now_ns()).unwrap().unwrap();
     assert_eq!((reply.request, reply.number), (own.request, 1));
 }
 
 /// Without a connection nobody says that what was asked did not arrive.
 #[test]
 fn that_a_request_was_lost_is_detected_while_the_planner_lives() {
-    let corner = Corner::new("lost-request");
-    let planner = join(Role::Planner, &corner);
+    let memory = IsolatedMemory::new("lost-request");
+    let planner = join(Role::Planner, &memory);
     let _deaf = planner.receiver::<PlanRequest>().unwrap();
-    let mut life = Life::begin(&planner, Role::Planner, now_ns()).unwrap();
-    let asker = join(Role::Asker, &corner);
-    let mut asker = Asker::begin(asker, Line::Broadcast, 350 * MS).unwrap();
+    let mut heartbeats = Heartbeats::begin(&planner, Role::Planner, now_ns()).unwrap();
+    let client = join(Role::Client, &memory);
+    let mut client = Client::begin(client, Transport::Broadcast, 350 * MS).unwrap();
     let begun_ns = now_ns();
     for (state, expected) in [
         (State::Busy, None),
-        (State::Idle, Some(AskError::ReplyLost { number: 1 })),
+        (State::Idle, Some(RequestError::ReplyLost { number: 1 })),
     ] {
-        let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+        let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
         let begun_ns = now_ns().max(begun_ns);
         let heard = (0..40).find_map(|beat| {
             let now_ns = begun_ns + beat * 100 * MS;
-            life.beat(state, now_ns).unwrap();
-            asker.hear(&mut conversation, now_ns).err()
+            heartbeats.beat(state, now_ns).unwrap();
+            client.hear(&mut conversation, now_ns).err()
         });
         assert_eq!(heard, expected);
     }
@@ -77,31 +82,31 @@ fn that_a_request_was_lost_is_detected_while_the_planner_lives() {
 /// By the wall clock, which several hosts go by.
 #[test]
 fn a_clock_that_is_set_back_loses_no_planner_that_lives_and_keeps_none_that_does_not() {
-    let corner = Corner::new("set-back");
-    let planner = join(Role::Planner, &corner);
+    let memory = IsolatedMemory::new("set-back");
+    let planner = join(Role::Planner, &memory);
     let _deaf = planner.receiver::<PlanRequest>().unwrap();
-    let mut life = Life::begin(&planner, Role::Planner, now_ns()).unwrap();
-    let asker = join(Role::Asker, &corner);
-    let mut asker = Asker::begin(asker, Line::Broadcast, 350 * MS).unwrap();
-    let lost = AskError::PlannerLost("left".parse().unwrap());
+    let mut heartbeats = Heartbeats::begin(&planner, Role::Planner, now_ns()).unwrap();
+    let client = join(Role::Client, &memory);
+    let mut client = Client::begin(client, Transport::Broadcast, 350 * MS).unwrap();
+    let lost = RequestError::PlannerLost("left".parse().unwrap());
     for (state, beats, expected) in [
         (State::Busy, 5, lost),
-        (State::Idle, 40, AskError::ReplyLost { number: 1 }),
+        (State::Idle, 40, RequestError::ReplyLost { number: 1 }),
     ] {
-        let mut conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+        let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
         let late_ns = now_ns() + 100_000 * MS;
-        life.beat(state, late_ns).unwrap();
-        assert_eq!(asker.hear(&mut conversation, late_ns), Ok(None));
+        heartbeats.beat(state, late_ns).unwrap();
+        assert_eq!(client.hear(&mut conversation, late_ns), Ok(None));
         // Before the planner has noticed it and said so.
         let back_ns = late_ns - 50_000 * MS;
-        assert_eq!(asker.hear(&mut conversation, back_ns), Ok(None));
+        assert_eq!(client.hear(&mut conversation, back_ns), Ok(None));
         let (ticks, error) = (0..60)
             .find_map(|tick| {
                 let now_ns = back_ns + tick * 100 * MS;
                 if tick < beats {
-                    life.beat(state, now_ns).unwrap();
+                    heartbeats.beat(state, now_ns).unwrap();
                 }
-                let heard = asker.hear(&mut conversation, now_ns);
+                let heard = client.hear(&mut conversation, now_ns);
                 heard.err().map(|error| (tick, error))
             })
             .expect("it does not wait for ever");
@@ -116,8 +121,8 @@ struct Stage<'m> {
     planner: PlannerNode<'m>,
     scene: RawScene,
     scenes: Sender<SceneMessage>,
-    asker: Asker,
-    conversation: Conversation,
+    client: Client,
+    conversation: Request,
 }
 
 impl Stage<'_> {
@@ -126,32 +131,36 @@ impl Stage<'_> {
         self.scene.header.timestamp_ns = now_ns;
         self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
         let _ = self.planner.poll(now_ns);
-        self.asker.hear(&mut self.conversation, now_ns).unwrap()
+        self.client.hear(&mut self.conversation, now_ns).unwrap()
     }
 }
 
 /// One that hangs would carry it out whenever it goes on.
 #[test]
 fn a_controller_that_is_silent_is_commanded_nothing() {
-    let corner = Corner::new("silent-controller");
+    let memory = IsolatedMemory::new("silent-controller");
     let parts = Parts::new();
     let model = parts.model();
-    let hung = join(Role::Controller, &corner);
+    let hung = join(Role::Controller, &memory);
     let commands = hung.receiver::<SubGoal>().unwrap();
     let limits = Limits {
-        // The asker's and the scenes' time is not the planner's here.
+        // The client's and the scenes' time is not the planner's here.
         scene_age_ns: u64::MAX,
         ..Limits::default()
     };
-    let mut asker =
-        Asker::begin(join(Role::Asker, &corner), Line::Connection, 600_000 * MS).unwrap();
-    let planner = PlannerNode::begin(join(Role::Planner, &corner), &model, limits).unwrap();
-    let conversation = asker.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    let mut client = Client::begin(
+        join(Role::Client, &memory),
+        Transport::Connection,
+        600_000 * MS,
+    )
+    .unwrap();
+    let planner = PlannerNode::begin(join(Role::Planner, &memory), &model, limits).unwrap();
+    let conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
     let mut stage = Stage {
         planner,
         scene: raw_scene(&model, &[block("small", "red"), block("lego", "blue")]),
-        scenes: join(Role::Perception, &corner).sender().unwrap(),
-        asker,
+        scenes: join(Role::Perception, &memory).sender().unwrap(),
+        client,
         conversation,
     };
     let late_ns = now_ns() + limits.silence_ns + MS;

@@ -10,8 +10,8 @@ use std::time::Duration;
 use anyhow::{Context as _, Result};
 use serde_json::{Value, json};
 
-use crate::cast::Cast;
 use crate::journal::Journal;
+use crate::process_group::ProcessGroup;
 use crate::world::{REFUSED, SENTENCES};
 
 /// Between two looks whether a process has ended.
@@ -26,19 +26,19 @@ static NEXT: AtomicU64 = AtomicU64::new(1);
 
 /// Asks until it is told to stop, in a thread.
 #[derive(Debug)]
-pub(crate) struct Asker {
+pub(crate) struct Client {
     current: Arc<Mutex<Option<Child>>>,
     stop: Arc<AtomicBool>,
     thread: JoinHandle<Result<()>>,
 }
 
-impl Asker {
+impl Client {
     /// Begins.
-    pub(crate) fn begin(cast: &Cast, seed: u64) -> Result<Self> {
+    pub(crate) fn begin(group: &ProcessGroup, seed: u64) -> Result<Self> {
         let current = Arc::new(Mutex::new(None));
         let stop = Arc::new(AtomicBool::new(false));
-        let journal = cast.journal().also("asker")?;
-        let say = cast.nsrm(&["say", "--json"]);
+        let journal = group.journal().also("client")?;
+        let say = group.nsrm(&["say", "--json"]);
         let (shared, stopped) = (Arc::clone(&current), Arc::clone(&stop));
         let thread = std::thread::spawn(move || {
             let mut rng = fastrand::Rng::with_seed(seed);
@@ -80,9 +80,9 @@ impl Asker {
 }
 
 /// Has a sentence carried out and notes what becomes of it; whether it was done.
-pub(crate) fn ask_once(cast: &Cast, sentence: &str) -> Result<bool> {
-    let journal = cast.journal().also("asker")?;
-    let say = cast.nsrm(&["say", "--json"]);
+pub(crate) fn ask_once(group: &ProcessGroup, sentence: &str) -> Result<bool> {
+    let journal = group.journal().also("client")?;
+    let say = group.nsrm(&["say", "--json"]);
     let code = ask(&say, sentence, &journal, &Mutex::new(None))?;
     Ok(code == Some(0))
 }

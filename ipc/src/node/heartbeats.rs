@@ -12,7 +12,7 @@ pub const HEARTBEAT_NS: u64 = 100_000_000;
 
 /// A node's own heartbeat, and those of others.
 #[derive(Debug)]
-pub struct Life {
+pub struct Heartbeats {
     sender: Sender<Heartbeat>,
     receiver: Receiver<Heartbeat>,
     own: Heartbeat,
@@ -20,7 +20,7 @@ pub struct Life {
     rejected: Rejected,
 }
 
-impl Life {
+impl Heartbeats {
     /// Not yet heard of.
     pub fn begin(robot: &Robot, role: Role, now_ns: u64) -> Result<Self, ServiceError> {
         Ok(Self {
@@ -58,7 +58,7 @@ impl Life {
     }
 
     /// Takes in what others have said; what makes no sense is rejected.
-    pub fn listen(&mut self, now_ns: u64, mut heard: impl FnMut(Role, State, &Heartbeat)) {
+    pub fn receive(&mut self, now_ns: u64, mut heard: impl FnMut(Role, State, &Heartbeat)) {
         for heartbeat in self.receiver.waiting() {
             match heartbeat.read() {
                 Ok((role, state)) => heard(role, state, &heartbeat),
@@ -103,9 +103,9 @@ impl Peer {
     /// ago than it may be silent.
     ///
     /// * `since_ns`: when listening began
-    pub fn may_live(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
+    pub fn may_be_alive(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
         let heard_ns = self.known.map_or(since_ns, |(_, heard_ns)| heard_ns);
-        may_live(heard_ns, silence_ns, now_ns)
+        may_be_alive(heard_ns, silence_ns, now_ns)
     }
 
     /// If it was heard later than now, the clock was set back since: it has as long again to be
@@ -119,7 +119,7 @@ impl Peer {
 
 /// Whether who was heard then may be alive: no longer ago than it may be silent. A time that is
 /// yet to come is that of a clock that was set back, and counts like one that has gone.
-pub(super) const fn may_live(heard_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
+pub(super) const fn may_be_alive(heard_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
     now_ns.abs_diff(heard_ns) <= silence_ns
 }
 
@@ -138,20 +138,20 @@ mod tests {
             state: 1,
         };
         let mut peer = Peer::default();
-        assert!(peer.may_live(10, 50, 60) && !peer.may_live(10, 50, 61));
+        assert!(peer.may_be_alive(10, 50, 60) && !peer.may_be_alive(10, 50, 61));
         assert!(!peer.hear(&heartbeat(5), 20));
-        assert!(peer.may_live(10, 50, 70) && !peer.may_live(10, 50, 71));
+        assert!(peer.may_be_alive(10, 50, 70) && !peer.may_be_alive(10, 50, 71));
         assert!(!peer.hear(&heartbeat(5), 30));
         assert!(peer.hear(&heartbeat(6), 40));
         // The clock is set back: who is heard again lives, who isn't does not for long.
         let (mut heard, silent) = (peer, peer);
         heard.hear(&heartbeat(6), 2);
-        assert!(heard.may_live(10_000, 5, 3) && !silent.may_live(10_000, 5, 3));
+        assert!(heard.may_be_alive(10_000, 5, 3) && !silent.may_be_alive(10_000, 5, 3));
         // Or it has as long again to be heard.
         let mut silent = silent;
         silent.not_after(3);
-        assert!(silent.may_live(10_000, 5, 8) && !silent.may_live(10_000, 5, 9));
+        assert!(silent.may_be_alive(10_000, 5, 8) && !silent.may_be_alive(10_000, 5, 9));
         silent.not_after(50);
-        assert!(!silent.may_live(10_000, 5, 50));
+        assert!(!silent.may_be_alive(10_000, 5, 50));
     }
 }

@@ -11,8 +11,8 @@ use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::Watcher;
-use nsrm_ipc::service::{Robot, settle};
-use nsrm_tests::corner::Corner;
+use nsrm_ipc::service::{Robot, set_global_config};
+use nsrm_tests::isolated_memory::IsolatedMemory;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
 
@@ -24,7 +24,7 @@ pub(crate) const ROBOT: &str = "trial";
 /// however busy a machine.
 pub(crate) const PATIENCE_NS: u64 = 300_000_000_000;
 /// Between two burials of the dead in the end.
-const BETWEEN_BURIALS: Duration = Duration::from_millis(100);
+const BETWEEN_CLEANUPS: Duration = Duration::from_millis(100);
 /// Between two looks.
 const NAP: Duration = Duration::from_millis(2);
 
@@ -43,24 +43,24 @@ fn log(role: Role) -> String {
 
 /// All processes of a robot but those that ask.
 #[derive(Debug)]
-pub(crate) struct Cast {
+pub(crate) struct ProcessGroup {
     folder: PathBuf,
     nsrm: PathBuf,
     running: BTreeMap<&'static str, (Role, Child)>,
     journal: Journal,
     rng: fastrand::Rng,
-    corner: Corner,
+    memory: IsolatedMemory,
 }
 
-impl Cast {
+impl ProcessGroup {
     /// Nobody yet.
     ///
     /// * `folder`: where the journal and the logs are written, in place of older ones
     /// * `nsrm`: the command
     pub(crate) fn new(folder: &Path, nsrm: &Path, seed: u64) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        let corner = Corner::new("trial");
-        settle(&corner.config)?;
+        let memory = IsolatedMemory::new("trial");
+        set_global_config(&memory.config)?;
         let journal = folder.join("journal.jsonl");
         for old in PARTS
             .map(log)
@@ -73,7 +73,7 @@ impl Cast {
                 ensure!(is_new, "{}: {error}", old.display());
             }
         }
-        let configuration = format!("robot = \"{ROBOT}\"\n\n{}", corner.as_toml());
+        let configuration = format!("robot = \"{ROBOT}\"\n\n{}", memory.as_toml());
         std::fs::write(folder.join("robot.toml"), configuration)?;
         Ok(Self {
             journal: Journal::open(&journal, "trial")?,
@@ -81,7 +81,7 @@ impl Cast {
             nsrm: nsrm.to_owned(),
             running: BTreeMap::new(),
             rng: fastrand::Rng::with_seed(seed),
-            corner,
+            memory,
         })
     }
 
@@ -91,7 +91,7 @@ impl Cast {
 
     /// Takes a place beside them.
     pub(crate) fn join(&self, role: Role) -> Result<Robot> {
-        Ok(Robot::join(ROBOT.parse()?, role, &self.corner.config)?)
+        Ok(Robot::join(ROBOT.parse()?, role, &self.memory.config)?)
     }
 
     /// A command of `nsrm` for this robot.
@@ -108,8 +108,8 @@ impl Cast {
     fn own(&self, part: &str) -> Result<Command> {
         let mut command = Command::new(std::env::current_exe()?);
         command.arg(part).args(["--robot", ROBOT]);
-        command.arg("--root").arg(self.corner.root());
-        command.args(["--prefix", self.corner.prefix()]);
+        command.arg("--root").arg(self.memory.root());
+        command.args(["--prefix", self.memory.prefix()]);
         command
             .arg("--journal")
             .arg(self.folder.join("journal.jsonl"));
@@ -147,12 +147,15 @@ impl Cast {
             let now_ns = now_ns();
             let view = watcher.look(now_ns);
             let live = view.nodes.iter().flatten().filter(|node| {
-                PARTS.contains(&node.role) && node.lives(Limits::default().silence_ns, now_ns)
+                PARTS.contains(&node.role) && node.is_alive(Limits::default().silence_ns, now_ns)
             });
             if live.count() == PARTS.len() && view.scenes.count > 0 {
                 return Ok(());
             }
-            ensure!(now_ns < end_ns, "not all processes came to life: {view:?}");
+            ensure!(
+                now_ns < end_ns,
+                "not all processes came to heartbeats: {view:?}"
+            );
             if let Some((role, status)) = self.ended()?.first() {
                 bail!("{} ended before it began: {status}", role.word());
             }
@@ -169,7 +172,7 @@ impl Cast {
     /// Files that the processes share, in memory and in their folder, and the bytes of those
     /// in memory.
     pub(crate) fn shared(&self) -> Result<(usize, u64)> {
-        let names = self.corner.left_behind();
+        let names = self.memory.left_behind();
         // What has gone meanwhile counts nothing.
         let bytes = names
             .iter()
@@ -234,23 +237,23 @@ impl Cast {
         // Frees what the dead had, as each node does when it is started and ever after.
         let left = loop {
             drop(self.join(Role::Watcher)?);
-            let left = self.corner.left_behind();
+            let left = self.memory.left_behind();
             if left.is_empty() || now_ns() >= end_ns {
                 break left;
             }
-            std::thread::sleep(BETWEEN_BURIALS);
+            std::thread::sleep(BETWEEN_CLEANUPS);
         };
         self.journal.write("left", json!({"names": left}))
     }
 }
 
-impl Drop for Cast {
+impl Drop for ProcessGroup {
     /// Nothing runs on when a trial breaks off, and nothing is left.
     fn drop(&mut self) {
         for (_, child) in self.running.values_mut() {
             let _ = child.kill();
             let _ = child.wait();
         }
-        self.corner.clear();
+        self.memory.clear();
     }
 }

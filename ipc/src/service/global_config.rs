@@ -11,7 +11,7 @@ use rustix::fs::{MemfdFlags, memfd_create};
 /// What a node has left that was killed before it had written down where it lives, iceoryx2
 /// 0.10 looks for at the place that is global to who looks: without this, such files stay
 /// for ever. The global place can be set by a file alone.
-pub fn settle(config: &Config) -> io::Result<()> {
+pub fn set_global_config(config: &Config) -> io::Result<()> {
     let (root, prefix) = (config.global.root_path(), config.global.prefix);
     let text = format!(
         "[global]\nroot-path = {:?}\nprefix = {:?}\n",
@@ -19,7 +19,7 @@ pub fn settle(config: &Config) -> io::Result<()> {
         prefix.to_string()
     );
     // In memory: a file of a name in a folder for all may be another user's.
-    let file = memfd_create(c"nsrm-place", MemfdFlags::CLOEXEC)?;
+    let file = memfd_create(c"nsrm-global-config", MemfdFlags::CLOEXEC)?;
     let mut file = File::from(file);
     file.write_all(text.as_bytes())?;
     let path = format!("/proc/self/fd/{}", file.as_raw_fd());
