@@ -11,8 +11,8 @@ from another_process import TESTS, elsewhere
 
 from nsrm_harness.evaluation.manipulation_trials import disturbed_episode, trial
 from nsrm_harness.evaluation.manipulation_trials.rows import ROWS
-from nsrm_harness.manipulation import follow
-from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.nodes import arm_mover
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 TRUTH = (
@@ -37,7 +37,7 @@ print(*sorted(sys.modules), sep="\\n")
 
 FOLLOWING = """
 import sys
-import nsrm_harness.manipulation.follow
+import nsrm_harness.nodes.closed_loop
 print(*sorted(sys.modules), sep="\\n")
 """
 
@@ -65,7 +65,7 @@ def test_no_module_of_the_arm_loads_what_knows_the_truth() -> None:
 
 def test_what_follows_a_sentence_loads_nothing_that_knows_the_truth() -> None:
     modules = loaded_with(FOLLOWING)
-    used = {"manipulation.follow", "manipulation.retries", "perception.observer"}
+    used = {"nodes.closed_loop", "manipulation.retries", "perception.observer"}
     assert {f"nsrm_harness.{name}" for name in used} <= modules
     assert truths(modules) == set()
 
@@ -81,9 +81,7 @@ class Watch:
         self._is_on = False
         for name in self.ASKED:
             monkeypatch.setattr(ArmWorld, name, self._watched(getattr(ArmWorld, name)))
-        for of in (Follower, disturbed_episode):
-            name = "follow" if of is Follower else "follow_blindly"
-            monkeypatch.setattr(of, name, self._watching(getattr(of, name)))
+        monkeypatch.setattr(ClosedLoop, "follow", self._watching(ClosedLoop.follow))
 
     def _watched(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def asked(*arguments: Any) -> Any:
@@ -148,13 +146,13 @@ def test_an_arm_that_asks_for_the_truth_is_noticed(
     watch = Watch(monkeypatch)
     peeking: dict[str, Any] = {"__name__": "nsrm_harness.manipulation.peeking"}
     exec(f"def peek(world):\n    return world.{question}", peeking)
-    reach = follow.reach_sub_goal
+    reach = arm_mover.reach_sub_goal
 
     def peeks(body: ArmWorld, *arguments: Any, **named: Any) -> Any:
         peeking["peek"](body)
         return reach(body, *arguments, **named)
 
-    monkeypatch.setattr(follow, "reach_sub_goal", peeks)
+    monkeypatch.setattr(arm_mover, "reach_sub_goal", peeks)
     trial.run(row, 5, 0)
     assert others(watch.askers) == {"nsrm_harness.manipulation.peeking"}
 

@@ -18,7 +18,7 @@ from nsrm_harness.cli.main import main
 from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.domain.program import Step, canonical
 from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
-from nsrm_harness.manipulation.follow import Follower
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.paper.figures import figures_report as report
 from nsrm_harness.paper.figures.run_figures import CompletedStep, VariationResult, run
 from nsrm_harness.paper.figures.scenes import FIGURES, Figure, draw
@@ -171,14 +171,14 @@ def test_what_was_touched_is_told() -> None:
 def test_more_steps_that_are_understood_later_are_judged_by_the_last_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    follow = Follower.follow
+    follow = ClosedLoop.follow
 
-    def one_more(self: Follower, sentence: str) -> None:
+    def one_more(self: ClosedLoop, sentence: str) -> None:
         follow(self, sentence)
         self.begin(1)
         self.reached(1, self.performed[-1])
 
-    monkeypatch.setattr(Follower, "follow", one_more)
+    monkeypatch.setattr(ClosedLoop, "follow", one_more)
     ended = run(FIGURES[0], 2, 0)
     assert ended.end == "succeeded", ended.why
     assert [step.verdict.step for step in ended.steps] == [0, 0]

@@ -25,7 +25,6 @@ from nsrm_harness.nodes.config import RobotConfigError, read_config
 from nsrm_harness.nodes.controller import Answer, Controller, fault, stops_first
 from nsrm_harness.nodes.leftovers import SEGMENTS, remove_segments
 from nsrm_harness.nodes.messages import Heartbeat, Kind, Outcome, Role, State, SubGoal
-from nsrm_harness.nodes.movers import TeleportMover
 from nsrm_harness.nodes.ports import (
     BEAT_NS,
     LINE_NS,
@@ -36,6 +35,7 @@ from nsrm_harness.nodes.ports import (
     RobotServices,
 )
 from nsrm_harness.nodes.simulated_robot import FRAME_S, SimulatedRobot
+from nsrm_harness.nodes.teleport_mover import TeleportMover
 from nsrm_harness.perception.cuboids import faces
 from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import relief

@@ -17,9 +17,9 @@ from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.robot_interface import wait
+from nsrm_harness.nodes.arm_mover import ArmMover
 from nsrm_harness.nodes.controller import Answer, Controller
 from nsrm_harness.nodes.messages import Kind, Outcome, SubGoal
-from nsrm_harness.nodes.movers import ArmMover
 from nsrm_harness.perception.observer import Observation, Observer, sub_goal
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.simulation.render import Renderer
@@ -61,7 +61,16 @@ class Scene:
         self.told: list[tuple[Outcome, int]] = []
         self.waiting: list[SubGoal] = []
         self.while_working: Callable[[], None] = lambda: None
-        self.arm = ArmMover(self.world, self.look, self._work, self._is_stopped, called)
+        self.arm = ArmMover(
+            self.world,
+            self.look,
+            lambda: self.world.time_s,
+            seen=lambda: self.sight.cuboids,
+            alive=self._work,
+            stop=self._is_stopped,
+            name=called,
+        )
+        self.world.on_tick = self.arm.tick
         self.controller = Controller(self.arm, self._say, self._reject, lambda: NOW_NS)
 
     def _work(self) -> None:
@@ -93,6 +102,8 @@ class Scene:
         command.object_id, command.reference_id = planned.object_id, planned.reference_id
         command.position[:] = planned.position
         command.orientation[:] = planned.orientation
+        done = {n for it in self.steps[:step] for n in (it.object_id, it.reference_id)}
+        command.keep[: len(done)] = sorted(done)
         command.until_ns = NOW_NS
         return command
 

@@ -456,13 +456,13 @@ class Executive:
         Raises Refused for a sentence that is too long, NsrmError while another one is carried out.
         """
 
-    def see(self, scene: Scene, taken_ns: int, now_ns: int) -> str | None:
+    def on_scene(self, scene: Scene, taken_ns: int, now_ns: int) -> str | None:
         """A scene has arrived; says why it won't be acted upon, if so.
 
         `taken_ns`: when its image was taken.
         """
 
-    def hear(
+    def on_feedback(
         self,
         plan: int,
         command: int,
@@ -482,10 +482,10 @@ class Executive:
     def cancel(self) -> None:
         """The sentence is no longer wanted: what moves is stopped, and "cancelled" ends it."""
 
-    def lose_controller(self) -> None:
+    def on_controller_lost(self) -> None:
         """The controller died, hangs, or is another one than before."""
 
-    def miss_controller(self) -> None:
+    def on_command_undelivered(self) -> None:
         """The last command could not be sent."""
 
     def poll(self, now_ns: int) -> Event:

@@ -12,10 +12,10 @@ import nsrm
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusedError
 from nsrm_harness.manipulation.execute import Mark
-from nsrm_harness.manipulation.follow import Follower
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.perception.observer import Observation, Observer
 from nsrm_harness.simulation.world import World
 from nsrm_harness.visualization.demo_listener import StepResult, Stopped
@@ -114,7 +114,7 @@ def carry(
         outcomes[index] = outcome
         tell(index, outcome)
 
-    follower = Follower(
+    loop = ClosedLoop(
         body,
         PickAndPlacePlanner(),
         eyes,
@@ -126,7 +126,7 @@ def carry(
         reached=told,
     )
     try:
-        follower.follow(sentence)
+        loop.follow(sentence)
     except nsrm.Refused as refusal:
         if not begun:
             raise

@@ -7,13 +7,31 @@ from collections.abc import Mapping
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.stability import resting_on
 
 DISPLACED_M = 0.003
 """Another block that is seen farther from where it was has been moved."""
+COVERED_M = 0.010
+"""So far off one may be seen that bears another, which hides a part of it, as long as that one has
+stayed where it was."""
 
 Displacements = tuple[tuple[str, float], ...]
 """The names of what else was moved, and how far at most, metres; infinitely far if it is no
 longer seen."""
+
+
+def moved_objects(before: Mapping[int, Cuboid], now: Mapping[int, Cuboid]) -> set[int]:
+    """The numbers of the objects that are seen elsewhere than before, or not at all."""
+    shifts_m = {
+        number: now[number].pose.distance_m(cuboid.pose) if number in now else math.inf
+        for number, cuboid in before.items()
+    }
+    stayed = {number: now[number] for number, shift_m in shifts_m.items() if shift_m <= DISPLACED_M}
+    return {
+        number
+        for number in shifts_m.keys() - stayed.keys()
+        if shifts_m[number] > COVERED_M or not resting_on(now[number], stayed)
+    }
 
 
 class DisplacementTracker:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
+import nsrm
+
 from nsrm_harness.manipulation.retries import ManipulationError
 from nsrm_harness.manipulation.robot_interface import RobotInterface, wait
 from nsrm_harness.perception.relief import PerceptionError
 
-PATIENCE_S, PAUSE_S = 3.0, 0.1
-"""So long a camera that shows nothing new is waited for, and so long between two looks."""
+PATIENCE_S, PAUSE_S = nsrm.Limits().scene_wait_ns / 1e9, 0.1
+"""So long a camera that shows nothing new is waited for, as by the executive, and so long between
+two looks."""
 
 Seen = TypeVar("Seen")
 

@@ -39,6 +39,15 @@ def untold(names: Sequence[str]) -> None:
     """Tells nobody."""
 
 
+Ready = Callable[[Mapping[str, Cuboid]], None]
+"""Is told what is seen right before the block itself is carried, and may raise
+`ManipulationError`."""
+
+
+def always_ready(objects: Mapping[str, Cuboid]) -> None:
+    """Has nothing against it."""
+
+
 class ManipulationError(HarnessError):
     """Something has moved, but not as it was to; the arm is at rest in its ready pose.
 
@@ -128,6 +137,7 @@ def reach_sub_goal(
     tries: int = MAX_TRIES,
     stop: Stop = never_stopped,
     tell: Tell = untold,
+    ready: Ready = always_ready,
 ) -> SubGoalReached:
     """Carries a block to its sub-goal; what only stands too near is moved aside first, or the block
     itself is set down on the way.
@@ -149,7 +159,7 @@ def reach_sub_goal(
             planner, objects, name, goal, begin, refusal
         )
 
-    return hands.carry(hands.see(), name, goal, before)
+    return hands.carry(hands.see(), name, goal, before, ready)
 
 
 Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Relocation, ...]]
@@ -183,7 +193,12 @@ class _Hands:
         return objects
 
     def carry(
-        self, objects: Mapping[str, Cuboid], name: str, goal: Pose, before: Before = _nothing
+        self,
+        objects: Mapping[str, Cuboid],
+        name: str,
+        goal: Pose,
+        before: Before = _nothing,
+        ready: Ready = always_ready,
     ) -> SubGoalReached:
         """Carries a block to its sub-goal as it looks, and again as it looks then; each time what
         is to be carried first is. Raises as `reach_sub_goal`."""
@@ -192,6 +207,7 @@ class _Hands:
         motion_s = 0.0
         done = ExecutionResult.PLACED
         for number in range(1, self.tries + 1):
+            ready(objects)
             try:
                 carry = self.planner.carry(objects, name, goal, self.body.joints())
             except RefusedError as refusal:
@@ -205,6 +221,7 @@ class _Hands:
                 cleared += asides
                 first += self._clear(objects, name, asides)
                 objects = self.see()
+                ready(objects)
                 carry = self._carry_after(cleared, objects, name, goal)
             done = execute(self.body, carry, self.mark, self.stop)
             motion_s += carry.duration_s

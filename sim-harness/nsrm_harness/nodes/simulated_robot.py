@@ -12,10 +12,10 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.geometry.camera import Camera, default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Vector3
+from nsrm_harness.nodes.arm_mover import ArmMover
 from nsrm_harness.nodes.config import RobotConfig
 from nsrm_harness.nodes.controller import Controller, Mover, stops_first
 from nsrm_harness.nodes.messages import CameraFrame, CameraMessage, Role, State, SubGoal
-from nsrm_harness.nodes.movers import ArmMover, TeleportMover
 from nsrm_harness.nodes.ports import (
     CommandsIn,
     FeedbackOut,
@@ -24,6 +24,7 @@ from nsrm_harness.nodes.ports import (
     RobotServices,
     now_ns,
 )
+from nsrm_harness.nodes.teleport_mover import TeleportMover
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.perception.relief import PerceptionError
 from nsrm_harness.simulation.arm_world import ArmWorld
@@ -33,8 +34,10 @@ from nsrm_harness.simulation.world import World
 
 FRAME_S = 0.1
 """Time between two frames, at least."""
+HIDDEN = 2
+"""Of a box: nothing is seen of its object."""
 CLEANUP_FRAMES = 2
-"""After how many frames the dead are looked for."""
+"""After how many frames dead nodes are cleaned up."""
 
 
 class SimulatedRobot:
@@ -68,13 +71,21 @@ class SimulatedRobot:
         self._eyes = Observer(SimulatedCamera(renderer, self.world, self._camera))
         self._ending = threading.Event()
         self._waiting: list[SubGoal] = []
-        self._arm = (
-            ArmMover(self.world, self._look_again, self._work, self._is_stopped)
-            if isinstance(self.world, ArmWorld)
-            else None
-        )
+        self._arm = self._arm_of(self.world) if isinstance(self.world, ArmWorld) else None
         mover: Mover = self._arm or TeleportMover(self.world, self._position)
         self._controller = Controller(mover, self._feedback.say, self._life.reject, now_ns)
+
+    def _arm_of(self, world: ArmWorld) -> ArmMover:
+        arm = ArmMover(
+            world,
+            self._look_again,
+            lambda: world.time_s,
+            seen=lambda: self._seen,
+            alive=self._work,
+            stop=self._is_stopped,
+        )
+        world.on_tick = arm.tick
+        return arm
 
     def close(self) -> None:
         """Ends the world."""
@@ -143,12 +154,14 @@ class SimulatedRobot:
             sequence=self._sequence,
             timestamp_ns=taken_ns,
             camera=_camera_message(self._camera),
-            count=len(sight.locations),
         )
-        for box, (number, location) in zip(header.boxes, sight.locations.items(), strict=False):
+        header.count = min(len(sight.whole), len(header.boxes))
+        for box, (number, whole) in zip(header.boxes, sight.whole.items(), strict=False):
             box.id, box.covered = number, number in sight.covered
-            box.visible[:] = location[:4].tolist()
-            box.location[:] = sight.whole[number].tolist()
+            if number not in sight.locations:
+                box.covered = HIDDEN
+            box.visible[:] = sight.locations.get(number, whole)[:4].tolist()
+            box.location[:] = whole.tolist()
         self._frames.send(header, sight.rgb, sight.depth)
 
 

@@ -39,7 +39,8 @@ class Observation:
     * `labels`: `int32 [H, W]`, an object's number where it is seen
     * `locations`: of what is seen of each, by number; the same object has the same number in all
       pictures
-    * `whole`: of all of each, as it was seen before where another covers a part of it
+    * `whole`: of all of each, as it was seen before where others cover it or a part of it; of
+      what is hidden, too
     * `covered`: the numbers of those
     * `cuboids`: of all that are believed to be there, hidden ones included
     * `taken_s`: when, by the world's clock
@@ -121,13 +122,15 @@ class Observer:
             for (number, location), size in zip(locations.items(), sizes, strict=True)
             if not self._is_whole(number, _Whole(location, cuboids[number].pose, size))
         )
+        # Where nothing is seen that would be behind it.
+        hidden = cuboids.keys() & self._wholes.keys() - locations.keys()
         return Observation(
             image.rgb,
             image.depth,
             np.array((0, *numbers), np.int32)[found.labels],
             locations,
-            {number: self._wholes[number].location for number in locations},
-            covered,
+            {number: self._wholes[number].location for number in (*locations, *sorted(hidden))},
+            covered | hidden,
             cuboids,
             image.taken_s,
         )

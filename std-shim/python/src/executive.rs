@@ -95,7 +95,7 @@ impl Executive {
     }
 
     /// A scene has arrived; says why it won't be acted upon, if so.
-    fn see(&mut self, scene: &Scene, taken_ns: u64, now_ns: u64) -> Option<String> {
+    fn on_scene(&mut self, scene: &Scene, taken_ns: u64, now_ns: u64) -> Option<String> {
         let message = SceneMessage {
             timestamp_ns: taken_ns,
             ..SceneMessage::from(&*scene.inner)
@@ -108,7 +108,7 @@ impl Executive {
 
     /// The controller says how a command goes.
     #[pyo3(signature = (plan, command, outcome, now_ns, *, at_ns = None, objects = (0, 0)))]
-    fn hear(
+    fn on_feedback(
         &mut self,
         plan: u64,
         command: u32,

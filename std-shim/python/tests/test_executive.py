@@ -42,10 +42,10 @@ class World:
         scene = self.model.scene_from_embeddings(
             [1, 2], self.locations[:, :4], self.locations[:, 4], self.embeddings, self.camera
         )
-        return self.executive.see(scene, self.now_ns - age_ns, self.now_ns)
+        return self.executive.on_scene(scene, self.now_ns - age_ns, self.now_ns)
 
     def hear(self, command: nsrm.Command, outcome: int, **details: Any) -> None:
-        self.executive.hear(command.plan, command.command, outcome, self.now_ns, **details)
+        self.executive.on_feedback(command.plan, command.command, outcome, self.now_ns, **details)
 
     def next(self, kind: type[Kind]) -> Kind:
         """The next event that is not work or waiting, with a scene each 10 ms."""
@@ -187,9 +187,9 @@ def test_scenes_and_words_that_are_not_acted_upon(model: nsrm.Model) -> None:
     )
     assert world.see() is None
     assert "older than the one before" in str(world.see(age_ns=MS))
-    world.executive.hear(7, 1, REACHED, world.now_ns)
+    world.executive.on_feedback(7, 1, REACHED, world.now_ns)
     with pytest.raises(nsrm.NsrmError, match="77"):
-        world.executive.hear(7, 1, 77, world.now_ns)
+        world.executive.on_feedback(7, 1, 77, world.now_ns)
 
 
 def test_limits() -> None:

@@ -18,7 +18,6 @@ from nsrm_harness.evaluation.manipulation_trials.episode import (
     EpisodeResult,
     TrialEpisode,
     lasting,
-    model,
     planner,
     renderer,
 )
@@ -30,7 +29,7 @@ from nsrm_harness.evaluation.manipulation_trials.fault_injection import (
     InjectedFault,
 )
 from nsrm_harness.evaluation.manipulation_trials.judge import SHIFT_M, PlacementVerdict
-from nsrm_harness.evaluation.manipulation_trials.open_loop import follow_blindly
+from nsrm_harness.evaluation.manipulation_trials.open_loop import BlindMover
 from nsrm_harness.evaluation.manipulation_trials.rows import MAX_TRIES, Drawn, TrialRow, draw
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.camera import default_camera
@@ -124,8 +123,8 @@ class _Disturbed(TrialEpisode):
         loop: Loop,
     ) -> None:
         super().__init__(arm, drawn, films)
-        self._arm, self._disturbance, self._loop = arm, disturbance, loop
-        self._is_clearing, self._reached = False, 0
+        self._arm, self._disturbance, self._loop_kind = arm, disturbance, loop
+        self._is_clearing, self._reached_before = False, 0
         self._put_aside, self._cleared = set[int](), set[int]()
         self._before = arm.poses()
 
@@ -177,22 +176,16 @@ class _Disturbed(TrialEpisode):
         return Observer(FaultyCamera(renderer(), self._arm, default_camera(), self._disturbance))
 
     def _follow(self) -> None:
-        if self._loop == "closed":
-            super()._follow()
-            return
-        follow_blindly(
-            self._arm,
-            planner(),
-            self._eyes(),
-            model(),
-            self._drawn.sentence,
-            self._mark,
-            self._begin,
-            self._end,
-        )
+        loop = self._loop()
+        if self._loop_kind == "open":
+            loop.mover = BlindMover(self._arm, planner(), loop.seen, self._mark)
+            loop.follow(self._drawn.sentence, "open_loop")
+        else:
+            loop.follow(self._drawn.sentence)
 
     def _begin(self, index: int) -> Pose:
-        self._is_clearing, self._reached, self._cleared = False, len(self._performed), set()
+        self._is_clearing, self._cleared = False, set()
+        self._reached_before = len(self._performed)
         goal = super()._begin(index)
         self._mark(BEGUN)
         return goal
@@ -212,10 +205,10 @@ class _Disturbed(TrialEpisode):
         self._judge.tick()
 
     def _end(self, index: int) -> None:
-        reached = self._performed[self._reached :]
+        reached = self._performed[self._reached_before :]
         self._put_aside |= {self._nearest(place) for done in reached for place in done.aside}
         if not reached:
-            # What it has cleared away before the attempt failed.
+            # What it has cleared away before the command failed.
             self._put_aside |= self._cleared
         super()._end(index)
 

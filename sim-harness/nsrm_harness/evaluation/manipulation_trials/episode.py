@@ -17,10 +17,10 @@ from nsrm_harness.evaluation.manipulation_trials.rows import Drawn
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusedError
 from nsrm_harness.manipulation.execute import unmarked
-from nsrm_harness.manipulation.follow import Follower
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.render import Renderer, open_renderer
@@ -74,6 +74,7 @@ class TrialEpisode(ABC):
         self._judge = PlacementJudge(world, drawn.arrangement.blocks)
         self._verdicts: list[PlacementVerdict] = []
         self._performed: list[SubGoalReached] = []
+        self._is_open, self._reached = False, 0
         self._others_tick = world.on_tick
         world.on_tick = self._tick
 
@@ -100,7 +101,7 @@ class TrialEpisode(ABC):
 
     def _end_of(self) -> EpisodeEnd:
         try:
-            self._follow()
+            self._follow_to_the_end()
         except nsrm.Refused as refusal:
             return self._stopped(EpisodeEnd("refused", str(refusal), refusal.kind), refusal)
         except RefusedError as refusal:
@@ -109,9 +110,19 @@ class TrialEpisode(ABC):
             return self._stopped(EpisodeEnd("failed", str(failure)), failure)
         return self._followed()
 
+    def _follow_to_the_end(self) -> None:
+        try:
+            self._follow()
+        finally:
+            if self._is_open:
+                self._close()
+
     def _follow(self) -> None:
-        """Has the arm do what the sentence says. Raises as `Follower.follow`."""
-        follower = Follower(
+        """Has the arm do what the sentence says. Raises as `ClosedLoop.follow`."""
+        self._loop().follow(self._drawn.sentence)
+
+    def _loop(self) -> ClosedLoop:
+        loop = ClosedLoop(
             self._world,
             planner(),
             self._eyes(),
@@ -120,8 +131,8 @@ class TrialEpisode(ABC):
             begin=self._begin,
             end=self._end,
         )
-        self._performed = follower.performed
-        follower.follow(self._drawn.sentence)
+        self._performed = loop.performed
+        return loop
 
     @abstractmethod
     def _eyes(self) -> Observer: ...
@@ -149,15 +160,31 @@ class TrialEpisode(ABC):
         self._judge.tick()
 
     def _begin(self, index: int) -> Pose:
+        """A command for a step: the attempt at it begins, or goes on if the one before failed."""
         # A sentence of which more steps were understood is judged by its last one.
-        self._step = min(index, len(self._moves) - 1)
-        return self._judge.begin(self._moves[self._step])
+        step = min(index, len(self._moves) - 1)
+        if self._is_open and step != self._step:
+            self._close()
+        if not self._is_open:
+            self._step, self._is_open, self._reached = step, True, len(self._performed)
+            self._goal = self._judge.begin(self._moves[step])
+        return self._goal
 
     def _end(self, index: int) -> None:
+        """The command has ended, and the attempt if the step was reached."""
+        if self._reached_now():
+            self._close()
+
+    def _close(self) -> None:
+        self._is_open = False
         verdict = self._verdict()
         # What was refused has not begun.
         if verdict.seconds > 0:
             self._verdicts.append(replace(verdict, step=self._step))
+
+    def _reached_now(self) -> list[SubGoalReached]:
+        """The sub-goals that were reached in this attempt."""
+        return self._performed[self._reached :]
 
     def _verdict(self) -> PlacementVerdict:
         return self._judge.end(self._aside())

@@ -1,43 +1,53 @@
-"""What a disturbed episode comes to without the loop: planned from the first picture, and carried
-out as if nothing could go wrong."""
+"""An arm that carries out what it is told as if nothing could go wrong: for the open loop."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-import nsrm
-
+from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.geometry.cuboid import Cuboid
+from nsrm_harness.manipulation.errors import RefusedError
 from nsrm_harness.manipulation.execute import Mark, execute
-from nsrm_harness.manipulation.follow import numbered
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
-from nsrm_harness.manipulation.robot_interface import RobotInterface
-from nsrm_harness.perception.observer import Observer, sub_goal
+from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError
+from nsrm_harness.nodes.arm_mover import REFUSALS, goal_of, numbered
+from nsrm_harness.nodes.controller import Answer, Tell
+from nsrm_harness.nodes.messages import Outcome, SubGoal
 
 
-def follow_blindly(
-    body: RobotInterface,
-    planner: PickAndPlacePlanner,
-    eyes: Observer,
-    model: nsrm.Model,
-    sentence: str,
-    mark: Mark,
-    begin: Callable[[int], object],
-    end: Callable[[int], None],
-) -> None:
-    """Has the arm carry each block once to where the plan of the first picture has it go, believed
-    to stand where it was put before.
+class BlindMover:
+    """The arm carries each block once, believed to stand where it was put before, and says that
+    it has.
 
-    Raises `nsrm.Refused`, `RefusedError` and `StuckError` as `Follower.follow`.
+    * `seen`: what was seen before the first command
     """
-    sight = eyes.look()
-    plan = model.plan(sight.scene(model, eyes.camera), sentence)
-    believed = {numbered(number): cuboid for number, cuboid in sight.cuboids.items()}
-    for index, step in enumerate(plan.steps):
-        name = numbered(step.object_id)
-        begin(index)
+
+    result: HarnessError | None = None
+    """What kept it from carrying the last block."""
+
+    def __init__(
+        self,
+        body: RobotInterface,
+        planner: PickAndPlacePlanner,
+        seen: Callable[[], Mapping[int, Cuboid]],
+        mark: Mark,
+    ) -> None:
+        self._body, self._planner, self._seen, self._mark = body, planner, seen, mark
+        self._believed: dict[str, Cuboid] = {}
+
+    def __call__(self, command: SubGoal, tell: Tell) -> Answer:
+        """Carries a block to its sub-goal, as planned."""
+        if not self._believed:
+            self._believed = {numbered(each): cuboid for each, cuboid in self._seen().items()}
+        name, begin = numbered(command.object_id), self._body.joints()
         try:
-            carry = planner.carry(believed, name, sub_goal(step), body.joints())
-            execute(body, carry, mark)
-        finally:
-            end(index)
-        believed[name] = carry.placement.cuboid
+            carry = self._planner.carry(self._believed, name, goal_of(command), begin)
+            execute(self._body, carry, self._mark)
+        except RefusedError as refusal:
+            self.result = refusal
+            return Answer(REFUSALS[refusal.why])
+        except StuckError as error:
+            self.result = error
+            return Answer(Outcome.NOT_FOLLOWING)
+        self._believed[name] = carry.placement.cuboid
+        return Answer(Outcome.REACHED)

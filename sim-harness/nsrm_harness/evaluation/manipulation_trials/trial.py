@@ -49,18 +49,11 @@ def run(
 class _ByModel(TrialEpisode):
     """An episode in which the model plans from images."""
 
-    _reached = 0
-
     def _eyes(self) -> Observer:
         return Observer(SimulatedCamera(renderer(), self._world, default_camera()))
 
-    def _begin(self, index: int) -> Pose:
-        self._reached = len(self._performed)
-        return super()._begin(index)
-
     def _aside(self) -> list[Pose]:
-        reached = self._performed[self._reached :]
-        return [place for done in reached for place in done.aside]
+        return [place for done in self._reached_now() for place in done.aside]
 
     def _followed(self) -> EpisodeEnd:
         for number, verdict in enumerate(self._verdicts, start=1):

@@ -15,9 +15,9 @@ from nsrm_harness.evaluation.manipulation_trials.episode import lasting, model, 
 from nsrm_harness.evaluation.manipulation_trials.judge import PlacementJudge, PlacementVerdict
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.manipulation.errors import RefusedError
-from nsrm_harness.manipulation.follow import Follower
 from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.paper.figures.scenes import Figure, FigureScene, draw
 from nsrm_harness.paper.figures.sheet import Sheet
 from nsrm_harness.perception.observer import (
@@ -99,7 +99,7 @@ class _Episode:
         self._judge = PlacementJudge(world, scene.arrangement.blocks)
         world.on_tick = self._judge.tick
         self._eyes = Observer(SimulatedCamera(renderer(), world, default_camera()))
-        self._number = 0
+        self._number, self._has_reached = 0, False
         self.done: list[CompletedStep] = []
 
     def carry_out(self, sentence: str) -> tuple[str, str]:
@@ -113,7 +113,7 @@ class _Episode:
         if len(plan.steps) != len(self._moves):
             return "failed", f"model: {len(plan.steps)} steps instead of {len(self._moves)}"
         self._steps = plan.steps
-        follower = Follower(
+        loop = ClosedLoop(
             self._world,
             planner(),
             self._eyes,
@@ -124,7 +124,7 @@ class _Episode:
             reached=self._reached,
         )
         try:
-            follower.follow(sentence)
+            loop.follow(sentence)
         except (nsrm.Refused, RefusedError) as refusal:
             return "refused", f"arm, step {self._number}: {refusal}"
         except (ManipulationError, StuckError) as error:
@@ -150,11 +150,14 @@ class _Episode:
 
     def _begin(self, index: int) -> None:
         # If replanning finds more steps than there are, the extra ones are judged as the last.
-        index = min(index, len(self._moves) - 1)
-        self._number = index + 1
-        self._truth = self._judge.begin(self._moves[index])
+        number = min(index, len(self._moves) - 1) + 1
+        # What failed and is tried again is one attempt.
+        if self._has_reached or number != self._number:
+            self._number, self._has_reached = number, False
+            self._truth = self._judge.begin(self._moves[number - 1])
 
     def _reached(self, _index: int, performed: SubGoalReached) -> None:
+        self._has_reached = True
         verdict = replace(self._judge.end(performed.aside), step=self._number - 1)
         goal_off_m = sub_goal(self._steps[self._number - 1]).distance_m(self._truth)
         self.done.append(CompletedStep(verdict, goal_off_m, performed.corrected_m, performed.tries))

@@ -12,8 +12,8 @@ from nsrm_harness.evaluation.manipulation_trials.speed.episode import SpeedEpiso
 from nsrm_harness.evaluation.manipulation_trials.speed.stopwatch import REST, Site, Stopwatch
 from nsrm_harness.manipulation import paths, pick_and_place, retries, trajectory
 from nsrm_harness.manipulation.collision import CollisionChecker
-from nsrm_harness.manipulation.follow import Follower
 from nsrm_harness.manipulation.kinematics import Kinematics
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.render.gl import GlRenderer
@@ -23,7 +23,7 @@ from nsrm_harness.simulation.world import World
 _FUNCTIONS: dict[str, tuple[tuple[type | ModuleType, tuple[str, ...]], ...]] = {
     "rendering": ((GlRenderer, ("render",)), (TinyRenderer, ("render",))),
     "perception": ((Observer, ("look",)),),
-    "model": ((Follower, ("_plan",)),),
+    "model": ((ClosedLoop, ("_poll", "_tell")),),
     "kinematics": ((Kinematics, ("joints",)),),
     "collision": ((CollisionChecker, ("__init__", "along", "touches", "nearest")),),
     "sampling": ((paths, ("_sampled",)),),

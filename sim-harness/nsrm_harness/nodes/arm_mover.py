@@ -1,28 +1,24 @@
-"""What moves blocks for a controller: the arm, or nothing but physics."""
+"""What moves blocks for a controller: the arm, by what a camera shows."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
 
+from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.geometry.cuboid import Cuboid
-from nsrm_harness.geometry.pose import Pose, Vector3
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.displacements import moved_objects
 from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
-from nsrm_harness.manipulation.execute import ExecutionResult, retreat
+from nsrm_harness.manipulation.execute import ExecutionResult, Mark, retreat, unmarked
 from nsrm_harness.manipulation.observing import observe_with_timeout
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
-from nsrm_harness.manipulation.retries import ManipulationError, reach_sub_goal
-from nsrm_harness.manipulation.robot_interface import StuckError
-from nsrm_harness.manipulation.stopping import RetreatPath, StoppedError
+from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached, reach_sub_goal
+from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError
+from nsrm_harness.manipulation.stopping import RetreatPath, Stop, StoppedError, never_stopped
 from nsrm_harness.nodes.controller import Answer, Tell
 from nsrm_harness.nodes.messages import Outcome, SubGoal
-from nsrm_harness.simulation.arm_world import ArmWorld
-from nsrm_harness.simulation.world import World
 
-GRASP_M = 0.03
-"""How far from where an object is seen a block's centre may be for it to be taken."""
-MISPLACED_M = 0.02
-"""How far from its sub-goal a block may come to rest."""
 TICKS = 20
 """Of the arm, after which it is said that it still works."""
 
@@ -54,28 +50,12 @@ def numbered(number: int) -> str:
     return f"object {number}"
 
 
-class TeleportMover:
-    """Without an arm: a block is taken from where it is seen and let go above its sub-goal.
+class ReferenceMovedError(ManipulationError):
+    """What a block was to go to is no longer where it was when the command was given."""
 
-    * `seen`: where an object is seen, world frame, metres; None if it never was
-    """
 
-    def __init__(self, world: World, seen: Callable[[int], Vector3 | None]) -> None:
-        self._world, self._seen = world, seen
-
-    def __call__(self, command: SubGoal, tell: Tell) -> Answer:
-        """Moves an object; what it does besides, `tell` is told."""
-        seen, goal = self._seen(command.object_id), goal_of(command)
-        if seen is None:
-            return Answer(Outcome.IMPOSSIBLE)
-        block_id, distance_m = self._world.nearest(seen)
-        if distance_m > GRASP_M:
-            return Answer(Outcome.NOT_GRASPED)
-        self._world.place(block_id, goal)
-        if not self._world.settle().at_rest:
-            return Answer(Outcome.DROPPED)
-        missed = self._world.pose(block_id).distance_m(goal) > MISPLACED_M
-        return Answer(Outcome.MISPLACED if missed else Outcome.REACHED)
+def nothing() -> None:
+    """Does nothing."""
 
 
 class ArmMover:
@@ -84,28 +64,41 @@ class ArmMover:
 
     * `look`: takes a picture; gives all that is believed to stand there, by number. Raises
       `PerceptionError` where nothing can be seen on it, and is waited for then
-    * `alive`: is called every few milliseconds while it plans and moves
+    * `now_s`: the time by which is waited
+    * `seen`: what was seen before the command; a reference that is elsewhere when the block is
+      about to be fetched has moved
+    * `planner`: of motions; one of its own if none is given
+    * `alive`: is called every few milliseconds while it plans and, if `tick` is called, moves
     * `stop`: whether it is to stop, asked as often
     * `name`: what an object is called in the log, by its number; no two the same
+    * `mark`: is told what has just been done
+    * `log`: where it says what it does and why not
     """
 
     def __init__(
         self,
-        world: ArmWorld,
+        body: RobotInterface,
         look: Callable[[], Mapping[int, Cuboid]],
-        alive: Callable[[], None],
-        stop: Callable[[], bool],
+        now_s: Callable[[], float],
+        *,
+        seen: Callable[[], Mapping[int, Cuboid]] = dict,
+        planner: PickAndPlacePlanner | None = None,
+        alive: Callable[[], None] = nothing,
+        stop: Stop = never_stopped,
         name: Callable[[int], str] = numbered,
+        mark: Mark = unmarked,
+        log: logging.Logger = _LOG,
     ) -> None:
-        self._look, self._alive, self._asked_to_stop = look, alive, stop
-        self._spoken, self._numbers = name, dict[str, int]()
-        self._planner = PickAndPlacePlanner(alive=self._while_planning)
-        self._world, self._ticks, self._stop = world, 0, False
+        self._look, self._now_s, self._seen_before = look, now_s, seen
+        self._alive, self._asked_to_stop, self._mark = alive, stop, mark
+        self._log, self._spoken, self._numbers = log, name, dict[str, int]()
+        self._planner = planner or PickAndPlacePlanner(alive=self._while_planning)
+        self._body, self._ticks, self._stop = body, 0, False
         self._back: RetreatPath | None = None
         self._stuck = ""
-        self._plan, self._meant = 0, set[int]()
         self._carried: frozenset[int] = frozenset()
-        world.on_tick = self._tick
+        self.result: SubGoalReached | HarnessError | None = None
+        """What came of the last command in the arm's own words; None if it was not begun."""
 
     @property
     def held(self) -> frozenset[int]:
@@ -117,39 +110,50 @@ class ArmMover:
         """Moves an object; what is moved out of its way first, `tell` is told."""
         self.tidy_up()
         if self._stuck:
-            _LOG.error("not begun: %s; look at the arm and start its controller anew", self._stuck)
+            what = "not begun: %s; look at the arm and start its controller anew"
+            self._log.error(what, self._stuck)
             return Answer(Outcome.NOT_FOLLOWING)
-        if command.plan != self._plan:
-            self._plan, self._meant = command.plan, set()
-        # What this plan has moved, or put something beside, stays where it is.
-        self._meant |= {command.object_id, command.reference_id}
+        keep = {command.reference_id, *command.keep} - {0}
         self._carried = frozenset([command.object_id])
-        self._stop = False
+        self._stop, self.result = False, None
+        before = dict(self._seen_before())
 
         def clearing(names: Sequence[str]) -> None:
-            _LOG.info("first carried: %s", " and ".join(names))
+            self._log.info("first carried: %s", " and ".join(names))
             numbers = self._numbers_of(names)
             self._carried |= set(numbers)
             tell(Answer(Outcome.CLEARING, numbers))
 
+        def ready(objects: Mapping[str, Cuboid]) -> None:
+            now = {self._numbers[name]: cuboid for name, cuboid in objects.items()}
+            if command.reference_id in moved_objects(before, now):
+                reference = self._name(command.reference_id)
+                raise ReferenceMovedError(f"{reference} is no longer where it was; I stopped")
+
         try:
             performed = reach_sub_goal(
-                self._world,
+                self._body,
                 self._planner,
                 self._seen,
                 self._name(command.object_id),
                 goal_of(command),
-                keep={self._name(number) for number in self._meant},
+                self._mark,
+                keep={self._name(number) for number in keep},
                 # Whether and how it is tried again is for who sends the commands.
                 tries=1,
                 stop=lambda: self._stop,
                 tell=clearing,
+                ready=ready,
             )
         except RefusedError as refusal:
-            _LOG.warning("not begun: %s", refusal)
+            self.result = refusal
+            self._log.warning("not begun: %s", refusal)
             return Answer(REFUSALS[refusal.why], self._numbers_of(refusal.in_the_way))
         except ManipulationError as failure:
-            _LOG.warning("%s", failure)
+            self.result = failure
+            self._log.warning("%s", failure)
+            if isinstance(failure, ReferenceMovedError):
+                return Answer(Outcome.REFERENCE_MOVED, (command.reference_id,))
             if failure.done is None:
                 # One that is not tried again has no other end without a reason.
                 return Answer(REFUSALS[failure.why or RefusalReason.UNSEEN])
@@ -157,19 +161,21 @@ class ArmMover:
         except _StoppedPlanningError:
             return Answer(Outcome.STOPPED)
         except StoppedError as stopped:
-            _LOG.warning("%s", stopped)
+            self._log.warning("%s", stopped)
             self._back = stopped.back
             return Answer(Outcome.STOPPED)
         except StuckError as error:
-            _LOG.error("%s", error)
+            self.result = error
+            self._log.error("%s", error)
             self._stuck = str(error)
             return Answer(Outcome.NOT_FOLLOWING)
-        _LOG.info("%s", performed)
+        self.result = performed
+        self._log.info("%s", performed)
         return Answer(Outcome.REACHED)
 
     def _seen(self) -> Mapping[str, Cuboid]:
         """All that is believed to stand there, by name."""
-        seen = observe_with_timeout(self._world, self._look, lambda: self._world.time_s)
+        seen = observe_with_timeout(self._body, self._look, self._now_s)
         return {self._name(number): cuboid for number, cuboid in seen.items()}
 
     def _name(self, number: int) -> str:
@@ -188,14 +194,15 @@ class ArmMover:
         back, self._back = self._back, None
         if back is None:
             return
-        _LOG.warning("the arm goes back, and puts down what it holds where it was")
+        self._log.warning("the arm goes back, and puts down what it holds where it was")
         try:
-            retreat(self._world, back)
+            retreat(self._body, back)
         except StuckError as error:
-            _LOG.error("%s", error)
+            self._log.error("%s", error)
             self._stuck = str(error)
 
-    def _tick(self) -> None:
+    def tick(self) -> None:
+        """To be called in each tick of the arm that is to be heard of, and may be stopped."""
         self._ticks += 1
         if self._ticks % TICKS == 0:
             self._alive()
