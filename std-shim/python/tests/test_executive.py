@@ -12,7 +12,7 @@ import pytest
 
 import nsrm
 
-MODEL_FILE = Path(__file__).parents[3] / "core/pretrained/tabletop.safetensors"
+MODEL_FILE = Path(__file__).parents[3] / "weights-codegen/tabletop/tabletop.safetensors"
 SENTENCE = "put the red block to the right of the blue block"
 MS = 1_000_000
 ACCEPTED, REACHED, NOT_GRASPED, STOPPED, CLEARING = 1, 2, 4, 7, 16
@@ -151,7 +151,7 @@ def test_a_cancelled_sentence_stops_the_controller(model: nsrm.Model) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lose", "kind"), [("lose_controller", "controller_lost"), ("miss_controller", "not_accepted")]
+    ("lose", "kind"), [("on_controller_lost", "controller_lost"), ("on_command_undelivered", "not_accepted")]
 )
 def test_a_controller_that_is_gone_is_told_of(model: nsrm.Model, lose: str, kind: str) -> None:
     world = World(model)
