@@ -296,7 +296,7 @@ def test_more_objects_than_there_is_room_for_are_refused(renderer: Renderer, wor
     check(renderer, world)
     put(world, grid)
     seen = look(renderer, world)
-    with pytest.raises(PerceptionError, match="17 objects in view, there is room for 16"):
+    with pytest.raises(PerceptionError, match="17 objects in view, at most 16 are supported"):
         detect(seen.rgb, seen.depth, CAMERA)
 
 

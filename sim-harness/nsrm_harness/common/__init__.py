@@ -1,1 +1,1 @@
-"""What every package uses: errors, JSON, worker processes."""
+"""Shared by all packages: errors, JSON, worker processes."""

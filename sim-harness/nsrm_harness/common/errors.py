@@ -1,21 +1,21 @@
-"""The one family of errors that a person can cause and mend."""
+"""The base class of all errors that a user can cause and fix."""
 
 
 class HarnessError(Exception):
-    """Bad input or a refusal: the message says what, where and what to do.
+    """Bad input or a refusal; the message says what was wrong, where, and what to do.
 
-    The command line prints it to stderr and ends with exit code 2. Anything else
-    that is raised is a fault of the program.
+    The command line prints it to stderr and exits with code 2. Any other exception is a bug in the
+    program.
     """
 
 
 class DomainError(HarnessError):
-    """A domain file that cannot be read or does not make sense."""
+    """A domain file that cannot be read or is invalid."""
 
 
 class EpisodeFileError(HarnessError):
-    """An episode file that is missing, of another kind, or must not be overwritten."""
+    """An episode file that is missing, of the wrong kind, or must not be overwritten."""
 
 
 class EpisodeSettingsError(HarnessError):
-    """Settings under which no episodes can be made."""
+    """Settings with which no episodes can be made."""

@@ -1,6 +1,6 @@
-"""JSON as all of the harness writes it: without NaN and infinities, which strict readers refuse.
+"""Writes JSON without NaN and infinities, which strict readers reject.
 
-`json.dumps` writes them bare unless it is told not to; ruff allows it here alone.
+`json.dumps` writes them by default; ruff allows it only in this module.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ def json_text(
     sort_keys: bool = False,
     separators: tuple[str, str] | None = None,
 ) -> str:
-    """As `json.dumps`. Raises `ValueError` for a number that is not finite, and says where it is;
-    what is absent is None."""
+    """Like `json.dumps`, but raises `ValueError` with the location of a number that is not finite.
+    Use None for missing values."""
     if where := _not_finite(content, ""):
-        raise ValueError(f"{where}, which JSON does not have: give None, or leave it out")
+        raise ValueError(f"{where}, which JSON does not support: use None, or omit it")
     return json.dumps(  # noqa: TID251
         content,
         indent=indent,

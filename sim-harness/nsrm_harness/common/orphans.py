@@ -1,4 +1,4 @@
-"""Processes that do not outlive the one that started them."""
+"""Makes worker processes exit with the process that started them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from multiprocessing.process import BaseProcess
 
 
 def end_with_parent() -> None:
-    """End this process as soon as the one that started it by `multiprocessing` is gone.
+    """Exits this process as soon as its `multiprocessing` parent is gone.
 
-    One that is killed ends no child of its own.
+    A parent that is killed cannot terminate its children itself.
     """
     parent = multiprocessing.parent_process()
     if parent is not None:

@@ -1,7 +1,7 @@
-"""Functions carried out elsewhere, several at a time: in processes here, or on a Ray cluster.
+"""Runs functions in parallel, in local processes or on a Ray cluster.
 
-What a function needs is in its arguments and what it makes is returned, so that it does not matter
-where it runs.
+A function gets all of its input as arguments and returns all of its output, so that it does not
+matter where it runs.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ SECONDS_TO_ANSWER = 10.0
 
 
 class WorkersError(HarnessError):
-    """Workers that cannot be had."""
+    """Workers that cannot be started."""
 
 
 class Workers(Protocol):
-    """Who carries functions out."""
+    """Something that runs functions in parallel."""
 
     @property
     def count(self) -> int:
-        """How many functions run at a time."""
+        """Number of functions that run at a time."""
         ...
 
     def each(
         self, function: Callable[..., T], tasks: Iterable[tuple[K, tuple[Any, ...]]]
     ) -> Iterator[tuple[K, T]]:
-        """`function(*arguments)` for each key and arguments, as they are finished.
+        """Yields each key with `function(*arguments)`, in the order in which they finish.
 
-        No more are handed out than can run. Where the caller stops early, or Ctrl-C is pressed,
-        those under way may be lost.
+        No more tasks are handed out than can run. If the caller stops early, or on Ctrl-C, running
+        tasks may be lost.
         """
         ...
 
 
 class LocalProcesses:
-    """Processes of this machine."""
+    """Processes on this machine."""
 
     def __init__(self, count: int) -> None:
         self.count = count
@@ -77,24 +77,24 @@ class LocalProcesses:
 
 
 def _begin() -> None:
-    # Ctrl-C reaches the whole terminal; the parent alone decides what it ends.
+    # Ctrl-C reaches all processes of the terminal; only the parent decides what it stops.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
 
 
 class RayCluster:
-    """A Ray cluster, one task on each of its processors. A context manager.
+    """A Ray cluster with one task per processor. A context manager.
 
-    Its machines need Ray and the packages of `requirements/`; this package is sent to them.
+    Its machines need Ray and the packages in `requirements/`; this package is sent to them.
     """
 
     def __init__(self, address: str, processors: int | None = None) -> None:
-        """`address`: as `ray.init` takes it: "auto", "host:port", or "local" for a cluster that
-        is started here and ended with this object, of `processors`.
+        """`address`: as for `ray.init`: "auto", "host:port", or "local" for a cluster with
+        `processors` that is started here and stopped with this object.
 
         Raises `WorkersError`.
         """
-        # It would otherwise report its use, and print how to turn that off.
+        # Otherwise Ray reports its usage, and prints how to turn that off.
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         try:
             import ray
@@ -118,7 +118,7 @@ class RayCluster:
                 logging_level=logging.ERROR,
                 **own,
             )
-        # It raises what its parts raise.
+        # Ray passes on any exception of its parts.
         except Exception as error:
             raise WorkersError(f"no Ray cluster at {address!r}: {error}") from error
         self.count = max(int(ray.cluster_resources().get("CPU", 1)), 1)
@@ -147,13 +147,13 @@ class RayCluster:
                 try:
                     result = self._ray.get(reference)
                 except self._ray.exceptions.RayTaskError as error:
-                    # The function's own error, as it would be raised here.
+                    # The function's own error, as if it had been raised here.
                     raise error.cause from error
                 yield running.pop(reference), result
 
 
 def _check_answers(address: str) -> None:
-    """Raises `WorkersError` where nobody listens: Ray itself would wait for minutes."""
+    """Raises `WorkersError` if nothing listens there: Ray itself would wait for minutes."""
     host, _, port = address.removeprefix("ray://").rpartition(":")
     try:
         socket.create_connection((host, int(port)), SECONDS_TO_ANSWER).close()

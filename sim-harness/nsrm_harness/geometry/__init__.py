@@ -1,1 +1,1 @@
-"""Poses, boxes, the pinhole camera and the shape of the Panda: no simulator, no learning."""
+"""Poses, cuboids, the pinhole camera and the shape of the Panda, without simulator or learning."""

@@ -1,4 +1,4 @@
-"""The camera: a pinhole without distortion."""
+"""The pinhole camera model, without distortion."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ FAR_M = 4.0
 """Clipping planes of the renderers, along the optical axis."""
 
 MIN_VISIBLE_PX = 40
-"""A block with fewer visible pixels is not observed: no detector would report it."""
+"""A block with fewer visible pixels does not count as observed: no detector would report it."""
 
 
 @dataclass(frozen=True)
 class Camera:
     """A pinhole camera in the world.
 
-    * `width`, `height`: of the image, pixels; pixel (i, j) looks through (i + ½, j + ½)
+    * `width`, `height`: image size, pixels; the centre of pixel (i, j) is at (i + ½, j + ½)
     * `fx`, `fy`, `cx`, `cy`: focal lengths and principal point, pixels
     * `position`, `orientation`: `world_from_camera`, metres and quaternion x, y, z, w;
       the camera's frame has x to the right, y down, z forward
@@ -41,7 +41,7 @@ class Camera:
     def looking_at(
         position: Vector3, target: Vector3, *, width: int, height: int, focal_px: float
     ) -> Camera:
-        """Upright, with square pixels, the principal point in the middle.
+        """An upright camera with square pixels and the principal point in the middle.
 
         Raises `ValueError` if it would look straight up or down.
         """
@@ -49,7 +49,7 @@ class Camera:
         forward /= np.linalg.norm(forward)
         right = np.cross(forward, (0.0, 0.0, 1.0))
         if np.linalg.norm(right) < 1e-6:
-            raise ValueError("a camera that looks straight up or down has no upright side")
+            raise ValueError("a camera that looks straight up or down has no upright direction")
         right /= np.linalg.norm(right)
         down = np.cross(forward, right)
         orientation = _quaternion(np.column_stack([right, down, forward]))
@@ -67,8 +67,8 @@ class Camera:
         return (np.asarray(points, dtype=np.float64) - self.position) @ self.pose.rotation()
 
     def project(self, points: ArrayLike) -> NDArray[np.float64]:
-        """World points `[..., 3]` to `[..., 3]`: column and row in pixels (not bound
-        to the image), depth along the optical axis in metres."""
+        """World points `[..., 3]` to `[..., 3]`: column and row in pixels (not
+        limited to the image), depth along the optical axis in metres."""
         x, y, z = np.moveaxis(self.to_camera(points), -1, 0)
         return np.stack([self.fx * x / z + self.cx, self.fy * y / z + self.cy, z], axis=-1)
 
@@ -104,7 +104,7 @@ class Camera:
         )
 
     def scaled(self, factor: int) -> Camera:
-        """The same view with `factor` times as many pixels a side."""
+        """The same view with `factor` times as many pixels per side."""
         return Camera(
             self.width * factor,
             self.height * factor,
@@ -120,7 +120,7 @@ class Camera:
 def default_camera() -> Camera:
     """640×480, opposite the robot: image right is the world's +y.
 
-    Sees every block of the work space whole; a 4 cm block is 31 to 38 pixels wide.
+    Sees every block in the workspace completely; a 4 cm block is 31 to 38 pixels wide.
     """
     return Camera.looking_at(
         (1.30, 0.0, 0.80), (0.33, 0.0, 0.0), width=640, height=480, focal_px=936.0
@@ -128,7 +128,7 @@ def default_camera() -> Camera:
 
 
 def linear_depth(buffer: NDArray[np.float32]) -> NDArray[np.float32]:
-    """A depth buffer's values in 0..1 to metres along the optical axis."""
+    """Converts a depth buffer's values in 0..1 to metres along the optical axis."""
     depth = FAR_M * NEAR_M / (FAR_M - (FAR_M - NEAR_M) * buffer.astype(np.float64))
     return depth.astype(np.float32)
 

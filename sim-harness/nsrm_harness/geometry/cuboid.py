@@ -1,4 +1,4 @@
-"""Boxes in space: what an arm grasps, places and avoids."""
+"""Cuboids: the objects that an arm grasps, places and avoids."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from nsrm_harness.geometry.pose import Pose, Vector3
 class Cuboid:
     """A box in space.
 
-    * `pose`: of its centre
-    * `edges_m`: along its own x, y, z
+    * `pose`: pose of its centre
+    * `edges_m`: edge lengths along its own x, y, z
     """
 
     pose: Pose
@@ -23,16 +23,16 @@ class Cuboid:
 
     @property
     def top_m(self) -> float:
-        """Height of the upper face of one that stands upright, metres."""
+        """Height of the top face of an upright cuboid, metres."""
         return self.pose.position[2] + self.edges_m[2] / 2
 
     @property
     def bottom_m(self) -> float:
-        """Height of its lower face."""
+        """Height of the bottom face."""
         return self.pose.position[2] - self.edges_m[2] / 2
 
     def corners(self) -> NDArray[np.float64]:
-        """Of one that stands upright, as seen from above `[4, 2]`, counter-clockwise."""
+        """Corners of an upright cuboid seen from above, `[4, 2]`, counter-clockwise."""
         half = np.array(self.edges_m[:2]) / 2
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half
         return corners @ self.pose.rotation()[:2, :2].T + self.pose.position[:2]

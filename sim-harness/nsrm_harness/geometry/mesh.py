@@ -1,4 +1,4 @@
-"""Triangle meshes: what both renderers draw."""
+"""Triangle meshes for both renderers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from nsrm_harness.geometry.pose import Vector3
 
 STUD_SIDES = 16
-"""Sides of the prism that stands for a stud."""
+"""Number of sides of the prism that represents a stud."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +31,12 @@ class Mesh:
     rgb: Vector3
 
     def bounds_m(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """The least and the greatest corner."""
+        """The minimum and maximum corner."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
 
 class _Builder:
-    """Gathers convex, flat polygons: each keeps its own vertices and one normal."""
+    """Collects convex, flat polygons, each with its own vertices and one normal."""
 
     def __init__(self) -> None:
         self._vertices: list[NDArray[np.float64]] = []
@@ -66,7 +66,7 @@ class _Builder:
 def level_polygons(
     outlines: Sequence[Sequence[Sequence[float]]], height_m: float, rgb: Vector3
 ) -> Mesh:
-    """Convex polygons of corners x, y, counter-clockwise, all at one height, facing up."""
+    """Convex polygons with corners x, y, counter-clockwise, all at one height, facing up."""
     corners = [(x, y, height_m) for outline in outlines for x, y in outline]
     triangles: list[tuple[int, int, int]] = []
     first = 0
@@ -104,7 +104,7 @@ def studded_box(
     stud_height_m: float,
     rgb: Vector3,
 ) -> Mesh:
-    """A block about its own centre: `edges_m` holds body and studs together.
+    """A block about its own centre: `edges_m` includes the studs.
 
     `studs`: rows along x, columns along y, or none. Their diameter is 0.6 of the
     spacing, that of the toy.
@@ -135,11 +135,11 @@ def studded_box(
 
 
 def load_obj(path: Path) -> list[Mesh]:
-    """The meshes of a Wavefront OBJ file, one for each material colour.
+    """The meshes of a Wavefront OBJ file, one per material colour.
 
     Reads triangles with normals (`f v/t/n` or `f v//n`) and the diffuse colour of
-    the `.mtl` beside it; textures are passed over. Raises `ValueError` where a
-    face is anything else.
+    the `.mtl` next to it; textures are ignored. Raises `ValueError` for any other kind of
+    face.
     """
     vertices: list[str] = []
     normals: list[str] = []
@@ -184,7 +184,7 @@ def _indexed(
     lines: list[str],
     rgb: Vector3,
 ) -> Mesh:
-    # Three numbers a corner: vertex, texture (0 for none), normal.
+    # Three numbers per corner: vertex, texture (0 for none), normal.
     text = " ".join(lines).replace("//", "/0/").replace("/", " ")
     numbers = np.fromstring(text, dtype=np.int64, sep=" ")
     if numbers.size != 9 * len(lines):

@@ -1,4 +1,4 @@
-"""The Franka Panda and its hand: what their maker allows, and their shape.
+"""The Franka Panda and its hand: the manufacturer's limits, and their shape.
 
 Source of all limits: Franka Emika, "Control parameters specifications" (Panda) and "Panda's
 instruction handbook", the hand's data.
@@ -12,11 +12,11 @@ import numpy as np
 import pybullet_data
 from numpy.typing import NDArray
 
-# The description alone: nothing of the simulator is loaded with it.
+# Only the description: it loads nothing of the simulator.
 URDF = Path(pybullet_data.getDataPath()) / "franka_panda" / "panda.urdf"
 
 JOINTS = 7
-"""The arm's, all of them revolute."""
+"""Number of joints of the arm, all revolute."""
 
 LOWEST_RAD: NDArray[np.float64] = np.array(
     [-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]
@@ -31,20 +31,20 @@ MAX_JERK_RAD_S3: NDArray[np.float64] = np.array(
 )
 
 READY_RAD: NDArray[np.float64] = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
-"""The maker's "ready" pose, out of the camera's view of the work space."""
+"""The manufacturer's "ready" pose, outside the camera's view of the workspace."""
 
 HAND_FRAME = "panda_hand"
-"""The frame of the hand in the URDF: z along the fingers, y along which they move."""
+"""The frame of the hand in the URDF: z points along the fingers, which move along y."""
 FINGERTIP_M = 0.1122
-"""Of the fingers' ends along the hand's z."""
+"""Distance of the fingertips along the hand's z."""
 FINGERS = ("panda_leftfinger", "panda_rightfinger")
-"""Their links in the URDF."""
+"""The links of the fingers in the URDF."""
 MAX_OPENING_M = 0.08
-"""Between the fingers."""
+"""Largest opening between the fingers."""
 FINGER_SPEED_M_S = 0.05
-"""Of each finger, at most."""
+"""Largest speed of each finger."""
 GRIP_N = 40.0
-"""With which the fingers hold; the hand may hold with up to 70 N lastingly. A block that is lowered
-onto another one must not slide up between them before the joints feel it."""
+"""Grasp force; the hand allows up to 70 N continuously. A block that is lowered onto another one
+must not slide up between the fingers before the joints detect the contact."""
 MAX_TORQUE_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
-"""The most that each joint's motor gives."""
+"""Largest torque of each joint's motor."""

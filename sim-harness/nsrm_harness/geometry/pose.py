@@ -1,4 +1,4 @@
-"""Where a body stands: position and orientation in the world frame."""
+"""Poses: position and orientation in the world frame."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Pose:
 
     @staticmethod
     def upright(x: float, y: float, z: float, yaw_rad: float = 0.0) -> Pose:
-        """A body that stands on its base, turned by `yaw_rad` about the vertical."""
+        """The pose of an upright body, rotated by `yaw_rad` about the vertical."""
         return Pose((x, y, z), (0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2)))
 
     def rotation(self) -> NDArray[np.float64]:
@@ -47,7 +47,7 @@ class Pose:
         return matrix
 
     def __matmul__(self, other: Pose) -> Pose:
-        """This frame after another: what `other` is in the body's frame, in the world's."""
+        """Composes two poses: `other`, given in the body's frame, in the world frame."""
         x, y, z, w = self.orientation
         i, j, k, r = other.orientation
         offset = self.rotation() @ other.position
@@ -63,23 +63,23 @@ class Pose:
         )
 
     def inverse(self) -> Pose:
-        """The world in the body's frame."""
+        """The inverse: the world in the body's frame."""
         x, y, z, w = self.orientation
         turned = Pose((0.0, 0.0, 0.0), (-x, -y, -z, w))
         px, py, pz = (float(-value) for value in turned.rotation() @ self.position)
         return Pose((px, py, pz), turned.orientation)
 
     def yaw_rad(self) -> float:
-        """The turn about the vertical, in (-pi, pi]."""
+        """The rotation about the vertical, in (-pi, pi]."""
         x, y, z, w = self.orientation
         return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
     def distance_m(self, other: Pose) -> float:
-        """How far the two origins are apart."""
+        """Distance between the two origins."""
         return math.dist(self.position, other.position)
 
     def angle_rad(self, other: Pose) -> float:
-        """The least angle that turns one orientation into the other, in [0, pi]."""
+        """The smallest angle between the two orientations, in [0, pi]."""
         a, b = np.array(self.orientation), np.array(other.orientation)
         apart, across = float(np.linalg.norm(a - b)), float(np.linalg.norm(a + b))
         # |a - b| = 2 sin(angle / 4): exact for small angles, where acos(a · b) is not.

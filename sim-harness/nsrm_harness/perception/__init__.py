@@ -1,1 +1,1 @@
-"""Perception: objects from a colour and a depth image, without the simulator's mask."""
+"""Finds and tracks objects in colour and depth images, without the simulator's mask."""

@@ -1,4 +1,4 @@
-"""Where pictures come from: a camera in the simulator or a real one, handed in by who has it."""
+"""The interface of a camera, simulated or real, which the caller passes to perception."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from nsrm_harness.geometry.camera import Camera
 
 @dataclass(frozen=True, eq=False)
 class RgbdImage:
-    """One picture in colour and depth; row 0 is the top.
+    """One image in colour and depth; row 0 is the top.
 
     * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
-    * `taken_s`: when, by the source's clock
+    * `taken_s`: when it was taken, by the source's clock
     """
 
     rgb: NDArray[np.uint8]
@@ -25,18 +25,18 @@ class RgbdImage:
 
 
 class CameraSource(Protocol):
-    """A calibrated camera that takes pictures."""
+    """A calibrated camera that takes images."""
 
     @property
     def camera(self) -> Camera:
-        """Its calibration."""
+        """The camera's calibration."""
         ...
 
     @property
     def now_s(self) -> float:
-        """The time, by the clock that pictures are stamped with."""
+        """The time, by the clock that stamps images."""
         ...
 
     def take(self) -> RgbdImage:
-        """A picture that is taken now, or the latest that there is."""
+        """Takes an image now, or returns the latest one."""
         ...

@@ -1,4 +1,4 @@
-"""The blocks that a picture shows, as boxes in space: what an arm grasps, places and avoids."""
+"""Estimates the blocks in an image as cuboids, which an arm grasps, places and avoids."""
 
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ from nsrm_harness.perception.detector import Detections
 from nsrm_harness.perception.relief import Relief
 
 TOP_M = 0.0055
-"""Studs and what lies below a block's highest point by less belong to its top."""
+"""Points within this height below a block's highest one, studs included, belong to its top."""
 FLAT_M = 0.01
-"""A block is higher than that."""
+"""Every block is higher than this."""
 EDGE_M = 0.003
-"""Two looks at one upper face differ by no more in the lengths of its edges."""
+"""Largest difference between two observations of one top face, in the lengths of its edges,"""
 HEIGHT_M = 0.002
-"""And by no more in height: studs are higher."""
+"""and in height: studs are higher than this."""
 FACE_M = 0.004
-"""What is seen of a box lies by no more outside it."""
+"""The visible part of a cuboid may lie outside it by this much:"""
 WITHIN_SHARE = 0.95
-"""Of what is seen of it, at least."""
+"""at least this share of its points must lie within that distance."""
 HIDDEN_SHARE = 0.8
-"""Of what is taken to go on behind others, so much at least is behind them."""
+"""At least this share of an assumed hidden part must be hidden."""
 NEARER_M = 0.005
-"""What covers a point is nearer to the camera by more."""
+"""An object covers a point if it is closer to the camera by more than this."""
 SAMPLES = 13
-"""Places along each edge of an upper face at which that is looked at."""
+"""Number of points along each edge of a top face at which this is checked."""
 BEHIND_M = 0.02
-"""What is seen by so much behind a point has nothing there before it."""
+"""If the surface seen at a point is this far behind it, nothing is at the point."""
 
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """An object by what one picture shows of it.
+    """The visible part of an object in one image.
 
-    * `points`: `float32 [n, 3]`, all that is seen of it, world frame, metres
-    * `cuboid`: what is seen of its upper face, from there down to the table
+    * `points`: `float32 [n, 3]`, its visible points, world frame, metres
+    * `cuboid`: the visible part of its top face, extended down to the table
     """
 
     points: NDArray[np.float32]
@@ -53,23 +53,23 @@ class Face:
 
 
 def faces(found: Detections, seen: Relief, camera: Camera) -> list[Face]:
-    """The upper face of each detection."""
+    """The top face of each detection."""
     seen_faces = []
     for row in range(len(found)):
         own = found.labels == row + 1
         points = np.stack([seen.x[own], seen.y[own], seen.height[own]], axis=1)
-        # Not a number where nothing was measured.
+        # NaN where nothing was measured.
         points = points[np.isfinite(points[:, 2])]
         seen_faces.append(Face(points, _from_top(points, camera)))
     return seen_faces
 
 
 class Cuboids:
-    """The objects as boxes, over pictures: what is hidden of one now was seen before.
+    """Tracks the objects as cuboids across images and completes hidden parts from earlier ones.
 
-    An object is believed to be where it was last seen whole as long as what is still seen of it
-    lies there; one of which nothing is seen, as long as nothing is seen behind it. One that was
-    moved to where others cover a part of it keeps its edges, and is taken to go on behind them.
+    An object is assumed to be where it was last seen whole as long as its visible part lies there;
+    if nothing of it is visible, as long as nothing is seen behind it. An object that was moved to
+    where others cover a part of it keeps its edges and is assumed to continue behind them.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -77,9 +77,10 @@ class Cuboids:
         self._known: dict[int, Cuboid] = {}
 
     def update(self, objects: Mapping[int, Face], seen: Relief) -> dict[int, Cuboid]:
-        """All objects that are believed to be there, by number.
+        """Updates the cuboids with an image; returns all objects that are assumed to exist, by
+        number.
 
-        * `objects`: those that are seen, by their numbers, as a `Tracker` gives them
+        * `objects`: the visible objects by number, as a `Tracker` numbers them
         """
         tops = {}
         for number, face in objects.items():
@@ -98,13 +99,13 @@ class Cuboids:
         return dict(self._known)
 
     def forget(self, numbers: Iterable[int]) -> None:
-        """These are believed to be there no longer."""
+        """Forgets these objects."""
         for number in numbers:
             self._known.pop(number, None)
 
     def _completed(self, now: Cuboid, before: Cuboid, seen: Relief) -> Cuboid:
-        """What is seen of a block's upper face with the edges that it had: the rest of it lies
-        where something nearer to the camera is seen. As it is seen if there is no such place."""
+        """Completes the visible part of a block's top face to the edges that it had. The rest must
+        lie where something closer to the camera is seen; otherwise the visible part is returned."""
         length, width, height = before.edges_m
         if now.edges_m[2] < height - HEIGHT_M:
             return now
@@ -125,8 +126,8 @@ class Cuboids:
         return best
 
     def _hidden_share(self, whole: Cuboid, visible: Cuboid, seen: Relief) -> float:
-        """How much of what an upper face has beyond a part of it that is seen is behind
-        something nearer to the camera."""
+        """The share of a top face, without its visible part, that is behind something closer to the
+        camera."""
         steps = np.linspace(-0.5, 0.5, SAMPLES)
         local = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
         flat = (local * whole.edges_m[:2]) @ whole.pose.rotation()[:2, :2].T
@@ -139,13 +140,13 @@ class Cuboids:
         return float((self._nearer_m(points, seen) > NEARER_M).mean())
 
     def _is_seen_through(self, cuboid: Cuboid, seen: Relief) -> bool:
-        """Whether what lies behind all corners of its upper face is seen."""
+        """Whether the background is seen behind all corners of its top face."""
         corners = np.column_stack([cuboid.corners(), np.full(4, cuboid.top_m)])
         return bool((self._nearer_m(corners, seen) < -BEHIND_M).all())
 
     def _nearer_m(self, points: NDArray[np.float64], seen: Relief) -> NDArray[np.float64]:
-        """By how much nearer to the camera than points `[n, 3]` is what is seen where they are,
-        along the optical axis."""
+        """How much closer to the camera than the points `[n, 3]` the surface seen there is, along
+        the optical axis."""
         pixels = self._camera.project(points)
         columns, rows = np.floor(pixels[:, :2]).astype(int).T
         columns = np.clip(columns, 0, self._camera.width - 1)
@@ -154,8 +155,8 @@ class Cuboids:
 
 
 def _from_top(points: NDArray[np.float32], camera: Camera) -> Cuboid:
-    """The smallest rectangle, seen from above, around those of the points `[n, 3]` that are of
-    the upper face, from there down to the table."""
+    """The smallest rectangle, seen from above, around the points `[n, 3]` of the top face, extended
+    down to the table."""
     top = float(points[:, 2].max())
     face = points[points[:, 2] > top - TOP_M][:, :2]
     (x, y), edges, yaw = _rectangle(np.concatenate([face, _far_sides(face, top, camera)]))
@@ -163,8 +164,8 @@ def _from_top(points: NDArray[np.float32], camera: Camera) -> Cuboid:
 
 
 def _far_sides(face: NDArray[np.float32], height_m: float, camera: Camera) -> NDArray[np.float32]:
-    """Where the pixels of a level face end that is seen from above at a slant: half a pixel
-    farther from the camera than their middles. At its near side the face below goes on."""
+    """The far ends of the pixels of a level face that is seen obliquely from above: half a pixel
+    farther from the camera than their centres. At its near side, the face below continues."""
     away = face - np.array(camera.position[:2], np.float32)
     along_m = np.linalg.norm(away, axis=1, keepdims=True)
     above_m = camera.position[2] - height_m
@@ -173,23 +174,23 @@ def _far_sides(face: NDArray[np.float32], height_m: float, camera: Camera) -> ND
 
 
 def _is_whole(now: Cuboid, before: Cuboid) -> bool:
-    """Whether a block's upper face is in view again, with its studs."""
+    """Whether a block's top face, with its studs, is completely visible again."""
     edges = zip(sorted(now.edges_m[:2]), sorted(before.edges_m[:2]), strict=True)
     has_same_plan = all(abs(a - b) <= EDGE_M for a, b in edges)
     return has_same_plan and now.top_m > before.top_m - HEIGHT_M
 
 
 def _within(points: NDArray[np.float32], cuboid: Cuboid) -> bool:
-    """Whether nearly all points lie in a box or at its faces."""
+    """Whether nearly all points lie inside a cuboid or on its faces."""
     local = (points - np.array(cuboid.pose.position)) @ cuboid.pose.rotation()
     inside = (np.abs(local) <= np.array(cuboid.edges_m) / 2 + FACE_M).all(axis=1)
     return float(inside.mean()) >= WITHIN_SHARE
 
 
 def _standing(cuboid: Cuboid, others: Sequence[Cuboid], before: Cuboid | None) -> Cuboid:
-    """Not from the table, but from the highest of the others that lies under its middle, or under
-    any part of it if it is as high above that as it was high before: of one that bears another
-    little may be seen."""
+    """The cuboid extended down not to the table, but to the highest other one below its middle; or
+    below any part of it, if it then has the height that it had before, since little may be visible
+    of a block that supports another one."""
     x, y, _ = cuboid.pose.position
     plan = Polygon(cuboid.corners())
 
@@ -209,7 +210,7 @@ def _standing(cuboid: Cuboid, others: Sequence[Cuboid], before: Cuboid | None) -
 
 
 def _is_above(cuboid: Cuboid, x: float, y: float) -> bool:
-    """Whether a point lies in a box as seen from above."""
+    """Whether a point lies inside a cuboid seen from above."""
     local = cuboid.pose.rotation()[:2, :2].T @ np.subtract((x, y), cuboid.pose.position[:2])
     return bool((np.abs(local) <= np.array(cuboid.edges_m[:2]) / 2).all())
 
@@ -217,11 +218,11 @@ def _is_above(cuboid: Cuboid, x: float, y: float) -> bool:
 def _rectangle(
     points: NDArray[np.float32],
 ) -> tuple[tuple[float, float], tuple[float, float], float]:
-    """The smallest rectangle around points `[n, 2]`: centre, edges, and how its first edge is
-    turned against x, by less than an eighth."""
-    # In millimetres: OpenCV holds what is shorter than 1e-4 for nothing.
+    """The smallest rectangle around points `[n, 2]`: centre, edges, and the angle of its first edge
+    to x, less than an eighth of a turn."""
+    # In millimetres: OpenCV treats lengths below 1e-4 as zero.
     (x, y), (a, b), angle = cv2.minAreaRect(points * np.float32(1000.0))
-    # Its angle is in one or another quarter, by version and by what comes first.
+    # The quadrant of its angle depends on the version and on the order of the points.
     quarters = round(angle / 90.0)
     if quarters % 2:
         a, b = b, a

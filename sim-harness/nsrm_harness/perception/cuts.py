@@ -1,13 +1,13 @@
-"""Cuts: the heights at which a tower changes from one block to the next.
+"""Finds the cuts of a tower: the heights at which one block ends and the next begins.
 
-The blocks of a tower are slabs, one above the other, so that a few heights divide all
-of its pixels. They show as
+The blocks of a tower are slabs, one above the other, so a few heights divide all of its pixels. A
+cut shows as
 
 * a change of colour,
-* a flat top that peeps out below a block: many pixels at one height,
-* an overhang: heights that are hidden below the upper block's lower edge,
-* and, where a smooth wall of one colour is much higher than wide, nothing at all:
-  blocks are about as high as wide.
+* a flat top that shows below a block: many pixels at one height,
+* an overhang: heights that are hidden below the lower edge of the upper block,
+* or, in a smooth wall of one colour that is much higher than wide, not at all: blocks are about as
+  high as wide.
 """
 
 from __future__ import annotations
@@ -25,33 +25,34 @@ from nsrm_harness.perception.towers import COLOR_STEP, STUDS_M, Tower
 BIN_M = 0.001
 #: Bins on each side of a change of colour that may be mixed.
 REACH_BINS = 4
-#: A bin with a smaller share of what its neighbours show says nothing about colour.
+#: A bin with a smaller share of its neighbours' pixels is ignored for colour.
 THIN_SHARE = 0.3
-#: No block is lower, give or take the slack of a cut.
+#: Smallest height of a block, within the slack of a cut.
 MIN_BLOCK_M = 0.03
 SLACK_M = 0.005
-#: Least number of pixels of a flat top, and how many times more than a wall shows.
+#: Smallest number of pixels of a flat top, absolute and as a multiple of a wall's.
 MIN_TOP_PX = 25
 TOP_FACTOR = 3.0
-#: Least height of what an overhang hides, and the share that is still seen of it.
+#: Smallest height that an overhang hides, and the share of it that is still visible.
 HIDDEN_M = 0.004
 HIDDEN_SHARE = 0.35
-#: A stretch of heights without a pixel, wider than the step between two rows of
-#: pixels on a wall, and how far from a cut it may begin.
+# : Smallest gap of heights without a pixel, wider than the step between two rows of
+# pixels on a wall,
+#: and its largest distance from a cut.
 GAP_M = 0.0025
 REACH_M = 0.006
-#: Narrower footprints, for their length, show one side only.
+#: Footprints that are narrower, relative to their length, show only one side.
 TWO_SIDES = 0.4
-#: How many standard deviations from a cut a height does not say on which side it is.
+#: Within this many standard deviations of a cut, a height does not decide on which side it is.
 FUZZY_SIGMA = 8.0
 
 
 def slabs(tower: Tower, chroma: NDArray[np.float32], noise_m: float) -> NDArray[np.int64]:
-    """Which block of the tower each pixel shows, `[n]`, counted from the table.
+    """The block of the tower that each pixel shows, `[n]`, counted from the table.
 
-    * `chroma`: `[n, 2]`, of the tower's pixels
-    * `noise_m`: standard deviation of their heights, 0 for exact ones; near a cut
-      between two colours, colour decides instead of a noisy height
+    * `chroma`: `[n, 2]`, chromaticities of the tower's pixels
+    * `noise_m`: standard deviation of their heights, 0 if exact; near a cut between two colours,
+      colour decides instead of a noisy height
     """
     levels = cuts(tower, chroma, noise_m)
     slab = np.searchsorted(levels, tower.height)
@@ -71,10 +72,10 @@ def slabs(tower: Tower, chroma: NDArray[np.float32], noise_m: float) -> NDArray[
 
 
 def cuts(tower: Tower, chroma: NDArray[np.float32], noise_m: float) -> NDArray[np.float64]:
-    """Heights, rising, metres: a pixel belongs to the slab number that
-    `searchsorted` gives for its height.
+    """The heights of the cuts, ascending, metres: `searchsorted` gives the slab of a pixel's
+    height.
 
-    * `chroma`: `[n, 2]`, of the tower's pixels
+    * `chroma`: `[n, 2]`, chromaticities of the tower's pixels
     * `noise_m`: standard deviation of their heights
     """
     top = float(tower.height.max())
@@ -105,8 +106,8 @@ def _color_changes(
     counts: NDArray[np.float64],
     chroma: NDArray[np.float32],
 ) -> Iterator[float]:
-    """Where the mean colour of a few millimetres above differs from that below."""
-    # Between two rows of a wall lie a few pixels of its sides, which are of mixed colour.
+    """Heights at which the mean colour of a few millimetres above differs from that below."""
+    # Between two rows of a wall are a few pixels of its sides, with mixed colours.
     around = np.lib.stride_tricks.sliding_window_view(np.pad(counts, 2), 5).max(axis=1)
     seen = np.flatnonzero(counts > THIN_SHARE * around)
     if len(seen) <= 2 * REACH_BINS:
@@ -156,7 +157,7 @@ def _best_split(height: NDArray[np.float32], upper: NDArray[np.bool_]) -> float:
 def _flat_tops(
     height: NDArray[np.float32], counts: NDArray[np.float64], margin: float
 ) -> Iterator[float]:
-    """Just above each height that shows many more pixels than the wall above it."""
+    """Cuts just above each height that shows many more pixels than the wall above it."""
     reach = round(STUDS_M / BIN_M)
     bin_number = len(counts) - 1
     while bin_number > 0:
@@ -168,7 +169,7 @@ def _flat_tops(
         usual = float(np.median(above))
         if counts[bin_number] < max(MIN_TOP_PX, TOP_FACTOR * usual):
             continue
-        # The studs' tops, if any, are the highest bin with more than the wall shows.
+        # The tops of studs, if any, are the highest bin with more pixels than the wall.
         window = counts[bin_number : bin_number + reach]
         highest = bin_number + int(np.flatnonzero(window > 1.5 * usual)[-1])
         level = height[(height >= highest * BIN_M) & (height < (highest + 1) * BIN_M)]
@@ -177,7 +178,7 @@ def _flat_tops(
 
 
 def _overhangs(counts: NDArray[np.float64]) -> Iterator[float]:
-    """The upper end of each stretch of heights that is hidden."""
+    """The upper end of each hidden range of heights."""
     least = round(HIDDEN_M / BIN_M)
     for bin_number in range(len(counts) - 2 * least, 2 * least, -1):
         usual = np.median(counts[bin_number : bin_number + 3 * least])
@@ -187,8 +188,8 @@ def _overhangs(counts: NDArray[np.float64]) -> Iterator[float]:
 
 
 def _into_gap(height: NDArray[np.float32], cut: float) -> float:
-    """The middle of a stretch of heights near the cut that shows nothing, if there is
-    one; what a cut just above it would take from the upper block is lost to it."""
+    """The cut moved to the middle of a nearby gap of heights without pixels, if there is one. A cut
+    just above the gap would take pixels from the upper block."""
     near = np.sort(height[np.abs(height - cut) < REACH_M])
     near = np.concatenate([[cut - REACH_M], near, [cut + REACH_M]])
     gaps = np.diff(near)
@@ -197,7 +198,7 @@ def _into_gap(height: NDArray[np.float32], cut: float) -> float:
 
 
 def _even_parts(tower: Tower, found: list[float], top: float) -> Iterator[float]:
-    """Cuts of what is much higher than wide into equal parts about as high as wide."""
+    """Cuts of a part that is much higher than wide into equal parts about as high as wide."""
     levels = [0.0, *found, top]
     for low, high in pairwise(levels):
         if high - low < 2 * MIN_BLOCK_M:
@@ -213,8 +214,8 @@ def _even_parts(tower: Tower, found: list[float], top: float) -> Iterator[float]
 
 
 def _width_m(points: NDArray[np.float32]) -> float:
-    """Edge of a square footprint, of which the points `[n, 2]` may show one side, two
-    or all. Two sides fit a square and, turned by 45°, a longer rectangle as well; their
-    areas are equal."""
+    """Edge of a square footprint of which the points `[n, 2]` show one side, two sides or
+    everything. Two sides fit both a square and, rotated by 45°, a longer rectangle; their areas are
+    equal."""
     short, long = sorted(cv2.minAreaRect(points)[1])
     return math.sqrt(short * long) if short > TWO_SIDES * long else long

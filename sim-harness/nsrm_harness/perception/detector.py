@@ -1,4 +1,4 @@
-"""The detector: a colour and a depth image in, boxes and depths of objects out."""
+"""Detects objects in a colour and a depth image: their boxes and depths."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from nsrm_harness.perception.edges import MAX_LABELS, sharpened, without_strays
 from nsrm_harness.perception.relief import PerceptionError, Relief, relief
 from nsrm_harness.perception.towers import joined, towers
 
-#: Objects for which the core has room.
+#: Largest number of objects in the core.
 MAX_OBJECTS = 16
 
 
 @dataclass(frozen=True, eq=False)
 class Detections:
-    """The objects of a picture, from left to right.
+    """The objects of an image, from left to right.
 
     * `boxes`: `float32 [n, 4]`, x1, y1, x2, y2 of the visible part as fractions of
       width and height
     * `depths`: `float32 [n]`, mean depth over the visible pixels, metres
-    * `labels`: `int32 [H, W]`, i + 1 where row i is seen, 0 elsewhere
+    * `labels`: `int32 [H, W]`, i + 1 where object i is visible, 0 elsewhere
     """
 
     boxes: NDArray[np.float32]
@@ -36,13 +36,12 @@ class Detections:
 
 
 def detect(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> Detections:
-    """Finds what stands on the table. Arguments and errors are those of `relief` and of
-    `objects_in`."""
+    """Finds the objects on the table. For arguments and errors see `relief` and `objects_in`."""
     return objects_in(image, relief(image, depth, camera))
 
 
 def objects_in(image: NDArray[np.uint8], seen: Relief) -> Detections:
-    """Finds what stands on the table of a picture whose heights are known.
+    """Finds the objects on the table in an image whose heights are known.
 
     * `image`: `uint8 [H, W, 3]`
 
@@ -59,14 +58,14 @@ def objects_in(image: NDArray[np.uint8], seen: Relief) -> Detections:
     if not seen.noisy:
         return _detections(labels, seen.depth)
     _check_room(count, MAX_LABELS)
-    # Pixels that colour adds lie across the rough edge of the depth image, where the
-    # depth may be that of what is behind.
+    # Pixels added by colour are beyond the rough edge of the depth image, where the depth may be
+    # that of the background.
     measured = np.where(labels > 0, seen.measured, np.float32(0.0))
     return _detections(without_strays(sharpened(image, labels)), measured)
 
 
 def _detections(labels: NDArray[np.int32], depth: NDArray[np.float32]) -> Detections:
-    """Boxes and depths of the labels that have enough pixels, numbered anew."""
+    """Boxes and depths of the labels with enough pixels, renumbered."""
     height, width = labels.shape
     rows, columns = np.nonzero(labels)
     label = labels[rows, columns]
@@ -97,5 +96,5 @@ def _detections(labels: NDArray[np.int32], depth: NDArray[np.float32]) -> Detect
 def _check_room(objects: int, room: int) -> None:
     if objects > room:
         raise PerceptionError(
-            f"{objects} objects in view, there is room for {MAX_OBJECTS}: clear the table"
+            f"{objects} objects in view, at most {MAX_OBJECTS} are supported: clear the table"
         )

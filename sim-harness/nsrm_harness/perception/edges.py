@@ -1,8 +1,8 @@
-"""Edges of objects in noisy depth, put right by colour.
+"""Corrects the edges of objects in noisy depth by colour.
 
-A smoothed depth image has rough edges, a pixel or two wide; the colour image is sharp.
-Pixels near an edge between an object and the table go to the side whose colours,
-taken from a little farther in, are more like theirs.
+A smoothed depth image has rough edges, a pixel or two wide; the colour image is sharp. Pixels near
+an edge between an object and the table are assigned to the side whose colours, sampled a little
+farther in, are more similar.
 """
 
 from __future__ import annotations
@@ -11,19 +11,19 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-#: Width of the strip on each side of an edge that colour decides about, pixels.
+#: Width of the strip on each side of an edge in which colour decides, pixels.
 STRIP_PX = 2
-#: Edge of the square in which the two sides' colours are averaged, pixels.
+#: Side of the square over which the colours of both sides are averaged, pixels.
 WINDOW_PX = 9
-#: Most labels of a picture.
+#: Largest number of labels in an image.
 MAX_LABELS = 255
 #: Smaller parts of an object are noise.
 SPECK_PX = 12
 
 
 def sharpened(image: NDArray[np.uint8], labels: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The labels `[H, W]` with their edges towards label 0 moved to where colour
-    changes, by at most `STRIP_PX`; at most `MAX_LABELS` of them.
+    """The labels `[H, W]`, at most `MAX_LABELS`, with their edges to label 0 moved to where the
+    colour changes, by at most `STRIP_PX`.
 
     * `image`: `[H, W, 3]`, in which the edges are sharp
     """
@@ -39,11 +39,11 @@ def sharpened(image: NDArray[np.uint8], labels: NDArray[np.int32]) -> NDArray[np
 
 
 def without_strays(labels: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The labels `[H, W]` without specks: parts of less than `SPECK_PX` pixels go to
-    the neighbouring label, that of the greatest number if there are several.
+    """The labels `[H, W]` without specks: parts with less than `SPECK_PX` pixels are merged into
+    the neighbouring label, the highest one if there are several.
 
-    Along the edge of an upper block noise leaves pixels that seem to be the lower
-    one's, and one of them is enough to widen its box.
+    Along the edge of an upper block, noise leaves pixels that seem to belong to the lower one; a
+    single one of them widens its box.
     """
     small = labels.astype(np.uint8)
     kept = np.zeros_like(small)
@@ -93,8 +93,8 @@ def _local_mean(
     rows: NDArray[np.int64],
     columns: NDArray[np.int64],
 ) -> NDArray[np.float32]:
-    """Mean colour `[n, 3]` of the pixels marked 1 around each of the n pixels; NaN
-    where there is none."""
+    """Mean colour `[n, 3]` of the marked pixels around each of the n pixels; NaN if
+    there are none."""
     window = (WINDOW_PX, WINDOW_PX)
     marked = cv2.bitwise_and(image, image, mask=where)
     total = cv2.boxFilter(marked, cv2.CV_32F, window, normalize=False)[rows, columns]

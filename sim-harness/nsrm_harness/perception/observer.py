@@ -1,4 +1,4 @@
-"""What camera, detector and model see of a scene. Pictures come from a source that is handed in."""
+"""Observes a scene with camera, detector and model. The caller passes in the source of images."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from nsrm_harness.perception.relief import PerceptionError, relief
 from nsrm_harness.perception.tracking import Tracker
 
 DARK = 8.0
-"""A picture's mean is brighter, of 255."""
+"""An image whose mean brightness, of 255, is below this counts as dark."""
 
 STAYED_M = 0.005
-"""An object that is seen nearer than that to where it was has not been moved."""
+"""An object seen within this distance of where it was has not been moved."""
 WHOLE = 0.95
-"""Of the pixels that an object had where it stands; another covers it if fewer show it."""
+"""An object that shows a smaller share of the pixels that it had at the same place is covered."""
 
 Location = NDArray[np.float32]
 """x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
@@ -33,17 +33,17 @@ Location = NDArray[np.float32]
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """One picture and the objects found in it.
+    """One image and the objects found in it.
 
     * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
-    * `labels`: `int32 [H, W]`, an object's number where it is seen
-    * `locations`: of what is seen of each, by number; the same object has the same number in all
-      pictures
-    * `whole`: of all of each, as it was seen before where others cover it or a part of it; of
-      what is hidden, too
-    * `covered`: the numbers of those
-    * `cuboids`: of all that are believed to be there, hidden ones included
-    * `taken_s`: when, by the world's clock
+    * `labels`: `int32 [H, W]`, an object's number where it is visible
+    * `locations`: locations of the visible parts, by number; an object has the same number in all
+      images
+    * `whole`: locations of the whole objects, hidden ones included; of a covered one, as it was
+      seen before
+    * `covered`: the numbers of the covered objects
+    * `cuboids`: cuboids of all objects that are assumed to exist, hidden ones included
+    * `taken_s`: when the image was taken, by the world's clock
     """
 
     rgb: NDArray[np.uint8]
@@ -56,7 +56,7 @@ class Observation:
     taken_s: float
 
     def scene(self, model: nsrm.Model, camera: Camera) -> nsrm.Scene:
-        """What the model plans in."""
+        """The scene in which the model plans."""
         locations = np.array([*self.locations.values()], np.float32).reshape(-1, 5)
         return model.observe(
             self.rgb,
@@ -69,7 +69,7 @@ class Observation:
 
 @dataclass(frozen=True, eq=False)
 class _Whole:
-    """An object of which nothing is hidden; `size`: how many pixels show it."""
+    """An object that is not hidden; `size`: its number of pixels."""
 
     location: Location
     pose: Pose
@@ -77,11 +77,11 @@ class _Whole:
 
 
 class DarkImageError(PerceptionError):
-    """A picture on which nothing can be seen."""
+    """An image that is too dark."""
 
 
 class Observer:
-    """Observes what one camera shows: who is who in its pictures, and where all of them stand."""
+    """Observes a scene through one camera: tracks the objects and their cuboids across images."""
 
     def __init__(self, source: CameraSource) -> None:
         self._source = source
@@ -95,17 +95,18 @@ class Observer:
 
     @property
     def now_s(self) -> float:
-        """By the clock that tells when pictures are taken."""
+        """The time, by the clock that stamps images."""
         return self._source.now_s
 
     def look(self, held: Collection[int] = ()) -> Observation:
-        """Takes a picture. Raises `DarkImageError` or another `PerceptionError`.
+        """Takes an image and finds its objects. Raises `DarkImageError` or another
+        `PerceptionError`.
 
-        * `held`: the numbers of what the hand may hold, which is looked for in vain
+        * `held`: the numbers of objects that the hand may hold, which are not expected on the table
         """
         image = self._source.take()
         if image.rgb.mean() < DARK:
-            raise DarkImageError("the camera's picture is dark")
+            raise DarkImageError("the camera's image is dark")
         heights = relief(image.rgb, image.depth, self.camera)
         found = objects_in(image.rgb, heights)
         seen = faces(found, heights, self.camera)
@@ -136,7 +137,7 @@ class Observer:
         )
 
     def _is_whole(self, number: int, now: _Whole) -> bool:
-        """Whether as much of an object is seen as ever where it stands; if so, that is kept."""
+        """Whether as much of an object is visible as ever at its place; if so, remembers it."""
         before = self._wholes.get(number)
         if before is not None and before.pose.distance_m(now.pose) < STAYED_M:
             if now.size < WHOLE * before.size:
@@ -148,23 +149,23 @@ class Observer:
 
 @dataclass(frozen=True)
 class ObjectNames:
-    """What the model takes the objects for, by number.
+    """The model's names for the objects, by number.
 
-    * `words`: the likeliest value of each attribute type
-    * `colors`: the likeliest colour's red, green and blue in 0..1
+    * `words`: the most likely value of each attribute type
+    * `colors`: red, green and blue of the most likely colour, in 0..1
     """
 
     words: Mapping[int, str]
     colors: Mapping[int, tuple[float, float, float]]
 
     def spoken(self, number: int) -> str:
-        """What tells an object from all others; one that was not there before has no words."""
+        """A unique name of an object; a new object has no words."""
         words = self.words.get(number)
         return f"object {number} ({words})" if words else f"object {number}"
 
 
 def name_objects(model: nsrm.Model, domain: Domain, sight: Observation) -> ObjectNames:
-    """The objects' names as the model sees them."""
+    """Names the objects by the model's attributes."""
     words: dict[int, str] = {}
     colors: dict[int, tuple[float, float, float]] = {}
     for number, location in sight.locations.items():
@@ -179,7 +180,7 @@ def name_objects(model: nsrm.Model, domain: Domain, sight: Observation) -> Objec
 
 
 def sub_goal(step: nsrm.PlannedStep) -> Pose:
-    """Where the centre of a step's object is to be."""
+    """The target pose of the centre of a step's object."""
     x, y, z = (float(value) for value in step.position)
     i, j, k, w = (float(value) for value in step.orientation)
     return Pose((x, y, z), (i, j, k, w))

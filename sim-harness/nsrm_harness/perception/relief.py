@@ -1,8 +1,7 @@
-"""From a depth image to heights above the table.
+"""Converts a depth image to heights above the table.
 
-The camera's pose is known and the table is near the world's plane z = 0; the plane
-itself is fitted to the picture, so that a pose that is off by millimetres costs
-nothing.
+The camera's pose is known and the table is near the world's plane z = 0. The plane itself is fitted
+to the image, so an error of millimetres in the pose does no harm.
 """
 
 from __future__ import annotations
@@ -17,11 +16,11 @@ from numpy.typing import NDArray
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.geometry.camera import Camera
 
-#: How far from the world's z = 0 a point of the table may seem to lie, metres.
+#: Largest distance of a measured table point from the world's z = 0, metres.
 TABLE_SEARCH_M = 0.02
-#: Least share of the pixels that show the table.
+#: Smallest share of pixels that must show the table.
 MIN_TABLE_SHARE = 0.05
-#: Noise (standard deviation, metres) from which on depth is smoothed.
+#: Noise (standard deviation, metres) above which depth is smoothed.
 SMOOTHED_FROM_M = 0.00015
 
 _STRIDE = 8
@@ -29,19 +28,19 @@ _FIT_ROUNDS = 3
 
 
 class PerceptionError(HarnessError):
-    """Input that no objects can be found in: not a picture, no table, too many."""
+    """Input in which no objects can be found: an invalid image, no table, or too many objects."""
 
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """What stands on the table, as seen from above.
+    """Heights above the table, as seen from above.
 
     * `x`, `y`: `float32 [H, W]`, world, metres
     * `height`: `float32 [H, W]`, above the fitted table, metres; NaN without depth
     * `depth`: `float32 [H, W]`, metres along the optical axis, holes filled
-    * `measured`: `float32 [H, W]`, the same as it was measured, 0 where it was not
-    * `noise_m`: standard deviation of `height`, on the table
-    * `noisy`: whether depth had to be smoothed, so that edges are rough
+    * `measured`: `float32 [H, W]`, depth as measured, 0 where it was not
+    * `noise_m`: standard deviation of `height` on the table
+    * `noisy`: whether depth was smoothed, which makes edges rough
     """
 
     x: NDArray[np.float32]
@@ -54,16 +53,16 @@ class Relief:
 
 
 def relief(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera) -> Relief:
-    """Heights of a depth image.
+    """Computes the heights of a depth image.
 
-    * `image`: `uint8 [H, W, 3]`; where depth was not measured, its colours say which neighbour
-      stands in for it
-    * `depth`: `float32 [H, W]`, metres along the optical axis; a value that is not finite, or not
-      above 0, is no measurement
-    * `camera`: whose pictures they are, in the world whose z = 0 is about the table
+    * `image`: `uint8 [H, W, 3]`; where depth was not measured, its colours decide which neighbour
+      replaces it
+    * `depth`: `float32 [H, W]`, metres along the optical axis; values that are not finite, or not
+      above 0, are missing
+    * `camera`: the camera that took them, in the world whose z = 0 is near the table
 
     Raises `PerceptionError` for arrays of other shapes or types, and if less than
-    `MIN_TABLE_SHARE` of the picture is table.
+    `MIN_TABLE_SHARE` of the image is table.
     """
     _check(image, depth, camera)
     measured = measurements(depth)
@@ -81,7 +80,7 @@ def relief(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera)
 
 
 def measurements(depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Depth with 0 wherever nothing was measured, whatever stood there."""
+    """Depth with 0 in place of all missing measurements."""
     return np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(0.0))
 
 
@@ -92,15 +91,14 @@ def _check(image: NDArray[np.uint8], depth: NDArray[np.float32], camera: Camera)
     ):
         if array.shape != shape or array.dtype != kind:
             raise PerceptionError(
-                f"{name}: expected {np.dtype(kind).name} {list(shape)}, the camera's, "
+                f"{name}: expected {np.dtype(kind).name} {list(shape)}, as for the camera, "
                 f"got {array.dtype.name} {list(array.shape)}"
             )
 
 
 @lru_cache(maxsize=4)
 def _rays(camera: Camera) -> NDArray[np.float32]:
-    """World directions `[3, H, W]` of the pixels' centres, of length 1 along the
-    optical axis."""
+    """World directions `[3, H, W]` of the pixel centres, with length 1 along the optical axis."""
     columns = (np.arange(camera.width) + 0.5 - camera.cx) / camera.fx
     rows = (np.arange(camera.height) + 0.5 - camera.cy) / camera.fy
     rotation = camera.pose.rotation()
@@ -113,8 +111,8 @@ def _rays(camera: Camera) -> NDArray[np.float32]:
 
 
 def _depth_noise_m(depth: NDArray[np.float32]) -> float:
-    """Standard deviation of white noise in `measurements`: second differences vanish on planes,
-    nearly."""
+    """Standard deviation of white noise in `measurements`, from second differences, which almost
+    vanish on planes."""
     rows = depth[::_STRIDE]
     left, middle, right = rows[:, :-2], rows[:, 1:-1], rows[:, 2:]
     second = left - 2 * middle + right
@@ -125,8 +123,8 @@ def _depth_noise_m(depth: NDArray[np.float32]) -> float:
 
 
 def _filled(image: NDArray[np.uint8], measured: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Where nothing was measured, the depth of that one of the eight neighbours whose
-    colour is nearest; 0 where there is none."""
+    """Fills each missing measurement with the depth of the neighbour, of eight, with the most
+    similar colour; 0 if there is none."""
     rows, columns = np.nonzero(measured == 0)
     if len(rows) == 0:
         return measured
@@ -149,7 +147,7 @@ def _filled(image: NDArray[np.uint8], measured: NDArray[np.float32]) -> NDArray[
 def _table(
     x: NDArray[np.float32], y: NDArray[np.float32], z: NDArray[np.float32]
 ) -> tuple[np.float32, np.float32, np.float32, float]:
-    """a, b, c of the table z = a + b·x + c·y, by least squares on inliers, and the
+    """Fits the table z = a + b·x + c·y by least squares on inliers; returns a, b, c and the
     standard deviation of the inliers' heights."""
     xs, ys, zs = (part[::_STRIDE, ::_STRIDE].ravel().astype(np.float64) for part in (x, y, z))
     near = np.abs(zs) < TABLE_SEARCH_M

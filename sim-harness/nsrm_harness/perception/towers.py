@@ -1,8 +1,8 @@
-"""Towers: what stands on one spot of the table, one block or a stack of them.
+"""Finds towers: a block, or a stack of blocks, at one place on the table.
 
-Seen from above, blocks that do not stand on each other lie apart, however they
-overlap in the picture. So the points above the table are entered into a plan, and
-its connected parts are the towers.
+Seen from above, blocks that do not stand on each other are separate, however they overlap in the
+image. So the points above the table are entered into a plan view, and its connected components are
+the towers.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from numpy.typing import NDArray
 from nsrm_harness.geometry.camera import MIN_VISIBLE_PX
 from nsrm_harness.perception.relief import Relief
 
-#: Edge of the plan's cells: a pixel's footprint on a flat top is about 2 mm long, and
-#: a gap of twice the edge always leaves an empty cell.
+#: Edge of the plan's cells: the footprint of a pixel on a flat top is about 2 mm long, and a gap of
+#: twice the edge always leaves an empty cell.
 CELL_M = 0.003
-#: What reaches higher is no object: the arm.
+#: Anything higher is not an object but the arm.
 CEILING_M = 0.25
-#: Lower things are no objects.
+#: Anything lower is not an object.
 MIN_HEIGHT_M = 0.015
-#: Least height of a point above the table that counts, and in standard deviations.
+#: Smallest height above the table of a point that counts, absolute and in standard deviations.
 FOREGROUND_M = 0.00015
 FOREGROUND_SIGMA = 5.0
-#: In noisy depth a chance row of such points may bridge two towers: only points so many
-#: times higher join cells.
+#: In noisy depth, a random row of such points may bridge two towers: only points this many times
+#: higher join cells.
 BODY_FACTOR = 4.0
-#: Studs: how far above the flat top of a block its top, or the next block, may be.
+#: Height of studs: the top of a block, or the next block, may be this far above its flat top.
 STUDS_M = 0.006
-#: Highest block of which two parts are joined.
+#: Largest height of a block of which two parts are joined.
 MAX_JOINED_M = 0.06
-#: Distance of chromaticities, of which each lies in 0..1, that makes two colours.
+#: Smallest distance between the chromaticities (in 0..1) of two colours.
 COLOR_STEP = 0.10
-#: How many times the height, and the shorter edge, the longer edge of a block may be.
+#: Largest ratio of a block's longer edge to its height, and to its shorter edge.
 JOINED_EDGE = 1.5
 
 
@@ -52,12 +52,12 @@ class Tower:
 
 
 def foreground_m(relief: Relief) -> float:
-    """Height from which on a point belongs to an object."""
+    """Height above which a point belongs to an object."""
     return max(FOREGROUND_M, FOREGROUND_SIGMA * relief.noise_m)
 
 
 def towers(relief: Relief) -> list[Tower]:
-    """The towers in view, in the plan's order; what reaches `CEILING_M` is left out."""
+    """The towers in view, in the plan's order, without those that reach `CEILING_M`."""
     threshold = foreground_m(relief)
     with np.errstate(invalid="ignore"):
         rows, columns = np.nonzero(relief.height > threshold)
@@ -73,7 +73,7 @@ def towers(relief: Relief) -> list[Tower]:
     parts, found_cells = cv2.connectedComponents(plan, connectivity=8)
     cells = np.asarray(found_cells, dtype=np.int32)
     if relief.noisy:
-        # A low point goes to the tower that it stands beside, if any.
+        # A low point belongs to the adjacent tower, if any.
         beside = cv2.dilate(cells.astype(np.float32), np.ones((3, 3), np.uint8))
         cells = np.where(cells > 0, cells, np.asarray(beside, dtype=np.int32))
     part = cells[across, along]
@@ -96,11 +96,11 @@ def towers(relief: Relief) -> list[Tower]:
 
 
 def joined(found: list[Tower], image: NDArray[np.uint8], relief: Relief) -> list[Tower]:
-    """The towers with the parts of one block that a nearer tower divides put together.
+    """The towers, with the parts of a block joined that a closer tower divides.
 
     Two parts are one block if they are equally high and of one colour, what is between
-    them in the picture is nearer than both, and their common footprint is about square
-    and about as wide as the block is high. Only for single blocks.
+    them in the image is closer than both, and their common footprint is about square and about as
+    wide as the block is high. This applies only to single blocks.
 
     * `image`: `[H, W, 3]`
     """

@@ -1,7 +1,7 @@
-"""Who is who across pictures: the detector numbers objects anew in each.
+"""Tracks objects across images, since the detector numbers them anew in each.
 
-An object that is no longer seen, and could be, is forgotten after some pictures: what noise makes
-would stay for ever otherwise, and take the time of every later picture.
+An object that could be seen but is not is forgotten after some images: otherwise objects caused by
+noise would stay for ever and cost time in every later image.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from nsrm_harness.perception.detector import Detections
 from nsrm_harness.perception.relief import Relief
 
 STAYED_M = 0.015
-"""An object that is seen within this of where it was has not been moved."""
+"""An object seen within this distance of where it was has not been moved."""
 SAME_CHROMA = 0.06
-"""Shares of red and green of two pictures of one object differ by less: light and shade
+"""Shares of red and green of one object in two images differ by less than this: light and shade
 change them little, another colour by 0.15 and more."""
 MIXED_CHROMA = 0.15
-"""Those of a sliver differ by less than that: the pixels along its edges show what is beside it,
-too."""
+"""Those of a sliver differ by less than this: the pixels along its edges also show its
+neighbours."""
 EDGE = 0.005
-"""What is left to see of an object lies within its box, but for so much of the image."""
+"""The visible part of an object lies within its box, with this tolerance in image sizes."""
 SAME_SIZE = 0.25
-"""Widths of two pictures of one object mostly differ by less than this share,"""
+"""Widths of one object in two images mostly differ by less than this share,"""
 ANY_SIZE = 0.5
-"""and none is ever wider by more: a cube that is seen over an edge is 1.4 times as wide."""
+"""and never by more than this: a cube seen over an edge is 1.4 times as wide."""
 
 LARGER_M = 0.005
-"""An object whose upper face is larger than that of one seen before by more, in either edge, is
-another one, or that one was not seen whole."""
+"""If the top face of an object exceeds that of an earlier one by more than this, in either edge, it
+is a different object, or the earlier one was not seen whole."""
 
 HIDDEN, MOVED, TURNED, MOVED_BEHIND, SLIVER, LARGER, NEW, NEVER = (
     1.0,
@@ -48,37 +48,39 @@ HIDDEN, MOVED, TURNED, MOVED_BEHIND, SLIVER, LARGER, NEW, NEVER = (
     10.0,
     1000.0,
 )
-"""What it costs to believe that an object is hidden in part where it stands, was moved, was moved
-and shows another side, was moved to where it is hidden in part, shows so little of itself where
-it stands that its colour is mixed with another, was never seen whole before, or is new."""
+"""Costs of assuming that an object: is partly hidden at its place; was moved; was moved and shows
+another side; was moved to where it is partly hidden; shows so little at its place that its colour
+is mixed with another one; was never seen whole before; or is new."""
 NEAR_M = 0.05
-"""What is left to see of an object lies nearer to its middle; another that stands in front of it
-does not."""
+"""The visible part of an object is closer to its middle than this; an object in front of it is
+not."""
 
 CONFIRMED = 3
-"""An object is confirmed once so many pictures have shown it."""
+"""An object is confirmed once this many images have shown it."""
 UNCONFIRMED_PICTURES, UNSEEN_PICTURES = 5, 100
-"""One that is not is forgotten after so many pictures that should show it and do not, a confirmed
-one after so many: at the ten pictures a second of a robot's camera, 10 s."""
+"""Numbers of images that should show an object and do not, after which an unconfirmed and a
+confirmed object are forgotten; the latter is 10 s at the ten images per second of a robot's
+camera."""
 MOST_TRACKS = 64
-"""So many objects are known at most. Beyond that, those are forgotten that are not confirmed, then
-those that should be seen and are not, then those that were not seen for the longest time."""
+"""Largest number of tracked objects. Beyond it, unconfirmed objects are forgotten first, then those
+that should be seen and are not, then those that were not seen for the longest time."""
 SAMPLES = 64
-"""So many of an object's pixels, at most, say whether it is covered:"""
+"""Largest number of an object's pixels that are checked for whether it is covered:"""
 COVERED_SHARE, COVERS_M = 0.5, 0.01
-"""if so many of them show something that is nearer to the camera by more, or nothing at all."""
+"""it is, if this share of them shows something closer to the camera by this distance,
+or nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """An object as it was seen last.
+    """An object as it was last seen.
 
-    * `position`: of the middle of its box at its mean depth, world frame, metres
+    * `position`: centre of its box at its mean depth, world frame, metres
     * `chroma`: `[2]`, shares of red and green in its mean colour
-    * `width_m`: of its box at its mean depth
-    * `edges_m`: of its upper face, the longer one first; the most that was seen of them
+    * `width_m`: width of its box at its mean depth
+    * `edges_m`: edges of its top face, the longer one first; the largest that were seen
     * `box`: x1, y1, x2, y2 as fractions of the image
-    * `rows`, `columns`, `depths`: `[n]`, of some of the pixels that showed it
+    * `rows`, `columns`, `depths`: `[n]`, some of the pixels that showed it
     """
 
     position: NDArray[np.float64]
@@ -91,8 +93,7 @@ class Track:
     depths: NDArray[np.float32]
 
     def seen_again(self, before: Track) -> tuple[float, Track]:
-        """What it costs to believe that this is an object that was there before, and what is
-        known of it then."""
+        """The cost of assuming that this is an earlier object, and the resulting track."""
         cost, known = self._looks_like(before)
         own, its = self.edges_m, before.edges_m
         if own[0] > its[0] + LARGER_M or own[1] > its[1] + LARGER_M:
@@ -100,12 +101,12 @@ class Track:
         return cost, replace(known, edges_m=(max(own[0], its[0]), max(own[1], its[1])))
 
     def is_covered(self, seen: Relief) -> bool:
-        """Whether something else is seen in a picture where this was."""
+        """Whether an image shows something else where this object was."""
         nearer = seen.depth[self.rows, self.columns] < self.depths - COVERS_M
         return float(nearer.mean()) >= COVERED_SHARE
 
     def _looks_like(self, before: Track) -> tuple[float, Track]:
-        """The same by colour, place and width."""
+        """The same cost and track, by colour, place and width."""
         off = np.abs(self.chroma - before.chroma).max()
         distance_m = float(np.linalg.norm(self.position - before.position))
         if off >= SAME_CHROMA:
@@ -116,7 +117,7 @@ class Track:
             return distance_m, self
         costs = [(NEVER, before)]
         if self._lies_within(before):
-            # By its whole look it is known again.
+            # Its whole appearance identifies it.
             costs.append((HIDDEN + distance_m / NEAR_M, before))
         if abs(ratio) < SAME_SIZE:
             costs.append((MOVED + distance_m, self))
@@ -133,11 +134,11 @@ class Track:
 
 @dataclass
 class _Life:
-    """How an object has been seen, in pictures.
+    """How often an object has been seen, in numbers of images.
 
-    * `shown`: those that have shown it
-    * `missed`: those since the last of them that should have
-    * `absent`: all since
+    * `shown`: images that have shown it
+    * `missed`: images since the last of them that should have shown it
+    * `absent`: all images since the last of them
     """
 
     shown: int = 0
@@ -145,7 +146,7 @@ class _Life:
     absent: int = 0
 
     def is_seen(self) -> None:
-        """A picture shows it."""
+        """Records that an image shows it."""
         self.shown, self.missed, self.absent = self.shown + 1, 0, 0
 
     @property
@@ -154,20 +155,20 @@ class _Life:
 
     @property
     def is_over(self) -> bool:
-        """Whether too many pictures should have shown it."""
+        """Whether too many images should have shown it and did not."""
         return self.missed >= (UNSEEN_PICTURES if self.is_confirmed else UNCONFIRMED_PICTURES)
 
     @property
     def doubt(self) -> tuple[bool, int, int]:
-        """The greater, the sooner it is forgotten."""
+        """Sort key: the greater, the sooner it is forgotten."""
         return (not self.is_confirmed, self.missed, self.absent)
 
 
 class Tracker:
-    """Gives each object one number for as long as it is there. No other object ever gets it.
+    """Gives each object a number that it keeps and that no other object ever gets.
 
-    Of one that is covered or held nothing is forgotten. Memory and the time of a picture are
-    bounded by `MOST_TRACKS`.
+    Covered and held objects are not forgotten. Memory, and the time per image, are bounded by
+    `MOST_TRACKS`.
     """
 
     def __init__(self) -> None:
@@ -175,10 +176,10 @@ class Tracker:
         self._lives: dict[int, _Life] = {}
         self._next = 1
         self.forgotten: frozenset[int] = frozenset()
-        """What was forgotten with the last picture."""
+        """The objects that were forgotten with the last image."""
 
     def __len__(self) -> int:
-        """How many objects are known."""
+        """Number of tracked objects."""
         return len(self._tracks)
 
     def update(
@@ -190,15 +191,15 @@ class Tracker:
         camera: Camera,
         held: Collection[int] = (),
     ) -> tuple[int, ...]:
-        """The number of each object found; an object that is hidden keeps its own.
+        """Returns the number of each detected object; hidden objects keep theirs.
 
-        * `seen_faces`: of each
-        * `heights`: of the picture
+        * `seen_faces`: top face of each
+        * `heights`: heights of the image
         * `held`: the objects that a hand may hold, so that they are not where they were
 
-        All are matched at once, so that what has to be believed is as little as possible: that an
-        object stays, that a part of it is hidden, that it was moved, in this order. Who can be
-        none of those that were there is new.
+        All objects are matched at once, at the smallest total cost of assumptions: that an object
+        stays, that a part of it is hidden, that it was moved, in this order. An object that matches
+        no earlier one is new.
         """
         seen = [
             _track(image, found, row, face, heights, camera) for row, face in enumerate(seen_faces)
@@ -221,7 +222,7 @@ class Tracker:
         return tuple(names)
 
     def _forget(self, names: Collection[int], heights: Relief, held: Collection[int]) -> None:
-        """What a picture shows of these objects alone."""
+        """Records an image that shows the objects `names`; forgets those that are over."""
         unseen = []
         for number, life in self._lives.items():
             if number in names:
@@ -241,8 +242,8 @@ class Tracker:
             del self._tracks[number], self._lives[number]
 
     def position(self, number: int) -> NDArray[np.float64] | None:
-        """Where an object was seen last, world frame, metres; None if it never was, or is
-        forgotten."""
+        """Where an object was last seen, world frame, metres; None if it never was or
+        is forgotten."""
         track = self._tracks.get(number)
         return None if track is None else track.position
 
