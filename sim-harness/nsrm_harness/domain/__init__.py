@@ -1,5 +1,4 @@
-"""The domain: what may be named, what may be done, and in which words (Table I); sentences,
-their programs and their tokens."""
+"""The domain (concepts, actions and their words; Table I), sentences, programs and tokens."""
 
 from nsrm_harness.domain.domain import GROUP_TOKEN, Action, Domain, Value
 from nsrm_harness.domain.reader import DEFAULT, from_json, load, parse

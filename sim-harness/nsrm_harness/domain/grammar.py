@@ -1,8 +1,7 @@
-"""Sentences from programs, in the words of the domain file's ``[grammar]``.
+"""Generates sentences from programs, in the words of the domain file's ``[grammar]``.
 
-A sentence is one command a step, joined by connectives. Both orders of the
-arguments occur ("on the blue block put the red block"), so that which of the two
-is moved cannot be read off their order.
+A sentence has one command per step, joined by connectives. Both orders of the arguments occur ("on
+the blue block put the red block"), so that their order does not show which of the two is moved.
 """
 
 from __future__ import annotations
@@ -20,8 +19,8 @@ from nsrm_harness.domain.program import Program, Step
 
 @dataclass(frozen=True)
 class Style:
-    """How sentences are spelt; probabilities in 0..1. What remains is lower case. A letter whose
-    upper case does not read back is in lower case everywhere."""
+    """How sentences are spelt; probabilities in 0..1. The rest is lower case. A letter whose upper
+    case does not read back is always in lower case."""
 
     #: First letter in upper case.
     capital: float = 0.4
@@ -35,7 +34,7 @@ class Style:
 
 @dataclass(frozen=True)
 class Sentence:
-    """A program as it was said."""
+    """A program in words."""
 
     text: str
     #: Where the words of each step end, in characters.
@@ -44,9 +43,9 @@ class Sentence:
 
 @dataclass(frozen=True)
 class Command:
-    """One step as it is said, its parts still apart."""
+    """One step in words, with its parts still separate."""
 
-    #: What joins it to the command before; empty for the first.
+    #: The connective before it; empty for the first command.
     connective: str
     #: One of the grammar's ``commands``.
     template: str
@@ -59,12 +58,12 @@ class Command:
 
 
 class Grammar:
-    """Makes sentences about one domain.
+    """Generates sentences about one domain.
 
-    Of the domain's wordings that training never hears, and of no others, are
+    With these options, sentences use only wordings that are held out from training:
 
-    * `held_out`: the orders of words
-    * `held_out_phrases`: the relations too
+    * `held_out`: for the word order
+    * `held_out_phrases`: for the relations, too
     """
 
     def __init__(
@@ -87,7 +86,7 @@ class Grammar:
                 self._phrases = domain.held_out.phrases
 
     def sentence(self, rng: np.random.Generator, program: Program) -> Sentence:
-        """One way to say `program`, drawn from `rng`."""
+        """A random wording of `program`."""
         words: list[str] = []
         ends: list[int] = []
         for command in self.commands(rng, program):
@@ -96,15 +95,15 @@ class Grammar:
         return Sentence(self.spell(rng, words), tuple(ends))
 
     def commands(self, rng: np.random.Generator, program: Program) -> list[Command]:
-        """One way to say each step of `program`, drawn from `rng`."""
+        """A random wording of each step of `program`."""
         return [
             self._command(rng, step, _choose(rng, self._words.connectives) if index > 0 else None)
             for index, step in enumerate(program)
         ]
 
     def plain(self, program: Program) -> str:
-        """The plainest way to say `program`: the first wording of each list, in lower
-        case, "small green" rather than "green small"."""
+        """The plainest wording of `program`: the first one of each list, in lower case, "small
+        green" rather than "green small"."""
         commands = [
             " ".join(
                 _fill(
@@ -141,7 +140,7 @@ class Grammar:
         )
 
     def description(self, rng: np.random.Generator, concepts: Sequence[str]) -> str:
-        """One way to name an object by these attribute values."""
+        """A random description of an object by these attribute values."""
         values = [_choose(rng, self._domain.concept(name).words) for name in concepts]
         filled = _fill(
             _choose(rng, self._words.descriptions),
@@ -153,7 +152,7 @@ class Grammar:
         return " ".join(filled)
 
     def spell(self, rng: np.random.Generator, words: Sequence[str]) -> str:
-        """The words as a sentence, in one of the spellings of the grammar's style."""
+        """The words as a sentence, in a random spelling of the grammar's style."""
         text = _joined(words)
         draw = rng.random()
         style = self._style
@@ -174,7 +173,7 @@ def _joined(words: Sequence[str]) -> str:
 
 
 def _fill(template: str, fields: Mapping[str, str]) -> list[str]:
-    """The template's words, a field replaced by its words."""
+    """The template's words, with each field replaced by its words."""
     words: list[str] = []
     for word in template.split():
         is_field = word.startswith("{") and word.endswith("}")

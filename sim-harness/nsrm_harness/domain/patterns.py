@@ -1,8 +1,8 @@
-"""Patterns: the tokens of a step without the attribute values, and which of them no training hears.
+"""Patterns (the tokens of a step without the attribute values), and which are kept from training.
 
-The trainer makes steps that the model must refuse, and the sets of sentences to be refused are made
-from the same grammar. A quarter of all patterns is reserved for those sets, so that what they
-measure was never trained on.
+The trainer makes steps that the model must refuse, and the test sets of sentences to refuse come
+from the same grammar. A quarter of all patterns is reserved for those sets, so that they measure
+only what was never trained on.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 HASH_BASE = 2_654_435_761
-"""Odd, so that no token is lost in 32 bits."""
+"""Odd, so that every token affects the 32 bits."""
 RESERVED_SHIFT = 30
 """The upper two bits of a reserved pattern's hash are 0: one pattern in four."""
 
 
 def pattern_hash(rows: Iterable[int]) -> int:
-    """Of a step's tokens, given as rows of the embeddings; 32 bits.
+    """Hash of a step's tokens, given as rows of the embeddings; 32 bits.
 
-    `learn.nonsense.is_reserved` has the same for arrays.
+    `learning.nonsense.is_reserved` does the same for arrays.
     """
     power, total = HASH_BASE, 0
     for row in rows:

@@ -1,4 +1,4 @@
-"""Programs as a person means them: which action, which attribute values (Table I)."""
+"""Programs: the actions and attribute values that a sentence means (Table I)."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class Step:
     action: str
     #: Names of the concepts that describe the object to be moved.
     object: tuple[str, ...]
-    #: Names of the concepts that describe the object it is moved with regard to.
+    #: Names of the concepts that describe the reference.
     reference: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """As in ``{"steps": [...]}`` of the command line."""
+        """The step as in ``{"steps": [...]}`` of the command line."""
         return {
             "action": self.action,
             "object": list(self.object),
@@ -30,7 +30,7 @@ class Step:
 
     @staticmethod
     def from_json(content: Mapping[str, Any]) -> Step:
-        """The inverse of :meth:`as_json`; other keys are left aside."""
+        """The inverse of :meth:`as_json`; other keys are ignored."""
         return Step(content["action"], tuple(content["object"]), tuple(content["reference"]))
 
 
@@ -38,7 +38,7 @@ Program = tuple[Step, ...]
 
 
 def canonical(steps: Iterable[Step]) -> str:
-    """Equal text for programs that differ only in the order of filters."""
+    """A text that is equal for programs that differ only in the order of filters."""
     return json_text(
         [[step.action, sorted(step.object), sorted(step.reference)] for step in steps],
         ensure_ascii=False,

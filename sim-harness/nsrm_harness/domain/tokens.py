@@ -1,12 +1,12 @@
-"""How a sentence falls into tokens: the reference for the trainer and the core.
+"""Splits a sentence into tokens: the reference for the trainer and the core.
 
 1. The sentence is split at white space and read in lower case, letter by letter: see
    `letters`.
-2. ``,`` and ``;`` are the token ``,``, wherever they stand.
-3. ``. ! ?`` at the very end of the sentence are dropped. Any of ``. ! ? : " '`` at
-   a word's start or end otherwise is a token of its own, which no vocabulary has.
-4. Words that name attribute values, the paper's only lexicon, form a group where
-   they stand next to each other; one group token replaces them (section IV-B).
+2. ``,`` and ``;`` become the token ``,`` everywhere.
+3. ``. ! ?`` at the very end of the sentence are dropped. Elsewhere, each of ``. ! ? : " '`` at the
+   start or end of a word is a separate token, which no vocabulary has.
+4. Adjacent words that name attribute values, the paper's only lexicon, form a group, which one
+  group token replaces (section IV-B).
 5. Every other token must be in the vocabulary.
 """
 
@@ -35,16 +35,16 @@ class UnknownWordError(HarnessError):
 
 @dataclass(frozen=True)
 class Tokens:
-    """A sentence as the networks see it."""
+    """A sentence in the form that the networks get."""
 
-    #: Words of the vocabulary, the group token for each group.
+    #: Words of the vocabulary, with the group token for each group.
     words: tuple[str, ...]
     #: Indices of the concepts of each group, in the order spoken.
     groups: tuple[tuple[int, ...], ...]
 
 
 class Tokenizer:
-    """Tokens of sentences about one domain."""
+    """Splits sentences about one domain into tokens."""
 
     def __init__(self, domain: Domain) -> None:
         self._lexicon = domain.lexicon()
@@ -53,7 +53,7 @@ class Tokenizer:
         self.row = {word: row for row, word in enumerate(domain.vocabulary())}
 
     def __call__(self, sentence: str) -> Tokens:
-        """The tokens of `sentence`; ``UnknownWordError`` names a word that is not known."""
+        """The tokens of `sentence`. Raises ``UnknownWordError``."""
         words: list[str] = []
         groups: list[tuple[int, ...]] = []
         in_group = False
@@ -77,7 +77,7 @@ class Tokenizer:
 
 
 def split(sentence: str) -> list[str]:
-    """Rules 1 to 3: lower-case words and punctuation, before anything is looked up."""
+    """Rules 1 to 3: lower-case words and punctuation, before any lookup."""
     text = _END.sub("", lower_case(sentence))
     spaced = _PIECES.sub(lambda match: f" {' '.join(match.group())} ", text)
     return ["," if piece == ";" else piece for piece in _SPACES.split(spaced) if piece]
