@@ -263,10 +263,10 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
         ),
         (
             "[shared_memory]\nprefix = 'a/b'",
-            "shared_memory.prefix: too long, or not a name that files may have: got 'a/b'",
+            "shared_memory.prefix: too long, or not a valid file name: got 'a/b'",
         ),
         ("[shared_memory]\nroot = 3", "shared_memory.root: should be a valid string, got 3"),
-        ("[shared_memory]\nroot = 'here'", "shared_memory.root: a path from / is needed"),
+        ("[shared_memory]\nroot = 'here'", "shared_memory.root: an absolute path is needed"),
     ]:
         file.write_text(text)
         with pytest.raises(RobotConfigError) as refused:

@@ -1,8 +1,8 @@
-"""TOML files, checked by pydantic against frozen dataclasses; errors name file, key and fault.
+"""Checks TOML files with pydantic against frozen dataclasses; errors name file, key and fault.
 
-A dataclass that a file fills refuses unknown keys by `__pydantic_config__ = NO_OTHER_KEYS`. Its
-types say what may stand there: `Text`, `Positive` and so on, tuples for lists. A fault found by a
-validator of ours is a `ValueError` whose message says what was wrong, got and expected.
+A dataclass that a file fills rejects unknown keys with `__pydantic_config__ = NO_OTHER_KEYS`. Its
+types define the allowed values: `Text`, `Positive` and so on, tuples for lists. Our own validators
+raise a `ValueError` whose message gives the problem, the actual and the expected value.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ Filled = TypeVar("Filled")
 NO_OTHER_KEYS = ConfigDict(extra="forbid")
 
 LEAST = 1e-9
-"""Of what must be above 0."""
+"""Smallest value of a number that must be above 0."""
 
-# Strict: true is no number, 1.0 no whole one, "1" neither.
+# Strict: true is not a number, 1.0 is not an integer, "1" is neither.
 Text = Annotated[str, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Whole = Annotated[int, Field(strict=True)]
@@ -36,7 +36,7 @@ Positive = Annotated[Number, Field(ge=LEAST)]
 PositiveOrZero = Annotated[Number, Field(ge=0.0)]
 
 UNKNOWN_KEY = "unexpected_keyword_argument"
-"""Pydantic's type of that error."""
+"""Pydantic's type of this error."""
 
 
 def _unknown_key(_: Any) -> Any:
@@ -46,10 +46,10 @@ def _unknown_key(_: Any) -> Any:
 Derived = Annotated[
     str, Field(default="", json_schema_extra={"readOnly": True}), BeforeValidator(_unknown_key)
 ]
-"""A text that the reader fills in afterwards, and no file may give."""
+"""A text that the reader fills in, and that no file may contain."""
 
 _SHOWN = 80
-"""So much of what was got is shown, characters."""
+"""Largest number of characters of the actual value that is shown."""
 _FAULTS = {
     "missing": "is missing",
     "dataclass_type": "expected a table, got {got}",
@@ -59,17 +59,17 @@ _FAULTS = {
     "too_short": "expected {min_length} or more entries, got {got}",
     "too_long": "expected {max_length} or fewer entries, got {got}",
     "bool_type": "expected true or false, got {got}",
-    "greater_than_equal": "should be at least {ge:g}, got {got}",
-    "less_than_equal": "should be at most {le:g}, got {got}",
+    "greater_than_equal": "must be at least {ge:g}, got {got}",
+    "less_than_equal": "must be at most {le:g}, got {got}",
     "literal_error": "expected {expected}, got {got}",
     "value_error": "{error}",
     UNKNOWN_KEY: "unknown key; expected some of: {known}",
 }
-"""By pydantic's type of error; for others its own words, and what was got."""
+"""Messages by pydantic's type of error; other types use its message and the actual value."""
 
 
 def read_toml(path: Path, error: type[HarnessError], what: str) -> dict[str, Any]:
-    """The file's content; `what` the file is, for the error."""
+    """The file's content; `what` names the kind of file in errors."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as cause:
@@ -81,13 +81,13 @@ def read_toml(path: Path, error: type[HarnessError], what: str) -> dict[str, Any
 def checked(
     kind: type[Filled], content: Mapping[str, Any], source: str, error: type[HarnessError]
 ) -> Filled:
-    """The dataclass that the content of a file fills; `source` names the file in the error."""
+    """The dataclass filled with the content of a file; `source` names the file in errors."""
     try:
         return _adapter(kind).validate_python(content)
     except ValidationError as cause:
         details = cause.errors(include_url=False)
         deep = {loc[:end] for loc in (each["loc"] for each in details) for end in range(len(loc))}
-        # What is wrong with an entry stands deeper: pydantic doesn't count such entries.
+        # Pydantic does not count invalid entries; their faults are reported deeper.
         faults = [
             (_dotted(each["loc"]), _fault(kind, each))
             for each in details
@@ -99,7 +99,7 @@ def checked(
 def refusal(
     source: str, faults: Iterable[tuple[str, str]], error: type[HarnessError]
 ) -> HarnessError:
-    """The error to raise: a line for each fault, with file, dotted key and what is wrong."""
+    """The error to raise: one line per fault, with file, dotted key and problem."""
     return error("\n".join(f"{source}: {key}: {fault}" for key, fault in faults))
 
 
@@ -109,7 +109,7 @@ def _adapter(kind: type[Filled]) -> TypeAdapter[Filled]:
 
 
 def _dotted(place: tuple[int | str, ...]) -> str:
-    """As in `attribute[0].values[1].rgb`."""
+    """A place in dotted form, such as `attribute[0].values[1].rgb`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)
     return "".join(parts).removeprefix(".")
 
@@ -125,11 +125,11 @@ def _fault(kind: Any, details: ErrorDetails) -> str:
 
 
 def _known_keys(kind: Any, place: tuple[int | str, ...]) -> str:
-    """What may stand in the table in which an unknown key stands."""
+    """The keys that are allowed in the table with an unknown key."""
     schema = table = _adapter(kind).json_schema()
     for part in place[:-1]:
         table = table["items"] if isinstance(part, int) else table["properties"][part]
-        # Of what may be absent the first is not null.
+        # In optional values the first alternative is not null.
         table = table.get("anyOf", [table])[0]
         if "$ref" in table:
             table = schema["$defs"][table["$ref"].removeprefix("#/$defs/")]

@@ -1,15 +1,14 @@
-"""The domain: what may be named, what may be done, in which words (Table I).
+"""Reads domains: the concepts, the actions, and their words (Table I).
 
-A domain is one TOML file. Everything else that depends on it is made from it:
-episodes, the network's dimensions, the model file, the static arrays, the docs.
+A domain is one TOML file. Everything that depends on it is derived from it: episodes, the network's
+dimensions, the model file, the static arrays, the docs.
 
 * Concepts are the values of all attribute types, in the file's order.
-* The lexicon holds the words that name a concept; the vocabulary all other words
-  that the grammar can produce, after the group token that stands for a run of
-  lexicon words.
+* The lexicon has the words that name a concept. The vocabulary has the group token, which stands
+  for a run of lexicon words, and then all other words that the grammar can produce.
 
-The types below say what a file may give; :mod:`nsrm_harness.domain.reader` reads it, and checks
-what concerns more than one table.
+The types below define what a file may contain; :mod:`nsrm_harness.domain.reader` reads it and
+checks the rules that span several tables.
 """
 
 from __future__ import annotations
@@ -60,7 +59,7 @@ def _direction(
 def _order_words(words: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
     for word in words:
         if word not in info.data.get("openings", words) or " " in word or not word:
-            raise ValueError(f"expected openings of one word, got {word!r}")
+            raise ValueError(f"expected openings with one word, got {word!r}")
     return words
 
 
@@ -79,7 +78,7 @@ class Value:
     name: Identifier
     #: Name of its attribute type.
     attribute: Derived
-    #: How a person says it; single words in lower case.
+    #: Its words in sentences; single words in lower case.
     words: ConceptWords
     #: Colour of a block that has this value, each channel in 0..1.
     rgb: tuple[Channel, Channel, Channel] | None = None
@@ -96,32 +95,32 @@ class Attribute:
     __pydantic_config__ = NO_OTHER_KEYS
 
     name: Identifier
-    #: What of a crop its operator sees.
+    #: What its operator sees of a crop.
     view: View
     values: Annotated[tuple[Value, ...], Field(min_length=2)]
 
 
 @dataclass(frozen=True)
 class Action:
-    """What can be done with an object with regard to another."""
+    """A way to place an object relative to another one."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
     name: Identifier
     place: Place
-    #: For ``beside``: unit vector (x, y) of the world along one of its axes.
+    #: For ``beside``: unit vector (x, y) along one of the world's axes.
     direction: Annotated[
         tuple[Component, Component] | None,
         Field(default=None, validate_default=True),
         AfterValidator(_direction),
     ]
-    #: How a person says it, between the two objects.
+    #: Its words in sentences, between the two objects.
     phrases: Relations
 
 
 @dataclass(frozen=True)
 class GrammarWords:
-    """How a command is said. An empty string: may be left out."""
+    """The words of commands. An empty string means that the part is optional."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
@@ -131,13 +130,13 @@ class GrammarWords:
     descriptions: Descriptions
     commands: Commands
     connectives: Phrases
-    #: Openings of one word that mean something else anywhere but at the start of a sentence.
+    #: One-word openings that have another meaning anywhere but at the start of a sentence.
     order_words: Annotated[Phrases, AfterValidator(_order_words)] = ()
 
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Wordings that training never hears, made of words that it knows."""
+    """Wordings that are held out from training, made of words that are in it."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
@@ -149,7 +148,7 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class Domain:
-    """A domain file, checked."""
+    """A checked domain file."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
@@ -158,7 +157,7 @@ class Domain:
     actions: Annotated[tuple[Action, ...], Field(alias="action", min_length=1)]
     grammar: GrammarWords
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
-    #: :meth:`as_json`'s text, kept so that the file's content travels unchanged.
+    #: The text of :meth:`as_json`, kept so that the content of the file is passed on unchanged.
     document: Derived
 
     @cached_property
@@ -167,15 +166,15 @@ class Domain:
         return tuple(value for attribute in self.attributes for value in attribute.values)
 
     def attribute(self, name: str) -> Attribute:
-        """The attribute type of that name; ``KeyError`` if there is none."""
+        """The attribute type with this name; ``KeyError`` if there is none."""
         return _named(self.attributes, name)
 
     def concept(self, name: str) -> Value:
-        """The attribute value of that name; ``KeyError`` if there is none."""
+        """The attribute value with this name; ``KeyError`` if there is none."""
         return _named(self.concepts, name)
 
     def action(self, name: str) -> Action:
-        """The action of that name; ``KeyError`` if there is none."""
+        """The action with this name; ``KeyError`` if there is none."""
         return _named(self.actions, name)
 
     def lexicon(self) -> dict[str, int]:
@@ -188,7 +187,7 @@ class Domain:
         return [GROUP_TOKEN, *sorted(self.other_words())]
 
     def other_words(self) -> set[str]:
-        """All that the grammar produces beside the lexicon."""
+        """All words of the grammar that are not in the lexicon."""
         grammar = self.grammar
         texts = [
             *grammar.openings,

@@ -1,4 +1,5 @@
-"""Reading a domain file: its tables by their types, then what concerns more than one of them."""
+"""Reads a domain file: checks its tables by their types, then the rules that span
+several tables."""
 
 from __future__ import annotations
 
@@ -15,24 +16,24 @@ from nsrm_harness.domain.domain import Attribute, Domain
 
 #: The paper's domain.
 DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
-#: Most concepts that may describe one object, a capacity of the core: a domain
-#: has no more attribute types than this.
+#: Largest number of concepts that describe one object, a capacity of the core: a domain has no
+#: more attribute types.
 MAX_ATTRIBUTES = 4
 #: Indices of concepts and actions are bytes in the core.
 MAX_CONCEPTS = 255
 
 Faults = Iterator[tuple[str, str]]
-"""Dotted keys, each with what is wrong there."""
+"""Dotted keys, each with its problem."""
 
 
 def load(path: Path | str = DEFAULT) -> Domain:
-    """Read and check a domain file; ``DomainError`` says file, key and what is wrong."""
+    """Reads and checks a domain file. Raises ``DomainError`` with file, key and problem."""
     path = Path(path)
     return parse(read_toml(path, DomainError, "domain file"), str(path))
 
 
 def from_json(text: str, source: str) -> Domain:
-    """The domain that an episode or model file carries; `source` names it in errors."""
+    """The domain in an episode or model file; `source` names the file in errors."""
     try:
         document = json.loads(text)
     except ValueError as error:
@@ -43,7 +44,7 @@ def from_json(text: str, source: str) -> Domain:
 
 
 def parse(document: Mapping[str, Any], source: str) -> Domain:
-    """Check a document as read from TOML or JSON; `source` names it in errors."""
+    """Checks a document read from TOML or JSON; `source` names it in errors."""
     read = checked(Domain, document, source, DomainError)
     domain = replace(
         read,
@@ -57,13 +58,13 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
 
 
 def _with_its_name(attribute: Attribute) -> Attribute:
-    """Each of its values says of which attribute type it is."""
+    """The attribute type, with its name set in each of its values."""
     values = (replace(value, attribute=attribute.name) for value in attribute.values)
     return replace(attribute, values=tuple(values))
 
 
 def _names(domain: Domain) -> Faults:
-    """None stands twice, and there are no more than the core can hold."""
+    """Names are unique, and there are no more than the core can hold."""
     for key, named in (
         ("attribute", domain.attributes),
         ("attribute.values", domain.concepts),
@@ -72,7 +73,7 @@ def _names(domain: Domain) -> Faults:
         names = [item.name for item in named]
         for name in dict.fromkeys(names):
             if names.count(name) > 1:
-                yield key, f"the name {name!r} is given twice"
+                yield key, f"duplicate name {name!r}"
     if len(domain.attributes) > MAX_ATTRIBUTES:
         yield "attribute", f"at most {MAX_ATTRIBUTES} types, got {len(domain.attributes)}"
     if len(domain.concepts) > MAX_CONCEPTS:
@@ -80,13 +81,13 @@ def _names(domain: Domain) -> Faults:
 
 
 def _appearance(domain: Domain) -> Faults:
-    """One attribute type says the colour, one the edges, at most one the studs."""
+    """One attribute type defines the colour, one the edges, at most one the studs."""
     for key in ("rgb", "edges_m", "studs"):
         types = {value.attribute for value in domain.concepts if getattr(value, key) is not None}
         if len(types) > 1:
-            yield key, f"given by more than one attribute type: {sorted(types)}"
+            yield key, f"defined by more than one attribute type: {sorted(types)}"
         elif key != "studs" and not types:
-            yield key, "no attribute type gives it, but every block needs it"
+            yield key, "no attribute type defines it, but every block needs it"
         elif key != "studs":
             for value in domain.attribute(types.pop()).values:
                 if getattr(value, key) is None:
@@ -94,7 +95,7 @@ def _appearance(domain: Domain) -> Faults:
 
 
 def _words(domain: Domain) -> Faults:
-    """Each names one thing."""
+    """Each word names one concept."""
     seen: dict[str, str] = {}
     for value in domain.concepts:
         for word in value.words:
@@ -105,11 +106,14 @@ def _words(domain: Domain) -> Faults:
                 )
             seen.setdefault(word, value.name)
     for word in sorted(domain.other_words() & seen.keys()):
-        yield "grammar", f"{word!r} names the concept {seen[word]!r} and cannot be another word too"
+        yield (
+            "grammar",
+            f"{word!r} names the concept {seen[word]!r} and cannot be another word, too",
+        )
 
 
 def _held_out_actions(domain: Domain) -> Faults:
-    """It has phrases of every action, and of no other."""
+    """The held-out wordings have phrases for every action, and for no other."""
     if domain.held_out is None:
         return
     given, names = domain.held_out.phrases, [action.name for action in domain.actions]
@@ -122,7 +126,7 @@ def _held_out_actions(domain: Domain) -> Faults:
 
 
 def _held_out(domain: Domain) -> Faults:
-    """Nothing of it may stand in the grammar, and no word may be a new one."""
+    """The held-out wordings are not in the grammar and contain no new words."""
     if domain.held_out is None:
         return
     known = {*domain.vocabulary(), *domain.lexicon()}
@@ -130,7 +134,7 @@ def _held_out(domain: Domain) -> Faults:
     held_out = domain.held_out
     for text in (*held_out.commands, *(p for each in held_out.phrases.values() for p in each)):
         if text in said:
-            yield "held_out", f"{text!r} is no new wording: training has it"
+            yield "held_out", f"{text!r} is not held out: the grammar has it, too"
         for word in text.split():
             if not word.startswith("{") and word not in known:
-                yield "held_out", f"{word!r} in {text!r} is a word of no other wording"
+                yield "held_out", f"{word!r} in {text!r} is not a word of the grammar"

@@ -1,4 +1,4 @@
-"""Which words and templates a domain file may have."""
+"""The types of words and templates in a domain file."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from nsrm_harness.common.toml_file import Text
 from nsrm_harness.domain.letters import lower_case
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-# A token of a sentence, of letters in lower case: text without white space and the
-# punctuation that the tokenizer takes off; or the comma.
+# A token of a sentence in lower case: text without white space and without the punctuation that
+# the tokenizer removes; or the comma.
 _WORD = re.compile(r"""[^\s,.!?;:"'{}\[\]]+|,""")
 
 Texts = tuple[str, ...]
@@ -40,7 +40,7 @@ def _single_word(text: str) -> str:
 def _no_twice(texts: Texts) -> Texts:
     for text in texts:
         if texts.count(text) > 1:
-            raise ValueError(f"{text!r} is given twice")
+            raise ValueError(f"duplicate {text!r}")
     return texts
 
 
@@ -54,14 +54,15 @@ def _none_empty(reason: str) -> AfterValidator:
 
 
 def _template(required: Texts, optional: Texts) -> Callable[[str], str]:
-    """A check that each of the `required` fields stands once and the `optional` at most once."""
+    """A check that each of the `required` fields occurs once, and the `optional` ones
+    at most once."""
     fields = {f"{{{field}}}" for field in (*required, *optional)}
 
     def check(text: str) -> str:
         words = text.split(" ")
         for field in required:
             if words.count(f"{{{field}}}") != 1:
-                raise ValueError(f"{{{field}}} must stand once in {text!r}")
+                raise ValueError(f"{{{field}}} must occur once in {text!r}")
         for word in words:
             if not (word in fields and words.count(word) == 1) and not _is_word(word):
                 raise ValueError(f"{_not_words(text)}, or fields {sorted(fields)}")
@@ -93,14 +94,12 @@ _EACH_ONCE = AfterValidator(_no_twice)
 Identifier = Annotated[Text, AfterValidator(_identifier)]
 """A name of letters, digits and underscores."""
 Phrase = Annotated[Text, AfterValidator(_phrase)]
-"""Lower-case words with one space between; may be empty."""
+"""Lower-case words with single spaces between; may be empty."""
 Phrases = Annotated[tuple[Phrase, ...], _ONE_OR_MORE, _EACH_ONCE]
-"""One or more, each once; one of them may be empty."""
-Relations = Annotated[
-    Phrases, _none_empty("an action cannot be left unsaid: remove the empty string")
-]
-"""How an action is said."""
-Words = Annotated[Phrases, _none_empty("an empty word would let two descriptions run together")]
+"""One or more different phrases; one of them may be empty."""
+Relations = Annotated[Phrases, _none_empty("an action needs a phrase: remove the empty string")]
+"""The phrases of an action."""
+Words = Annotated[Phrases, _none_empty("an empty word would join two descriptions: remove it")]
 """Verbs or nouns."""
 ConceptWords = Annotated[
     tuple[Annotated[Phrase, AfterValidator(_single_word)], ...], _ONE_OR_MORE, _EACH_ONCE
@@ -111,7 +110,7 @@ Descriptions = Annotated[
     _ONE_OR_MORE,
     _EACH_ONCE,
 ]
-"""Templates with ``{values}`` and perhaps ``{noun}``."""
+"""Templates with ``{values}`` and optionally ``{noun}``."""
 Commands = Annotated[
     tuple[
         Annotated[

@@ -1,4 +1,4 @@
-"""What the processes of a robot are told by a file: the same one as `nsrm` reads."""
+"""Reads the configuration of a robot's processes, the same file as for `nsrm`."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from pydantic import AfterValidator
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Text, checked, read_toml
 
-# It has no types; its names are looked up when they are used.
+# iceoryx2 has no type information; its names are looked up when they are used.
 iox2: Any = import_module("iceoryx2")
-# Errors say what went wrong; the rest is of no use to who reads a command's messages.
+# Errors are reported as exceptions; further log messages would only clutter the output.
 iox2.set_log_level(iox2.LogLevel.Fatal)
 
 ROBOT = "robot"
-"""The robot's name where none is given."""
+"""The default name of a robot."""
 
 
 class RobotConfigError(HarnessError):
-    """A configuration that cannot be read, or makes no sense."""
+    """A configuration that cannot be read or is invalid."""
 
 
 def _as_iceoryx2_has_it(kind: str) -> AfterValidator:
-    """A check by iceoryx2's own type of that name."""
+    """A check by the iceoryx2 type with this name."""
 
     def check(text: str) -> str:
         try:
             getattr(iox2, kind).new(text)
         except iox2.SemanticStringError:
-            raise ValueError(f"too long, or not a name that files may have: got {text!r}") from None
+            raise ValueError(f"too long, or not a valid file name: got {text!r}") from None
         return text
 
     return AfterValidator(check)
@@ -41,7 +41,7 @@ def _as_iceoryx2_has_it(kind: str) -> AfterValidator:
 def _absolute(root: str) -> str:
     if not Path(root).is_absolute():
         raise ValueError(
-            "a path from / is needed, for processes to meet wherever they are started; "
+            "an absolute path is needed, so that processes meet wherever they are started; "
             f"got {root!r}"
         )
     return root
@@ -49,25 +49,25 @@ def _absolute(root: str) -> str:
 
 @dataclass(frozen=True)
 class _SharedMemory:
-    """Where iceoryx2 keeps what processes share, if not at its usual place."""
+    """Where iceoryx2 keeps its shared resources, if not in the default location."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
     root: Annotated[Text, AfterValidator(_absolute), _as_iceoryx2_has_it("Path")] | None = None
     """A folder for its files."""
     prefix: Annotated[Text, _as_iceoryx2_has_it("FileName")] | None = None
-    """What names in shared memory begin with."""
+    """Prefix of names in shared memory."""
 
 
 @dataclass(frozen=True)
 class _File:
-    """A configuration file. Everything may be left out."""
+    """A configuration file. All keys are optional."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
     robot: Text = ROBOT
     model: Any = None
-    """As `line` and `limits`: for those who plan and ask, which read them."""
+    """Like `line` and `limits`, read only by the planner and its clients."""
     line: Any = None
     hosts: Literal["one", "several"] = "one"
     limits: Any = None
@@ -76,18 +76,17 @@ class _File:
 
 @dataclass(frozen=True)
 class RobotConfig:
-    """What a camera and a controller go by."""
+    """The configuration of a camera and a controller."""
 
     robot: str = ROBOT
     several_hosts: bool = False
-    """Whether a tunnel connects processes on several hosts, whose wall clocks agree."""
+    """Whether a tunnel connects processes on several hosts with synchronised wall clocks."""
     shared_memory: Any = None
-    """iceoryx2's configuration; none: that of the machine."""
+    """iceoryx2's configuration; None for the machine's."""
 
 
 def read_config(path: Path | None, robot: str | None = None) -> RobotConfig:
-    """From the file, if there is one; a name that is given comes before the file's. Raises
-    `RobotConfigError`."""
+    """Reads the file, if given; `robot` overrides the file's name. Raises `RobotConfigError`."""
     told = {} if path is None else read_toml(path, RobotConfigError, "configuration")
     file = checked(_File, told, str(path), RobotConfigError)
     return RobotConfig(
