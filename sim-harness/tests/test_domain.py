@@ -137,7 +137,11 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("held_out.phrases.MoveOn", None, "held_out.phrases.MoveOn: is missing"),
         ("held_out.phrases.MoveUp", ["up"], "held_out.phrases.MoveUp: unknown action; expected"),
         ("held_out.phrases.MoveOn", ["on"], "held_out: 'on' is not held out"),
-        ("held_out.phrases.MoveOn", ["atop of us"], "'us' in 'atop of us' is not a word of the grammar"),
+        (
+            "held_out.phrases.MoveOn",
+            ["atop of us"],
+            "'us' in 'atop of us' is not a word of the grammar",
+        ),
     ],
 )
 def test_refusals_name_key_and_fault(
