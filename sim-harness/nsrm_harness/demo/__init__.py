@@ -1,1 +1,1 @@
-"""The demonstration: a scene, a sentence, what the library made of it, and pictures."""
+"""The demonstration: plans a sentence in a scene, executes it, and draws the result."""

@@ -1,4 +1,4 @@
-"""What the demonstration says: for people and as JSON."""
+"""Reports a demonstration as text and as JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from nsrm_harness.visualization.demo_listener import StepResult
 
 
 def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[StepResult]) -> str:
-    """Program, groundings, sub-goals, explanations and outcomes, a line each."""
+    """Program, groundings, sub-goals, explanations and outcomes, one per line."""
     lines = ["program"]
     lines += [f"  {line}" for line in plan.program.notation.splitlines()]
     for number, (step, outcome) in enumerate(zip_longest(plan.steps, outcomes), start=1):
@@ -26,13 +26,13 @@ def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[StepRe
             f" (score {step.reference_score:.3f})",
             f"  sub-goal   position ({x:.4f}, {y:.4f}, {z:.4f}) m, quaternion ({orientation})",
             f"  because    {step.explanation}",
-            f"  outcome    {outcome or 'not begun'}",
+            f"  outcome    {outcome or 'not started'}",
         ]
     return "\n".join(lines)
 
 
 def as_json(plan: nsrm.Plan, outcomes: Sequence[StepResult]) -> dict[str, Any]:
-    """The plan as `nsrm plan --json` gives it, each step with its outcome."""
+    """The plan as in `nsrm plan --json`, with the outcome of each step."""
     return {
         "program": plan.program.notation,
         "steps": [

@@ -1,4 +1,4 @@
-"""The demonstration from seed and sentence to pictures."""
+"""Runs the demonstration, from seed and sentence to pictures."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ from nsrm_harness.visualization.pictures import Arrow, BoxMark, Rect, annotate, 
 from nsrm_harness.visualization.prediction import cut_out, predicted_scene
 
 FILES = ("initial.png", "predicted.png", "result.png", "overview.png", "strip.png", "film.gif")
-"""All that a demonstration may write beside the scene."""
+"""All files that a demonstration may write, in addition to the scene."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a demonstration came to."""
+    """The result of a demonstration."""
 
     text: str
     document: dict[str, Any]
     pictures: tuple[Path, ...]
-    #: Why the sentence was not obeyed; None when it was.
+    #: Why the sentence was not carried out; None if it was.
     refusal: nsrm.Refused | Stopped | None
 
 
@@ -58,11 +58,11 @@ def show(
     with_arm: bool = True,
     onlooker: DemoListener | None = None,
 ) -> Shown:
-    """Draws the scene of `seed`, plans `sentence` (or one that fits) in it, has the arm carry
-    the plan out, or without it sets the blocks down where the plan says, and writes pictures and
-    `scene.json` into `out`.
+    """Draws the scene of `seed`, plans `sentence` (by default one that fits), lets the arm execute
+    the plan (or, without the arm, puts the blocks at their sub-goals), and writes pictures and
+    `scene.json` to `out`.
 
-    * `onlooker`: is told of all that happens
+    * `onlooker`: notified of all events
     """
     out.mkdir(parents=True, exist_ok=True)
     for name in FILES:
@@ -85,7 +85,7 @@ def show(
         heading = (
             f'sentence  "{sentence}"\n'
             f"scene     seed {seed}, {len(sight.locations)} objects found by the detector; "
-            f"drawn by {renderer.name}"
+            f"rendered by {renderer.name}"
         )
         document: dict[str, Any] = {"sentence": sentence, "seed": seed}
         try:
@@ -167,7 +167,7 @@ def _pictures(
     )
     overview = side_by_side(
         [initial, predicted, final],
-        ["The scene, and what the model chose", "What the model predicts", "What comes of it"],
+        ["The scene and the chosen objects", "Predicted sub-goals", "Result"],
     )
     return {
         "initial": initial,
@@ -196,7 +196,7 @@ def _mark(known: ObjectNames, number: int, location: np.ndarray) -> BoxMark:
 
 
 def _write_scene(out: Path, sight: Observation, camera: Camera) -> None:
-    """What `nsrm plan --scene` reads: the same picture, boxes and depths."""
+    """Writes the input for `nsrm plan --scene`: the same image, boxes and depths."""
     Image.fromarray(sight.rgb).save(out / "camera.png")
     document = {
         "schema": 1,

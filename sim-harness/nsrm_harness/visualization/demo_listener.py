@@ -1,4 +1,4 @@
-"""Who is told what happens in a demonstration."""
+"""The listener of a demonstration, which is notified of its events."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nsrm_harness.simulation.world import World
 
 
 class StepResult(Protocol):
-    """How one sub-goal went: a text for people, and the same for programs."""
+    """The result of one sub-goal, as text for people and as JSON for programs."""
 
     def __str__(self) -> str: ...
 
@@ -22,9 +22,9 @@ class StepResult(Protocol):
 
 @dataclass(frozen=True)
 class Stopped:
-    """Why the arm did not carry a sub-goal out; those after it are not begun.
+    """Why the arm did not execute a sub-goal; later ones are not started.
 
-    * `moved`: whether it began
+    * `moved`: whether it started
     """
 
     moved: bool
@@ -34,30 +34,30 @@ class Stopped:
         return f"{'failed' if self.moved else 'refused'}: {self.message}"
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """The same as JSON."""
         return {"failed" if self.moved else "refused": self.message}
 
 
 class DemoListener:
-    """Is told all of it, in this order, and does nothing."""
+    """A listener that does nothing; its methods are called in this order."""
 
     def begin(self, world: World, camera: Camera, known: ObjectNames, sentence: str) -> None:
-        """All stands at rest; nothing has been planned."""
+        """The scene is at rest; nothing has been planned yet."""
 
     def looked(self, sight: Observation) -> None:
-        """A picture was taken: one before the plan, others after it."""
+        """The scene was observed: once before the plan, and again after it."""
 
     def refused(self, refusal: nsrm.Refused) -> None:
-        """There is no plan; this is the end."""
+        """The sentence was refused; this is the last event."""
 
     def planned(self, plan: nsrm.Plan) -> None:
-        """What is going to be carried out."""
+        """The plan was made and will be executed."""
 
     def mark(self, event: str) -> None:
-        """The arm has just done this."""
+        """The arm has just done `event`."""
 
     def ended(self, index: int, outcome: StepResult) -> None:
-        """How a step went, by its index."""
+        """A step has ended."""
 
     def end(self) -> None:
-        """Nothing more is done."""
+        """The demonstration has ended."""

@@ -1,4 +1,4 @@
-"""What the arm does, as a film and as rows of pictures."""
+"""Films the arm, as a GIF and as a strip of images."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from nsrm_harness.visualization.pictures import in_rows
 FRAME_S = 0.12
 """Simulated time between two frames."""
 SPEED = 1.5
-"""The film is so much faster."""
+"""Speed of the film relative to simulated time."""
 SMALL = 2 / 3
-"""Of the sides of a film, those of a small one."""
+"""Side lengths of a small film, relative to a normal one."""
 COLORS = 192
 PALETTE_FRAMES = 8
-"""Of the film, and of how many of its frames they are taken."""
+"""Number of colours of the film, and of frames from which they are taken."""
 COLUMNS = 4
-"""Of the pictures: a step, if all goes well, has a row."""
+"""Columns of the strip: an undisturbed step fills one row."""
 SHOWN = ("grasped", "above", "let go", "home", "not grasped", "slipped")
-"""What is done in the pictures."""
+"""The events shown in the strip."""
 LAST = "in the end"
-"""The one picture where none of that was done: the arm waited, stopped, or did nothing."""
+"""Title of the only image if no such event happened: the arm waited, stopped, or did nothing."""
 
 
 class Film:
-    """An arm that is filmed from its side while it works.
+    """Films an arm from its side while it works.
 
-    * `small`: half as many frames, of less than half the pixels, for many films
+    * `small`: half as many frames with less than half the pixels, for many films
     """
 
     def __init__(self, world: ArmWorld, renderer: Renderer, *, small: bool = False) -> None:
@@ -60,16 +60,16 @@ class Film:
         self._ticks += 1
 
     def mark(self, event: str) -> None:
-        """Takes a picture for the rows."""
+        """Takes an image for the strip."""
         if event in SHOWN:
             self._shots.append((event, self._look()))
 
     def save(self, folder: Path) -> list[Path]:
-        """Writes `film.gif` and `strip.png`: where nothing was done, of one picture each."""
+        """Writes `film.gif` and `strip.png`, with one image each if nothing was done."""
         film, strip = folder / "film.gif", folder / "strip.png"
         last = self._look()
         filmed = [*self._frames, last]
-        # One palette for all: what does not move has the same colours throughout.
+        # One palette for all frames, so that static parts keep their colours.
         some = filmed[:: max(1, len(filmed) // PALETTE_FRAMES)]
         palette = Image.fromarray(np.vstack(some)).quantize(COLORS)
         frames = [

@@ -1,5 +1,7 @@
-"""Pictures of an episode: as it was meant, and as a model plans it. For people and judges: the
-names of the blocks and the steps come from the truth about the episode."""
+"""Draws an episode as intended, or as planned by a model, for people and judges.
+
+The names of the blocks and the steps come from the ground truth of the episode.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ Names = dict[int, tuple[str, tuple[float, float, float]]]
 
 
 class DrawnStep(Protocol):
-    """What of a step is drawn: `StepTruth` and `nsrm.PlannedStep` have it."""
+    """The drawn part of a step, which `StepTruth` and `nsrm.PlannedStep` have."""
 
     @property
     def object_id(self) -> int: ...
@@ -32,9 +34,9 @@ class DrawnStep(Protocol):
 
 
 def draw_episode(demonstrations: Demonstrations, truth: Truth, index: int) -> Image.Image:
-    """Before and after side by side; arrows from where blocks are taken to where they stay.
+    """Draws the scene before and after, side by side, with arrows for the moves of blocks.
 
-    Of a file without pictures of the final scenes, before alone.
+    If the file has no images of final scenes, only the scene before is drawn.
     """
     names = _names(demonstrations.domain, truth)
     title = f"{demonstrations.path.name}, episode {index}"
@@ -62,7 +64,7 @@ def draw_steps(
     steps: Sequence[DrawnStep],
     caption: str,
 ) -> Image.Image:
-    """The initial scene with arrows for `steps`, which may be the true ones or a plan's."""
+    """Draws the initial scene with arrows for `steps`, the true ones or those of a plan."""
     names = _names(demonstrations.domain, truth)
     boxes = demonstrations.initial_boxes[index]
     arrows: list[Arrow] = []

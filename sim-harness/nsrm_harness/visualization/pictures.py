@@ -1,6 +1,6 @@
-"""Pictures for people: boxes, names, groundings and arrows over a camera image.
+"""Draws boxes, names, groundings and arrows over a camera image, for people.
 
-Only what is passed in is drawn: nothing is looked up in the simulator.
+It draws only what is passed in and reads nothing from the simulator.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 SCALE = 2
-"""An image is enlarged so many times before it is drawn on, to keep text sharp."""
+"""Factor by which an image is enlarged before drawing, to keep text sharp."""
 
 MOVED_RGB = (255, 128, 0)
 REFERENCE_RGB = (40, 110, 255)
@@ -39,9 +39,9 @@ class BoxMark:
     """A box to draw around an object.
 
     * `box`: x1, y1, x2, y2 as fractions of the image's width and height
-    * `label`: short, such as "3 small green"
-    * `rgb`: the label's background, the object's colour, each in 0..1
-    * `moved_in`, `reference_in`: numbers of the steps that move it or refer to it
+    * `label`: a short text, such as "3 small green"
+    * `rgb`: colour of the label's background, that of the object, each in 0..1
+    * `moved_in`, `reference_in`: numbers of the steps that move it, or refer to it
     """
 
     box: Rect
@@ -53,8 +53,8 @@ class BoxMark:
 
 @dataclass(frozen=True)
 class Arrow:
-    """From where an object stands to where a step will put it: both boxes as
-    fractions of the image, the second drawn dashed."""
+    """An arrow from an object's box to the box where a step will put it, drawn dashed; both as
+    fractions of the image."""
 
     start: Rect
     end: Rect
@@ -67,11 +67,10 @@ def annotate(
     arrows: Sequence[Arrow] = (),
     caption: str = "",
 ) -> Image.Image:
-    """The image `uint8 [H, W, 3]`, enlarged `SCALE` times, with boxes, labels and
-    arrows on it and the caption, wrapped, below it.
+    """Draws boxes, labels and arrows on the image `uint8 [H, W, 3]`, enlarged `SCALE` times, with
+    the wrapped caption below.
 
-    What is moved is framed in orange, what is referred to in blue, each with the
-    number of the step.
+    Moved objects have an orange frame, references a blue one, each with the number of the step.
     """
     pixels = np.asarray(observation_rgb, dtype=np.uint8)
     height, width = pixels.shape[:2]
@@ -93,9 +92,9 @@ def annotate(
 def side_by_side(
     images: Sequence[Image.Image | NDArray[np.uint8]], titles: Sequence[str]
 ) -> Image.Image:
-    """Images in a row, all enlarged to the width of the widest, each under its title.
+    """Puts images in a row, enlarged to the width of the widest, each below its title.
 
-    Raises `ValueError` if there are not as many titles as images, or none.
+    Raises `ValueError` if there are no images, or not as many titles.
     """
     pictures = [
         image if isinstance(image, Image.Image) else Image.fromarray(image) for image in images
@@ -130,8 +129,7 @@ def side_by_side(
 def in_rows(
     images: Sequence[Image.Image | NDArray[np.uint8]], titles: Sequence[str], columns: int
 ) -> Image.Image:
-    """As `side_by_side`, in as many rows as are needed for at most so many `columns`, all about
-    equally long."""
+    """Like `side_by_side`, in rows of at most `columns` images and of about equal length."""
     columns = math.ceil(len(images) / math.ceil(len(images) / columns))
     rows = [
         side_by_side(images[start : start + columns], titles[start : start + columns])
@@ -146,7 +144,7 @@ def in_rows(
 
 
 class _Canvas:
-    """An enlarged image being drawn on; takes boxes as fractions."""
+    """An enlarged image for drawing; boxes are fractions of its size."""
 
     def __init__(self, image: Image.Image) -> None:
         self.image = image.convert("RGB")
@@ -173,7 +171,7 @@ class _Canvas:
         length = math.hypot(x1 - x0, y1 - y0)
         if length < 4:
             return
-        # A quadratic arc, lifted like the hand's path.
+        # A quadratic curve, arched like the path of the hand.
         middle = ((x0 + x1) / 2, (y0 + y1) / 2 - 0.25 * length)
         curve = []
         for i in range(33):
@@ -211,7 +209,7 @@ class _Canvas:
                 self._badge(x + direction * i * 1.6 * _BADGE_PX, rect[1], step, color)
 
     def label(self, mark: BoxMark, others: Sequence[Rect]) -> None:
-        """At the side of the box where it hides the least."""
+        """Draws a label at the side of its box where it hides least."""
         if not mark.label:
             return
         font = _font(_LABEL_PX)
@@ -314,7 +312,7 @@ def _with_caption(image: Image.Image, caption: str) -> Image.Image:
 
 
 def _wrap(text: str, font: Font, width_px: float) -> list[str]:
-    """Lines no wider than `width_px`; a word that is too long is broken."""
+    """Wraps text to lines of `width_px`; breaks words that are too long."""
     lines: list[str] = []
     for paragraph in text.split("\n"):
         line = ""

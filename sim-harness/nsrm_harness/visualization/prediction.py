@@ -1,5 +1,5 @@
-"""The scene that the model predicts, as a picture: each object's own pixels, moved
-to the box that the action simulator gives it."""
+"""Draws the scene that the model predicts: each object's own pixels, moved to the box from the
+action simulator."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def predicted_scene(
     cutouts: Mapping[int, Image.Image],
     locations: Mapping[int, Location],
 ) -> NDArray[np.uint8]:
-    """The objects at `locations` over an empty table, the nearest drawn last.
+    """Draws the objects at `locations` over an empty table, the closest last.
 
     * `background`: `uint8 [H, W, 3]`, the same view without objects
     """

@@ -1,2 +1,1 @@
-"""An episode as a recording for Rerun's viewer. Needs `rerun-sdk`, which is loaded by nothing
-else."""
+"""Records an episode for the Rerun viewer. Needs `rerun-sdk`, which nothing else imports."""

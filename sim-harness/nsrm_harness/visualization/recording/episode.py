@@ -1,4 +1,4 @@
-"""A demonstration as entities of a recording; `docs/arm/README.md` lists them."""
+"""Records a demonstration as Rerun entities; `docs/arm/README.md` lists them."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ PLAN, EVENTS = "plan", "events"
 TABLE_RGB: RGB = (0.65, 0.6, 0.55)
 
 UNPLANNED = ("not grasped", "slipped", "taken back", "clearing")
-"""What the arm does only where something is not as it was to be."""
+"""Events that happen only if something goes wrong."""
 
 
 class Recording(DemoListener):
-    """Writes down all that it is told."""
+    """A listener that records all events."""
 
     def __init__(self, stream: rr.RecordingStream) -> None:
         self._stream = stream
@@ -37,7 +37,7 @@ class Recording(DemoListener):
         self._sight: Observation | None = None
 
     def begin(self, world: World, camera: Camera, known: ObjectNames, sentence: str) -> None:
-        """The table, and what was said."""
+        """Records the table and the sentence."""
         self._log, self._sentence = Log(self._stream, world), sentence
         self._scene = RecordedScene(self._log, known)
         self._view = View(self._log, camera, self._scene)
@@ -48,9 +48,9 @@ class Recording(DemoListener):
         self._event(f"sentence: {sentence}")
 
     def looked(self, sight: Observation) -> None:
-        """The picture and what is seen in it."""
+        """Records the image and the objects seen in it."""
         if self._sight is not None and sight.taken_s <= self._sight.taken_s:
-            return  # Nothing has moved since.
+            return  # Nothing has moved since then.
         self._sight = sight
         self._scene.seen(sight.cuboids)
         self._view.show(sight)
@@ -59,12 +59,12 @@ class Recording(DemoListener):
         self._motion.look()
 
     def refused(self, refusal: nsrm.Refused) -> None:
-        """Why there is no plan."""
+        """Records why there is no plan."""
         self._say(f"Refused: {refusal}")
         self._event(f"refused: {refusal}", rr.TextLogLevel.ERROR)
 
     def planned(self, plan: nsrm.Plan) -> None:
-        """The program, which objects it is about, and where they are to go."""
+        """Records the program, its objects and their sub-goals."""
         assert self._sight is not None
         self._steps = plan.steps
         program = [f"`{line}`" for line in plan.program.notation.splitlines()]
@@ -82,19 +82,19 @@ class Recording(DemoListener):
             )
 
     def mark(self, event: str) -> None:
-        """What the arm did."""
+        """Records what the arm did."""
         if event == "grasped":
             self._motion.grasped()
         level = rr.TextLogLevel.WARN if event in UNPLANNED else rr.TextLogLevel.INFO
         self._event(event, level)
 
     def ended(self, index: int, outcome: StepResult) -> None:
-        """How a step went."""
+        """Records how a step ended."""
         level = rr.TextLogLevel.ERROR if isinstance(outcome, Stopped) else rr.TextLogLevel.INFO
         self._event(f"step {index + 1}: {outcome}", level)
 
     def end(self) -> None:
-        """The last moment."""
+        """Records the last sample."""
         self._motion.look()
         self._motion.write()
 

@@ -1,4 +1,4 @@
-"""A recording's file: all of it or nothing."""
+"""Writes the file of a recording atomically."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from nsrm_harness.visualization.recording.view import CAMERA, DEPTH
 APPLICATION = "nsrm"
 SUFFIX = ".rrd"
 EYE_M, LOOKS_AT_M = (1.45, 0.7, 0.9), (0.35, 0.0, 0.25)
-"""Whence the viewer shows the scene at first: table, arm and camera."""
+"""Initial viewpoint of the viewer, which shows table, arm and camera."""
 
 
 class RecordingError(HarnessError):
@@ -28,12 +28,12 @@ class RecordingError(HarnessError):
 
 @contextmanager
 def recorded(path: Path) -> Iterator[rr.RecordingStream]:
-    """What is logged within comes to stand at `path` in the end, unless something is raised.
+    """Writes everything logged inside the block to `path` at its end, unless it raises.
 
-    Raises `RecordingError` at once where nothing can be written.
+    Raises `RecordingError` at once if the file cannot be written.
     """
     if path.suffix != SUFFIX:
-        raise RecordingError(f"{path}: the viewer opens files named *{SUFFIX} alone: so name it")
+        raise RecordingError(f"{path}: the viewer opens only files named *{SUFFIX}: rename it")
     partial = path.with_name(f"{path.name}.part")
     try:
         if path.is_dir():
@@ -42,7 +42,7 @@ def recorded(path: Path) -> Iterator[rr.RecordingStream]:
         partial.touch()
     except OSError as error:
         raise _unwritable(path, error) from error
-    # What cannot be logged is a fault of ours; otherwise it would only be left out, with a warning.
+    # A failed log call is a bug of ours; by default, Rerun would only warn and omit the data.
     rr.set_strict_mode(True)
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     try:
@@ -50,7 +50,7 @@ def recorded(path: Path) -> Iterator[rr.RecordingStream]:
             raise RecordingError("the environment variable RERUN turns recordings off: unset it")
         stream.set_log_time_enabled(False)
         stream.set_log_tick_enabled(False)
-        # Not into the file: where the disk is full, Rerun's own writer waits for ever.
+        # Not directly to the file: if the disk is full, Rerun's own writer waits for ever.
         memory = stream.memory_recording()
         stream.send_blueprint(_blueprint())
         yield stream
@@ -65,11 +65,11 @@ def recorded(path: Path) -> Iterator[rr.RecordingStream]:
 
 
 def _unwritable(path: Path, error: OSError) -> RecordingError:
-    return RecordingError(f"{path}: {error.strerror}: choose another --record")
+    return RecordingError(f"{path}: {error.strerror}: use another --record")
 
 
 def _blueprint() -> rrb.Blueprint:
-    """How the viewer shows it at first."""
+    """The initial layout of the viewer."""
     return rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(

@@ -1,5 +1,5 @@
-"""The arm over time: where its links are, how far its fingers are open, how fast its joints turn,
-and how near it comes to anything."""
+"""Records the arm over time: its links, the opening of its fingers, its joint speeds, and its
+distance to other objects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from nsrm_harness.visualization.recording.scene import RecordedScene
 from nsrm_harness.visualization.recording.timeline import TIMELINE, Log, duration
 
 SAMPLE_S = 0.02
-"""Simulated, between two moments that are recorded of the arm."""
+"""Simulated time between two samples of the arm."""
 AXES_M = 0.05
 """Length of drawn axes."""
 
@@ -29,7 +29,7 @@ OPENING, SPEEDS = "hand/opening_m", "joints/speeds_rad_s"
 
 @dataclass(frozen=True, eq=False)
 class _Moment:
-    """Of the arm. Without motors it has `links` alone."""
+    """A sample of the arm. Without motors it has only `links`."""
 
     time_s: float
     links: dict[str, Pose]
@@ -39,7 +39,7 @@ class _Moment:
 
 
 class Motion:
-    """Watches the arm of a world while its ticks go by."""
+    """Samples the arm of a world in its ticks."""
 
     def __init__(self, log: Log, scene: RecordedScene) -> None:
         self._log, self._world, self._scene = log, log.world, scene
@@ -64,13 +64,13 @@ class Motion:
             log.world.on_tick = self._tick
 
     def grasped(self) -> None:
-        """The fingers hold something."""
+        """The fingers have grasped something."""
         if isinstance(self._world, ArmWorld):
             self._held_m = self._world.opening_m()
             self._scene.grasp(self._world.arm_links()[panda.HAND_FRAME])
 
     def look(self) -> None:
-        """Takes the moment down."""
+        """Takes a sample."""
         world = self._world
         if self._moments and world.time_s <= self._moments[-1].time_s:
             return
@@ -89,7 +89,7 @@ class Motion:
         self._moments.append(moment)
 
     def write(self) -> None:
-        """All moments, at the end."""
+        """Writes all samples at the end."""
         times = np.array([moment.time_s for moment in self._moments])
         index = [rr.TimeColumn(TIMELINE, duration=[duration(time_s) for time_s in times])]
         stream = self._log.stream
@@ -103,7 +103,7 @@ class Motion:
         joints = [moment.joints for moment in self._moments if moment.joints is not None]
         if not joints:
             return
-        # None in the first moment.
+        # The first sample has none.
         turns = np.diff(joints, axis=0, prepend=joints[:1])
         speeds = turns / np.diff(times, prepend=times[0] - SAMPLE_S)[:, None]
         columns = rr.Scalars.columns(scalars=speeds).partition([panda.JOINTS] * len(times))
@@ -121,7 +121,7 @@ class Motion:
         self._ticks += 1
 
     def _feel(self, opening_m: float, hand: Pose) -> None:
-        """Whether what was held still is: as the arm itself feels it."""
+        """Checks, as the arm itself does, whether the held object is still held."""
         if self._held_m is None:
             return
         if opening_m > self._held_m + SLIP_M:

@@ -1,5 +1,5 @@
-"""What is believed to stand on the table and what the hand is believed to hold, by pictures and
-fingers alone: drawn, and asked how near the arm is to it."""
+"""Records the scene that the arm assumes from images and fingers alone: the objects on the table,
+the one in the hand, and the arm's distance to them."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from nsrm_harness.visualization.recording.timeline import Log
 OBJECTS = "world/objects"
 IN_HAND = f"world/arm/{panda.HAND_FRAME}/held"
 UNKNOWN_RGB: RGB = (0.6, 0.6, 0.6)
-"""Of what was not there when the objects were named."""
+"""Colour of objects that appeared after the objects were named."""
 
 
 class RecordedScene:
-    """The objects from one picture to the next."""
+    """The objects between two images."""
 
     def __init__(self, log: Log, known: ObjectNames) -> None:
         self._log, self._known, self._kinematics = log, known, Kinematics()
@@ -33,20 +33,20 @@ class RecordedScene:
         self._guard = self._watching(None)
 
     def name(self, number: int) -> str:
-        """Of an object, for people."""
+        """The name of an object for people."""
         return f"object {number} ({self._known.words.get(number, 'new')})"
 
     def rgb(self, number: int) -> RGB:
-        """The colour that an object is drawn in."""
+        """The colour in which an object is drawn."""
         return self._known.colors.get(number, UNKNOWN_RGB)
 
     def seen(self, cuboids: Mapping[int, Cuboid]) -> None:
-        """All that stands there, by a picture."""
+        """Sets all objects on the table, from an image."""
         self._standing = dict(cuboids)
         self._change(None)
 
     def grasp(self, hand: Pose) -> None:
-        """The object that is nearest to the fingers' ends is in the hand."""
+        """Moves the object that is closest to the fingertips into the hand."""
         tip = hand @ Pose((0.0, 0.0, panda.FINGERTIP_M))
         number = min(self._standing, key=lambda key: self._standing[key].pose.distance_m(tip))
         cuboid = self._standing.pop(number)
@@ -54,20 +54,20 @@ class RecordedScene:
         self._change((number, in_hand))
 
     def let_go(self, hand: Pose) -> None:
-        """What was in the hand stands where the hand is."""
+        """Puts the held object down where the hand is."""
         if self._held is not None:
             number, in_hand = self._held
             self._standing[number] = Cuboid(hand @ in_hand.pose, in_hand.edges_m)
             self._change(None)
 
     def lose(self) -> None:
-        """What was in the hand is where nobody knows."""
+        """Removes the held object, whose place is now unknown."""
         if self._held is not None:
             self._change(None)
 
     def nearest(self, joints: Joints, opening_m: float) -> Nearest:
-        """What of the arm and of what it holds is nearest to something that stands there or to the
-        table, 0 where it touches: what it grasps, and what it puts down, too."""
+        """The smallest distance of the arm and the held object to the other objects and the table;
+        0 in contact, also with the object being grasped or the support at release."""
         return self._guard.nearest(joints, opening_m)
 
     def _change(self, held: tuple[int, Cuboid] | None) -> None:

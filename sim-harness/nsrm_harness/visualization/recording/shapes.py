@@ -1,4 +1,4 @@
-"""Poses and boxes as the viewer draws them."""
+"""Converts poses and cuboids to Rerun archetypes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RGB = tuple[float, float, float]
 
 
 def frame(pose: Pose) -> rr.Transform3D:
-    """What is drawn below an entity stands so."""
+    """The transform of everything below an entity."""
     orientation = rr.Quaternion(xyzw=pose.orientation)
     return rr.Transform3D(translation=pose.position, quaternion=orientation)
 
@@ -23,8 +23,7 @@ def frame(pose: Pose) -> rr.Transform3D:
 def boxes(
     cuboids: Sequence[Cuboid], labels: Sequence[str], colors: Sequence[RGB], *, solid: bool = False
 ) -> rr.Boxes3D:
-    """Cuboids with a label, shown where a pointer is, and a colour each; their edges alone, or
-    `solid`."""
+    """Cuboids, each with a colour and a label that shows on hovering; as wireframes, or `solid`."""
     fill = rr.components.FillMode
     return rr.Boxes3D(
         centers=np.reshape([cuboid.pose.position for cuboid in cuboids], (-1, 3)),

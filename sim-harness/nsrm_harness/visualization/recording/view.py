@@ -1,4 +1,4 @@
-"""What the camera shows, and which objects a sentence is about in it."""
+"""Records the camera's images, and the groundings of a sentence in them."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ GROUNDINGS_2D, GROUNDINGS_3D = f"{CAMERA}/groundings", "world/groundings"
 
 PNG = "image/png"
 DEPTH_UNITS = 10_000
-"""A metre, in the picture of depths: 16 bits a pixel, in tenths of millimetres."""
+"""Units per metre in the depth image: 16 bits per pixel, tenths of millimetres."""
 PLANE_M = 0.2
-"""Before the camera, where the viewer hangs up its picture."""
+"""Distance from the camera at which the viewer shows its image."""
 MOVES, REFERS_TO = "moves", "refers to"
 MOVED_RGB: RGB = (1.0, 0.85, 0.0)
-"""Of what any step moves,"""
+"""Colour of objects that any step moves,"""
 REFERENCE_RGB: RGB = (0.0, 0.85, 1.0)
-"""and of what steps only refer to."""
+"""and of objects that steps only refer to."""
 
 
 def depth_units(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """A depth image in `DEPTH_UNITS`; 0 where nothing was measured, the most where it is
-    farther."""
+    """A depth image in `DEPTH_UNITS`: 0 where nothing was measured, the maximum where it is out of
+    range."""
     units = measurements(depth) * DEPTH_UNITS
     return np.minimum(units.round(), np.iinfo(np.uint16).max).astype(np.uint16)
 
 
 class View:
-    """Pictures, one after the other."""
+    """Records images and what is found in them."""
 
     def __init__(self, log: Log, camera: Camera, scene: RecordedScene) -> None:
         self._log, self._camera, self._scene = log, camera, scene
@@ -59,7 +59,7 @@ class View:
         )
 
     def show(self, sight: Observation) -> None:
-        """A picture, its depths and the boxes of what is found in it."""
+        """Records an image, its depths and its detections."""
         rgb = _png(np.ascontiguousarray(sight.rgb[..., ::-1]))
         self._log.now(PICTURE, rr.EncodedImage(contents=rgb, media_type=PNG))
         self._log.now(
@@ -84,7 +84,7 @@ class View:
         )
 
     def ground(self, sight: Observation, steps: Sequence[nsrm.PlannedStep]) -> None:
-        """What the steps move and refer to, where it is seen, in the picture and in space."""
+        """Records the objects that the steps move and refer to, in the image and in space."""
         roles: dict[int, list[str]] = {}
         for index, step in enumerate(steps, start=1):
             roles.setdefault(step.object_id, []).append(f"{index} {MOVES}")
