@@ -183,12 +183,12 @@ def test_what_can_not_be_grasped_or_does_not_stay_is_said(world: World) -> None:
     ("field", "value", "why"),
     [
         ("command", 0, "command 0"),
-        ("kind", 3, "3 is no kind"),
+        ("kind", 3, "unknown kind 3"),
         ("step", 1, "step 1 of 1"),
         ("steps", 9, "step 0 of 9"),
         ("object_id", 0, "object 0"),
         ("reference_id", 0, "object 0"),
-        ("reference_id", 7, "in relation to itself"),
+        ("reference_id", 7, "is its own reference"),
         ("confidence", float("nan"), "not finite"),
         ("position", (0.5, float("inf"), 0.0), "not finite"),
         ("orientation", (0.0, 0.0, 0.0, 2.0), "length 1"),
@@ -415,13 +415,13 @@ def test_too_little_shared_memory_is_refused(place: Path, monkeypatch: pytest.Mo
         monkeypatch.setattr(os, "statvfs", lambda _: os.statvfs_result(found))
 
     leave(1 << 19)
-    with pytest.raises(PortError, match=r"`node` wants 1.0 MB of shared memory, and 0.5 are left"):
+    with pytest.raises(PortError, match=r"`node` needs 1.0 MB of shared memory, but 0.5 are left"):
         RobotServices(read_config(place), "camera")
     # One without blocks has no limit.
     leave(0, limit=0)
     robot = RobotServices(read_config(place), "camera")
     leave(3 << 20)
-    with pytest.raises(PortError, match=r"`camera` wants 5.0 MB .* and 3.1 are left in /dev/shm"):
+    with pytest.raises(PortError, match=r"`camera` needs 5.0 MB .* but 3.1 are left in /dev/shm"):
         FramesOut(robot, 500, 285)
     FramesOut(robot, 100, 100)
 
@@ -445,11 +445,11 @@ def die(place: Path) -> None:
 def test_a_dead_ones_place_is_free(place: Path) -> None:
     die(place)
     heir = FeedbackOut(RobotServices(read_config(place), "controller"))
-    who = rf"`feedback`: all places are taken; .* or stop process {os.getpid()}$"
+    who = rf"`feedback`: all slots are taken; .* or stop process {os.getpid()}$"
     with pytest.raises(PortError, match=who):
         FeedbackOut(RobotServices(read_config(place), "controller"))
     # Nobody else goes by that name.
-    with pytest.raises(PortError, match=r"or stop the process that has it$"):
+    with pytest.raises(PortError, match=r"or stop the process that holds it$"):
         FeedbackOut(RobotServices(read_config(place), "camera"))
     del heir
 
@@ -492,5 +492,5 @@ def test_a_clock_that_is_set_back_silences_nobody(
     for now_ns[0] in (NOW_NS, NOW_NS + LINE_NS - 1, NOW_NS - hour_ns, NOW_NS - hour_ns + 1):
         life.reject("sub_goal", "command 0")
     assert [record.getMessage() for record in caplog.records] == [
-        f"sub_goal passed over: command 0 ({count} so far)" for count in (1, 3)
+        f"sub_goal rejected: command 0 ({count} so far)" for count in (1, 3)
     ]

@@ -1,4 +1,4 @@
-"""A robot's controller: each command once, in time, and word of how it went."""
+"""A robot's controller: executes each command once and in time, and reports the outcome."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from typing import NamedTuple
 from nsrm_harness.nodes.messages import MAX_STEPS, Kind, Outcome, SubGoal
 
 UNIT_TOLERANCE = 1e-3
-"""How far from 1 the squared length of an orientation may be."""
+"""Largest deviation from 1 of an orientation's squared length."""
 
 
 class Answer(NamedTuple):
-    """How a command goes; `objects`: what stands in its way, or is moved out of it."""
+    """The outcome of a command; `objects`: obstacles, or objects that are moved aside."""
 
     outcome: Outcome
     objects: tuple[int, ...] = ()
 
 
 Say = Callable[[int, int, Answer], None]
-"""Plan, command and how it goes."""
+"""Takes plan, command and outcome."""
 Reject = Callable[[str, str], None]
-"""Service and why what came through it is passed over."""
+"""Takes the service and the reason why a message is rejected."""
 Tell = Callable[[Answer], None]
-"""Is told what goes on before the end."""
+"""Takes intermediate outcomes."""
 Mover = Callable[[SubGoal, Tell], Answer]
-"""Moves the object of a command to where it says."""
+"""Moves the object of a command to its target."""
 
 
 @dataclass(frozen=True)
@@ -38,41 +38,40 @@ class _Done:
 
 
 def fault(command: SubGoal) -> str | None:
-    """Why a command makes no sense, as `SubGoal::read` has it in Rust; None if it does."""
+    """Why a command is invalid, by the rules of `SubGoal::read` in Rust; None if it is valid."""
     if command.command == 0:
-        return "command 0; commands count from 1"
+        return "command 0; commands are numbered from 1"
     if command.kind == Kind.STOP:
         return None
     if command.kind != Kind.MOVE:
-        return f"{command.kind} is no kind"
+        return f"unknown kind {command.kind}"
     if command.step >= command.steps or command.steps > MAX_STEPS:
         return f"step {command.step} of {command.steps}"
     if not command.object_id or not command.reference_id:
         return "object 0"
     if command.object_id == command.reference_id:
-        return f"object {command.object_id} in relation to itself"
+        return f"object {command.object_id} is its own reference"
     numbers = (*command.position, *command.orientation, *command.location, command.confidence)
     if not all(math.isfinite(number) for number in numbers):
         return "a number is not finite"
     if abs(sum(part * part for part in command.orientation) - 1.0) > UNIT_TOLERANCE:
-        return "the orientation has not length 1"
+        return "the orientation does not have length 1"
     if not 0.0 <= command.confidence <= 1.0:
         return f"a confidence of {command.confidence}"
     return None
 
 
 def stops_first(commands: Iterable[SubGoal]) -> list[SubGoal]:
-    """All that wait, in order, but stops before moves: a controller that was held up must
-    not begin with what is no longer wanted."""
+    """All waiting commands in order, but stops before moves: a delayed controller must not start a
+    move that is no longer wanted."""
     return sorted(commands, key=lambda command: command.kind != Kind.STOP)
 
 
 class Controller:
-    """Carries out each command once, and none after its time; one that comes again gets the
-    same answer again.
+    """Executes each command once, and none after its time; a repeated command gets the same answer.
 
     * `mover`: moves an object to its sub-goal
-    * `reject`: is told why a command makes no sense, or that it comes too late
+    * `reject`: called with the reason if a command is invalid or too late
     * `clock`: the time, nanoseconds
     """
 
@@ -82,24 +81,24 @@ class Controller:
         self._current: tuple[int, int] | None = None
 
     def is_stopped_by(self, commands: Iterable[SubGoal]) -> bool:
-        """Whether one of these, which have not been obeyed yet, stops what is being done."""
+        """Whether one of these waiting commands stops the current one."""
         return any(
             command.kind == Kind.STOP and (command.plan, command.command) == self._current
             for command in commands
         )
 
     def obey(self, command: SubGoal) -> None:
-        """Carries out a command, or says why not."""
+        """Executes a command, or answers why not."""
         plan, number = command.plan, command.command
         why = fault(command)
         if why is not None:
-            # Its numbers do not count: those of commands to come may be smaller.
+            # Its numbers do not count: later commands may have lower ones.
             self._reject("sub_goal", why)
             if number > 0:
                 self._say(plan, number, Answer(Outcome.IMPOSSIBLE))
             return
         if (plan, number) == (self._last.plan, self._last.command):
-            # Again: its end is known. A stop that comes after it comes too late.
+            # A repeated command, whose end is known. A stop for it is too late.
             self._say(plan, number, self._last.answer)
             return
         if (plan, number) < (self._last.plan, self._last.command):

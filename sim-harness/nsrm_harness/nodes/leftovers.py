@@ -1,5 +1,5 @@
-"""What a process had half made when it was killed: as `nsrm_ipc::service` does it, for a world
-that stands alone."""
+"""Cleans up what a killed process left half created, like `nsrm_ipc::service`, for a world that
+runs alone."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ import time
 from pathlib import Path
 
 GIVEN_UP_S = 1.0
-"""Making a segment takes a millisecond; one that is half made for so long stays so."""
+"""Creating a segment takes a millisecond; one that is incomplete for this long is abandoned."""
 SEGMENTS = Path("/dev/shm")
-"""Where Linux keeps named segments of shared memory."""
+"""Where Linux keeps named shared-memory segments."""
 
 
 def remove_segments(prefix: str, folder: Path) -> bool:
-    """Removes segments that were begun and given up; whether some are being made, or may be.
+    """Removes abandoned segments; returns whether some are, or may be, under construction.
 
-    To be called before iceoryx2 looks at what the dead have left: it waits without end for a
-    segment that is still empty.
+    Call it before iceoryx2 cleans up dead nodes: it waits without end for a segment that is still
+    empty.
 
-    Anyone may put files there. Those of others than this user and who owns the folder in which
-    the processes meet are none of a robot's.
+    Anyone may put files there. Those that belong neither to this user nor to the owner of the
+    processes' common folder are not a robot's.
 
-    * `prefix`: what the names of the robot's segments begin with
-    * `folder`: in which the robot's processes meet
+    * `prefix`: prefix of the names of the robot's segments
+    * `folder`: folder in which the robot's processes meet
     """
     owners = {os.geteuid()}
     with contextlib.suppress(OSError):
@@ -44,7 +44,7 @@ def remove_segments(prefix: str, folder: Path) -> bool:
             else:
                 being_made = True
         except FileNotFoundError:
-            # What has gone meanwhile is not half made.
+            # It was removed meanwhile, so it is not half created.
             continue
         except OSError:
             being_made = True

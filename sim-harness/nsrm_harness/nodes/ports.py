@@ -1,4 +1,4 @@
-"""A robot's services, as `nsrm_ipc::service` has them.
+"""A robot's services, the same as in `nsrm_ipc::service`.
 
 Ports belong to the process that opened them: a process that uses them must not fork.
 """
@@ -35,10 +35,10 @@ from nsrm_harness.nodes.messages import (
 BEAT_NS = 100_000_000
 """Time between two heartbeats."""
 IN_FLUX_S = 4.0
-"""How long is waited for what others are making, and for the places of the dead."""
+"""Timeout for services that others are creating, and for slots of dead nodes."""
 BETWEEN_TRIES_S = 0.01
 LINE_NS = 1_000_000_000
-"""The least time between two log lines about messages that are passed over."""
+"""Shortest time between two log lines about rejected messages."""
 NAME = re.compile(r"[a-z0-9_-]{1,32}")
 
 
@@ -53,35 +53,34 @@ _clock = time.monotonic_ns
 
 
 def now_ns() -> int:
-    """The clock that all of a robot's processes go by (`nsrm_ipc::clock`): the machine's, or
-    the wall clock after `go_by_wall_clock`."""
+    """The time by the common clock of a robot's processes (`nsrm_ipc::clock`): the machine's
+    monotonic clock, or the wall clock after `go_by_wall_clock`."""
     return _clock()
 
 
 def go_by_wall_clock() -> None:
-    """Makes this process go by the clock that several hosts keep equal."""
+    """Switches this process to the clock that several hosts synchronise."""
     global _clock
     _clock = time.time_ns
 
 
 class RobotServices:
-    """A process's place among those of one robot."""
+    """The node of a process of a robot, which opens its services."""
 
     def __init__(self, config: RobotConfig, role: str) -> None:
-        """Raises `PortError` for a name that a robot cannot have, and where processes cannot
-        meet."""
+        """Raises `PortError` for an invalid robot name, and if processes cannot meet."""
         name, shared_memory = config.robot, config.shared_memory or iox2.config.global_config()
         if config.several_hosts:
             go_by_wall_clock()
         if NAME.fullmatch(name) is None:
             raise PortError(
-                f"{name!r}: a robot's name has from 1 to 32 of a to z, 0 to 9, '-' and '_'"
+                f"{name!r}: a robot's name has 1 to 32 characters: a to z, 0 to 9, '-' and '_'"
             )
         self.name = name
         self._find_room("node", ROOM)
         self._several_hosts = config.several_hosts
         places = shared_memory.global_cfg
-        # Only `cleanup_dead_nodes` cleans up, which first checks whether that would hang.
+        # Only `cleanup_dead_nodes` cleans up dead nodes; it first checks whether that would hang.
         places.node.cleanup_dead_nodes_on_creation = False
         places.node.cleanup_dead_nodes_on_destruction = False
         places.service.cleanup_dead_nodes_on_open = False
@@ -90,7 +89,7 @@ class RobotServices:
         builder = (
             iox2.NodeBuilder.new()
             .name(iox2.NodeName.new(f"nsrm/{name}/{role}"))
-            # Signals are Python's: KeyboardInterrupt.
+            # Python handles signals: KeyboardInterrupt.
             .signal_handling_mode(iox2.SignalHandlingMode.Disabled)
             .config(shared_memory)
         )
@@ -103,50 +102,50 @@ class RobotServices:
             time.sleep(BETWEEN_TRIES_S)
 
     def _of_other_user(self) -> str | None:
-        """That the processes meet in another user's folder, if so: iceoryx2 gives nobody
-        else access, and has no error of its own for that. Root is kept from nothing."""
+        """An error text if the processes meet in another user's folder: iceoryx2 gives no other
+        user access, and has no error of its own for this. Root has access to everything."""
         user = os.geteuid()
         if user == 0 or not self._folder.exists() or self._folder.stat().st_uid == user:
             return None
         return (
             f"robot `{self.name}`: its processes meet in {self._folder}, which belongs to another "
-            "user; start all of them as that one"
+            "user; start all of them as that user"
         )
 
     def _find_room(self, service: str, wanted: int) -> None:
-        """Refuses when shared memory has too little left: who writes where there is none is ended
-        by the system without a word."""
+        """Raises `PortError` if shared memory is almost full: the system kills a process that
+        writes to full shared memory without a message."""
         found = os.statvfs(SEGMENTS)
         free = found.f_bavail * found.f_frsize
-        # One without blocks is without a limit.
+        # A file system without blocks has no limit.
         if found.f_blocks > 0 and free < wanted:
             raise PortError(
-                f"robot `{self.name}`: `{service}` wants {wanted / 1e6:.1f} MB of shared memory, "
-                f"and {free / 1e6:.1f} are left in {SEGMENTS}; remove what nobody uses there, or "
+                f"robot `{self.name}`: `{service}` needs {wanted / 1e6:.1f} MB of shared memory, "
+                f"but {free / 1e6:.1f} are left in {SEGMENTS}; remove unused files there, or "
                 "enlarge it (`mount -o remount,size=...`; for a container `--shm-size`)"
             )
 
     def cleanup_dead_nodes(self) -> bool:
-        """Frees the places of processes that have died, a few times a second; whether it could
-        be done now: not while something is being made."""
+        """Cleans up dead nodes, at most a few times a second; returns whether that was possible
+        now, which it is not while something is being created."""
         if remove_segments(self._prefix, self._folder):
             return False
         self._node.try_cleanup_dead_nodes()
         return True
 
     def _nodes(self) -> list[Any]:
-        """How the nodes of all processes that meet here are; of none, if they cannot be looked
-        at."""
+        """The states of the nodes of all processes that meet here; none if they
+        cannot be listed."""
         with contextlib.suppress(iox2.NodeListFailure):
             return iox2.Node.list(iox2.ServiceType.Ipc, self._node.config)
         return []
 
     def _has_dead(self) -> bool:
-        """Whether there are dead processes that are not buried yet."""
+        """Whether there are dead nodes that have not been cleaned up yet."""
         return any(isinstance(state, iox2.NodeState.Dead) for state in self._nodes())
 
     def _namesake(self) -> int | None:
-        """The process whose node has the name of this one's, if there is one."""
+        """The process whose node has the same name as this one, if any."""
         for state in self._nodes():
             if not isinstance(state, iox2.NodeState.Alive):
                 continue
@@ -157,18 +156,18 @@ class RobotServices:
         return None
 
     def publisher(self, service: str, message: type[ctypes.Structure]) -> Any:
-        """Publishes messages of one type."""
+        """A publisher for messages of one type."""
         factory = self._stream(service, message)
         builder = factory.publisher_builder()
         return self._create(service, builder.backpressure_strategy(_DISCARD))
 
     def subscriber(self, service: str, message: type[ctypes.Structure]) -> Any:
-        """Receives messages of one type."""
+        """A subscriber for messages of one type."""
         builder = self._stream(service, message).subscriber_builder()
         return self._create(service, builder.buffer_size(QUALITIES[service].buffer))
 
     def frames_out(self, size: int) -> Any:
-        """Publishes frames of up to `size` bytes."""
+        """A publisher for frames of up to `size` bytes."""
         self._find_room("camera", FRAMES_AT_ONCE * size + ROOM)
         builder = self._builder("camera").publish_subscribe(iox2.Slice[ctypes.c_uint8])
         factory = self._open("camera", self._with(builder.user_header(CameraFrame), "camera"))
@@ -176,11 +175,11 @@ class RobotServices:
         return self._create("camera", publisher.initial_max_slice_len(size))
 
     def notifier(self, service: str) -> Any:
-        """What wakes those who listen to a service."""
+        """The notifier that wakes the listeners of a service."""
         return self._create(service, self._events(service).notifier_builder())
 
     def listener(self, service: str) -> Any:
-        """Is woken when something comes through a service."""
+        """The listener that is woken by new messages of a service."""
         return self._create(service, self._events(service).listener_builder())
 
     def _stream(self, service: str, message: type[ctypes.Structure]) -> Any:
@@ -190,7 +189,7 @@ class RobotServices:
     def _with(self, builder: Any, service: str) -> Any:
         quality = QUALITIES[service]
         if self._several_hosts:
-            # As `nsrm_ipc::service::Quality::over` has it.
+            # As in `nsrm_ipc::service::Quality::over`.
             quality = quality._replace(
                 history=0,
                 overflow=True,
@@ -208,7 +207,7 @@ class RobotServices:
 
     def _events(self, service: str) -> Any:
         builder = self._builder(service).event()
-        # As `nsrm_ipc::service::RobotServices::events` has it.
+        # As in `nsrm_ipc::service::RobotServices::events`.
         builder = builder.event_id_max_value(0)
         builder = builder.max_notifiers(ONLOOKERS).max_listeners(ONLOOKERS)
         return self._open(service, builder.max_nodes(2 * ONLOOKERS))
@@ -225,8 +224,8 @@ class RobotServices:
             raise PortError(self._of_other_user() or opened) from None
 
     def _create(self, service: str, builder: Any) -> Any:
-        """Takes a place at a service; one that a dead process still has is waited for while it
-        is buried, by this process or by another one that has begun to."""
+        """Takes a slot of a service. If a dead process still holds it, waits until this process or
+        another one has cleaned that up."""
         end = time.monotonic() + IN_FLUX_S
         while True:
             try:
@@ -240,12 +239,12 @@ class RobotServices:
     def _not_created(self, service: str, error: Exception) -> PortError:
         if str(error).startswith("ExceedsMaxSupported"):
             process = self._namesake()
-            who = "the process that has it" if process is None else f"process {process}"
-            told = f"all places are taken; choose another name, or stop {who}"
+            who = "the process that holds it" if process is None else f"process {process}"
+            told = f"all slots are taken; choose another name, or stop {who}"
         else:
             told = (
-                f"{error}; the folder in which processes meet may be too long a path for its "
-                "sockets, or not to be written to"
+                f"{error}; the folder in which processes meet may not be writable, or its path may "
+                "be too long for sockets"
             )
         return PortError(f"robot `{self.name}`: `{service}`: {told}")
 
@@ -254,13 +253,13 @@ _DISCARD = iox2.BackpressureStrategy.DiscardData
 
 
 def _is_due(next_ns: int, now_ns: int, every_ns: int) -> bool:
-    """Whether it is time for what is done once in so long. A longer wait than that shows a clock
-    that was set back."""
+    """Whether a periodic action is due. A wait longer than the period shows that the clock was set
+    back."""
     return not 0 < next_ns - now_ns <= every_ns
 
 
 class Heartbeats:
-    """Says ten times a second that a process lives, and how much it has passed over."""
+    """Sends ten heartbeats a second, with the number of rejected messages."""
 
     def __init__(self, robot: RobotServices, role: int) -> None:
         self._publisher = robot.publisher("heartbeat", Heartbeat)
@@ -268,15 +267,15 @@ class Heartbeats:
         self._next_ns = self._next_line_ns = 0
 
     def reject(self, service: str, why: str) -> None:
-        """Counts a message that makes no sense; logs one a second at most."""
+        """Counts a rejected message; logs at most one a second."""
         self._beat.rejected += 1
         now = now_ns()
         if _is_due(self._next_line_ns, now, LINE_NS):
             self._next_line_ns = now + LINE_NS
-            _LOG.warning("%s passed over: %s (%d so far)", service, why, self._beat.rejected)
+            _LOG.warning("%s rejected: %s (%d so far)", service, why, self._beat.rejected)
 
     def beat(self, state: int) -> None:
-        """A heartbeat, when it is time to."""
+        """Sends a heartbeat if one is due."""
         now = now_ns()
         if not _is_due(self._next_ns, now, BEAT_NS):
             return
@@ -288,7 +287,7 @@ class Heartbeats:
 
 
 class CommandsIn:
-    """What the controller is told, in order."""
+    """The commands for the controller, in order."""
 
     def __init__(self, robot: RobotServices) -> None:
         self._subscriber = robot.subscriber("sub_goal", SubGoal)
@@ -304,7 +303,7 @@ class CommandsIn:
 
 
 class FeedbackOut:
-    """What the controller says of it."""
+    """The controller's feedback on commands."""
 
     def __init__(self, robot: RobotServices) -> None:
         self._publisher = robot.publisher("feedback", Feedback)
@@ -312,7 +311,7 @@ class FeedbackOut:
         self._sequence = 0
 
     def say(self, plan: int, command: int, answer: Answer) -> None:
-        """How a command goes, as of now."""
+        """Reports the current outcome of a command."""
         self._sequence += 1
         feedback = Feedback(
             plan=plan,
@@ -328,7 +327,7 @@ class FeedbackOut:
 
 
 class FramesOut:
-    """What the camera sees, written where its readers find it."""
+    """Publishes camera frames, written in place in shared memory."""
 
     def __init__(self, robot: RobotServices, width: int, height: int) -> None:
         self._size = width * height * 7
@@ -336,7 +335,7 @@ class FramesOut:
         self._notifier = robot.notifier("camera")
 
     def send(self, header: CameraFrame, rgb: NDArray[np.uint8], depth: NDArray[np.float32]) -> None:
-        """Publishes a frame; `header` says what is in it."""
+        """Publishes a frame; `header` describes its content."""
         sample = self._publisher.loan_slice_uninit(self._size)
         ctypes.pointer(sample.user_header().contents)[0] = header
         image = np.frombuffer(sample.payload().as_memory_view(), dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""Processes that are started together and stopped together."""
+"""Starts and stops a group of processes together."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from types import TracebackType
 from nsrm_harness.common.errors import HarnessError
 
 PATIENCE_S = 300.0
-"""How long a process may take to be ready, or to end, on a machine with other work, too."""
+"""Timeout for a process to be ready, or to exit, also on a busy machine."""
 
 
 class ProcessError(HarnessError):
-    """A process ended that should not have, or did not when it should."""
+    """A process exited unexpectedly, or did not exit when it should."""
 
 
 class ProcessGroup:
-    """A context manager: whoever was started in it has ended behind it."""
+    """A context manager; all processes started in it have exited after it."""
 
     def __init__(self) -> None:
         self._running: list[tuple[str, subprocess.Popen[str], _Lines]] = []
@@ -29,15 +29,15 @@ class ProcessGroup:
         return self
 
     def start(self, name: str, command: Sequence[str], ready: str) -> str:
-        """Starts a process; the line by which it says that it is ready, which has
-        `ready` in it. Raises `ProcessError` if it ends before, or takes too long."""
+        """Starts a process and waits for a line that contains `ready`; returns that line. Raises
+        `ProcessError` if the process exits before, or takes too long."""
         process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            # A Ctrl-C is for who speaks with the robot; these are stopped behind it.
+            # Ctrl-C is for the process that talks to the robot; these are stopped after it.
             start_new_session=True,
         )
         lines = _Lines(process, ready)
@@ -48,10 +48,10 @@ class ProcessGroup:
         return line
 
     def run(self, command: Sequence[str]) -> int:
-        """Runs a command to its end, which a Ctrl-C is left to; its exit code."""
+        """Runs a command, which handles Ctrl-C itself, and returns its exit code."""
         process = subprocess.Popen(command)
         while True:
-            # It has got the same signal, and has to stop the robot first.
+            # It got the same signal, and must stop the robot first.
             with contextlib.suppress(KeyboardInterrupt):
                 return process.wait()
 
@@ -73,13 +73,13 @@ class ProcessGroup:
                 code = process.wait()
             lines.end()
             if code != 0:
-                failed.append(f"{name} ended with code {code}:\n{lines.text()}")
+                failed.append(f"{name} exited with code {code}:\n{lines.text()}")
         if failed and error is None:
             raise ProcessError("\n".join(failed))
 
 
 class _Lines:
-    """What a process prints, read as it comes so that it never waits for its reader."""
+    """The output of a process, read continuously so that the process never blocks on it."""
 
     def __init__(self, process: subprocess.Popen[str], ready: str) -> None:
         self._lines: list[str] = []
@@ -99,14 +99,14 @@ class _Lines:
         self._decided.set()
 
     def wait(self) -> str | None:
-        """The line that was waited for; None if it did not come."""
+        """Waits for the expected line; None if it did not come."""
         self._decided.wait(PATIENCE_S)
         return self._ready
 
     def end(self) -> None:
-        """Waits until all is read that a process that has ended printed."""
+        """Waits until all output of an exited process is read."""
         self._thread.join(PATIENCE_S)
 
     def text(self) -> str:
-        """All that was printed so far."""
+        """All output so far."""
         return "\n".join(self._lines)

@@ -1,4 +1,4 @@
-"""A simulated world as a process of a robot: its camera with the detector, and its
+"""Runs a simulated world as a process of a robot: its camera with the detector, and its
 controller."""
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 from nsrm_harness.simulation.world import World
 
 FRAME_S = 0.1
-"""Time between two frames, at least."""
+"""Shortest time between two frames."""
 HIDDEN = 2
-"""Of a box: nothing is seen of its object."""
+"""`covered` of a box of whose object nothing is visible."""
 CLEANUP_FRAMES = 2
-"""After how many frames dead nodes are cleaned up."""
+"""Number of frames between two checks for dead nodes."""
 
 
 class SimulatedRobot:
-    """The tabletop of a seed, seen and moved by messages alone."""
+    """The tabletop of a seed, observed and moved only through messages."""
 
     def __init__(
         self,
@@ -52,7 +52,7 @@ class SimulatedRobot:
         *,
         with_arm: bool,
     ) -> None:
-        """Raises `PortError` if the robot has a camera or a controller already."""
+        """Raises `PortError` if the robot already has a camera or a controller."""
         self._camera = default_camera()
         self._robot = RobotServices(config, "controller")
         self._commands = CommandsIn(self._robot)
@@ -64,7 +64,7 @@ class SimulatedRobot:
         self._sequence = 0
         scene = tabletop(domain, seed)
         self.sentence = scene.sentence
-        """Something that can be said in it."""
+        """A sentence that fits the scene."""
         self.world = ArmWorld() if with_arm else World()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
@@ -88,11 +88,11 @@ class SimulatedRobot:
         return arm
 
     def close(self) -> None:
-        """Ends the world."""
+        """Closes the world."""
         self.world.close()
 
     def run(self, stop: threading.Event) -> None:
-        """Looks and obeys until it is told to stop; then the arm stands still where it is."""
+        """Publishes frames and executes commands until `stop` is set; then the arm stands still."""
         self._ending = stop
         while not stop.is_set():
             begun_s = time.monotonic()
@@ -102,7 +102,7 @@ class SimulatedRobot:
                 stop.wait(rest_s)
 
     def turn(self) -> None:
-        """Obeys what it was told, then takes a picture and publishes it."""
+        """Executes the waiting commands, then takes an image and publishes it."""
         self._life.beat(State.IDLE)
         self._hear()
         while self._waiting:
@@ -136,16 +136,15 @@ class SimulatedRobot:
         return None if seen is None else seen.pose.position
 
     def _look_on(self) -> None:
-        """Publishes a picture, if anything can be seen on it: without one the scenes grow old,
-        which the planner says."""
+        """Publishes a frame, if objects can be found in it; otherwise scenes become too old, which
+        the planner reports."""
         try:
             self.look()
         except PerceptionError as error:
             self._life.reject("camera", str(error))
 
     def look(self) -> None:
-        """Publishes what the camera sees and the detector finds in it. Raises
-        `PerceptionError`."""
+        """Publishes an image with its detections. Raises `PerceptionError`."""
         taken_ns = now_ns()
         sight = self._eyes.look(self._arm.held if self._arm is not None else ())
         self._seen = sight.cuboids
