@@ -46,7 +46,9 @@ def test_bad_input_ends_with_2_and_one_message(
     missing = tmp_path / "none.h5"
     assert run("look", missing, "0") == 2
     message = capsys.readouterr().err
-    assert message == f"harness: {missing}: no such episode file; 'harness episodes' makes one\n"
+    assert (
+        message == f"harness: {missing}: no such episode file: create it with 'harness episodes'\n"
+    )
     assert run("episodes", "--split", "train", "--domain", tmp_path / "none.toml") == 2
     assert "cannot read the domain file" in capsys.readouterr().err
     assert run("episodes", "--split", "train", "--steps", "two") == 2
@@ -77,7 +79,7 @@ def test_episodes_then_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         assert (both := image.width) > 2 * 640
         assert len(image.convert("RGB").getcolors(1 << 24) or []) > 100
     assert run("look", path, "2", "--out", picture) == 2
-    assert "no episode 2: it has 2, counted from 0" in capsys.readouterr().err
+    assert "no episode 2: it has 2, numbered from 0" in capsys.readouterr().err
 
     lean = tmp_path / "lean.h5"
     assert run(*make, "--out", lean, "--no-final-images") == 0
@@ -101,7 +103,7 @@ def test_calibration(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         assert location[4] == pytest.approx(depth, abs=0.04)
     assert (calibration.positions[:, 2] > 0.05).any(), "some stand on others"
     assert run("calibration", "--out", path) == 2
-    assert "exists: remove it" in capsys.readouterr().err
+    assert "already exists: remove it" in capsys.readouterr().err
     path.write_text("no", encoding="utf-8")
     with pytest.raises(EpisodeFileError, match="not a calibration file"):
         Calibration.load(path)

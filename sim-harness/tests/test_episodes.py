@@ -89,7 +89,7 @@ def test_other_settings_do_not_overwrite(
         generate(other, DOMAIN, episodes)
     begun = tmp_path / "begun.h5"
     module._prepare(tmp_path / "begun.h5.part", SETTINGS, DOMAIN)
-    with pytest.raises(EpisodeFileError, match="begun with other settings"):
+    with pytest.raises(EpisodeFileError, match="started with other settings"):
         generate(other, DOMAIN, begun)
 
 
@@ -188,7 +188,7 @@ def test_shuffled_or_missing_truth_changes_nothing_that_is_learned_from(
     with h5py.File(copied, "r+") as file:
         del file["evaluation"]
     assert observed_bytes(copied) == before
-    with pytest.raises(EpisodeFileError, match="no part for evaluation"):
+    with pytest.raises(EpisodeFileError, match="no ground truth for evaluation"):
         GroundTruth(copied)
 
 
@@ -276,11 +276,11 @@ def test_another_domain_needs_another_file_only(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"steps": (0, 1)}, r"steps: expected least <= most within 1\.\.8, got 0-1"),
+        ({"steps": (0, 1)}, r"steps: expected MIN <= MAX within 1\.\.8, got 0-1"),
         ({"steps": (3, 2)}, "steps: expected"),
         ({"objects": (1, 4)}, r"objects: expected .* 2\.\.16"),
         ({"attributes": (3, 3)}, r"attributes: expected .* 1\.\.2"),
-        ({"exclude": (("small", "pink"),)}, "exclude: no attribute value 'pink'"),
+        ({"exclude": (("small", "pink"),)}, "exclude: unknown attribute value 'pink'"),
         ({"count": 0}, "count must be at least 1"),
         ({"renderer": "crayon"}, "renderer: expected one of"),
     ],

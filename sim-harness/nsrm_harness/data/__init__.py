@@ -1,1 +1,1 @@
-"""Episodes: demonstrated in simulation, kept in files, read by the trainer."""
+"""Episodes: demonstrated in simulation, stored in files, and read by the trainer."""

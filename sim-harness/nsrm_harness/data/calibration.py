@@ -1,13 +1,13 @@
-"""Calibration scenes: blocks at known poses, on the table and in stacks, and how the
-camera sees them. The map from a location in the image to a position in the world is
-fitted on them, apart from all episodes (section III: "a pre-learned function").
+"""Generates and reads calibration scenes: blocks at known poses, on the table and in stacks, and
+how the camera sees them. The map from a location in the image to a position in the world is fitted
+to them, separately from all episodes (section III: "a pre-learned function").
 
 A file is HDF5; row k is one block in one scene:
 
 * ``/locations [K, 5]`` float32: box corners as fractions, mean depth in metres
 * ``/positions [K, 3]`` float64: the block's centre in the world, metres
 * ``/cameras [K, 11]`` float32: as in an episode file
-* attribute ``image``: height and width of the pictures, pixels
+* attribute ``image``: height and width of the images, pixels
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ from nsrm_harness.simulation.world import World
 
 KIND = "nsrm calibration"
 SCHEMA = 1
-#: Blocks of a scene, least and most.
+#: Smallest and largest number of blocks in a scene.
 OBJECTS = (4, 6)
-#: Most blocks that are put onto others or beside them in a scene.
+#: Largest number of blocks that are moved onto or beside others in a scene.
 MAX_MOVES = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """A calibration file's content; K blocks, over all scenes."""
+    """The content of a calibration file: K blocks over all scenes."""
 
     #: float32 ``[K, 5]``
     locations: NDArray[np.float32]
@@ -54,7 +54,7 @@ class Calibration:
 
     @staticmethod
     def load(path: Path | str) -> Calibration:
-        """Reads a file; ``EpisodeFileError`` says what is wrong with it."""
+        """Reads a file. Raises ``EpisodeFileError`` with the problem."""
         try:
             opened = h5py.File(path, "r")
         except OSError as error:
@@ -82,12 +82,12 @@ def make_calibration(
     renderer: str = "auto",
     report: Callable[[], object] = lambda: None,
 ) -> int:
-    """Makes the file; `report` is called after each scene. Returns the number of rows.
+    """Generates the file; calls `report` after each scene. Returns the number of rows.
 
     Raises `EpisodeFileError` if the file exists.
     """
     if path.exists():
-        raise EpisodeFileError(f"{path}: exists: remove it, or choose another --out")
+        raise EpisodeFileError(f"{path}: already exists: remove it, or use another --out")
     rows: list[tuple[NDArray[np.float32], NDArray[np.float64]]] = []
     camera = default_camera()
     drawing = open_renderer(renderer)
@@ -123,10 +123,10 @@ def make_calibration(
 
 
 def _arrange(rng: np.random.Generator, domain: Domain, world: World) -> None:
-    """Blocks on the table, then some moved at random, all where the physics leaves them.
+    """Puts blocks on the table and moves some at random; physics decides where they end.
 
-    They stand square to the table, as at sub-goals: the map from a box to the world is
-    about these, and a block that is turned has a wider box.
+    They stand square to the table, as at sub-goals, for which the map from a box to the world is
+    used; a rotated block has a wider box.
     """
     while True:
         blocks = sample_blocks(rng, domain, int(rng.integers(OBJECTS[0], OBJECTS[1] + 1)))

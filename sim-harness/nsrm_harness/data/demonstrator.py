@@ -1,10 +1,10 @@
-"""The demonstrator: draws a scene and a program, carries it out in the physics, and
-keeps what the camera saw before and after.
+"""The demonstrator: draws a scene and a program, executes it in the simulation, and records what
+the camera saw before and after.
 
-An attempt is rejected, counted by reason and drawn anew when
+An attempt is rejected, counted by reason and drawn again if
 
-* the scene allows no program of the wanted kind, or the blocks find no room;
-* the blocks do not come to rest within the world's bound on steps;
+* the scene allows no program of the requested kind, or has no room for the blocks;
+* the blocks do not come to rest within the world's limit of steps;
 * a block other than the moved one shifts by more than `MAX_SHIFT_M` or `MAX_TURN_RAD`;
 * the moved block ends farther than `MAX_MISS_M` or `MAX_TURN_RAD` from its target;
 * a block is hidden from the camera before or after, or the moved one after its step.
@@ -45,31 +45,31 @@ Seen = TypeVar("Seen", bound=SegmentedObjects)
 MAX_SHIFT_M = 0.002
 MAX_MISS_M = 0.005
 MAX_TURN_RAD = math.radians(2.0)
-#: Attempts at one episode before the settings are held to be impossible.
+#: Attempts at one episode before the settings count as impossible.
 MAX_ATTEMPTS = 400
 
 
 @dataclass(frozen=True)
 class EpisodeRequest:
-    """What is wanted of an episode."""
+    """The requirements on an episode."""
 
     steps: int
-    #: Least and most number of blocks.
+    #: Smallest and largest number of blocks.
     objects: tuple[int, int]
     descriptions: Descriptions
     #: No block has all values of one of these.
     exclude: tuple[frozenset[str], ...] = ()
-    #: Shares of the 1-step programs that may be drawn.
+    #: The shares from which 1-step programs are drawn.
     shares: tuple[int, ...] | None = None
-    #: The program names a block that has all values of one of these, by all of them.
+    #: The program names a block by all values of one of these.
     novel: tuple[frozenset[str], ...] = ()
-    #: Said in orders of words that training never hears.
+    #: Whether the sentence uses word orders held out from training.
     held_out_wordings: bool = False
-    #: With relations too that training never hears.
+    #: Whether it also uses relations held out from training.
     held_out_phrases: bool = False
-    #: Whether the light differs between episodes.
+    #: Whether the light varies between episodes.
     vary_light: bool = True
-    #: Whether the final scene's picture is kept; nothing learns from it.
+    #: Whether the image of the final scene is kept; nothing learns from it.
     final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
 
@@ -78,7 +78,7 @@ class EpisodeRequest:
 class DemonstratedSubGoal:
     """Where a step left the block that it moved."""
 
-    #: Index of the moved block, counting from 0.
+    #: Index of the moved block, from 0.
     moved: int
     reference: int
     #: At rest, in the world.
@@ -89,7 +89,7 @@ class DemonstratedSubGoal:
 
 @dataclass(frozen=True)
 class Episode:
-    """A demonstration. The first four are what can be learned from; the rest is truth."""
+    """A demonstration. The first four fields are for learning; the rest is ground truth."""
 
     initial: SegmentedImage
     final: SegmentedObjects
@@ -100,23 +100,23 @@ class Episode:
     initial_poses: tuple[Pose, ...]
     final_poses: tuple[Pose, ...]
     sub_goals: tuple[DemonstratedSubGoal, ...]
-    #: Attempts left out before this one, by reason.
+    #: Attempts rejected before this one, by reason.
     rejected: Counter[str]
 
     @property
     def final_picture(self) -> SegmentedImage:
-        """The final scene as the camera saw it, if that was wanted."""
+        """The final scene as the camera saw it, if requested."""
         if not isinstance(self.final, SegmentedImage):
-            raise EpisodeSettingsError("the episode was made without a picture of its final scene")
+            raise EpisodeSettingsError("the episode has no image of its final scene")
         return self.final
 
 
 class RejectedError(Exception):
-    """An attempt that is left out; the message is the reason."""
+    """An attempt that is rejected; the message is the reason."""
 
 
 class Demonstrator:
-    """Makes episodes of one domain in one world with one renderer."""
+    """Generates episodes of one domain in one world with one renderer."""
 
     def __init__(self, domain: Domain, world: World, renderer: Renderer) -> None:
         self._domain = domain
@@ -130,7 +130,7 @@ class Demonstrator:
                 )
 
     def episode(self, rng: np.random.Generator, wanted: EpisodeRequest) -> Episode:
-        """The next episode that `rng` gives and the rules accept.
+        """Draws the next episode that the rules accept.
 
         Raises `EpisodeSettingsError` after `MAX_ATTEMPTS` attempts.
         """
@@ -142,7 +142,7 @@ class Demonstrator:
                 rejected[str(error)] += 1
         raise EpisodeSettingsError(
             f"no episode with {wanted.steps} steps after {MAX_ATTEMPTS} attempts "
-            f"({describe(rejected)}): ask for fewer steps or other numbers of objects"
+            f"({describe(rejected)}): use fewer steps, or other numbers of objects"
         )
 
     def _attempt(
@@ -151,7 +151,7 @@ class Demonstrator:
         arrangement, task = self._draw(rng, wanted)
         grammar = self._grammars[wanted.held_out_wordings, wanted.held_out_phrases]
         sentence = grammar.sentence(rng, task.program)
-        # A generator of its own: however large the disturbance, it is the same scene and program.
+        # A separate generator: scene and program do not depend on the size of the disturbance.
         (disturbing,) = rng.spawn(1)
         disturbance = wanted.disturbance
         light = Light.sample(rng) if wanted.vary_light else Light()
@@ -170,7 +170,7 @@ class Demonstrator:
         initial = observe()
         sub_goals: list[DemonstratedSubGoal] = []
         final: SegmentedObjects = initial
-        # What a disturbance does to depth it does to pictures.
+        # A disturbance acts on rendered images, so one is needed.
         pictured = wanted.final_image or disturbance != UNDISTURBED
         for number, move in enumerate(task.moves, start=1):
             pose = self._carry_out(arrangement.blocks, move)
@@ -220,7 +220,7 @@ class Demonstrator:
         return arrangement, task
 
     def _carry_out(self, blocks: Sequence[Block], move: Move) -> Pose:
-        """Puts the block where the reference now is, lets go, and checks the outcome."""
+        """Puts the block at the reference's present place, releases it, and checks the result."""
         before = self._poses()
         goal = target(move, blocks, before)
         self._world.place(move.moved + 1, goal)
@@ -251,6 +251,6 @@ def _all_seen(seen: Seen, needed: Sequence[int]) -> Seen:
 
 
 def describe(rejected: Counter[str]) -> str:
-    """The counts in words: ``missed the target 3, no program 1``."""
+    """The counts as text: ``missed the target 3, no program 1``."""
     counts = [f"{reason} {count}" for reason, count in sorted(rejected.items())]
     return ", ".join(counts) if counts else "none"

@@ -1,4 +1,4 @@
-"""What differs from what training showed: where the camera stands, light, colours, depth."""
+"""Disturbances: differences from the training data in camera pose, light, colours and depth."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from nsrm_harness.simulation.render import Frame, Light
 
 @dataclass(frozen=True)
 class Disturbance:
-    """Sizes, each 0 for none; what is drawn is uniform within them unless said otherwise.
+    """The sizes of the disturbances, each 0 for none; values are uniform within them unless stated
+    otherwise.
 
-    The camera is calibrated where it stands: an episode's camera is the one that took its
-    pictures.
+    The displaced camera is calibrated: an episode's camera is the one that took its images.
     """
 
     camera_m: float = 0.0
-    """The camera stands so far away from its place at most, along each axis."""
+    """Largest displacement of the camera along each axis."""
     camera_deg: float = 0.0
-    """It is turned by so many degrees at most, about any axis."""
+    """Largest rotation of the camera about any axis, degrees."""
     light: float = 0.0
-    """The lamp's strength, the ambient's, and the strength of each colour of the lamp are off by
-    such a share at most."""
+    """Largest relative change of the lamp's intensity, of the ambient light, and of each colour of
+    the lamp."""
     color: float = 0.0
-    """Red, green and blue of each block are off by such a share at most."""
+    """Largest relative change of red, green and blue of each block."""
     depth_m: float = 0.0
-    """Standard deviation of white, normal noise on depth, metres."""
+    """Standard deviation of white Gaussian noise on depth, metres."""
 
     def moved(self, camera: Camera, rng: np.random.Generator) -> Camera:
-        """The camera where it stands."""
+        """The displaced camera."""
         shift = rng.uniform(-1.0, 1.0, 3) * self.camera_m
         axis = rng.normal(size=3)
         axis /= np.linalg.norm(axis)
@@ -45,14 +45,14 @@ class Disturbance:
         return replace(camera, position=(x, y, z), orientation=_times(turn, camera.orientation))
 
     def lit(self, light: Light, rng: np.random.Generator) -> Light:
-        """The light as it is."""
+        """The changed light."""
         factors = 1.0 + rng.uniform(-1.0, 1.0, 5) * self.light
         ambient, diffuse = light.ambient * factors[0], light.diffuse * factors[1]
         color = _three(np.multiply(light.color, factors[2:]))
         return replace(light, ambient=float(ambient), diffuse=float(diffuse), color=color)
 
     def painted(self, blocks: tuple[Block, ...], rng: np.random.Generator) -> tuple[Block, ...]:
-        """The blocks in the colours that they have."""
+        """The blocks with changed colours."""
         factors = 1.0 + rng.uniform(-1.0, 1.0, (len(blocks), 3)) * self.color
         return tuple(
             replace(block, rgb=_three(np.clip(np.multiply(block.rgb, factor), 0.0, 1.0)))
@@ -60,7 +60,7 @@ class Disturbance:
         )
 
     def measured(self, frame: Frame, rng: np.random.Generator) -> Frame:
-        """The picture with the depth that is measured."""
+        """The image with noise on its depth."""
         if self.depth_m == 0.0:
             return frame
         noise = rng.normal(0.0, self.depth_m, frame.depth.shape)
@@ -76,7 +76,7 @@ def _about(axis: NDArray[np.float64], angle: float) -> Quaternion:
 
 
 def _times(a: Quaternion, b: Quaternion) -> Quaternion:
-    """The turn `b`, then `a`."""
+    """The product of two rotations: `b`, then `a`."""
     ax, ay, az, aw = a
     bx, by, bz, bw = b
     return (

@@ -1,19 +1,19 @@
-"""What can be learned from in an episode file: the initial scene, the sentence and
-the final scene.
+"""Reads the part of an episode file for learning: the initial scene, the sentence and the final
+scene.
 
-An HDF5 file of N episodes with at most M blocks each; row i of a scene's arrays is
-the block with id i + 1, rows past an episode's count are 0.
+An HDF5 file has N episodes with at most M blocks each; row i of a scene's arrays is the block with
+id i + 1, and rows past an episode's count are 0.
 
 * ``/initial/rgb [N, H, W, 3]`` uint8, ``/initial/boxes [N, M, 4]`` float32 (x1, y1,
   x2, y2 as fractions of width and height), ``/initial/depths [N, M]`` float32 (metres)
 * ``/initial/depth [N, H, W]`` uint16: along the optical axis, in units of 0.1 mm, 0
   where nothing was measured
-* ``/final/…``: the same as the first three; the pictures, for people, may be left out
+* ``/final/…``: the same as the first three; the images, which are for people, are optional
 * ``/count [N]`` uint8: number of blocks
 * ``/sentence [N]`` UTF-8
 * ``/camera [N, 11]`` float32: fx, fy, cx, cy, position x, y, z, orientation x, y, z, w
 
-The truth for the judge is written beside these by `writer` and read by `judge` alone.
+`writer` also writes the ground truth for judges, which only `ground_truth` reads.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SCHEMA = 2
 KIND = "nsrm episodes"
 #: Unit of ``/initial/depth``, metres.
 DEPTH_UNIT_M = 1e-4
-#: The final scenes' pictures, which a file may have been made without.
+#: The images of final scenes, which are optional.
 FINAL_IMAGE = "final/rgb"
 #: Everything else that `Demonstrations` opens.
 OBSERVED = (
@@ -55,10 +55,9 @@ OBSERVED = (
 
 
 class Demonstrations:
-    """The demonstrations of a file, without the truth about them. A context manager.
+    """The demonstrations of a file, without their ground truth. A context manager.
 
-    Boxes, depths, counts, sentences and cameras are in memory; images are read when
-    asked for.
+    Boxes, depths, counts, sentences and cameras are in memory; images are read on demand.
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -68,7 +67,7 @@ class Demonstrations:
             self._rgb = _dataset(file, "initial/rgb")
             self._final_rgb = _dataset(file, FINAL_IMAGE) if FINAL_IMAGE in file else None
             self._depth = _dataset(file, "initial/depth")
-            #: The domain that the file carries.
+            #: The domain in the file.
             self.domain = domains.from_json(str(file.attrs["domain"]), str(path))
             #: ``train``, ``validation``, …
             self.split = str(file.attrs["split"])
@@ -104,16 +103,16 @@ class Demonstrations:
         self.close()
 
     def close(self) -> None:
-        """Closes the file; what is in memory stays."""
+        """Closes the file; the data in memory stays available."""
         if self._rgb:
             self._rgb.file.close()
 
     def initial_image(self, index: int) -> NDArray[np.uint8]:
-        """The picture of the initial scene, uint8 ``[H, W, 3]``."""
+        """The image of the initial scene, uint8 ``[H, W, 3]``."""
         return self._rgb[index]
 
     def final_image(self, index: int) -> NDArray[np.uint8] | None:
-        """The picture of the final scene, uint8 ``[H, W, 3]``, if the file keeps those."""
+        """The image of the final scene, uint8 ``[H, W, 3]``, if the file has it."""
         return None if self._final_rgb is None else self._final_rgb[index]
 
     def initial_depth(self, index: int) -> NDArray[np.float32]:
@@ -127,8 +126,8 @@ class Demonstrations:
         return camera_from_row(self.cameras[index], width, height)
 
     def data_hash(self) -> str:
-        """SHA-256 in hex over the content of all that is observed: it does not
-        depend on compression or on anything else in the file."""
+        """SHA-256 in hex of all observed data; it does not depend on compression or on anything
+        else in the file."""
         digest = hashlib.sha256()
         for array in (
             self.object_count,
@@ -150,9 +149,9 @@ class Demonstrations:
 
 
 def open_checked(path: Path) -> h5py.File:
-    """Opens a finished episode file; ``EpisodeFileError`` says what is wrong with it."""
+    """Opens a finished episode file. Raises ``EpisodeFileError`` with the problem."""
     if not path.exists():
-        raise EpisodeFileError(f"{path}: no such episode file; 'harness episodes' makes one")
+        raise EpisodeFileError(f"{path}: no such episode file: create it with 'harness episodes'")
     try:
         file = h5py.File(path, "r")
     except OSError as error:
@@ -162,7 +161,7 @@ def open_checked(path: Path) -> h5py.File:
             raise EpisodeFileError(f"{path}: not an episode file: no attribute kind = {KIND!r}")
         if (schema := int(str(file.attrs["schema"]))) != SCHEMA:
             raise EpisodeFileError(
-                f"{path}: schema {schema}, this version reads {SCHEMA}: make the file anew"
+                f"{path}: schema {schema}, this version reads {SCHEMA}: generate the file again"
             )
         settings = json.loads(str(file.attrs["settings"]))
         pictured = (FINAL_IMAGE,) if settings.get("final_image", True) else ()
@@ -190,7 +189,7 @@ def camera_from_row(row: NDArray[np.float32], width: int, height: int) -> Camera
 
 
 def depth_units(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Depths in metres as they are stored; what is not finite or out of range is 0."""
+    """Converts depths in metres to stored units; values not finite or out of range become 0."""
     units = np.rint(depth / np.float32(DEPTH_UNIT_M))
     known = np.isfinite(units) & (units > 0) & (units <= np.iinfo(np.uint16).max)
     return np.where(known, units, 0).astype(np.uint16)
@@ -203,5 +202,5 @@ def depth_from_units(units: NDArray[np.uint16]) -> NDArray[np.float32]:
 
 def _dataset(file: h5py.File, name: str) -> Any:
     if name not in (*OBSERVED, FINAL_IMAGE):
-        raise KeyError(f"{name!r} is not among what can be learned from")
+        raise KeyError(f"{name!r} is not a dataset for learning")
     return file[name]

@@ -1,8 +1,8 @@
-"""Making episode files: splits, worker processes, going on after an interruption.
+"""Generates episode files: splits, worker processes, resuming after an interruption.
 
-Each episode has its own generator, so that a file's bytes depend on its settings
-alone, not on the number of processes or on interruptions. Finished shards of a few
-episodes wait in ``FILE.part/`` until all are there and are joined.
+Each episode has its own random generator, so a file's bytes depend only on its settings, not on the
+number of processes or on interruptions. Finished shards of a few episodes are kept in
+``FILE.part/`` until all are there and can be joined.
 """
 
 from __future__ import annotations
@@ -35,44 +35,44 @@ from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.simulation.render import KINDS, open_renderer
 from nsrm_harness.simulation.world import World
 
-#: Episodes a shard: what a worker finishes before it looks up.
+#: Episodes per shard, the unit of work of a worker.
 SHARD = 10
-#: Blocks for which the core has room.
+#: Largest number of blocks in the core.
 MAX_OBJECTS = 16
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What an episode file is made from, with its domain."""
+    """The settings of an episode file, in addition to its domain."""
 
     split: str
     count: int
-    #: Least and most number of steps; each number occurs equally often.
+    #: Smallest and largest number of steps; each number is equally frequent.
     steps: tuple[int, int] = (1, 2)
-    #: Least and most number of blocks.
+    #: Smallest and largest number of blocks.
     objects: tuple[int, int] = (4, 6)
-    #: Least and most number of attribute values in a description.
+    #: Smallest and largest number of attribute values in a description.
     attributes: tuple[int, int] = (1, 2)
-    #: Whose 1-step programs are used; none are shared between these.
+    #: The set of 1-step programs to use; the sets are disjoint.
     programs: str = "test"
     #: No block has all values of one of these sets.
     exclude: tuple[tuple[str, ...], ...] = ()
-    #: The program names a block that has all values of one of these sets, by all of them.
+    #: The program names a block by all values of one of these sets.
     novel: tuple[tuple[str, ...], ...] = ()
-    #: Sentences in the domain's orders of words that training never hears.
+    #: Whether sentences use the domain's word orders held out from training,
     held_out_wordings: bool = False
-    #: And with its relations that training never hears.
+    #: and also its relations held out from training.
     held_out_phrases: bool = False
     vary_light: bool = True
-    #: Whether the final scenes' pictures are kept, for people; without them it is faster.
+    #: Whether the images of final scenes are kept, for people; without them it is faster.
     final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
     renderer: str = "auto"
     seed: int = 0
 
     def as_json(self) -> str:
-        """Equal text for equal settings. Settings that came later and say nothing are left out,
-        as in files that are older than they."""
+        """Equal text for equal settings. Newer settings are omitted at their defaults, so that
+        older files still match."""
         content = asdict(self)
         for name, default in (
             ("disturbance", UNDISTURBED),
@@ -84,8 +84,8 @@ class Settings:
         return json_text(content, sort_keys=True)
 
     def checked(self, domain: domains.Domain) -> Settings:
-        """The same settings, descriptions bound to the domain's attribute types;
-        ``EpisodeSettingsError`` says what cannot be."""
+        """The same settings, with descriptions limited to the domain's attribute types. Raises
+        ``EpisodeSettingsError`` with the problem."""
         least, most = self.attributes
         bound = (least, min(most, len(domain.attributes)))
         for name, (low, high), limit in (
@@ -96,12 +96,14 @@ class Settings:
             floor = 2 if name == "objects" else 1
             if not floor <= low <= high <= limit:
                 raise EpisodeSettingsError(
-                    f"{name}: expected least <= most within {floor}..{limit}, got {low}-{high}"
+                    f"{name}: expected MIN <= MAX within {floor}..{limit}, got {low}-{high}"
                 )
         if self.count < 1 or self.seed < 0:
             raise EpisodeSettingsError("count must be at least 1 and seed at least 0")
         if self.split not in SPLITS:
-            raise EpisodeSettingsError(f"no split {self.split!r}; there are {', '.join(SPLITS)}")
+            raise EpisodeSettingsError(
+                f"unknown split {self.split!r}: expected one of {', '.join(SPLITS)}"
+            )
         for name, size in asdict(self.disturbance).items():
             if not (math.isfinite(size) and size >= 0.0):
                 raise EpisodeSettingsError(f"disturbance: {name}: expected 0 or more, got {size}")
@@ -111,20 +113,20 @@ class Settings:
         for name, sets in (("exclude", self.exclude), ("novel", self.novel)):
             for values in sets:
                 if unknown := set(values) - names:
-                    raise EpisodeSettingsError(f"{name}: no attribute value {min(unknown)!r}")
+                    raise EpisodeSettingsError(f"{name}: unknown attribute value {min(unknown)!r}")
         if self.held_out_phrases and not self.held_out_wordings:
-            raise EpisodeSettingsError("held_out_phrases: only together with held_out_wordings")
+            raise EpisodeSettingsError("held_out_phrases requires held_out_wordings")
         if self.held_out_wordings and domain.held_out is None:
             raise EpisodeSettingsError(f"the domain {domain.name!r} has no [held_out] wordings")
         return replace(self, attributes=bound)
 
 
-#: Combinations of the default domain that `train_restricted` never shows: 4 of 14.
+#: Combinations of the default domain that are not in `train_restricted`: 4 of 14.
 NOVEL_PAIRS = (("green", "small"), ("magenta", "small"), ("red", "lego"), ("cyan", "lego"))
 
-#: The splits by name, each with its own random stream. The paper's tables: III train and
-#: test; IV novel_pairs; V steps_3; VI multi_attribute. IV and VI are about models that
-#: were trained on `train_restricted`: single attribute values, no novel pair.
+#: The splits by name, each with its own random stream. The paper's tables: III train and test; IV
+#: novel_pairs; V steps_3; VI multi_attribute. IV and VI judge models trained on `train_restricted`:
+#: single attribute values, no novel pair.
 SPLITS = {
     settings.split: settings
     for settings in (
@@ -148,7 +150,7 @@ SPLITS = {
         Settings("objects_10", 2000, objects=(10, 10)),
         Settings("paraphrase", 2000, held_out_wordings=True),
         Settings("new_relations", 2000, held_out_wordings=True, held_out_phrases=True),
-        # The same scenes and programs whatever the disturbance.
+        # Scenes and programs do not depend on the disturbance.
         Settings("disturbed", 2000),
     )
 }
@@ -156,7 +158,7 @@ SPLITS = {
 
 @dataclass(frozen=True)
 class ShardProgress:
-    """How far the making is: episodes done, attempts rejected so far, by reason."""
+    """Progress: episodes done, and attempts rejected so far, by reason."""
 
     done: int
     rejected: Counter[str]
@@ -169,12 +171,12 @@ def generate(
     workers: Workers | None = None,
     report: Callable[[ShardProgress], None] = lambda progress: None,
 ) -> bool:
-    """Makes the file, or goes on with it; returns whether there was anything to do.
+    """Generates the file, resuming if interrupted; returns whether there was anything to do.
 
-    `workers`: who makes its parts; one process, if none are given.
+    `workers`: the workers that generate its parts; by default one process.
 
-    Raises `EpisodeFileError` where a file or a folder with other settings is in the
-    way. On ``KeyboardInterrupt`` the shards that are finished are kept.
+    Raises `EpisodeFileError` if a file or folder with other settings exists. On
+    ``KeyboardInterrupt`` the finished shards are kept.
     """
     settings = settings.checked(domain)
     if path.exists():
@@ -203,7 +205,7 @@ def generate(
 
 
 def make_shard(settings: Settings, domain_json: str, start: int) -> bytes:
-    """The episodes from `start` on, up to `SHARD`, as a file of their own."""
+    """The episodes from `start` on, at most `SHARD`, as the content of a file."""
     demonstrator, renderer = _demonstrator(domain_json, settings.renderer)
     camera = default_camera()
     count = min(SHARD, settings.count - start)
@@ -222,7 +224,7 @@ def make_shard(settings: Settings, domain_json: str, start: int) -> bytes:
 
 @lru_cache(maxsize=1)
 def _demonstrator(domain_json: str, kind: str) -> tuple[Demonstrator, str]:
-    """One world and one renderer for the life of a worker process."""
+    """One world and one renderer for the lifetime of a worker process."""
     renderer = open_renderer(kind)
     domain = domains.from_json(domain_json, "the domain")
     return Demonstrator(domain, World(), renderer), f"{renderer.name}: {renderer.description}"
@@ -251,8 +253,8 @@ def _prepare(work: Path, settings: Settings, domain: domains.Domain) -> None:
     if note.exists():
         if note.read_text(encoding="utf-8") != content:
             raise EpisodeFileError(
-                f"{work}: begun with other settings or by another version: give those again "
-                f"to go on with it, remove the folder, or choose another --out"
+                f"{work}: started with other settings or another version: use those to resume, "
+                f"remove the folder, or use another --out"
             )
         return
     work.mkdir(parents=True, exist_ok=True)
@@ -270,9 +272,7 @@ def _check_same(path: Path, settings: Settings, domain: domains.Domain) -> None:
         same = file.attrs["settings"] == settings.as_json()
         same = same and file.attrs["domain"] == domain.as_json()
     if not same:
-        raise EpisodeFileError(
-            f"{path}: made with other settings: remove it, or choose another --out"
-        )
+        raise EpisodeFileError(f"{path}: made with other settings: remove it, or use another --out")
 
 
 def _join(settings: Settings, domain: domains.Domain, work: Path, path: Path) -> None:
@@ -290,8 +290,8 @@ def _join(settings: Settings, domain: domains.Domain, work: Path, path: Path) ->
                 row = writer.copy(row, shard)
         if len(renderers) > 1:
             raise EpisodeFileError(
-                f"{work}: its parts were drawn by different renderers "
-                f"({'; '.join(sorted(renderers))}): remove the folder and begin anew"
+                f"{work}: its parts were rendered by different renderers "
+                f"({'; '.join(sorted(renderers))}): remove the folder and start again"
             )
         writer.attributes(
             {

@@ -1,5 +1,6 @@
-"""The judge: the only module that reads the truth about an episode, the group
-``/evaluation`` of its file. Nothing that learns or plans imports it."""
+"""Reads the ground truth of episodes, the group ``/evaluation`` of a file, for judges.
+
+It is the only module that does; nothing that learns or plans imports it."""
 
 from __future__ import annotations
 
@@ -21,22 +22,22 @@ from nsrm_harness.geometry.pose import Pose
 
 @dataclass(frozen=True, eq=False)
 class StepTruth:
-    """What one step of the program meant and what came of it."""
+    """The meaning and the result of one step of the program."""
 
     step: Step
     object_id: int
     reference_id: int
-    #: Where the step's words end in the sentence, in characters.
+    #: End of the step's words in the sentence, in characters.
     end: int
     #: Pose of the moved block at rest after the step, in the world.
     sub_goal: Pose
-    #: Its box corners (fractions) and mean depth (metres) as seen then, float32 ``[5]``.
+    #: Its box corners (fractions) and mean depth (metres) seen then, float32 ``[5]``.
     location: NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """The truth about one episode; row i of an array is the block with id i + 1."""
+    """The ground truth of one episode; row i of an array is the block with id i + 1."""
 
     steps: tuple[StepTruth, ...]
     #: Value of each attribute type, for each block.
@@ -45,12 +46,12 @@ class Truth:
     edges_m: NDArray[np.float64]
     initial_poses: tuple[Pose, ...]
     final_poses: tuple[Pose, ...]
-    #: Attempts that were left out before this episode, by reason.
+    #: Attempts rejected before this episode, by reason.
     rejected: Counter[str]
 
     @property
     def program(self) -> Program:
-        """The program as meant, without the objects."""
+        """The intended program, without the objects."""
         return tuple(each.step for each in self.steps)
 
     def name(self, block_id: int) -> str:
@@ -59,14 +60,14 @@ class Truth:
 
 
 class GroundTruth:
-    """The truth about the episodes of a file. A context manager."""
+    """The ground truth of the episodes in a file. A context manager."""
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self._file: Any = open_checked(self.path)
         if "evaluation" not in self._file:
             self._file.close()
-            raise EpisodeFileError(f"{path}: has no part for evaluation")
+            raise EpisodeFileError(f"{path}: has no ground truth for evaluation")
 
     def __len__(self) -> int:
         return len(self._file["count"])
@@ -83,10 +84,11 @@ class GroundTruth:
         self._file.close()
 
     def truth(self, index: int) -> Truth:
-        """The truth about an episode; ``EpisodeFileError`` for one that is not there."""
+        """The ground truth of an episode. Raises ``EpisodeFileError`` if there is no
+        such episode."""
         if not 0 <= index < len(self):
             raise EpisodeFileError(
-                f"{self.path}: no episode {index}: it has {len(self)}, counted from 0"
+                f"{self.path}: no episode {index}: it has {len(self)}, numbered from 0"
             )
         group = self._file["evaluation"]
         count = int(self._file["count"][index])

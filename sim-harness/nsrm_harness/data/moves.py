@@ -1,5 +1,6 @@
-"""Where a block goes when it is put on another or beside it, and which moves are
-never commanded. Geometry on known poses, without physics."""
+"""Computes where a block goes when it is put on or beside another one, and which moves are allowed.
+
+This is geometry on known poses, without physics."""
 
 from __future__ import annotations
 
@@ -12,9 +13,9 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import Block
 from nsrm_harness.simulation.layout import PLACEMENT_SPACE, Space, apart, footprint
 
-#: Between the faces of a block and of the one it is put beside, metres.
+#: Gap between the faces of a block and of its reference, metres.
 GAP_M = 0.025
-#: Least distance of a block at its target from all blocks but its reference, metres.
+#: Smallest distance of a block at its target from all blocks but its reference, metres.
 CLEARANCE_M = 0.010
 
 
@@ -28,10 +29,10 @@ class Move:
 
 
 def target(move: Move, blocks: Sequence[Block], poses: Sequence[Pose]) -> Pose:
-    """Where the moved block's centre goes, square to the table.
+    """The target pose of the moved block's centre, square to the table.
 
-    On: centred over the reference. Beside: on the table, `GAP_M` from the reference
-    in the action's direction, level with it in the other.
+    On: centred above the reference. Beside: on the table, `GAP_M` from the reference in the
+    action's direction, aligned with it in the other.
     """
     moved, reference = blocks[move.moved], blocks[move.reference]
     x, y, z = poses[move.reference].position
@@ -45,22 +46,22 @@ def target(move: Move, blocks: Sequence[Block], poses: Sequence[Pose]) -> Pose:
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Blocks, where they stand and which rests on which."""
+    """Blocks, their poses, and which rests on which."""
 
     blocks: tuple[Block, ...]
     poses: tuple[Pose, ...]
-    #: Index of the block that each rests on; None: on the table.
+    #: Index of the block that each rests on; None for the table.
     base: tuple[int | None, ...]
 
     @staticmethod
     def on_table(blocks: Sequence[Block], poses: Sequence[Pose]) -> Arrangement:
-        """Blocks that all stand on the table."""
+        """An arrangement with all blocks on the table."""
         return Arrangement(tuple(blocks), tuple(poses), (None,) * len(blocks))
 
     def allowed(self, move: Move, space: Space = PLACEMENT_SPACE) -> bool:
-        """Whether the move may be commanded: the moved block bears none; what it is
-        put on bears none, what it is put beside stands on the table; the target lies
-        in `space` and is clear of all other blocks."""
+        """Whether the move is allowed: the moved block supports none; the reference supports none
+        (on) or stands on the table (beside); the target lies in `space` and is clear of all other
+        blocks."""
         if move.moved == move.reference or move.moved in self.base:
             return False
         on = move.action.direction is None
@@ -76,16 +77,16 @@ class Arrangement:
         )
 
     def after(self, move: Move) -> Arrangement:
-        """What the arrangement will be if the block ends where it is meant to."""
+        """The arrangement after the move, if the block ends at its target."""
         poses, base = list(self.poses), list(self.base)
         poses[move.moved] = target(move, self.blocks, self.poses)
         base[move.moved] = move.reference if move.action.direction is None else None
         return Arrangement(self.blocks, tuple(poses), tuple(base))
 
     def moves(self, domain: Domain, among: Sequence[int] | None = None) -> list[Move]:
-        """All moves that may be commanded, in a fixed order.
+        """All allowed moves, in a fixed order.
 
-        `among`: indices of the blocks that may be moved or be references; None: all.
+        `among`: indices of the blocks that may be moved or be references; None for all.
         """
         indices = range(len(self.blocks)) if among is None else among
         every = (
@@ -101,8 +102,9 @@ class Arrangement:
         between_m = abs(pose.position[2] - standing.position[2])
         if between_m >= (block.edges_m[2] + self.blocks[other].edges_m[2]) / 2 + CLEARANCE_M:
             return True
-        # So far apart, a strip along one of the edges parts any two blocks; this
-        # spares most of the exact tests.
+        # At this distance, a strip along one of the edges separates any two blocks;
+        # this saves most of
+        # the exact tests.
         reach_m = _half_diagonal_m(block) + _half_diagonal_m(self.blocks[other]) + CLEARANCE_M
         if math.dist(pose.position[:2], standing.position[:2]) >= math.sqrt(2.0) * reach_m:
             return True

@@ -1,8 +1,8 @@
-"""Drawing of scenes and of programs that can be carried out in them.
+"""Draws random scenes, and programs that are possible in them.
 
-A description is a set of attribute values that only one block of the scene has.
-Which values it names is drawn before the blocks, so that rare descriptions ("the
-lego block" where there is one lego block) occur often enough to be learned.
+A description is a set of attribute values that only one block of the scene has. Its attribute types
+are drawn before the blocks, so that rare descriptions ("the lego block" with a single lego block)
+occur often enough to be learned.
 """
 
 from __future__ import annotations
@@ -20,25 +20,24 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.domain.program import Program, Step, canonical
 from nsrm_harness.simulation.blocks import Block, block_from_attributes
 
-#: How often a scene is made to have a block that alone has its value of some
-#: attribute type.
+#: Share of scenes that are made to have a block with a unique value of some attribute type.
 ODD_ONE_OUT = 0.25
-#: How often a later step names a block that an earlier one named, where it can.
+#: Share of later steps that name a block of an earlier step, if possible.
 REUSE = 0.6
-#: Steps drawn in one scene before another scene is tried.
+#: Number of draws in one scene before another scene is tried.
 MAX_DRAWS = 50
-#: 1-step programs fall into this many shares, by hash.
+#: Number of shares into which 1-step programs are divided, by hash.
 SHARES = 5
-#: Which shares are whose: no 1-step command of one of these is in another.
+#: The shares of each set, which are disjoint.
 SHARES_OF = {"train": (0, 1, 2), "validation": (3,), "test": (4,)}
 
-#: For each block the descriptions that fit no other: attribute types to values.
+#: For each block its unique descriptions: attribute types to values.
 Unique = list[dict[tuple[str, ...], tuple[str, ...]]]
 
 
 @dataclass(frozen=True)
 class Descriptions:
-    """How objects are named: how many attribute values a description has."""
+    """How objects are described: the number of attribute values in a description."""
 
     least: int
     most: int
@@ -59,8 +58,8 @@ def sample_blocks(
     exclude: Sequence[frozenset[str]] = (),
     novel: Sequence[frozenset[str]] = (),
 ) -> tuple[Block, ...]:
-    """`count` blocks with random attribute values; none has all values of a set in `exclude`,
-    the first one those of a set in `novel`."""
+    """Draws `count` blocks with random attribute values; none has all values of a set in `exclude`,
+    and the first one has those of a set in `novel`."""
     odd = rng.random() < ODD_ONE_OUT
     attribute = domain.attributes[int(rng.integers(len(domain.attributes)))]
     alone = attribute.values[int(rng.integers(len(attribute.values)))].name
@@ -80,7 +79,9 @@ def sample_blocks(
         if not any(pair <= set(values.values()) for pair in exclude):
             blocks.append(block_from_attributes(domain, values))
     if len(blocks) < count:
-        raise EpisodeSettingsError("almost every combination of attribute values is excluded")
+        raise EpisodeSettingsError(
+            "almost every combination of attribute values is excluded: exclude fewer"
+        )
     order = rng.permutation(count)
     return tuple(blocks[index] for index in order)
 
@@ -88,7 +89,7 @@ def sample_blocks(
 def unique_descriptions(
     domain: Domain, blocks: Sequence[Block], descriptions: Descriptions
 ) -> Unique:
-    """For each block the descriptions that fit no other: attribute types to values."""
+    """For each block its unique descriptions: attribute types to values."""
     types = [attribute.name for attribute in domain.attributes]
     kinds = [
         kind
@@ -117,13 +118,14 @@ def sample_task(
     shares: Sequence[int] | None = None,
     novel: Sequence[frozenset[str]] = (),
 ) -> Task | None:
-    """A program of `steps` steps that can be carried out, or None if none was found.
+    """Draws a program with `steps` steps that is possible, or returns None if none was found.
 
-    `shares`: of the 1-step programs, those that may be drawn; others are not bound.
+    `shares`: the shares from which 1-step programs are drawn; longer programs are not limited.
     `novel`: some description has all values of one of these.
     """
-    # Half of the programs use the shortest descriptions only, so that there are
-    # enough for the first stage of the curriculum (section IV-F).
+    # Half of the programs use only the shortest descriptions, so that there are
+    # enough for the first
+    # stage of the curriculum (section IV-F).
     most = int(rng.integers(descriptions.least, descriptions.most + 1))
     unique = unique_descriptions(domain, arrangement.blocks, Descriptions(descriptions.least, most))
     first = _possible(domain, arrangement, unique)
@@ -139,12 +141,12 @@ def sample_task(
 
 
 def said_in(program: Program) -> list[tuple[str, ...]]:
-    """Every description of a program."""
+    """All descriptions of a program."""
     return [said for step in program for said in (step.object, step.reference)]
 
 
 def share(program: Program) -> int:
-    """Which of the `SHARES` shares a program falls into; the same everywhere."""
+    """The share, of `SHARES`, of a program; the same on every machine."""
     digest = hashlib.sha256(canonical(program).encode()).digest()
     return int.from_bytes(digest[:8], "little") % SHARES
 
@@ -174,13 +176,13 @@ def _sample_steps(
 
 
 def _possible(domain: Domain, arrangement: Arrangement, unique: Unique) -> list[Move]:
-    """The moves that may be commanded on blocks that can be named."""
+    """The allowed moves of blocks that can be described."""
     return arrangement.moves(domain, [index for index, kinds in enumerate(unique) if kinds])
 
 
 def _preferred(rng: np.random.Generator, possible: list[Move], earlier: list[Move]) -> list[Move]:
-    """Moves of blocks not moved yet, where there are any: what the final scene shows
-    of a step is not undone. Often only those that go on with an earlier block."""
+    """Moves of blocks that have not been moved yet, if there are any, so that the final scene shows
+    every step. Often only those that involve an earlier block."""
     moved = {move.moved for move in earlier}
     fresh = [move for move in possible if move.moved not in moved] or possible
     named = moved | {move.reference for move in earlier}
@@ -194,8 +196,8 @@ def _sample_move(
     moves: list[Move],
     unique: Unique,
 ) -> tuple[Move, tuple[str, ...], tuple[str, ...]]:
-    """A move and the attribute types by which its two objects are named: first the
-    action, then the types, then one of the moves that they leave."""
+    """Draws a move and the attribute types that describe its two objects: first the action, then
+    the types, then one of the remaining moves."""
     names = list(dict.fromkeys(move.action.name for move in moves))
     name = names[int(rng.integers(len(names)))]
     moves = [move for move in moves if move.action.name == name]
@@ -207,7 +209,7 @@ def _sample_move(
 
 
 def _sample_kind(rng: np.random.Generator, descriptions: Unique) -> tuple[str, ...]:
-    """First how many attribute values, then of which types."""
+    """Draws first the number of attribute values, then their types."""
     kinds = list(dict.fromkeys(kind for each in descriptions for kind in each))
     sizes = sorted({len(kind) for kind in kinds})
     size = sizes[int(rng.integers(len(sizes)))]

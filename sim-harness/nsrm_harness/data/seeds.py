@@ -1,4 +1,4 @@
-"""Random numbers: each kind of data has its own stream, each item its own generator.
+"""Random generators: each kind of data has its own stream, each item its own generator.
 
 Streams with different numbers never share a draw, whatever the seed and the index.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Number of each stream, part of what seeds its generators. Never reuse a number.
+#: Number of each stream, a part of its generators' seed. Never reuse a number.
 STREAMS = {
     "train": 1,
     "validation": 2,
@@ -47,5 +47,5 @@ STREAMS = {
 
 
 def generator(seed: int, stream: str, index: int) -> np.random.Generator:
-    """The generator of item `index` of a stream; `seed` and `index` are not negative."""
+    """The generator for item `index` of a stream; `seed` and `index` are not negative."""
     return np.random.default_rng(np.random.SeedSequence([seed, STREAMS[stream], index]))

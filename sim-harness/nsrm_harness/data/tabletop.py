@@ -1,4 +1,4 @@
-"""The scene of a seed, and a sentence that fits it."""
+"""Draws the scene of a seed, and a sentence that fits it."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ MAX_TRIES = 100
 
 @dataclass(frozen=True)
 class Tabletop:
-    """Blocks where they stand before anything is said, and something to say."""
+    """An initial arrangement of blocks, and a sentence."""
 
     arrangement: Arrangement
     sentence: str
 
 
 def tabletop(domain: Domain, seed: int) -> Tabletop:
-    """The scene of `seed`; the same whatever is said in it.
+    """Draws the scene of `seed`, which does not depend on the sentence used in it.
 
     The sentence commands one or two steps that have room in the scene.
     """

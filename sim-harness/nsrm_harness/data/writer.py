@@ -1,17 +1,17 @@
-"""Writing of episode files: what can be learned from (see `file`), and beside it
-the truth for the judge under ``/evaluation``:
+"""Writes episode files: the data for learning (see `file`), and the ground truth for judges under
+``/evaluation``:
 
 * ``program [N]`` JSON: steps with action, object, reference, object_id, reference_id and
-  end, the character of the sentence behind the step's words
-* ``attributes [N]`` JSON: for each block its value of each attribute type
+  end, the character of the sentence after the step's words
+* ``attributes [N]`` JSON: each block's value of each attribute type
 * ``initial_poses``, ``final_poses [N, M, 7]`` float64: x, y, z, quaternion x, y, z, w
 * ``edges_m [N, M, 3]`` float64
 * ``sub_goals [N, 8, 8]`` float64: index of the moved block (-1: no such step), then
   its pose at rest after the step
 * ``sub_goal_boxes [N, 8, 5]`` float32: box and mean depth of that block as seen then
-* ``rejected [N]`` JSON: attempts left out before the episode, by reason
+* ``rejected [N]`` JSON: attempts rejected before the episode, by reason
 
-Nothing in a file depends on when or in how many parts it was written.
+A file does not depend on when, or in how many parts, it was written.
 """
 
 from __future__ import annotations
@@ -32,23 +32,24 @@ from nsrm_harness.data.file import camera_row, depth_units
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.segmentation import SegmentedImage, SegmentedObjects
 
-#: Steps for which there is room: the core's capacity.
+#: Largest number of steps, the core's capacity.
 MAX_STEPS = 8
 #: zlib's level for images: 18 KB for one at 640×480, 2 ms; level 4 gives 12 KB in 5 ms.
 COMPRESSION = 1
-#: For depth, bytes shuffled before: 27 KB for one at 640×480, 1.5 ms; without the shuffle
-#: 32 KB in 1.7 ms, LZF with it 32 KB in 1.8 ms.
+# : For depth, after shuffling bytes: 27 KB for one at 640×480, 1.5 ms; without
+# shuffling 32 KB in 1.7
+#: ms, LZF with shuffling 32 KB in 1.8 ms.
 DEPTH_COMPRESSION = 1
-#: Datasets stored as one compressed chunk an episode.
+#: Datasets stored as one compressed chunk per episode.
 _INITIAL_IMAGE, _FINAL_IMAGE = "initial/rgb", "final/rgb"
 _DEPTHS = ("initial/depth",)
 _TEXTS = ("sentence", "evaluation/program", "evaluation/attributes", "evaluation/rejected")
 
 
 class EpisodeWriter:
-    """Writes an episode file of a known number of episodes. A context manager.
+    """Writes an episode file with a known number of episodes. A context manager.
 
-    Images are written as they come, everything else at the end.
+    Images are written immediately, everything else at the end.
     """
 
     def __init__(
@@ -59,8 +60,8 @@ class EpisodeWriter:
         image: tuple[int, int],
         final_image: bool = True,
     ) -> None:
-        """`objects`: the most blocks of an episode; `image`: height and width, pixels;
-        `final_image`: whether the final scenes' pictures are kept."""
+        """`objects`: largest number of blocks in an episode; `image`: height and width, pixels;
+        `final_image`: whether the images of final scenes are kept."""
         self._file = h5py.File(path, "w", libver=("v110", "v110"))
         self._images: dict[str, Any] = {}
         height, width = image
@@ -118,18 +119,18 @@ class EpisodeWriter:
                     file.create_dataset(name, data=texts, dtype=h5py.string_dtype("utf-8"))
 
     def attributes(self, values: Mapping[str, Any]) -> None:
-        """What the file says of itself."""
+        """Sets attributes of the file."""
         for name, value in values.items():
             self._file.attrs[name] = value
 
     def write(self, row: int, episode: Episode) -> None:
-        """Puts an episode into a row."""
+        """Writes an episode to a row."""
         self._observed(row, episode)
         self._truth(row, episode)
 
     def copy(self, row: int, source: Mapping[str, Any]) -> int:
-        """Puts all episodes of another file of the same shape into the rows from `row`
-        on, images as they are compressed; returns the row after them."""
+        """Copies all episodes of another file of the same shape to the rows from `row` on, without
+        recompressing images; returns the next row."""
         end = row + len(source["count"])
         for name, images in self._images.items():
             origin = (0,) * (images.ndim - 1)
@@ -182,7 +183,7 @@ class EpisodeWriter:
 
 
 def _shuffled(units: np.ndarray) -> bytes:
-    """What HDF5's shuffle filter makes of uint16: all low bytes, then all high ones."""
+    """HDF5's shuffle filter for uint16: all low bytes, then all high bytes."""
     return units.astype("<u2").view(np.uint8).reshape(-1, 2).T.tobytes()
 
 
