@@ -218,7 +218,7 @@ def test_figures_of_what_was_found_are_absent_where_nothing_was(renderer: Render
     assert figures.place_error_m is None and figures.place_error_p95_m is None
     assert json.loads(json.dumps(figures.as_json(), allow_nan=False))["mean_iou"] is None
     assert "recall 0.0000, precision -" in str(figures)
-    assert "mean IoU -, depth error -, place error - (p95 -)" in str(figures)
+    assert "mean IoU -, depth error -, position error - (p95 -)" in str(figures)
 
 
 @pytest.mark.parametrize("robot", [True, False])

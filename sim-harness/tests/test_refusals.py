@@ -109,7 +109,7 @@ def test_no_sentence_is_in_both_sets() -> None:
 def test_scenes_that_do_not_allow_a_kind_are_told() -> None:
     step = Step("MoveOn", ("red",), ("blue",))
     plain = ({"color": "red", "size": "lego"}, {"color": "blue", "size": "small"})
-    with pytest.raises(RefusalSetError, match="ambiguous: 0 sentences found in 1 scenes, 2"):
+    with pytest.raises(RefusalSetError, match="ambiguous: 0 of 2 sentences found in 1 scenes"):
         make_items(TABLETOP, [Situation(0, plain, (step,))], "test", 2)
 
 

@@ -1,1 +1,1 @@
-"""How good it is: metrics, refusals, the detector, manipulation trials, fault injection."""
+"""Evaluation: metrics, refusals, the detector, manipulation trials, fault injection."""

@@ -1,8 +1,8 @@
-"""The paper's metrics (section V-C), computed with the core through the `nsrm` module alone.
+"""Computes the paper's metrics (section V-C), with plans from the core through the `nsrm` module.
 
-The core sees what a camera gives: image, boxes, depths and calibration. The truth comes from
-`judge`. A refusal counts as wrong in every metric, and so does a scene that the
-detector cannot use. A sequence counts as right only when each of its steps is right.
+The core gets only camera data: image, boxes, depths and calibration. The ground truth comes from
+`data.ground_truth`. A refusal counts as wrong in every metric, and so does a scene that the
+detector cannot use. A sequence is right only if each of its steps is right.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class EvaluationError(HarnessError):
 
 
 class StepPlan(Protocol):
-    """What is judged of a planned step; `nsrm.PlannedStep` has it."""
+    """The judged part of a planned step, which `nsrm.PlannedStep` has."""
 
     @property
     def action(self) -> str: ...
@@ -52,7 +52,7 @@ class StepPlan(Protocol):
 
 @dataclass(frozen=True)
 class PlainStep:
-    """A step that was not planned by the core, a `StepPlan`."""
+    """A `StepPlan` that was not planned by the core."""
 
     object_id: int
     reference_id: int
@@ -67,24 +67,24 @@ class PlainStep:
 
 @dataclass(frozen=True)
 class Score:
-    """How one plan does against the truth; shares in 0..1."""
+    """The score of one plan against the ground truth; shares in 0..1."""
 
     program: bool
-    """Actions and concepts of all steps are right, the order of filters aside."""
+    """Whether actions and concepts of all steps are right, in any order of filters."""
     object: bool
-    """The moved object of each step is right (O1)."""
+    """Whether the moved object of each step is right (O1)."""
     reference: bool
-    """The reference of each step is right (O2)."""
+    """Whether the reference of each step is right (O2)."""
     iou_2d: float
-    """Plan accuracy with the boxes' intersection over union."""
+    """Plan accuracy by the boxes' intersection over union."""
     iou_3d: float
-    """Plan accuracy with the blocks' intersection over union in the world."""
+    """Plan accuracy by the blocks' intersection over union in the world."""
     errors_m: tuple[float, ...]
     """Distance from the true sub-goal of each step whose moved object is right."""
 
 
 WRONG = Score(False, False, False, 0.0, 0.0, ())
-"""Of an episode without a plan."""
+"""The score of an episode without a plan."""
 
 
 @dataclass(frozen=True)
@@ -99,13 +99,13 @@ class Metrics:
     iou_2d: float
     iou_3d: float
     error_median_m: float | None
-    """Over all steps whose moved object is right; None, as p95, where there is none."""
+    """Over all steps whose moved object is right; None, like p95, if there are none."""
     error_p95_m: float | None
     refused: dict[str, int]
-    """Refusals by kind; "perception": the detector cannot use the picture."""
+    """Refusals by kind; "perception" means that the detector cannot use the image."""
 
     def as_json(self) -> dict[str, Any]:
-        """For the model file and for `--json`."""
+        """The metrics for the model file and for `--json`."""
         return asdict(self)
 
     def __str__(self) -> str:
@@ -123,7 +123,7 @@ class Metrics:
 
 
 def load_model(path: Path | None) -> nsrm.Model:
-    """A model file, or the model that is built in; raises `EvaluationError`."""
+    """Loads a model file, or the built-in model. Raises `EvaluationError`."""
     try:
         return nsrm.Model.load(path) if path else nsrm.Model.pretrained()
     except nsrm.ModelError as error:
@@ -132,13 +132,13 @@ def load_model(path: Path | None) -> nsrm.Model:
 
 @dataclass
 class Pace:
-    """How fast the core plans from crops; looking and judging are not counted."""
+    """The core's planning speed from crops, without observing and judging."""
 
     plans: int = 0
     seconds: float = 0.0
 
     def __str__(self) -> str:
-        rate = f", {self.plans / self.seconds:.0f} a second" if self.plans else ""
+        rate = f", {self.plans / self.seconds:.0f} per second" if self.plans else ""
         return f"planned from crops: {self.plans}{rate}"
 
 
@@ -149,7 +149,7 @@ def evaluate(
     quiet: bool = False,
     pace: Pace | None = None,
 ) -> Metrics:
-    """Plan every episode of a file and judge the plans; `pace` is added to."""
+    """Plans every episode of a file and judges the plans; adds to `pace`."""
     return evaluate_models([model], path, boxes, quiet=quiet, pace=pace)[0]
 
 
@@ -161,7 +161,7 @@ def evaluate_models(
     quiet: bool = False,
     pace: Pace | None = None,
 ) -> list[Metrics]:
-    """The same for several models, for which every scene is looked at once."""
+    """Like `evaluate` for several models, observing every scene only once."""
     scores: list[list[Score]] = [[] for _ in models]
     refused: list[Counter[str]] = [Counter() for _ in models]
     for each in judge_episodes(models, path, boxes, name, quiet, pace):
@@ -176,12 +176,12 @@ def evaluate_models(
 
 @dataclass(frozen=True, eq=False)
 class JudgedPlans:
-    """What a model makes of an episode, and how well."""
+    """A model's plan for an episode, and its score."""
 
     index: int
     truth: Truth
     outcome: nsrm.Plan | nsrm.Refused | None
-    """None: the detector cannot use the picture."""
+    """None if the detector cannot use the image."""
     score: Score
 
 
@@ -193,7 +193,7 @@ def judge_episodes(
     quiet: bool = False,
     pace: Pace | None = None,
 ) -> Iterator[list[JudgedPlans]]:
-    """Each episode of a file as each model plans it, in the models' order."""
+    """Plans each episode of a file with each model, in the order of the models."""
     with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
         for model in models:
             check_domain(model, demonstrations)
@@ -213,11 +213,11 @@ def judge_episodes(
 
 @dataclass(frozen=True, eq=False)
 class _Scene:
-    """What a model sees of an episode, and what it is judged by."""
+    """An episode as observed by a model, and its ground truth."""
 
     index: int
     observed: nsrm.Observed | None
-    """None where the detector cannot use the picture."""
+    """None if the detector cannot use the image."""
     sentence: str
     truth: Truth
     true_ids: dict[int, int] | None
@@ -247,17 +247,17 @@ def _judged(scene: _Scene, outcome: nsrm.Plan | nsrm.Refused | None) -> JudgedPl
 
 
 def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
-    """Raises `EvaluationError` where a model knows another domain than a file is of."""
+    """Raises `EvaluationError` if model and file have different domains."""
     domain = model.info()["domain"]
     if demonstrations.domain.name != domain:
         raise EvaluationError(
             f"{demonstrations.path}: has episodes of the domain {demonstrations.domain.name!r}, "
-            f"the model knows {domain!r}"
+            f"but the model has {domain!r}"
         )
 
 
 def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
-    """Judge a plan for each episode of a file."""
+    """Judges one plan per episode of a file."""
     with GroundTruth(path) as judge:
         truths = [judge.truth(index) for index in range(len(judge))]
     scores = [
@@ -268,8 +268,8 @@ def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
 
 
 def matched_ids(found: NDArray[np.float32], true: NDArray[np.float32]) -> dict[int, int]:
-    """For the id of each box found `[n, 4]` that of the true one `[m, 4]` that it shows, row
-    i having id i + 1; without those that show none."""
+    """Matches detections `[n, 4]` with true boxes `[m, 4]`: the true id of each matched one, where
+    row i has id i + 1."""
     rows = enumerate(match(found, true))
     return {row + 1: int(own) + 1 for row, own in rows if own >= 0}
 
@@ -280,11 +280,11 @@ def judge_plan(
     edges_m: NDArray[np.float64],
     true_ids: Mapping[int, int] | None = None,
 ) -> Score:
-    """Compare a plan with the truth.
+    """Compares a plan with the ground truth.
 
     * `edges_m`: `[n, 3]` by object, id i + 1 in row i
-    * `true_ids`: the true object of each of the plan's ids, for which one that is not there
-      is no true object; None: the plan has the true ids
+    * `true_ids`: the true object of each of the plan's ids; a missing id is not a true object. None
+      if the plan has the true ids
     """
 
     def right(planned_id: int, true_id: int) -> bool:
@@ -314,7 +314,7 @@ def judge_plan(
 def summarize(scores: Sequence[Score], refused: Counter[str]) -> Metrics:
     """Means over episodes; errors over all steps whose moved object is right."""
     if not scores:
-        raise EvaluationError("there are no episodes to evaluate")
+        raise EvaluationError("no episodes to evaluate")
     errors = [error for score in scores for error in score.errors_m]
 
     def mean(values: Iterable[float]) -> float:
@@ -334,7 +334,7 @@ def summarize(scores: Sequence[Score], refused: Counter[str]) -> Metrics:
 
 
 def box_iou(left: ArrayLike, right: ArrayLike) -> float:
-    """Intersection over union of two boxes x1, y1, x2, y2; further numbers are left aside."""
+    """Intersection over union of two boxes x1, y1, x2, y2; further numbers are ignored."""
     a, b = np.asarray(left, np.float64)[:4], np.asarray(right, np.float64)[:4]
     shared = np.prod(np.maximum(np.minimum(a[2:], b[2:]) - np.maximum(a[:2], b[:2]), 0.0))
     areas = [np.prod(np.maximum(box[2:] - box[:2], 0.0)) for box in (a, b)]
@@ -343,7 +343,7 @@ def box_iou(left: ArrayLike, right: ArrayLike) -> float:
 
 
 def block_iou(left: ArrayLike, right: ArrayLike, edges_m: ArrayLike) -> float:
-    """Intersection over union of two blocks of the same edges, parallel to the axes, by centre."""
+    """Intersection over union of two axis-aligned blocks with the same edges, by their centres."""
     apart = np.abs(np.subtract(left, right))
     edges = np.asarray(edges_m, np.float64)
     shared = float(np.prod(np.maximum(edges - apart, 0.0)))

@@ -1,5 +1,5 @@
-"""What the core sees of an episode: the picture, the camera, and the objects that the
-simulator's mask or the detector finds in it."""
+"""The core's view of an episode: the image, the camera, and the objects from the simulator's mask
+or the detector."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.perception.detector import detect
 
 Boxes = Literal["mask", "detector"]
-"""Where the boxes come from: the simulator's segmentation mask, or the detector."""
+"""Source of the boxes: the simulator's segmentation mask, or the detector."""
 
 CHUNK = 256
-"""Episodes whose crops are in memory at a time, 20 MB of them."""
+"""Number of episodes whose crops are in memory at a time (20 MB)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Objects:
-    """What is found in a picture; the core knows row i as id i + 1.
+    """The objects in an image; row i has id i + 1 in the core.
 
     * `boxes`: `float32 [n, 4]`, x1, y1, x2, y2 as fractions of width and height
     * `depths`: `float32 [n]`, mean depth, metres
@@ -37,9 +37,8 @@ class Objects:
 def objects_of(demonstrations: Demonstrations, index: int, boxes: Boxes) -> Objects:
     """The objects of an initial scene.
 
-    With the mask, row i is the episode's block with id i + 1. With the detector nothing
-    but colour, depth and camera are looked at, and rows go from left to right; raises
-    `PerceptionError`.
+    With the mask, row i is the episode's block with id i + 1. The detector uses only colour, depth
+    and camera, and its rows go from left to right; it raises `PerceptionError`.
     """
     if boxes == "detector":
         found = detect(
@@ -55,7 +54,7 @@ def objects_of(demonstrations: Demonstrations, index: int, boxes: Boxes) -> Obje
 
 
 def observe_episode(demonstrations: Demonstrations, index: int, objects: Objects) -> nsrm.Observed:
-    """The initial scene of an episode as the core sees it."""
+    """The initial scene of an episode as observed by the core."""
     return nsrm.Observed(
         demonstrations.initial_image(index),
         list(range(1, len(objects.boxes) + 1)),

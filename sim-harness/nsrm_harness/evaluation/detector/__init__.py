@@ -1,1 +1,1 @@
-"""How well the detector finds blocks, against the boxes of the simulator's mask."""
+"""Measures the detector against the boxes of the simulator's mask."""

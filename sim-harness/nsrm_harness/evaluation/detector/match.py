@@ -1,17 +1,16 @@
-"""Which true object each detection is, for a judge."""
+"""Matches detections with true objects, for judges."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-#: Least intersection over union of a detection with the object that it is.
+#: Smallest intersection over union of a detection with its object.
 MATCH_IOU = 0.5
 
 
 def overlaps(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Intersection over union `[n, m]` of boxes `[n, 4]` and `[m, 4]`; 0 where a box
-    is empty."""
+    """Intersection over union `[n, m]` of boxes `[n, 4]` and `[m, 4]`; 0 for empty boxes."""
     first, second = a[:, None, :].astype(np.float64), b[None, :, :].astype(np.float64)
     edges = np.minimum(first[..., 2:], second[..., 2:]) - np.maximum(
         first[..., :2], second[..., :2]
@@ -25,9 +24,9 @@ def overlaps(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float
 def match(
     found: NDArray[np.float32], true: NDArray[np.float32], least: float = MATCH_IOU
 ) -> NDArray[np.int64]:
-    """For each box found `[n, 4]` the row of the true ones `[m, 4]` that it shows, -1 for none.
+    """For each detection `[n, 4]` the row of its true box `[m, 4]`, or -1.
 
-    Greedy: pairs by falling overlap, each row at most once, while it is at least `least`.
+    Greedy: pairs in descending order of overlap, each row at most once, down to `least`.
     """
     rows = np.full(len(found), -1, dtype=np.int64)
     overlap = overlaps(found, true)

@@ -1,4 +1,4 @@
-"""How good the detector is, against the boxes of the segmentation mask."""
+"""Measures the detector against the boxes of the segmentation mask."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from nsrm_harness.visualization.pictures import BoxMark, annotate, side_by_side
 
 IOU_LOOSE = 0.5
 IOU_STRICT = 0.75
-#: Scenes of a drawing.
+#: Number of scenes that are drawn.
 DRAWN = 3
 
 
 @dataclass(frozen=True)
 class Measure:
-    """Figures over all scenes; shares and overlaps in 0..1. Those of nothing are None: recall
-    without objects, precision without detections, the rest without a detection matched at 0.5."""
+    """Figures over all scenes; shares and overlaps in 0..1. Undefined figures are None: recall
+    without objects, precision without detections, the others without a detection matched at 0.5."""
 
     scenes: int
     objects: int
@@ -39,7 +39,7 @@ class Measure:
     recall_75: float | None
     precision_75: float | None
     mean_iou: float | None
-    """Of the detections matched at 0.5, as are the errors."""
+    """Over the detections matched at 0.5, like the errors."""
     depth_error_m: float | None
     """Mean difference of the mean depths."""
     place_error_m: float | None
@@ -71,15 +71,15 @@ class Measure:
             f"{self.scenes} scenes, {self.objects} objects, {self.detections} detections\n"
             f"IoU 0.50: recall {recall_50}, precision {precision_50}\n"
             f"IoU 0.75: recall {recall_75}, precision {precision_75}\n"
-            f"mean IoU {mean_iou}, depth error {depth}, place error {place} (p95 {place_p95})\n"
-            f"{self.scene_ms:.1f} ms a scene"
+            f"mean IoU {mean_iou}, depth error {depth}, position error {place} (p95 {place_p95})\n"
+            f"{self.scene_ms:.1f} ms per scene"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class JudgedPicture:
-    """A picture, what was found in it, and the least overlap that a true or a found
-    box has with its best partner."""
+    """An image, its detections, and the smallest overlap of a true or detected box with its best
+    partner."""
 
     picture: Picture
     found: Detections
@@ -87,10 +87,9 @@ class JudgedPicture:
 
 
 def measure(pictures: Iterable[Picture]) -> tuple[Measure, list[JudgedPicture]]:
-    """Runs the detector on every picture; also gives the `DRAWN` worst ones, the worst
-    first.
+    """Runs the detector on every image; also returns the `DRAWN` worst ones, worst first.
 
-    Raises `PerceptionError` where the detector does, and if there are no pictures.
+    Raises `PerceptionError` if the detector does, and if there are no images.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -153,15 +152,14 @@ def _share(count: int, whole: int) -> float | None:
 
 
 def _place(camera: Camera, box: NDArray[np.float32], depth_m: float) -> NDArray[np.float64]:
-    """The box's centre at that depth, in the world, metres."""
+    """The centre of the box at this depth, in the world, metres."""
     x1, y1, x2, y2 = (float(value) for value in box)
     column, row = (x1 + x2) / 2 * camera.width, (y1 + y2) / 2 * camera.height
     return camera.back_project((column, row, depth_m))
 
 
 def draw(judged: list[JudgedPicture]) -> Image.Image:
-    """The pictures side by side with the boxes found, numbered, in the objects' mean
-    colours."""
+    """Draws the images side by side with numbered detections in the objects' mean colours."""
     drawings, titles = [], []
     for each in judged:
         marks = []
@@ -172,6 +170,6 @@ def draw(judged: list[JudgedPicture]) -> Image.Image:
             marks.append(BoxMark((x1, y1, x2, y2), str(row + 1), (red, green, blue)))
         drawings.append(annotate(each.picture.image, marks))
         titles.append(
-            f"{len(each.found)} found of {len(each.picture.boxes)}, least overlap {each.worst:.2f}"
+            f"{len(each.found)} of {len(each.picture.boxes)} found, least overlap {each.worst:.2f}"
         )
     return side_by_side(drawings, titles)

@@ -1,4 +1,4 @@
-"""Pictures with known boxes, on which a detector is measured."""
+"""Images with known boxes, for measuring a detector."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.simulation.render import open_renderer
 from nsrm_harness.simulation.world import World
 
-#: Least and most number of blocks of a scene after a program.
+#: Smallest and largest number of blocks in a scene after a program.
 OBJECTS = (4, 6)
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What a detector gets, and what it should find; n blocks are in view.
+    """The input of a detector, and its expected output; n blocks are in view.
 
     * `image`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres
-    * `boxes`: `float32 [n, 4]`, `depths`: `float32 [n]`, both of the mask
+    * `boxes`: `float32 [n, 4]`, `depths`: `float32 [n]`, both from the mask
     """
 
     image: NDArray[np.uint8]
@@ -54,9 +54,9 @@ def of_file(path: Path) -> Iterator[Picture]:
 def after_programs(
     domain: Domain, steps: tuple[int, int], count: int, seed: int, renderer: str = "auto"
 ) -> Iterator[Picture]:
-    """Scenes as programs leave them, with stacks and blocks partly hidden.
+    """Scenes after programs, with stacks and partly hidden blocks.
 
-    * `steps`: least and most number of a program's steps; each occurs equally often
+    * `steps`: smallest and largest number of steps; each is equally frequent
     """
     least, most = steps
     with closing(open_renderer(renderer)) as drawing, World() as world:
@@ -71,8 +71,8 @@ def after_programs(
 def with_noise(
     pictures: Iterable[Picture], noise_m: float, dropout: float, seed: int
 ) -> Iterator[Picture]:
-    """The same pictures with white noise on depth, standard deviation `noise_m`, and
-    a share `dropout` of the pixels without depth (0)."""
+    """The same images with white noise of standard deviation `noise_m` on depth, and a share
+    `dropout` of the pixels without depth (0)."""
     for index, picture in enumerate(pictures):
         rng = generator(seed, "depth_noise", index)
         depth = picture.depth + rng.normal(0.0, noise_m, picture.depth.shape)

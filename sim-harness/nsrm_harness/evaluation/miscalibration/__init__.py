@@ -1,1 +1,1 @@
-"""What the core makes of cameras that are calibrated, and of those that are not."""
+"""Measures how the core detects miscalibrated cameras."""

@@ -1,4 +1,4 @@
-"""What may be wrong with a camera's calibration, its units and its conventions."""
+"""Faults in a camera's calibration, units and conventions."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Change = Callable[[Camera], Camera]
 
 @dataclass(frozen=True)
 class Fault:
-    """What is told of a camera in place of what is so.
+    """A fault in the reported camera.
 
-    * `change`: the camera that is told
+    * `change`: gives the reported camera for the true one
     * `depth_scale`: factor on depths
-    * `cause`: as which the core is to know it, `nsrm.Refused.details["cause"]`
+    * `cause`: the expected `nsrm.Refused.details["cause"]`
     """
 
     name: str
@@ -39,7 +39,7 @@ def _higher(by_m: float) -> Change:
 
 
 def _turned(axis: Vector3, degrees: float) -> Change:
-    """About one of the camera's own axes."""
+    """A rotation about one of the camera's own axes."""
     half = math.radians(degrees) / 2
     x, y, z = (math.sin(half) * part for part in axis)
 
@@ -97,4 +97,4 @@ FAULTS = (
     Fault("pose inverted", _inverted, cause="pose_inverted"),
     Fault("axes of OpenGL", _turned(RIGHT, 180.0), cause="axes_of_opengl"),
 )
-"""The first is none. Sizes with a sign are of what is told against what is so."""
+"""The first is no fault. Signed sizes are the reported minus the true value."""

@@ -1,4 +1,4 @@
-"""How often the core refuses calibrated scenes, and how much it finds of which fault."""
+"""Measures how often the core refuses calibrated scenes, and how often it finds each fault."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from nsrm_harness.perception.relief import PerceptionError
 
 EMBEDDING = 64
 LEAST = 2
-"""Objects of a scene in which anything can be planned."""
+"""Smallest number of objects in a scene for planning."""
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What the core gets of a scene: `boxes` `[n, 4]`, `depths` `[n]`."""
+    """The core's input for a scene: `boxes` `[n, 4]`, `depths` `[n]`."""
 
     boxes: NDArray[np.float32]
     depths: NDArray[np.float32]
     camera: Camera
 
     def refusal(self, model: nsrm.Model, fault: Fault) -> nsrm.Refused | None:
-        """What the core says when it is told of the camera what the fault makes of it."""
+        """The core's refusal of the scene with a fault in the camera, if it refuses."""
         count = len(self.boxes)
         scene = model.scene_from_embeddings(
             list(range(1, count + 1)),
@@ -52,9 +52,9 @@ class Seen:
 
 @dataclass(frozen=True)
 class MiscalibrationRow:
-    """Scenes of a kind with a fault; `boxes`: where the boxes are from, "mask" or "detector".
+    """Scenes of one kind with one fault; `boxes`: source of the boxes, "mask" or "detector".
 
-    `known`: refused for the fault's own cause, None where it has none.
+    `known`: number refused with the fault's own cause; None if it has none.
     """
 
     kind: str
@@ -67,7 +67,7 @@ class MiscalibrationRow:
 
 @dataclass(frozen=True)
 class MiscalibrationReport:
-    """All rows, a kind's together."""
+    """All rows, grouped by kind."""
 
     rows: tuple[MiscalibrationRow, ...]
 
@@ -76,7 +76,7 @@ class MiscalibrationReport:
         return [asdict(row) for row in self.rows]
 
     def share(self, fault: str, boxes: str | None = None) -> float:
-        """Of the scenes of all kinds, how many are refused."""
+        """Share of refused scenes over all kinds."""
         chosen = [row for row in self.rows if row.fault == fault and boxes in (None, row.boxes)]
         return sum(row.refused for row in chosen) / sum(row.scenes for row in chosen)
 
@@ -84,7 +84,7 @@ class MiscalibrationReport:
         lines = ["| calibrated scenes | boxes | scenes | refused |", "|---|---|---:|---:|"]
         without = [row for row in self.rows if row.fault == FAULTS[0].name]
         lines += [f"| {row.kind} | {row.boxes} | {row.scenes} | {row.refused} |" for row in without]
-        lines += ["", "| what is told wrong | refused | told as such |", "|---|---:|---:|"]
+        lines += ["", "| fault | refused | recognised |", "|---|---:|---:|"]
         for fault in FAULTS[1:]:
             known = "-" if fault.cause is None else f"{100 * self._known(fault.name):.1f} %"
             lines.append(f"| {fault.name} | {100 * self.share(fault.name):.1f} % | {known} |")
@@ -103,10 +103,10 @@ def measure(
     kinds: Sequence[SceneKind] = KINDS,
     report: Callable[[], object] = lambda: None,
 ) -> MiscalibrationReport:
-    """`count` scenes of each kind; `report` is called after each of them.
+    """Measures with `count` scenes of each kind; calls `report` after each.
 
-    The detector looks with the calibrated camera. Raises `HarnessError` where no scene of a
-    kind could be used.
+    The detector uses the calibrated camera. Raises `HarnessError` if no scene of a kind can be
+    used.
     """
     rows: list[MiscalibrationRow] = []
     for kind in kinds:
@@ -118,7 +118,7 @@ def measure(
         for boxes, observed in seen.items():
             if not observed:
                 raise HarnessError(
-                    f"{kind.name}: no scene of {count} can be used: a larger --count"
+                    f"{kind.name}: none of {count} scenes can be used: use a larger --count"
                 )
             rows += [_row(model, kind, boxes, observed, fault) for fault in FAULTS]
     return MiscalibrationReport(tuple(rows))
@@ -138,7 +138,7 @@ def _row(
 
 
 def _detected(picture: Picture) -> list[Seen]:
-    """What the detector finds, if it can use the picture."""
+    """The detections, if the detector can use the image."""
     try:
         found = detect(picture.image, picture.depth, picture.camera)
     except PerceptionError:

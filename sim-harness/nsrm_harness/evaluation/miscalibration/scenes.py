@@ -1,4 +1,4 @@
-"""Scenes of many kinds, seen by a camera whose pose and intrinsics are known exactly."""
+"""Scenes of several kinds, seen by a camera with exactly known pose and intrinsics."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from nsrm_harness.simulation.segmentation import segmented_image
 from nsrm_harness.simulation.world import World
 
 ONTO = 0.7
-"""Share of the moves that put a block onto another, where one can."""
+"""Share of the moves that put a block onto another one, if possible."""
 STREAM = "miscalibration"
 
 
 @dataclass(frozen=True)
 class SceneKind:
-    """A kind of scenes. Blocks may hide one another, wholly too.
+    """A kind of scenes. Blocks may hide one another, also completely.
 
-    * `objects`: least and most number of blocks; `moves`: most of them that are moved
-    * `yaw_rad`: by which they are turned at most before they are moved
-    * `noise_m`, `dropout`: of the depth that the detector gets, see `with_noise`
+    * `objects`: smallest and largest number of blocks; `moves`: largest number of moved ones
+    * `yaw_rad`: largest rotation of the blocks before the moves
+    * `noise_m`, `dropout`: noise on the detector's depth, see `with_noise`
     """
 
     name: str
@@ -60,7 +60,7 @@ KINDS = (
 
 
 def scenes(kind: SceneKind, domain: Domain, count: int, seed: int) -> Iterator[Picture]:
-    """Scenes of a kind, each with its own random numbers."""
+    """Scenes of a kind, each with its own random generator."""
     pictures = _scenes(kind, domain, count, seed)
     if kind.noise_m > 0.0:
         return with_noise(pictures, kind.noise_m, kind.dropout, seed)
@@ -86,7 +86,7 @@ def _scene(
 
 
 def _arrange(kind: SceneKind, domain: Domain, world: World, rng: np.random.Generator) -> bool:
-    """Blocks on the table, some moved; whether they found room and stand."""
+    """Puts blocks on the table and moves some; returns whether they had room and stand."""
     blocks = sample_blocks(rng, domain, int(rng.integers(kind.objects[0], kind.objects[1] + 1)))
     try:
         poses = sample_layout(rng, blocks, max_yaw_rad=kind.yaw_rad)

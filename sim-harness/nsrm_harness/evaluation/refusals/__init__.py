@@ -1,1 +1,1 @@
-"""What must be refused: sentences made to be refused, and how many are not."""
+"""Generates sentences that must be refused, and measures how many are."""

@@ -1,4 +1,4 @@
-"""How far a plan's confidence can be believed: calibration, and risk against coverage."""
+"""Measures a plan's confidence: its calibration, and risk against coverage."""
 
 from __future__ import annotations
 
@@ -7,28 +7,28 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-#: Bins of the calibration error, of equal mass: confidences crowd near 1.
+#: Number of bins of the calibration error, of equal mass because confidences cluster near 1.
 BINS = 15
 
 
 @dataclass(frozen=True)
 class Bin:
-    """Plans of about the same confidence."""
+    """Plans of similar confidence."""
 
-    #: Their share of all.
+    #: Their share of all plans.
     mass: float
     #: Their mean confidence.
     confidence: float
-    #: Share of them that is right.
+    #: Share of right plans among them.
     right: float
 
 
 def bins(
     confidences: ArrayLike, right: ArrayLike, weights: ArrayLike, count: int = BINS
 ) -> list[Bin]:
-    """Plans by confidence in bins of about equal mass; those that would be empty are left out.
+    """Puts plans into bins of about equal mass by confidence; empty bins are omitted.
 
-    * `confidences`, `right`, `weights`: of each plan
+    * `confidences`, `right`, `weights`: values for each plan
     """
     sure, correct = np.asarray(confidences, np.float64), np.asarray(right, np.float64)
     order = np.argsort(sure, kind="stable")
@@ -47,23 +47,24 @@ def bins(
 
 
 def calibration_error(parts: list[Bin]) -> float:
-    """Expected calibration error: mean distance of confidence and share right; 0 without plans."""
+    """Expected calibration error: mean distance between confidence and accuracy; 0
+    without plans."""
     return sum(part.mass * abs(part.confidence - part.right) for part in parts)
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What would come of a threshold on the plan's confidence, from high to low."""
+    """Coverage and risk for thresholds on the plan's confidence, from high to low."""
 
-    #: Plans of at least this confidence are accepted.
+    #: Plans with at least this confidence are accepted.
     thresholds: NDArray[np.float64]
-    #: Share of all sentences that is accepted.
+    #: Share of all sentences that are accepted.
     coverage: NDArray[np.float64]
-    #: Share of what is accepted that is wrong.
+    #: Share of accepted sentences that are wrong.
     risk: NDArray[np.float64]
 
     def at(self, threshold: float) -> tuple[float, float]:
-        """Coverage and risk at a threshold; nothing accepted has no risk."""
+        """Coverage and risk at a threshold; the risk is 0 if nothing is accepted."""
         accepted = int(np.searchsorted(-self.thresholds, -threshold, side="right"))
         if accepted == 0:
             return 0.0, 0.0
@@ -71,18 +72,18 @@ class Curve:
 
 
 def risk_curve(confidences: ArrayLike, right: ArrayLike, weights: ArrayLike) -> Curve:
-    """Risk against coverage as the threshold falls.
+    """Risk against coverage for a falling threshold.
 
-    * `confidences`: of each sentence's plan; NaN where it is refused
-    * `right`: whether the plan is
-    * `weights`: of each sentence
+    * `confidences`: confidence of each sentence's plan; NaN if refused
+    * `right`: whether each plan is right
+    * `weights`: weight of each sentence
     """
     sure, weight = np.asarray(confidences, np.float64), np.asarray(weights, np.float64)
     wrong = weight * ~np.asarray(right, bool)
     planned = np.flatnonzero(~np.isnan(sure))
     order = planned[np.argsort(-sure[planned], kind="stable")]
     thresholds = sure[order]
-    # Of plans with the same confidence all are accepted or none.
+    # Plans with the same confidence are accepted or rejected together.
     last = np.flatnonzero(np.diff(thresholds, append=-np.inf))
     accepted = np.cumsum(weight[order])[last]
     return Curve(

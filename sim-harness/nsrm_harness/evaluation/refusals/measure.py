@@ -1,7 +1,7 @@
-"""How much of what must be refused is refused, and what of the rest is: through the core alone.
+"""Measures refusals through the core: of sentences that must be refused, and of good ones.
 
-A sentence that must be refused counts as refused whatever the reason that is given. Of good
-sentences a plan is right when its program and the objects of all its steps are.
+A sentence that must be refused counts as refused whatever the reason. The plan of a good sentence
+is right if its program and the objects of all its steps are right.
 """
 
 from __future__ import annotations
@@ -34,67 +34,67 @@ from nsrm_harness.evaluation.refusals.sentences import COUNT, KINDS, Item, Situa
 
 COLUMNS = ("kind", "set", "count", "refused", "wrongly_accepted")
 THRESHOLDS = (0.0, 0.5, 0.8, 0.9, 0.95, 0.99, 0.999)
-"""Thresholds on a plan's confidence at which coverage and risk are told."""
+"""Thresholds on a plan's confidence for which coverage and risk are reported."""
 EXAMPLES = 5
-"""Wrongly accepted sentences of a kind that are told, the most confident first."""
+"""Number of wrongly accepted sentences that are reported per kind, most confident first."""
 GOOD = "good"
-"""The kind of the sentences of the file itself."""
+"""The kind of the file's own sentences."""
 
 
 @dataclass(frozen=True)
 class SentenceResult:
-    """What came of one sentence."""
+    """The result for one sentence."""
 
     kind: str
     scene: int
     sentence: str
-    #: Kind of the refusal; None: accepted.
+    #: Kind of the refusal; None if accepted.
     refusal: str | None
-    #: Of the plan; None: there is none.
+    #: Confidence of the plan; None if there is no plan.
     confidence: float | None = None
-    #: What was understood; empty where it was refused.
+    #: The program that was understood; empty if refused.
     program: str = ""
-    #: Whether it was to be accepted, and was understood.
+    #: Whether it is a good sentence and was planned correctly.
     right: bool = False
-    #: The word that the refusal offers.
+    #: The word that the refusal suggests.
     suggestion: str | None = None
 
 
 @dataclass(frozen=True)
 class KindCount:
-    """How many sentences of a kind were refused."""
+    """Number of refused sentences of a kind."""
 
     kind: str
     set: str
     count: int
     refused: int
     wrongly_accepted: int
-    #: By kind of refusal.
+    #: Numbers by kind of refusal.
     reasons: dict[str, int]
-    #: The most confident of those that were accepted.
+    #: The most confident of the accepted ones.
     examples: tuple[SentenceResult, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class RefusalReport:
-    """What a model refuses and what not."""
+    """What a model refuses, and what it accepts."""
 
     set: str
     kinds: tuple[KindCount, ...]
-    #: Sentences of the file: how many, how many rightly planned, refused by kind.
+    #: The file's own sentences: how many, how many planned correctly, and refusals by kind.
     good: int
     right: int
     refused: dict[str, int]
-    #: Of the misspelt words, the share for which the right word was offered; None: no words.
+    #: Share of misspelt words for which the right word was suggested; None without such words.
     suggested: float | None
-    #: Over good and bad sentences, all of the good weighing as much as all of the bad.
+    #: Over good and bad sentences, both with the same total weight.
     curve: Curve
-    #: Of the plans for good sentences, and of all plans with the same weights.
+    #: For the plans of good sentences, and for all plans with the same weights.
     good_bins: list[Bin]
     mixed_bins: list[Bin]
 
     def as_json(self) -> dict[str, Any]:
-        """For `--json`."""
+        """The report for `--json`."""
         points = {str(threshold): self.curve.at(threshold) for threshold in THRESHOLDS}
         return {
             "set": self.set,
@@ -124,8 +124,8 @@ class RefusalReport:
             ]
         reasons = ", ".join(f"{kind} {count}" for kind, count in self.refused.items()) or "none"
         lines += [
-            f"good sentences: {self.good}, {self.right} rightly planned, refused: {reasons}",
-            f"misspelt words for which the right one was offered: {or_dash(self.suggested, '.1%')}",
+            f"good sentences: {self.good}, {self.right} planned correctly, refused: {reasons}",
+            f"misspelt words with the right suggestion: {or_dash(self.suggested, '.1%')}",
             f"calibration error, {len(self.good_bins)} bins of equal mass: plans for good "
             f"sentences {calibration_error(self.good_bins):.4f}, all plans "
             f"{calibration_error(self.mixed_bins):.4f}",
@@ -138,7 +138,7 @@ class RefusalReport:
         return "\n".join(lines)
 
     def write_csv(self, path: Path) -> None:
-        """A row a kind of bad sentence, under `COLUMNS`."""
+        """Writes one row per kind of bad sentence, with `COLUMNS`."""
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(COLUMNS)
@@ -148,7 +148,7 @@ class RefusalReport:
 def measure(
     model: nsrm.Model, path: Path, which: str, count: int = COUNT, quiet: bool = False
 ) -> RefusalReport:
-    """Plan the sentences of a file and those that must be refused in its scenes."""
+    """Plans the sentences of a file, and those that must be refused in its scenes."""
     with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
         _check(model, demonstrations, which)
         truths = [judge.truth(index) for index in range(len(judge))]
@@ -176,12 +176,12 @@ def measure(
 
 
 def situations(truths: Sequence[Truth]) -> list[Situation]:
-    """What sentences are made from, episode by episode."""
+    """The situations from which sentences are made, by episode."""
     return [Situation(index, truth.attributes, truth.program) for index, truth in enumerate(truths)]
 
 
 def outcome_of(item: Item, plan: nsrm.Plan | nsrm.Refused, truth: Truth | None) -> SentenceResult:
-    """What came of a sentence; `truth`: what it means, where it means anything."""
+    """The result for a sentence; `truth`: its meaning, if it has one."""
     if isinstance(plan, nsrm.Refused):
         return SentenceResult(
             item.kind, item.scene, item.sentence, plan.kind, suggestion=plan.suggestion
@@ -198,14 +198,14 @@ def outcome_of(item: Item, plan: nsrm.Plan | nsrm.Refused, truth: Truth | None) 
 def report(
     outcomes: Sequence[SentenceResult], which: str, meant: dict[str, str | None]
 ) -> RefusalReport:
-    """Counts by kind, and what the confidences are worth; `meant`: misspelt words by sentence."""
+    """Counts refusals by kind and evaluates confidences; `meant`: misspelt words by sentence."""
     good = [each for each in outcomes if each.kind == GOOD]
     bad = [each for each in outcomes if each.kind != GOOD]
     if not good or not bad:
-        raise EvaluationError("there are no sentences to plan")
+        raise EvaluationError("no sentences to plan")
     weights = np.array([1 / len(good if each.kind == GOOD else bad) for each in outcomes])
     is_good = np.array([each.kind == GOOD for each in outcomes])
-    # NaN where there is no plan.
+    # NaN if there is no plan.
     confidences = np.array([each.confidence for each in outcomes], np.float64)
     right = np.array([each.right for each in outcomes])
     planned = ~np.isnan(confidences)
@@ -252,6 +252,6 @@ def _check(model: nsrm.Model, demonstrations: Demonstrations, which: str) -> Non
     check_domain(model, demonstrations)
     if demonstrations.split != which:
         raise EpisodeFileError(
-            f"{demonstrations.path}: has the split {demonstrations.split!r}, the set {which!r} "
-            "takes its scenes from that of its name"
+            f"{demonstrations.path}: has the split {demonstrations.split!r}, but the set {which!r} "
+            "takes its scenes from the split with its name"
         )

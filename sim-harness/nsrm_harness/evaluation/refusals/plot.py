@@ -1,4 +1,4 @@
-"""The picture of a report: risk against coverage, and the confidences' calibration."""
+"""Plots a report: risk against coverage, and the calibration of confidences."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from matplotlib.axes import Axes
 from nsrm_harness.evaluation.refusals.certainty import calibration_error
 from nsrm_harness.evaluation.refusals.measure import RefusalReport
 
-#: Confidences crowd near 1, so that what they leave to 1 is drawn, down to this.
+#: Confidences cluster near 1, so 1 - confidence is plotted, down to this value.
 LEAST_DOUBT = 1e-5
 
 
 def draw_report(report: RefusalReport, path: Path) -> None:
-    """Both diagrams as a PNG."""
+    """Draws both diagrams as a PNG."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained")
     _draw_risk(report, left)
     _draw_calibration(report, right)
-    figure.suptitle(f"{report.set}: good sentences and sentences to be refused, half and half")
+    figure.suptitle(f"{report.set}: good sentences and sentences to refuse, equally weighted")
     figure.savefig(path, dpi=110)
     plt.close(figure)
 

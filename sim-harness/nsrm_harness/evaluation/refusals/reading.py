@@ -1,8 +1,8 @@
-"""Whether words still say a command: the domain's grammar, read instead of spoken.
+"""Checks whether words still form a command, by parsing with the domain's grammar.
 
-Articles, nouns, openings and commas are left aside wherever they stand, and any run of
-concept words is a description, so that more is read than the grammar says: "on white now
-set the red" too. What is not read has lost the order of a command.
+Articles, nouns, openings and commas are ignored everywhere, and any run of concept words is a
+description. So it accepts more than the grammar generates, for example "on white now set the red";
+what it rejects has lost the word order of a command.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from nsrm_harness.domain.tokens import split
 
 
 class Reading:
-    """Reads sentences about one domain."""
+    """Parses sentences about one domain."""
 
     def __init__(self, domain: Domain) -> None:
         grammar = domain.grammar
@@ -48,14 +48,14 @@ class Reading:
         self._program = re.compile(f"(?:{commands})(?:{connective}(?:{commands}))*")
 
     def __call__(self, sentence: str) -> bool:
-        """Whether the sentence has the order of words of a program."""
+        """Whether the sentence has the word order of a program."""
         return self._program.fullmatch(self._bones(split(sentence))) is not None
 
     def _bones(self, words: Sequence[str]) -> str:
         return "".join(f"{word} " for word in words if word not in self._left_aside)
 
     def _phrases(self, phrases: Iterable[str]) -> str:
-        """Any of these; each ends with a blank. The longest first."""
+        """A pattern for any of these, longest first; each ends with a blank."""
         bones = {self._bones(phrase.split()) for phrase in phrases} - {""}
         return _any(sorted(bones, key=len, reverse=True)) or "(?!)"
 

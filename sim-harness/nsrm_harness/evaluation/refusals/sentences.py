@@ -1,9 +1,9 @@
-"""Sentences that must be refused in a scene, by kind of what is wrong with them.
+"""Generates sentences that must be refused in a scene, by kind of fault.
 
-Each is made from a good sentence about the scene, in which one thing is spoilt. A sentence
-belongs to one set alone, whatever the scene, by its hash; the sets have their own random
-streams and their own episode files. Kinds that the trainer makes steps of, too, have only
-patterns that are kept from it (`language.patterns`).
+Each is a good sentence about the scene with one thing spoilt. The hash of a sentence decides to
+which set it belongs, whatever the scene; the sets have separate random streams and episode files.
+For kinds that the trainer generates, too, only patterns that are kept from training are used
+(`domain.patterns`).
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from nsrm_harness.evaluation.refusals.reading import Reading
 
 #: Sets of sentences; each takes its scenes from the episode file of the same name.
 SETS = ("validation", "test")
-#: Sentences of a kind, unless told otherwise.
+#: Default number of sentences of each kind.
 COUNT = 160
-#: Draws for each sentence that is wanted, before the scenes are given up.
+#: Number of draws per requested sentence before giving up.
 MAX_DRAWS = 100
-#: Steps of a sentence that has too many; the core's capacity is 8.
+#: Numbers of steps of a sentence with too many; the core's capacity is 8.
 TOO_MANY_STEPS = (9, 12)
-#: How often a missing action is said in words that the domain knows, where it can be.
+#: Share of missing actions in words that the domain knows, if possible.
 FAMILIAR = 0.4
-#: What joins two relations or two values, where it joins them at all.
+#: Words that join two relations or two values.
 JOINTS = ("and", ",", "")
 #: The fields of a command that describe objects.
 ARGUMENTS = ("moved", "reference")
-#: Fewer letters are no word that can be misspelt and still be told.
+#: Shorter words are not misspelt.
 LEAST_LETTERS = 3
 
 
@@ -51,7 +51,7 @@ class RefusalSetError(HarnessError):
 
 @dataclass(frozen=True)
 class Situation:
-    """A scene and a good sentence's program, with the truth about its blocks."""
+    """A scene, the program of a good sentence, and the ground truth of the blocks."""
 
     #: Number of the episode in its file.
     scene: int
@@ -60,7 +60,7 @@ class Situation:
     program: Program
 
     def fitting(self, description: Sequence[str]) -> list[int]:
-        """The blocks that a description fits, counted from 0."""
+        """The blocks that a description fits, by index."""
         values = set(description)
         return [number for number, own in enumerate(self.attributes) if values <= set(own.values())]
 
@@ -79,11 +79,9 @@ class Item:
 def make_items(
     domain: Domain, situations: Sequence[Situation], which: str, count: int = COUNT, seed: int = 0
 ) -> list[Item]:
-    """`count` different sentences of each kind that the domain has.
+    """`count` different sentences of each kind of the domain; deterministic.
 
-    The same for the same arguments.
-
-    Raises `RefusalSetError` where the scenes do not allow as many.
+    Raises `RefusalSetError` if the scenes do not allow as many.
     """
     return [
         item
@@ -116,14 +114,14 @@ def _items_of(
         items.setdefault(_key(spoilt.sentence), item)
     if len(items) < count:
         raise RefusalSetError(
-            f"{kind}: {len(items)} sentences found in {len(situations)} scenes, {count} are "
-            "wanted: use a file with more episodes, or ask for fewer with --count"
+            f"{kind}: {len(items)} of {count} sentences found in {len(situations)} scenes: "
+            "use a file with more episodes, or a smaller --count"
         )
     return list(items.values())
 
 
 def set_of(sentence: str) -> str:
-    """The one set that a sentence may be in; its spelling and punctuation do not matter."""
+    """The only set to which a sentence may belong, whatever its spelling and punctuation."""
     return SETS[hashlib.sha256(_key(sentence).encode()).digest()[0] % len(SETS)]
 
 
@@ -133,14 +131,14 @@ def _key(sentence: str) -> str:
 
 @dataclass(frozen=True)
 class Spoilt:
-    """A sentence, and the word that was misspelt if that is what is wrong with it."""
+    """A spoilt sentence, and the word that was misspelt, if any."""
 
     sentence: str
     meant: str | None = None
 
 
 class Spoiler:
-    """Makes good sentences bad. Each method is a kind; None: not in this scene."""
+    """Spoils good sentences. Each method is a kind; it returns None if impossible in the scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         self._domain = domain
@@ -167,7 +165,7 @@ class Spoiler:
             for word in words
         }
         self._joints = [joint for joint in JOINTS if joint in self._known or not joint]
-        # Of how many actions a word tells.
+        # Number of actions whose phrases contain each word.
         self._relation_words = Counter(
             word
             for action in domain.actions
@@ -184,14 +182,14 @@ class Spoiler:
         return [each for each in topics.other_subjects() if not self._reads(each)]
 
     def unknown_word(self, situation: Situation) -> Spoilt | None:
-        """A word of another world in place of one that is known."""
+        """A known word is replaced by an unknown one."""
         words = self._words(situation)
         place = self._place(words, lambda word: word in self._strange)
         words[place] = self._choose(self._strange[words[place]])
         return self._said(words)
 
     def misspelt(self, situation: Situation) -> Spoilt | None:
-        """One letter left out, added, changed or swapped with its neighbour."""
+        """One letter is omitted, added, changed or swapped with its neighbour."""
         words = self._words(situation)
         place = self._place(
             words, lambda word: word in self._content and len(word) >= LEAST_LETTERS
@@ -202,7 +200,7 @@ class Spoiler:
         return Spoilt(self._grammar.spell(self._rng, words), meant)
 
     def incomplete(self, situation: Situation) -> Spoilt | None:
-        """Cut off before the last step's second object, or one object left out."""
+        """The sentence is cut before the last step's second object, or one object is missing."""
         commands = self._commands(situation)
         if self._rng.random() < 0.5:
             return self._unread(self._cut_off(commands))
@@ -210,12 +208,12 @@ class Spoiler:
         return self._unread(self._joined(self._change(commands, {dropped: ""})))
 
     def no_action(self, situation: Situation) -> Spoilt | None:
-        """The words that say what is to be done are left out."""
+        """The words of the action are missing."""
         commands = self._change(self._commands(situation), {"relation": ""})
         return self._unread(self._joined(commands))
 
     def no_reference(self, situation: Situation) -> Spoilt | None:
-        """What to move, but not where to."""
+        """The object is given, but not where to move it."""
         commands = self._commands(situation)
         place = self._any(len(commands))
         kept = ("{opening}", "{verb}", "{moved}")
@@ -224,7 +222,7 @@ class Spoiler:
         return self._unread(self._joined(commands))
 
     def missing_action(self, situation: Situation) -> Spoilt | None:
-        """A relation that none of the actions brings about."""
+        """A relation of none of the actions."""
         familiar = self._familiar and self._rng.random() < FAMILIAR
         relation = self._choose(self._familiar if familiar else self._unfamiliar)
         commands = self._commands(situation)
@@ -239,7 +237,7 @@ class Spoiler:
         return self._unread(self._joined(commands))
 
     def negation(self, situation: Situation) -> Spoilt | None:
-        """What is not to be done."""
+        """A negated command."""
         commands = self._commands(situation)
         if self._rng.random() < 0.75:
             unopened = {**commands[0].fields, "opening": self._choose(topics.PROHIBITIONS)}
@@ -255,7 +253,7 @@ class Spoiler:
         return self._unread(self._joined(commands))
 
     def other_subject(self, situation: Situation) -> Spoilt | None:
-        """No command for a robot with blocks, or none that has anything to do with it."""
+        """A sentence about another subject."""
         fixed = self._rng.random() < 0.6
         few = self._subjects[: len(topics.SENTENCES)] if fixed else self._subjects
         return Spoilt(self._choose(few))
@@ -266,7 +264,7 @@ class Spoiler:
         return None if description is None else self._with(situation, description)
 
     def ambiguous(self, situation: Situation) -> Spoilt | None:
-        """A description that fits several blocks, the other object of its step aside."""
+        """A description that fits several blocks, not counting the other object of its step."""
         place = self._any(len(situation.program))
         step = situation.program[place]
         moved = self._rng.random() < 0.5
@@ -282,7 +280,7 @@ class Spoiler:
         return self._program(_replaced(situation.program, place, spoilt))
 
     def too_many_steps(self, situation: Situation) -> Spoilt | None:
-        """More steps than a program holds, each of them a good one."""
+        """More steps than a program can hold, each of them good."""
         least, most = TOO_MANY_STEPS
         steps: list[Step] = []
         for _ in range(int(self._rng.integers(least, most + 1))):
@@ -300,7 +298,7 @@ class Spoiler:
         return self._program(tuple(steps))
 
     def same_object(self, situation: Situation) -> Spoilt | None:
-        """A block with regard to itself: by one description, or by two of it."""
+        """A block relative to itself, by one description or by two of it."""
         place = self._any(len(situation.program))
         step = situation.program[place]
         meant = situation.fitting(step.object)
@@ -311,31 +309,31 @@ class Spoiler:
         return self._program(_replaced(situation.program, place, spoilt))
 
     def relation_in_description(self, situation: Situation) -> Spoilt | None:
-        """An object told by where it is, with no other word for it: "the block left of the red
-        block". A good sentence with a relation too many."""
+        """An object described only by where it is: "the block left of the red block". A good
+        sentence with one relation too many."""
         return self._described_by_relation(situation, described=False)
 
     def relation_behind_description(self, situation: Situation) -> Spoilt | None:
-        """An object told by what it looks like and by where it is: "the green block left of the
-        red block"."""
+        """An object described by its look and by where it is: "the green block left of the red
+        block"."""
         return self._described_by_relation(situation, described=True)
 
     def two_relations(self, situation: Situation) -> Spoilt | None:
-        """In two places at once: "above and to the left of", "to the top left of"."""
+        """Two relations at once: "above and to the left of", "to the top left of"."""
         commands = self._commands(situation)
         place = self._any(len(commands))
         own, action = commands[place].fields["relation"], situation.program[place].action
         other = self._relation(without=action)
         words = own.split()
         if set(words) <= set(other.split()):
-            # "On on the right of" is a stammer.
+            # Not "on on the right of".
             return None
         if self._rng.random() < 0.5:
-            # The whole of another relation before or behind it.
+            # Another complete relation before or after it.
             joined = [own, self._choose(self._joints), other]
             relation = joined if self._rng.random() < 0.5 else joined[::-1]
         else:
-            # A word that only the other action has, at a place of its own in this relation.
+            # A word that only the other action has, somewhere inside this relation.
             foreign = [word for word in other.split() if self._relation_words[word] == 1]
             if not foreign:
                 return None
@@ -343,11 +341,11 @@ class Spoiler:
             relation = [*words[:at], self._choose(foreign), *words[at:]]
         fields = {**commands[place].fields, "relation": " ".join(" ".join(relation).split())}
         commands[place] = replace(commands[place], fields=fields)
-        # "On" and "left of" are "on the left of" without an article.
+        # "On" and "left of" would be "on the left of" without an article.
         return self._misused(commands, place) and self._unread(self._joined(commands))
 
     def ordinal(self, situation: Situation) -> Spoilt | None:
-        """Which of several: "the first red block"."""
+        """An ordinal: "the first red block"."""
         commands = self._commands(situation)
         place = self._any(len(commands))
         argument = self._choose(ARGUMENTS)
@@ -359,7 +357,7 @@ class Spoiler:
         return self._misused(commands, place)
 
     def order_of_time(self, situation: Situation) -> Spoilt | None:
-        """A later command to be carried out before one that is said earlier."""
+        """A later command that must be executed before an earlier one."""
         commands = self._commands(situation)
         if len(commands) == 1:
             return None
@@ -391,7 +389,7 @@ class Spoiler:
         return self._said(self._joined(commands))
 
     def word_salad(self, situation: Situation) -> Spoilt | None:
-        """The words of a good sentence in an order that says nothing."""
+        """The words of a good sentence in a meaningless order."""
         words = self._words(situation)
         return self._unread([words[index] for index in self._rng.permutation(len(words))])
 
@@ -413,7 +411,7 @@ class Spoiler:
         return self._misused(commands, place)
 
     def _relation(self, without: str | None = None) -> str:
-        """How one of the actions is said."""
+        """A phrase of one of the actions."""
         actions = [action for action in self._domain.actions if action.name != without]
         return self._choose(actions[self._any(len(actions))].phrases)
 
@@ -421,7 +419,7 @@ class Spoiler:
         return self._choose(self._domain.grammar.order_words)
 
     def _misused(self, commands: Sequence[Command], place: int) -> Spoilt | None:
-        """None where training may have heard the step."""
+        """The sentence; None if the step may be in training."""
         rows = self._tokenizer.rows(self._tokenizer(" ".join(commands[place].words())))
         return self._said(self._joined(commands)) if is_reserved(rows) else None
 
@@ -450,27 +448,27 @@ class Spoiler:
         return self._program(_replaced(situation.program, place, spoilt))
 
     def _change(self, commands: list[Command], fields: dict[str, str]) -> list[Command]:
-        """One of the commands with other words for these fields."""
+        """The commands with other words for these fields in one of them."""
         place = self._any(len(commands))
         changed = replace(commands[place], fields={**commands[place].fields, **fields})
         return [*commands[:place], changed, *commands[place + 1 :]]
 
     def _cut_off(self, commands: Sequence[Command]) -> list[str]:
-        """What is left of a sentence that ends before its last object is told apart."""
+        """The sentence cut before its last object is identified."""
         before, last = self._joined(commands[:-1]), commands[-1]
         words = last.words()
         values = [i for i, word in enumerate(words) if word in self._domain.lexicon()]
-        # The second description begins where concept words come again after others.
+        # The second description begins at the first concept words after other words.
         again = next(b for a, b in pairwise(values) if b > a + 1)
         joining = last.connective.split()
-        # A connective says that more was to come, a comma or nothing does not.
+        # A connective announces another step; a comma or nothing does not.
         least = len(joining) + (not joining or joining[-1] == ",")
         return before + words[: int(self._rng.integers(least, again + 1))]
 
     def _description(
         self, situation: Situation, wanted: Callable[[list[int]], bool]
     ) -> tuple[str, ...] | None:
-        """One of the descriptions that fit the blocks wanted."""
+        """One of the descriptions that fit the requested blocks."""
         attributes = self._domain.attributes
         for _ in range(MAX_DRAWS):
             size = 1 + self._any(min(2, len(attributes)))
@@ -496,7 +494,7 @@ class Spoiler:
         return word[:place] + word[place : place + 2][::-1] + word[place + 2 :]
 
     def _unread(self, words: Sequence[str]) -> Spoilt | None:
-        """None where the words say a command after all."""
+        """The sentence; None if the words form a command after all."""
         spoilt = self._said(words)
         return None if self._reads(spoilt.sentence) else spoilt
 
@@ -518,7 +516,7 @@ class Spoiler:
 
 
 def _opened(template: str) -> str:
-    """The template with a place for an opening."""
+    """The template with a field for an opening."""
     return template if "{opening}" in template else "{opening} " + template
 
 
@@ -526,7 +524,7 @@ def _replaced(program: Program, place: int, step: Step) -> Program:
     return (*program[:place], step, *program[place + 1 :])
 
 
-#: How each kind is made; the order is part of what seeds it. New ones go to the end.
+#: The method of each kind. The order affects the seeds: append new kinds.
 KINDS: dict[str, Callable[[Spoiler, Situation], Spoilt | None]] = {
     make.__name__: make
     for make in (
@@ -552,5 +550,5 @@ KINDS: dict[str, Callable[[Spoiler, Situation], Spoilt | None]] = {
     )
 }
 
-#: Kinds that a domain without order words does not have.
+#: Kinds that need a domain with order words.
 OF_ORDER_WORDS = (Spoiler.ordinal.__name__, Spoiler.order_of_time.__name__)

@@ -1,6 +1,6 @@
-"""Words that no domain of blocks has, and sentences that are about something else.
+"""Words that no domain of blocks has, and sentences about other subjects.
 
-Words and sentences that a domain does know after all are left out when they are used.
+Words and sentences that a domain has after all are filtered out on use.
 """
 
 from __future__ import annotations
@@ -8,23 +8,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-#: In place of an attribute value.
+#: Replacements for an attribute value.
 VALUES = (
     "purple", "orange", "brown", "pink", "grey", "golden", "silver", "turquoise", "huge", "tiny",
     "round", "wooden", "heavy", "shiny", "broken", "empty", "striped", "transparent", "second",
 )  # fmt: skip
-#: In place of a noun.
+#: Replacements for a noun.
 NOUNS = (
     "ball", "cup", "bottle", "apple", "sofa", "plate", "robot", "table", "box", "sphere",
     "cylinder", "pyramid", "tower", "gripper", "hammer", "spoon", "stack", "key", "lamp",
 )  # fmt: skip
-#: In place of a verb.
+#: Replacements for a verb.
 VERBS = (
     "throw", "push", "paint", "eat", "wash", "break", "hide", "rotate", "measure", "describe",
     "count", "weigh", "buy", "forget", "lift", "drop", "find", "photograph", "sell",
 )  # fmt: skip
 
-#: Relations that none of the domain's actions has. The last are made of common words.
+#: Relations of none of the domain's actions. The last ones consist of common words.
 RELATIONS = (
     "under", "below", "beneath", "underneath", "behind", "in front of", "inside", "in", "into",
     "next to", "beside", "near", "close to", "by", "against", "around", "away from", "far from",
@@ -35,16 +35,16 @@ RELATIONS = (
 #: A relation between three objects.
 BETWEEN = "between"
 
-#: What turns a command into its contrary; the command follows.
+#: Negations of the command that follows.
 PROHIBITIONS = (
     "don't", "do not", "never", "please don't", "please do not", "you must not", "you should not",
     "under no circumstances", "it is forbidden to", "refuse to", "stop before you", "nobody may",
     "avoid it: don't ever", "no , don't", "by no means",
 )  # fmt: skip
-#: The same, in front of the relation.
+#: Negations before the relation.
 EXCLUSIONS = ("not", "anywhere but", "never", "anywhere except")
 
-#: About something else. Some have no word that a robot for blocks does not know.
+#: Sentences about other subjects. Some contain only words that a robot for blocks knows.
 SENTENCES = (
     "What time is it?",
     "How are you today?",
@@ -168,7 +168,7 @@ SENTENCES = (
     "put put put",
 )
 
-#: Made of a beginning and an end, which fit each other well enough.
+#: Beginnings and ends of further sentences, which fit each other well enough.
 BEGINNINGS = (
     "What is",
     "Where is",
@@ -276,7 +276,7 @@ ENDS = (
 
 
 def other_subjects() -> Iterator[str]:
-    """Every sentence about something else."""
+    """All sentences about other subjects."""
     yield from SENTENCES
     for beginning, end in product(BEGINNINGS, ENDS):
         yield f"{beginning} {end}."
