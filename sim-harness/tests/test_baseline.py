@@ -239,5 +239,5 @@ def test_what_is_no_baseline_is_refused(toys: Toys, words: StepWords, tmp_path: 
     write_model(path, ModelFile(model, DOMAIN, Thresholds(0.4, 0.6), space))
     with pytest.raises(ModelFileError, match=f"schema baseline 2, got {SCHEMA}: train again"):
         read_baseline(path)
-    with pytest.raises(TrainingError, match="no command of one step"):
+    with pytest.raises(TrainingError, match="no one-step commands"):
         train(WORDS, toys.data, words, BaselineConfig(), 0, quiet=True)

@@ -226,7 +226,7 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
 def test_training_data_without_two_steps_is_refused(domain: domains.Domain, tmp_path: Path) -> None:
     data = make_toys(domain, 8, 1, 1, attributes=1).data
     config = dataclasses.replace(FEW_STEPS, actions=NONE, selection=NONE, attributes=NONE)
-    with pytest.raises(TrainingError, match="no command of two steps"):
+    with pytest.raises(TrainingError, match="no two-step commands"):
         train(domain, data, config, 0, tmp_path, quiet=True)
 
 
@@ -256,7 +256,7 @@ def test_only_steps_that_final_scenes_confirm_are_learned_from(
         assert (at < np.asarray(every.length)).all()
     strict = dataclasses.replace(FEW_STEPS, explained=0.0)
     for stage in ("perception", "parser"):
-        with pytest.raises(TrainingError, match="no command that the model carries out right"):
+        with pytest.raises(TrainingError, match="no commands that the model executes correctly"):
             make_stage(stage, whole.model, few, strict, domain)
 
 

@@ -1,8 +1,8 @@
-"""What is fitted rather than trained: the camera map, how sure the parser is of actions, and the
-thresholds for refusals.
+"""Fits what is not trained: the camera map, the certainty of actions, and the thresholds for
+refusals.
 
-None looks at the truth of an episode: the map comes from calibration scenes with known poses, the
-certainty and the thresholds from the sentences and scenes of the validation data.
+None of this uses the ground truth of an episode: the map comes from calibration scenes with known
+poses, the certainty and the thresholds from the sentences and scenes of the validation data.
 """
 
 from __future__ import annotations
@@ -22,38 +22,38 @@ from nsrm_harness.learning.export import Thresholds
 from nsrm_harness.learning.model import MATCH_SCORE, Model, Network
 
 SCORES = np.linspace(-1.0, 1.0, 2001)
-"""Candidates for the least score of a match."""
+"""Candidates for the smallest score of a match."""
 PLATEAU = 0.002
-"""Shares of references that differ by less than this count as the same."""
+"""Shares of references that differ by less than this count as equal."""
 QUANTILE = 0.001
-"""Share of the confidences on validation that may lie below the decision threshold."""
+"""Share of validation confidences that may be below the decision threshold."""
 DECISION_RANGE = (0.5, 0.8)
-"""A decision below one half is outvoted by the alternatives together; above 0.8 the quantile only
-says that validation had no hard case."""
+"""Range of the decision threshold. Below one half the alternatives together are more likely; above
+0.8 the quantile shows only that validation had no hard case."""
 SCALES = (0.5, 4.0)
-"""Factors on the actions' logits."""
+"""Range of the factor on the actions' logits."""
 HALVINGS = 30
 LEAST_ROWS = 100
 ROUNDS = 5
 OUTLIER = 3.0
-"""A block whose error is more than this times the median is left out of the next round's fit: it is
-partly hidden, so that its visible box and depth do not tell where it is."""
+"""A block whose error exceeds the median by this factor is excluded from the next round: it is
+partly hidden, so its visible box and depth do not show where it is."""
 
 
 class CalibrationError(HarnessError):
-    """Data from which nothing can be fitted."""
+    """Data that cannot be used for fitting."""
 
 
 @dataclass(frozen=True)
 class CameraFit:
-    """A fitted camera map and how well it does on what it was fitted to."""
+    """A fitted camera map, and its errors on the data of the fit."""
 
     weight: np.ndarray
     """`[3, 6]`: from (X, Y, D, W, H, 1) to the centre in the camera's frame."""
     median_m: float
     p95_m: float
     used: float
-    """Share of the blocks that were used."""
+    """Share of blocks that were used."""
 
 
 def terms(locations: np.ndarray, camera: Camera) -> np.ndarray:
@@ -67,12 +67,12 @@ def terms(locations: np.ndarray, camera: Camera) -> np.ndarray:
 
 
 def fit_camera(calibration: Calibration) -> CameraFit:
-    """Least squares on blocks at known poses, repeated without those that are partly hidden."""
+    """Least-squares fit to blocks at known poses, repeated without partly hidden ones."""
     count = len(calibration.locations)
     if count < LEAST_ROWS:
         raise CalibrationError(
             f"the calibration file has {count} blocks, at least {LEAST_ROWS} are needed: "
-            "'harness calibration' makes more"
+            "generate more with 'harness calibration'"
         )
     inputs = np.concatenate(
         [
@@ -106,33 +106,33 @@ def with_camera(model: Network, fit: CameraFit) -> Network:
 
 @dataclass(frozen=True)
 class CertaintyFit:
-    """How much surer of its actions the parser is to be."""
+    """The correction of the parser's certainty of actions."""
 
     scale: float
     """Factor on the actions' logits."""
     right: float
-    """Share of the commands of one step whose action explains the final scene best; of none that
-    is wrong, as if the next but one were."""
+    """Share of one-step commands whose action explains the final scene best, with a pseudocount of
+    one right and one wrong command."""
     before: float
-    """Mean probability of their actions before."""
+    """Mean probability of their actions before the correction."""
 
 
 def fit_certainty(model: Model, data: TrainingSet) -> CertaintyFit:
-    """From validation data: commands and scenes.
+    """Fits the certainty to the commands and scenes of validation data.
 
-    The parser hears nonsense in training, and words put in between: it is less sure than it is
-    right. Scaled logits mean the same actions; their probabilities are right in the mean.
+    Trained also on nonsense and inserted words, the parser is less sure than it is right. Scaling
+    the logits keeps the actions and makes their mean probability right.
     """
     logits, best = decode.weigh_actions(model, data, decode.see_all(model, data))
     if len(best) == 0:
-        raise CalibrationError("the validation data has no command of one step")
+        raise CalibrationError("the validation data has no one-step commands")
     right = (np.sum(logits.argmax(axis=1) == best) + 1) / (len(best) + 2)
     return CertaintyFit(sharpness(logits, right), float(right), _certainty(logits, 1.0))
 
 
 def sharpness(logits: np.ndarray, right: float) -> float:
-    """The factor on logits `[N, A]` with which the mean of their greatest probabilities is
-    `right`, within `SCALES`."""
+    """The factor on logits `[N, A]`, within `SCALES`, that makes the mean of their largest
+    probabilities equal to `right`."""
     low, high = SCALES
     for _ in range(HALVINGS):
         middle = (low + high) / 2
@@ -146,7 +146,7 @@ def _certainty(logits: np.ndarray, scale: float) -> float:
 
 
 def with_certainty(model: Model, fit: CertaintyFit) -> Model:
-    """The model with the actions' logits scaled."""
+    """The model with scaled action logits."""
     decoder = model.language.action_decoder
     assert decoder.bias is not None, "the decoder is made with a bias"
     return eqx.tree_at(
@@ -158,22 +158,22 @@ def with_certainty(model: Model, fit: CertaintyFit) -> Model:
 
 @dataclass(frozen=True)
 class ThresholdFit:
-    """Thresholds and what they rest on."""
+    """Fitted thresholds, and the figures behind them."""
 
     thresholds: Thresholds
     plateau: tuple[float, float]
-    """Scores between which the share hardly changes."""
+    """Range of scores over which the share hardly changes."""
     share: float
-    """Share of the references with exactly one match there."""
+    """Share of references with exactly one match there."""
     lowest_confidence: float
-    """The quantile of confidences that decided, before it was bounded."""
+    """The quantile of confidences, before it was limited."""
 
 
 def fit_thresholds(model: Model, data: TrainingSet) -> ThresholdFit:
-    """From validation data: initial scenes and sentences alone.
+    """Fits the thresholds to the initial scenes and sentences of validation data.
 
-    The score of a match is the one at which training holds it as likely as not, unless validation
-    says otherwise: then the middle of the plateau.
+    The match score is the one that training considers as likely as not, if it lies on the plateau;
+    otherwise the middle of the plateau.
     """
     shares = unique_shares(reference_scores(model, data), data)
     low, high = widest_plateau(SCORES, shares)
@@ -186,12 +186,12 @@ def fit_thresholds(model: Model, data: TrainingSet) -> ThresholdFit:
 
 
 def score_within(low: float, high: float) -> float:
-    """The score of a match on a plateau; see `fit_thresholds`."""
+    """The match score for a plateau; see `fit_thresholds`."""
     return MATCH_SCORE if low <= MATCH_SCORE <= high else (low + high) / 2
 
 
 def reference_scores(model: Model, data: TrainingSet) -> np.ndarray:
-    """Filtered score of each object for each group of each sentence, `[N, G, M]`; NaN: none."""
+    """Filtered score of each object for each group of each sentence, `[N, G, M]`; NaN for none."""
     similarities = decode.see_all(model, data)
     groups = data.sentences.groups
     scores = np.full((*groups.shape[:2], data.present.shape[1]), np.nan)
@@ -204,18 +204,20 @@ def reference_scores(model: Model, data: TrainingSet) -> np.ndarray:
 
 
 def unique_shares(scores: np.ndarray, data: TrainingSet) -> np.ndarray:
-    """Share of the references that exactly one object matches, for each of `SCORES`."""
+    """Share of references with exactly one match, for each of `SCORES`."""
     references = scores[np.arange(scores.shape[1]) < data.sentences.group_count[:, None]]
-    # Exactly one matches where the threshold lies between the second best and the best.
+    # Exactly one matches if the threshold lies between the second best and the best.
     ordered = np.sort(np.nan_to_num(references, nan=-np.inf), axis=-1)
     best, second = ordered[:, -1], ordered[:, -2]
     return np.array([np.mean((second < score) & (score <= best)) for score in SCORES])
 
 
 def widest_plateau(scores: np.ndarray, shares: np.ndarray) -> tuple[float, float]:
-    """The longest run of scores whose shares lie within `PLATEAU` of the greatest."""
+    """The longest run of scores whose shares are within `PLATEAU` of the maximum."""
     if shares.max() == 0.0:
-        raise CalibrationError("no threshold makes any reference of the validation data unique")
+        raise CalibrationError(
+            "no threshold gives any reference of the validation data a unique match"
+        )
     is_high = shares >= shares.max() - PLATEAU
     edges = np.flatnonzero(np.diff(np.concatenate([[0], is_high.astype(int), [0]])))
     starts, ends = edges[::2], edges[1::2] - 1

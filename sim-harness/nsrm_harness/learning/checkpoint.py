@@ -1,4 +1,4 @@
-"""The state of a training run in its folder, so that it can go on after Ctrl-C."""
+"""Saves the state of a training run in its folder, so that it can be resumed after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class CheckpointError(HarnessError):
 
 @dataclass
 class TrainingProgress:
-    """Where a run stands."""
+    """The progress of a run."""
 
     stage: int = 0
-    """Index of the stage that is being trained."""
+    """Index of the current stage."""
     epoch: int = 0
-    """Epochs done in it."""
+    """Finished epochs in it."""
     attempt: int = 0
-    """How often training began anew because actions had merged."""
+    """How often training was restarted because actions had merged."""
     losses: dict[str, list[float]] = field(default_factory=dict)
     """Mean loss of each epoch, by stage."""
     seconds: dict[str, float] = field(default_factory=dict)
@@ -35,16 +35,16 @@ class TrainingProgress:
 
 
 class Checkpoints:
-    """Reads and writes one run's checkpoint; it is replaced as a whole or not at all."""
+    """Reads and writes the checkpoint of one run, atomically."""
 
     def __init__(self, folder: Path, run: str):
-        """`run` names everything that the result depends on."""
+        """`run` identifies everything that the result depends on."""
         self._folder = folder
         self._index = folder / "checkpoint.json"
         self._run = hashlib.sha256(run.encode()).hexdigest()
 
     def save(self, progress: TrainingProgress, state: Any) -> None:
-        """Write the arrays under a new name, then let the index point to them."""
+        """Writes the arrays under a new name, then makes the index point to them."""
         self._folder.mkdir(parents=True, exist_ok=True)
         name = f"checkpoint-{progress.stage}-{progress.epoch}.eqx"
         eqx.tree_serialise_leaves(self._folder / name, state)
@@ -57,27 +57,27 @@ class Checkpoints:
                 old.unlink()
 
     def progress(self) -> TrainingProgress | None:
-        """Where the run stood, or nothing if there is no checkpoint."""
+        """The progress of the run; None if there is no checkpoint."""
         if not self._index.exists():
             return None
         content = json.loads(self._index.read_text(encoding="utf-8"))
         if content["run"] != self._run:
             raise CheckpointError(
                 f"{self._index}: from a run with other data, seed or configuration; "
-                "give another folder with --out, or begin anew without --resume"
+                "use another --out, or start again without --resume"
             )
         return TrainingProgress(**content["progress"])
 
     def begin(self, progress: TrainingProgress, model: Any) -> None:
-        """Keep the model with which a stage begins."""
+        """Saves the model at the start of a stage."""
         self._folder.mkdir(parents=True, exist_ok=True)
         eqx.tree_serialise_leaves(self._begun(progress), model)
 
     def begun(self, progress: TrainingProgress, like: Any) -> Any:
-        """The model with which the stage began, in the structure of `like`."""
+        """The model at the start of the stage, in the structure of `like`."""
         if not self._begun(progress).exists():
             raise CheckpointError(
-                f"{self._begun(progress)}: not there, so the run cannot go on: begin anew without "
+                f"{self._begun(progress)}: missing, so the run cannot resume: start again without "
                 "--resume"
             )
         return eqx.tree_deserialise_leaves(self._begun(progress), like)

@@ -1,4 +1,4 @@
-"""The trainer's configuration: a TOML file over the defaults that stand here."""
+"""The trainer's configuration: defaults, which a TOML file can override."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ REINFORCE: Final = "reinforce"
 GUMBEL: Final = "gumbel"
 
 QUICK_CONFIG = Path(__file__).resolve().parent / "quick.toml"
-"""Of a miniature training."""
+"""Configuration of a reduced training."""
 
 
 class ConfigError(HarnessError):
-    """A configuration that cannot be read or does not make sense."""
+    """A configuration that cannot be read or is invalid."""
 
 
 @dataclass(frozen=True)
@@ -43,89 +43,90 @@ class StageConfig:
     epochs: CountOrZero
     """Passes over the stage's episodes."""
     learning_rate: Positive
-    """Adam's, at the start; it falls to a twentieth along a cosine."""
+    """Adam's learning rate at the start; it decays to a twentieth along a cosine."""
     batch: Count
-    """Episodes in a step of the optimiser."""
+    """Episodes per optimiser step."""
 
 
 @dataclass(frozen=True)
 class TrainingConfig:
-    """Everything that a training run depends on, apart from data and seed."""
+    """Everything that a training run depends on, except data and seed."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
     temperature: Positive = 0.05
-    """τ of the soft minimum over choices; from 0.1 on actions merge."""
+    """τ of the soft minimum over choices; from 0.1 on, actions merge."""
     loss: LossWeights = field(default_factory=lambda: LossWeights(square=200.0, overlap=1.0))
     polish_loss: LossWeights = field(default_factory=lambda: LossWeights(5000.0, 1.0))
-    """For the last stage, which is about millimetres."""
+    """Loss weights of the last stage, where millimetres matter."""
     polish_cap: Positive = 3.0
-    """Most that one object adds there. More means that a choice is wrong, or that a block is
-    hidden: a handful of those outweighs all others in the squared error."""
+    """Largest loss of one object there. More means that a choice is wrong, or that a block is
+    hidden: a few of those would dominate the squared error."""
     attempts: Count = 4
-    """How often the first stage is begun, at most. With few episodes about one start in four learns
-    two actions as one; the model's own answers to the domain's phrases show it."""
+    """Largest number of attempts at the first stage. With few episodes, about one start in four
+    learns two actions as one, which the model's own answers to the domain's phrases show."""
     exploration: Positive = 0.8
-    """Share of the actions' probability that is spread evenly when learning begins."""
+    """Share of the action probability that is uniform at the start of training."""
     failed_split: Positive = 2.0
     """Loss of a split that leaves a step without two objects."""
     indecision: Positive = 0.02
-    """Weight of the entropy over splits: of several that do equally well one is to be preferred."""
+    """Weight of the entropy over splits, so that one of several equally good splits
+    is preferred."""
     unusual_end: Positive = 0.05
-    """Loss that a split has for each token between it and the end that the first step has if it
-    ends as sentences do. Many splits do equally well: a word that joins two steps may be either's,
-    and between two habits the splitter would be sure of neither."""
+    """Loss of a split per token between it and the usual end of the first step, the end that
+    sentences have. Many splits are equally good, since a word that joins two steps may belong to
+    either; without a preference the splitter would be sure of none."""
     nonsense: Positive = 0.05
-    """Weight of steps that say nothing, of which the parser is to be sure of no action. The soft
-    minimum weighs what a sentence says with τ: the same for both."""
+    """Weight of meaningless steps, for which the parser must be sure of no action. The soft minimum
+    weights what a sentence says with τ: the same for both."""
     split_gradient: Literal["exact", "reinforce"] = EXACT
-    """How the splitter learns: "exact", from the soft minimum over splits, or "reinforce", from
-    splits that it draws itself (section IV-E)."""
+    """How the splitter is trained: "exact", by the soft minimum over splits, or "reinforce", by
+    sampled splits (section IV-E)."""
     split_samples: Annotated[Whole, Field(ge=2)] = 8
-    """With "reinforce": how many it draws of a command. One has no other to be compared with."""
+    """With "reinforce": samples per command, at least two, which are compared with each other."""
     split_spread: PositiveOrZero = 0.3
-    """With "reinforce": weight of the entropy at the start; it falls to nothing in the first half
-    of the splitter's stage."""
+    """With "reinforce": initial weight of the entropy; it decays to zero in the first half of the
+    splitter's stage."""
     action_gradient: Literal["exact", "gumbel"] = EXACT
-    """How actions learn what they are: "exact", from the soft minimum over them, or "gumbel", from
-    straight-through samples as objects do."""
+    """How actions are trained: "exact", by the soft minimum over them, or "gumbel", by
+    straight-through samples, like objects."""
     residual: Flag = True
-    """Whether the simulator's output is added to where the reference is. A model without cannot be
-    exported."""
+    """Whether the simulator's output is added to the reference's location. A model without it
+    cannot be exported."""
     splits: Count = 3
-    """How many of the likeliest splits joint training carries out."""
+    """Number of most likely splits that joint training evaluates."""
     actions: StageConfig = StageConfig(epochs=30, learning_rate=3e-3, batch=32)
-    """(a) One step, one attribute in each description; every choice summed out."""
+    """(a) One step, one attribute per description; every choice is marginalised."""
     selection: StageConfig = StageConfig(epochs=20, learning_rate=1e-3, batch=32)
-    """(a) The same episodes; objects by straight-through Gumbel samples."""
+    """(a) The same episodes, with objects by straight-through Gumbel samples."""
     attributes: StageConfig = StageConfig(epochs=8, learning_rate=1e-3, batch=32)
     """(b) One step, any description; the simulator is frozen."""
     splitter: StageConfig = StageConfig(epochs=20, learning_rate=2e-3, batch=32)
-    """(c) The splitter alone, on a table of losses of every split."""
+    """(c) Only the splitter, on a table of the losses of all splits."""
     joint: StageConfig = StageConfig(epochs=8, learning_rate=3e-4, batch=32)
     """(d) Everything, on one and two steps."""
     simulator: StageConfig = StageConfig(epochs=800, learning_rate=5e-3, batch=256)
-    """(e) The simulator alone, on the model's own choices."""
+    """(e) Only the simulator, on the model's own choices."""
     perception: StageConfig = StageConfig(epochs=16, learning_rate=2e-3, batch=64)
-    """(f) Perception alone, on the model's own choices as far as final scenes confirm them: they
-    fit what is said and nothing else in the scene does."""
+    """(f) Only perception, on the model's own choices where final scenes confirm them: the chosen
+    objects must match their descriptions, and no others in the scene."""
     parser: StageConfig = StageConfig(epochs=64, learning_rate=2e-3, batch=256)
-    """(g) Parser and splitter, on their own choices as far as final scenes confirm them: alone, put
-    together, with fillers, and on steps that say nothing or what no program has. Half of a batch
-    are steps that follow."""
+    """(g) Parser and splitter, on their own choices where final scenes confirm them: single steps,
+    combined steps, steps with fillers, and steps that are meaningless or that no program contains.
+    Half of a batch are steps that follow another one."""
     explained: Positive = 0.1
-    """Greatest loss of a final scene that confirms the choices."""
+    """Largest loss of a final scene that confirms the choices."""
     nonsense_parser: Positive = 1.0
-    """`nonsense` there."""
+    """`nonsense` in stage (g)."""
 
     @property
     def sample_actions(self) -> bool:
-        """Whether actions are sampled, not summed out."""
+        """Whether actions are sampled instead of marginalised."""
         return self.action_gradient == GUMBEL
 
 
 def read_config(path: Path | None) -> TrainingConfig:
-    """The configuration of a file, or the defaults; unknown keys and wrong types are refused."""
+    """Reads a file, or returns the defaults; rejects unknown keys and wrong types."""
     if path is None:
         return TrainingConfig()
     document = read_toml(path, ConfigError, "configuration")
@@ -134,7 +135,7 @@ def read_config(path: Path | None) -> TrainingConfig:
 
 
 def _over(defaults: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
-    """The defaults with what is given; a table that is given in part keeps the rest of its own."""
+    """Merges the given values into the defaults, table by table."""
     both = dict(defaults)
     for key, value in given.items():
         old = defaults.get(key)

@@ -1,4 +1,4 @@
-"""Files of the schema before this one, whose hash covered the tensors alone, for this one."""
+"""Converts files of the previous schema, whose hash covered only the tensors."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from nsrm_harness.learning.baseline import file as baseline
 from nsrm_harness.learning.export import ModelFileError, hashed_bytes, read_raw, write_whole
 
 NEXT = dict(zip(export.CONVERTIBLE, (str(export.SCHEMA), baseline.SCHEMA), strict=True))
-"""The schema of today for each that can be converted."""
+"""The current schema for each one that can be converted."""
 
 
 def convert(path: Path) -> None:
-    """Give a file the schema and the hash of today; nothing else in it changes.
+    """Gives a file the current schema and hash; nothing else in it changes.
 
-    Raises `ModelFileError` for a file of another schema, or whose tensors are not those of its
-    hash. The metadata are taken as they stand: nothing vouched for them.
+    Raises `ModelFileError` for a file of another schema, or whose tensors do not have its hash. The
+    metadata are taken as they are, since nothing protected them.
     """
     arrays, metadata = read_raw(path)
     found = metadata.get("schema")
@@ -36,7 +36,7 @@ def convert(path: Path) -> None:
 
 
 def tensor_hash(tensors: Mapping[str, np.ndarray]) -> str:
-    """The hash of those schemas: over the tensors by name, without their metadata."""
+    """The hash in those schemas: over the tensors by name, without metadata."""
     digest = hashlib.sha256()
     for name in sorted(tensors):
         array = tensors[name]

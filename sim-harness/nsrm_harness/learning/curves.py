@@ -1,4 +1,4 @@
-"""Pictures of how a run went."""
+"""Plots the training curves of a run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nsrm_harness.learning.checkpoint import TrainingProgress
 
 
 def draw_curves(progress: TrainingProgress, path: Path) -> None:
-    """The loss of each stage over its epochs, as a PNG."""
+    """Plots the loss of each stage over its epochs, as a PNG."""
     names = [name for name, losses in progress.losses.items() if losses]
     figure, axes = plt.subplots(
         1, len(names), figsize=(3.2 * len(names), 3.2), layout="constrained", squeeze=False

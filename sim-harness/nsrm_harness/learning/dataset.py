@@ -1,8 +1,8 @@
-"""Demonstrations as arrays: initial scene, sentence and final scene, and nothing else.
+"""Converts demonstrations to arrays: initial scene, sentence and final scene, and nothing else.
 
-Reads through `episodes.file.Demonstrations`, which cannot see the evaluation's part of a file.
-How many steps a command has is not given either: it is read off the number of concept groups in
-its sentence, two for each step.
+It reads through `data.file.Demonstrations`, which has no access to the ground truth in a file. The
+number of steps of a command is not given either: it follows from the number of concept groups in
+its sentence, two per step.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
 GROUPS_PER_STEP = 2
 """The moved object and the reference."""
 TOKENS = 4
-"""Sentences are padded to a multiple of as many tokens."""
+"""Sentences are padded to a multiple of this many tokens."""
 
 
 def roomy(length: int) -> int:
-    """A number of tokens rounded up: data that differ in little then have the same shapes, and
-    what is compiled for the one fits the other."""
+    """A number of tokens rounded up, so that similar data have the same shapes and share compiled
+    code."""
     return -(-length // TOKENS) * TOKENS
 
 
 def doubled(count: int) -> int:
-    """The least power of two that is not less: the same for what there are thousands of."""
+    """The next power of two, so that similar large numbers share compiled code."""
     return 1 << (count - 1).bit_length()
 
 
@@ -47,13 +47,13 @@ class Sentences:
     length: np.ndarray
     """Number of tokens, int32 `[N]`."""
     groups: np.ndarray
-    """Concepts of each group, int32 `[N, G, K]`, -1 where there is none."""
+    """Concepts of each group, int32 `[N, G, K]`, padded with -1."""
     group_count: np.ndarray
     """Number of groups, int32 `[N]`."""
 
     @classmethod
     def of(cls, tokenizer: Tokenizer, sentences: Sequence[Tokens]) -> Sentences:
-        """Pad to the longest of each, rounded up; see `roomy`."""
+        """Pads to the longest sentence, rounded up; see `roomy`."""
         count = len(sentences)
         length = np.array([len(tokens.words) for tokens in sentences], np.int32)
         group_count = np.array([len(tokens.groups) for tokens in sentences], np.int32)
@@ -68,7 +68,7 @@ class Sentences:
         return cls(rows, length, groups, group_count)
 
     def longest_step(self) -> int:
-        """The most tokens that a step can have, rounded up; of a command of two, each with two
+        """Largest possible number of tokens of a step, rounded up, given that each step has two
         groups."""
         most = 1
         for row, length in zip(self.tokens, self.length, strict=True):
@@ -81,11 +81,11 @@ class Sentences:
         return roomy(most)
 
     def usual_ends(self) -> np.ndarray:
-        """Where the first step of each ends, if it ends as sentences do: a token, int32 `[N]`.
+        """The usual end of the first step of each sentence: its last token, int32 `[N]`.
 
-        Its second group and as much of what stands behind it as stands behind the last group of
-        some sentence: "red block, then put" has the end "red block" where a sentence ends so. Of a
-        sentence with one step it is the last token.
+        The step ends after its second group and as many of the following tokens as also follow the
+        last group of some sentence: "red block, then put" ends after "red block" if a sentence ends
+        with that. In a sentence with one step it is the last token.
         """
         at = [
             np.flatnonzero(row[:length] == GROUP_TOKEN)
@@ -114,7 +114,7 @@ class TrainingSet:
     crops: np.ndarray
     """Every object's crop in the initial image, float32 `[B, 3, 32, 32]` in 0..1."""
     crop_of: np.ndarray
-    """Index into `crops`, int32 `[N, M]`; 0 where no object is."""
+    """Index into `crops`, int32 `[N, M]`; 0 for missing objects."""
     present: np.ndarray
     """bool `[N, M]`."""
     before: np.ndarray
@@ -126,7 +126,7 @@ class TrainingSet:
         return len(self.present)
 
     def hash(self) -> str:
-        """SHA-256 of everything in it."""
+        """SHA-256 of the whole set."""
         digest = hashlib.sha256()
         for part in (self.sentences, self):
             for field in fields(part):
@@ -136,22 +136,23 @@ class TrainingSet:
         return digest.hexdigest()
 
     def select(self, steps: int, single_attribute: bool = False) -> np.ndarray:
-        """Indices of the episodes with that many steps, if asked with one concept in each group."""
+        """Indices of the episodes with this many steps; optionally only with one
+        concept per group."""
         chosen = self.sentences.group_count == GROUPS_PER_STEP * steps
         if single_attribute:
             chosen &= ((self.sentences.groups >= 0).sum(axis=2) <= 1).all(axis=1)
         return np.flatnonzero(chosen)
 
     def location_statistics(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mean and deviation `[5]` of centre, size and depth over the initial scenes."""
+        """Mean and standard deviation `[5]` of centre, size and depth over the initial scenes."""
         x1, y1, x2, y2, depth = np.moveaxis(self.before[self.present].astype(np.float64), -1, 0)
         values = np.stack([(x1 + x2) / 2, (y1 + y2) / 2, x2 - x1, y2 - y1, depth], axis=-1)
         return values.mean(axis=0).astype(np.float32), values.std(axis=0).astype(np.float32)
 
 
 def training_set(demonstrations: Demonstrations, quiet: bool = False) -> TrainingSet:
-    """The demonstrations of a file as arrays; crops are cut as the core cuts them."""
-    # Imported here: what is trained on other arrays does without the compiled module.
+    """The demonstrations of a file as arrays; crops are cut as in the core."""
+    # Imported here: training on other arrays does not need the compiled module.
     from nsrm import crop
 
     count, boxes = demonstrations.object_count, demonstrations.initial_boxes

@@ -1,6 +1,7 @@
-"""What the model decides when it does not sample: as the core decides, but for many scenes at once.
+"""Decodes the model without sampling, like the core, but for many scenes at once.
 
-Used between stages of training and for golden vectors; metrics come from the core (`evaluate`).
+It is used between stages of training and for golden vectors; metrics come from the core
+(`evaluation.metrics`).
 """
 
 from __future__ import annotations
@@ -21,19 +22,19 @@ from nsrm_harness.learning.objective import SceneArrays, move, scene_loss
 from nsrm_harness.learning.splits import TokenizedCommand, split_log_probability, step_tokens
 
 CHUNK = 128
-"""Rows that are worked on at once."""
+"""Number of rows per batch."""
 MAX_STEPS = 8
-"""Most steps of a command, the core's capacity."""
+"""Largest number of steps in a command, the core's capacity."""
 NEAR_BEST = 0.02
-"""A split whose loss is at most this much above the least counts as good."""
+"""A split whose loss exceeds the smallest by at most this much counts as good."""
 
 
 class NothingPlannedError(HarnessError):
-    """A model that can carry out no command of the training data."""
+    """A model that can execute no command of the training data."""
 
 
 class Choices(NamedTuple):
-    """Hard choices of each step: indices; `count` steps are meant."""
+    """Hard choices of each step: indices; the first `count` steps are valid."""
 
     action: Array
     object: Array
@@ -42,7 +43,7 @@ class Choices(NamedTuple):
 
 
 class SplitTable(NamedTuple):
-    """For a command from token `first` on, the loss of its step ending after each token `[T]`."""
+    """For a command from token `first` on, the loss if its step ends after each token `[T]`."""
 
     command: TokenizedCommand
     first: Array
@@ -70,7 +71,7 @@ def choose_step(
     first: Array,
     end: Array,
 ) -> tuple[Array, Array, Array]:
-    """Action, object and reference of the step that has the tokens `first..end`."""
+    """Action, object and reference of the step with the tokens `first..end`."""
     tokens, valid, groups = step_tokens(command, first, end)
     parse = model.language.parse(tokens, valid)
     order = jnp.cumsum(tokens == GROUP_TOKEN) - 1
@@ -86,9 +87,9 @@ def choose_step(
 def _carry_out(
     model: Model, command: TokenizedCommand, similarities: Array, scene: SceneArrays, bounds: Array
 ) -> tuple[Choices, Array]:
-    """Rows of commands cut at `bounds` `[R, 3]`: choices and the final locations `[R, M, 5]`.
+    """Executes commands split at `bounds` `[R, 3]`: choices and the final locations `[R, M, 5]`.
 
-    A first step `bounds[0]..bounds[1]`, then a second to `bounds[2]` where that is more.
+    The first step is `bounds[0]..bounds[1]`, the second goes up to `bounds[2]` if that is larger.
     """
 
     def one(command, similarities, scene, bounds):
@@ -136,7 +137,7 @@ def carry_out(
     episodes: np.ndarray,
     bounds: np.ndarray,
 ) -> tuple[Choices, np.ndarray]:
-    """Cut the commands of `episodes` `[R]` at `bounds` `[R, 3]`; see `_carry_out`."""
+    """Executes the commands of `episodes` `[R]` split at `bounds` `[R, 3]`; see `_carry_out`."""
     results = []
     for start in range(0, len(episodes), CHUNK):
         rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
@@ -156,9 +157,10 @@ def _losses(locations: Array, scene: SceneArrays, config: TrainingConfig) -> Arr
 def split_table(
     model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
 ) -> SplitTable:
-    """Losses of every split of the commands of one and two steps, and of good splits' remainders.
+    """Losses of all splits of commands with one and two steps, and of the remainders of good
+    splits.
 
-    A split that leaves a part with fewer than two groups cannot be carried out.
+    A split that leaves a part with fewer than two groups cannot be executed.
     """
     one, two = data.select(1), data.select(2)
     tokens, length = data.sentences.tokens, data.sentences.length
@@ -208,8 +210,8 @@ def _weigh_actions(
 def weigh_actions(
     model: Model, data: TrainingSet, similarities: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of the commands of one step: the actions' logits `[R, A]`, and which action brings the
-    chosen object nearest to where the final scene has it `[R]`."""
+    """For one-step commands: the action logits `[R, A]`, and the action that brings the chosen
+    object closest to its place in the final scene `[R]`."""
     episodes = data.select(1)
     seen = jnp.asarray(similarities[episodes])
     logits, best = _weigh_actions(model, commands(data, episodes), seen, scenes(data, episodes))
@@ -217,43 +219,44 @@ def weigh_actions(
 
 
 class Confirmed(NamedTuple):
-    """R steps that the model carries out as the final scene shows, and its choices of objects."""
+    """R steps that the model executes as the final scene shows, and its choices of objects."""
 
     episode: np.ndarray
     first: np.ndarray
-    """Token with which the step begins."""
+    """First token of the step."""
     end: np.ndarray
-    """Token before which it ends."""
+    """Token after its last one."""
     objects: np.ndarray
-    """What was moved and with reference to what, `[R, 2]`."""
+    """Moved object and reference, `[R, 2]`."""
 
 
 class StepTable(NamedTuple):
-    """Confirmed steps, cut out of their commands, and what the model took them to say."""
+    """Confirmed steps, cut out of their commands, and the model's parse of each."""
 
     tokens: Array
     """Right-padded with row 0, `[T]`."""
     length: Array
     follows: Array
-    """Whether another step of its command came before it."""
+    """Whether it follows another step of its command."""
     meant: Parse
-    """Index of the action, and of the group token of each argument in the step."""
+    """Index of the action, and of each argument's group token in the step."""
 
 
 class ReferenceTable(NamedTuple):
-    """Scenes of confirmed steps, the descriptions in them and what the model took those to mean."""
+    """Scenes of confirmed steps, their descriptions, and the objects that the model chose."""
 
     crop_of: Array
-    """Where the scene's crops are, `[M]`."""
+    """Indices of the scene's crops, `[M]`."""
     present: Array
     groups: Array
-    """Concepts of the moved object's description and of the reference's, `[2, K]`."""
+    """Concepts of the descriptions of moved object and reference, `[2, K]`."""
     meant: Array
-    """The objects, `[2]`."""
+    """The chosen objects, `[2]`."""
 
 
 class Decisions(NamedTuple):
-    """The decisions about one step of each command: where it ends, and how sure each is."""
+    """The decisions about one step of each command: its end, and the probability of
+    each decision."""
 
     end: Array
     split: Array
@@ -266,7 +269,7 @@ class Decisions(NamedTuple):
 def _decide(model: Model, command: TokenizedCommand, first: Array) -> Decisions:
     def one(command: TokenizedCommand, first: Array) -> Decisions:
         log_probability = split_log_probability(model.language.splitter, command, first)
-        # h_t > 1/2 where ending here is likelier than anything later.
+        # h_t > 1/2 if ending here is more likely than later.
         rest = jax.lax.cumlogsumexp(log_probability, reverse=True)
         last = jnp.argmax(log_probability > rest + jnp.log(0.5))
         tokens, valid, _ = step_tokens(command, first, last + 1)
@@ -278,7 +281,7 @@ def _decide(model: Model, command: TokenizedCommand, first: Array) -> Decisions:
 
 
 def decide(model: Model, data: TrainingSet, episodes: np.ndarray, first: np.ndarray) -> Decisions:
-    """The step that begins at token `first` of each of the commands."""
+    """Decides the step that begins at token `first` of each command."""
     results = []
     for start in range(0, len(episodes), CHUNK):
         rows = np.arange(start, start + CHUNK).clip(max=len(episodes) - 1)
@@ -289,7 +292,7 @@ def decide(model: Model, data: TrainingSet, episodes: np.ndarray, first: np.ndar
 
 
 def confidences(model: Model, data: TrainingSet) -> np.ndarray:
-    """The least probability among the decisions about each command, `[N]`."""
+    """The smallest probability among the decisions about each command, `[N]`."""
     least = np.ones(len(data))
     first, length = np.zeros(len(data), np.int32), data.sentences.length
     for _ in range(MAX_STEPS):
@@ -306,9 +309,9 @@ def confidences(model: Model, data: TrainingSet) -> np.ndarray:
 def own_choices(
     model: Model, data: TrainingSet, similarities: np.ndarray
 ) -> tuple[np.ndarray, Choices, np.ndarray]:
-    """Episodes of one and two steps that the model cuts into steps of two groups each.
+    """Episodes with one and two steps that the model splits into steps with two groups each.
 
-    Their indices, the choices in each step, and the predicted final locations `[R, M, 5]`.
+    Returns their indices, the choices in each step, and the predicted final locations `[R, M, 5]`.
     """
     episodes, bounds = own_cuts(model, data)
     choices, locations = carry_out(model, data, similarities, episodes, bounds)
@@ -318,7 +321,7 @@ def own_choices(
 def confirmed_steps(
     model: Model, data: TrainingSet, similarities: np.ndarray, config: TrainingConfig
 ) -> Confirmed:
-    """Of the commands of one and two steps, cut where steps usually end, that all are cut alike."""
+    """Confirmed steps of commands with one and two steps, all split at the usual end of a step."""
     episodes = np.concatenate([data.select(1), data.select(2)])
     ends, length = data.sentences.usual_ends()[episodes] + 1, data.sentences.length[episodes]
     bounds = np.stack([np.zeros_like(ends), ends, length], axis=1)
@@ -336,7 +339,7 @@ def confirmed_steps(
 
 
 def _cut_out(data: TrainingSet, steps: Confirmed) -> tuple[Array, Array]:
-    """The steps' tokens, right-padded with row 0, and their lengths."""
+    """The tokens of the steps, right-padded with row 0, and their lengths."""
     length = steps.end - steps.first
     position = np.arange(roomy(length.max(initial=1)))
     source = np.minimum(steps.first[:, None] + position, data.sentences.tokens.shape[1] - 1)
@@ -382,9 +385,9 @@ def _meant(model: Model, tokens: Array, length: Array) -> Parse:
 
 
 def own_cuts(model: Model, data: TrainingSet) -> tuple[np.ndarray, np.ndarray]:
-    """Episodes `[R]` of one and two steps that the model cuts into steps of two groups each.
+    """Episodes `[R]` with one and two steps that the model splits into steps with two groups each.
 
-    With the bounds `[R, 3]` of the steps; see `_carry_out`.
+    Also returns the bounds `[R, 3]` of the steps; see `_carry_out`.
     """
     episodes = np.concatenate([data.select(1), data.select(2)])
     end = np.asarray(decide(model, data, episodes, np.zeros(len(episodes), np.int32)).end)
@@ -396,7 +399,7 @@ def own_cuts(model: Model, data: TrainingSet) -> tuple[np.ndarray, np.ndarray]:
     kept &= (count == GROUPS_PER_STEP) == (end == length)
     if not kept.any():
         raise NothingPlannedError(
-            f"of {len(episodes)} commands the model cuts none into steps of two objects each: "
-            "train the stages before for longer, or with more episodes"
+            f"the model splits none of {len(episodes)} commands into steps with two objects each: "
+            "train the earlier stages longer, or with more episodes"
         )
     return episodes[kept], np.stack([np.zeros_like(end), end, length], axis=1)[kept]

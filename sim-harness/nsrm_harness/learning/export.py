@@ -1,7 +1,8 @@
-"""The model file: safetensors with everything that inference needs in its metadata.
+"""Writes and reads the model file: safetensors with everything that inference needs in its
+metadata.
 
-The file is written here rather than by the safetensors package, which orders metadata at random:
-the same model must give the same bytes. It is read back through that package.
+The file is written here and not by the safetensors package, whose order of metadata is random: the
+same model must give the same bytes. It is read with that package.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from nsrm_harness.learning.model import Dimensions, Model, Network
 SCHEMA = 3
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
 CONVERTIBLE = ("2", "baseline 1")
-"""Schemas whose files differ from today's in the hash alone; `convert.py` takes them."""
+"""Schemas whose files differ from the current one only in the hash; see `convert.py`."""
 
 
 class ModelFileError(HarnessError):
@@ -37,17 +38,17 @@ class ModelFileError(HarnessError):
 
 @dataclass(frozen=True)
 class Thresholds:
-    """When to refuse rather than guess."""
+    """Thresholds below which the core refuses instead of guessing."""
 
     match_score: float
-    """Least filtered cosine of an object that matches a description."""
+    """Smallest filtered cosine of an object that matches a description."""
     decision: float
-    """Least probability of a split, an action or an argument that is acted on."""
+    """Smallest probability of an accepted split, action or argument."""
 
 
 @dataclass(frozen=True)
 class WorkSpace:
-    """Where sub-goals may lie: world frame, metres, bounds included."""
+    """The workspace of sub-goals: world frame, metres, bounds included."""
 
     min: tuple[float, float, float]
     max: tuple[float, float, float]
@@ -55,22 +56,22 @@ class WorkSpace:
 
 @dataclass(frozen=True)
 class ModelFile:
-    """A model with what its file says of it."""
+    """A model with the metadata of its file."""
 
     model: Model
     domain: Domain
     thresholds: Thresholds
     work_space: WorkSpace
     placed_orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
-    """In which the demonstrator sets objects down: x, y, z, w."""
+    """Orientation in which the demonstrator places objects: x, y, z, w."""
     training: Mapping[str, Any] = field(default_factory=dict)
     """Seed, number of episodes, hash of the data, stages."""
     metrics: Mapping[str, Any] = field(default_factory=dict)
-    """On test, by `evaluate.py`; empty until evaluated."""
+    """Metrics on test; empty until evaluated."""
 
 
 def arrays_of(model: eqx.Module) -> dict[str, np.ndarray]:
-    """Every tensor of the model as float32; raises where one is not finite."""
+    """Every tensor of the model as float32; raises `ValueError` if one is not finite."""
     arrays = {name: np.asarray(a, np.float32) for name, a in network.tensors(model).items()}
     for name, array in arrays.items():
         if not np.isfinite(array).all():
@@ -79,20 +80,21 @@ def arrays_of(model: eqx.Module) -> dict[str, np.ndarray]:
 
 
 def model_bytes(file: ModelFile) -> bytes:
-    """The file's content; the same model gives the same bytes. Raises `ModelFileError` for a
-    simulator that the core does not know."""
+    """The content of the file; the same model gives the same bytes. Raises `ModelFileError` for a
+    simulator that the core does not support."""
     if not file.model.action.simulator.residual:
         raise ModelFileError("a model whose simulator has no residual cannot be exported")
     return hashed_bytes(arrays_of(file.model), metadata_of(file))
 
 
 def identity_of(file: ModelFile) -> str:
-    """What the core ties scenes to the model by: SHA-256 of all that its results depend on."""
+    """The model's identity, to which scenes are bound: SHA-256 of all that its
+    results depend on."""
     return hashes.identity(arrays_of(file.model), metadata_of(file))
 
 
 def metadata_of(file: ModelFile) -> dict[str, str]:
-    """What the file says besides its tensors and its hash."""
+    """The metadata of the file, without the hash."""
     sizes = {
         "word": network.WORD,
         "encoder_hidden": network.ENCODER_HIDDEN,
@@ -120,13 +122,13 @@ def metadata_of(file: ModelFile) -> dict[str, str]:
 
 
 def hashed_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
-    """A safetensors file with the hash over its tensors and metadata in it, sorted by key."""
+    """A safetensors file that contains the hash of its tensors and metadata, sorted by key."""
     named = {**metadata, hashes.HASH: hashes.file_hash(arrays, metadata)}
     return safetensors_bytes(arrays, dict(sorted(named.items())))
 
 
 def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
-    """Tensors sorted by name and metadata in the given order as a safetensors file."""
+    """A safetensors file with tensors sorted by name and metadata in the given order."""
     header: dict[str, Any] = {"__metadata__": dict(metadata)}
     dtypes = {"float32": "F32", "uint8": "U8", "int32": "I32"}
     content = bytearray()
@@ -145,12 +147,12 @@ def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, s
 
 
 def write_model(path: Path, file: ModelFile) -> None:
-    """Write the model file, all of it or nothing."""
+    """Writes the model file atomically."""
     write_whole(path, model_bytes(file))
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file, all of it or nothing."""
+    """Writes a file atomically."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".part")
     partial.write_bytes(content)
@@ -158,7 +160,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def read_model(path: Path) -> ModelFile:
-    """Read a model file back; `ModelFileError` says what does not fit."""
+    """Reads a model file. Raises `ModelFileError` with the problem."""
     arrays, metadata = read_checked(path, str(SCHEMA))
     domain = domains.from_json(metadata["domain"], str(path))
     model = filled(lambda: Model(Dimensions.of(domain), jax.random.key(0)), arrays, path)
@@ -175,7 +177,7 @@ def read_model(path: Path) -> ModelFile:
 
 
 def read_raw(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Tensors and metadata of a file, whatever it is."""
+    """Tensors and metadata of any safetensors file."""
     try:
         with safe_open(path, framework="numpy") as reader:
             metadata = dict(reader.metadata() or {})
@@ -186,7 +188,7 @@ def read_raw(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 
 
 def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Tensors and metadata of a file of that schema which has the hash that it names."""
+    """Tensors and metadata of a file, after checking its schema and hash."""
     arrays, metadata = read_raw(path)
     if (found := metadata.get("schema")) != schema:
         convert = "convert it with 'cargo harness convert', or " if found in CONVERTIBLE else ""
@@ -202,9 +204,9 @@ def read_checked(path: Path, schema: str) -> tuple[dict[str, np.ndarray], dict[s
 
 
 def filled(make: Callable[[], Network], arrays: Mapping[str, np.ndarray], path: Path) -> Network:
-    """The network that is made, with the tensors of a file; names and shapes must be its own.
+    """The network made by `make`, with the tensors of a file; names and shapes must match.
 
-    Its own weights are never drawn: a process would compile that for many seconds.
+    Its random weights are never drawn: compiling that takes many seconds in each process.
     """
     empty = jax.tree.map(
         lambda leaf: (
@@ -222,6 +224,6 @@ def filled(make: Callable[[], Network], arrays: Mapping[str, np.ndarray], path: 
 
 
 def write_metrics(path: Path, metrics: Mapping[str, Any]) -> None:
-    """Put the metrics on test into a model file, with the hash that it has then; its identity stays
-    as it is."""
+    """Writes the metrics on test into a model file and updates its hash; its identity does not
+    change."""
     write_model(path, replace(read_model(path), metrics=metrics))

@@ -1,10 +1,10 @@
-"""Words that may stand between the parts of a step and change nothing: "please", "now", a comma.
+"""Finds fillers, words between the parts of a step that change nothing: "please", "now", a comma.
 
-Demonstrations show which: what is left of a step without such a word is said somewhere too, with
-the same outcome; and it is said with every action as often. In training they are put where no
-sentence has them, so that the parser does not take an order of words that it never heard for
-nonsense. Between the parts only: "the block left of" and "the first red block" say more than "the
-left of" and "the red block".
+Demonstrations show which words they are: the step without such a word also occurs, with the same
+outcome; and the word is equally frequent with every action. In training they are inserted where no
+sentence has them, so that the parser does not take a new word order for nonsense. They are inserted
+only between the parts: "the block left of" and "the first red block" mean more than "the left of"
+and "the red block".
 """
 
 from __future__ import annotations
@@ -20,35 +20,35 @@ from nsrm_harness.learning.decode import StepTable
 from nsrm_harness.learning.model import GROUP_TOKEN, MISSING, Parse
 
 LEAST_OMITTED = 0.7
-"""Share of a filler's places without which the rest is said as well. Of 2,500 demonstrations the
-least is "and" with 0.78; "the" has 0.54, because of "on the right of"."""
+"""Smallest share of a filler's occurrences without which the rest also occurs. In 2,500
+demonstrations the lowest filler is "and" with 0.78; "the" has 0.54, because of "on the right
+of"."""
 LEAST_SHARE = 0.5
-"""How often it is said with any action, as a share of how often it is said at all. "Side" can be
-left out everywhere, but is said with two actions alone."""
+"""Smallest frequency of a filler with any action, relative to its overall frequency. "Side" can be
+omitted everywhere, but occurs with two actions only."""
 LEAST_SEEN = 20
-"""Places of a word from which its share is judged: of fewer, chance may make that of a word with a
-meaning."""
+"""Smallest number of occurrences of a filler: with fewer, a word with a meaning may have such a
+share by chance."""
 MOST = 3
-"""Fillers that are put into a step."""
+"""Largest number of fillers inserted into a step."""
 
 
 class Fillers(NamedTuple):
-    """What demonstrations show of words that change nothing; bool `[V]` each, for each row of the
-    embedding."""
+    """The fillers found in demonstrations; each field is bool `[V]`, per row of the embedding."""
 
     free: Array
-    """May stand between any two parts."""
+    """Words that may stand between any two parts."""
     nouns: Array
-    """Stand right behind attribute values alone."""
+    """Words that stand only directly after attribute values."""
     starts: Array
-    """Were heard right behind a free filler: a part may begin with them."""
+    """Words that occur directly after a free filler: a part may begin with them."""
 
 
 def fillers(table: StepTable, order_words: np.ndarray) -> Fillers:
-    """The fillers of the steps.
+    """Finds the fillers of the steps.
 
-    `order_words`, bool `[V]`: words that look like fillers at the start of a sentence, where alone
-    demonstrations have them, and mean something elsewhere.
+    `order_words`, bool `[V]`: words that look like fillers at the start of a sentence, their only
+    place in demonstrations, and have a meaning elsewhere.
     """
     changes_nothing = omitted_without_change(table, len(order_words))
     behind = np.zeros_like(changes_nothing)
@@ -70,7 +70,7 @@ def fillers(table: StepTable, order_words: np.ndarray) -> Fillers:
 
 
 def omitted_without_change(table: StepTable, words: int) -> np.ndarray:
-    """Which words can be left out of the steps that have them: bool `[V]`.
+    """Which words can be omitted from the steps that have them: bool `[V]`.
 
     `words`: V.
     """
@@ -79,7 +79,7 @@ def omitted_without_change(table: StepTable, words: int) -> np.ndarray:
         for tokens, length in zip(np.asarray(table.tokens), np.asarray(table.length), strict=True)
     ]
     actions = np.asarray(table.meant.action)
-    # What stands before each description, in steps with the same action and the same order.
+    # The words before each description, in steps with the same action and order.
     kinds = list(zip(actions.tolist(), _order(table), strict=True))
     gaps = {
         (kind, place, gap)
@@ -109,12 +109,12 @@ def omitted_without_change(table: StepTable, words: int) -> np.ndarray:
 
 
 def with_fillers(key: Array, step: StepTable, fillers: Fillers) -> StepTable:
-    """A step `[T]` with up to `MOST` free fillers put in between its parts, half the time with
-    none; the same meaning `[T + MOST]`."""
+    """Inserts up to `MOST` free fillers between the parts of a step `[T]`, in half of the cases
+    none; the result `[T + MOST]` has the same meaning."""
     half, number, which, where = jax.random.split(key, 4)
     position = jnp.arange(step.tokens.shape[0])
     is_inside = position < step.length
-    # A part ends with attribute values, a noun or a filler, and begins as one does behind a filler.
+    # A part ends with attribute values, a noun or a filler, and begins like one after a filler.
     ends = (step.tokens == GROUP_TOKEN) | (fillers.free | fillers.nouns)[step.tokens]
     ends = jnp.concatenate([jnp.ones(1, bool), ends[:-1]])
     between = is_inside & ends & fillers.starts[step.tokens]
@@ -134,12 +134,12 @@ def with_fillers(key: Array, step: StepTable, fillers: Fillers) -> StepTable:
 
 
 def _order(table: StepTable) -> list[bool]:
-    """Whether what is moved is named first."""
+    """Whether the moved object is named first."""
     return (np.asarray(table.meant.object) < np.asarray(table.meant.reference)).tolist()
 
 
 def _gaps(step: np.ndarray) -> list[tuple[int, ...]]:
-    """What stands before each description of a step, and behind the last."""
+    """The words before each description of a step, and after the last."""
     ends = [*np.flatnonzero(step == GROUP_TOKEN), len(step)]
     starts = [0, *(end + 1 for end in ends[:-1])]
     return [tuple(step[start:end].tolist()) for start, end in zip(starts, ends, strict=True)]

@@ -1,7 +1,8 @@
-"""Golden vectors: what the model computes here, for every other form of it to agree with.
+"""Writes golden vectors: the trainer's own results, with which every other form of the model must
+agree.
 
-`tests/golden/README.md` says what is in them. The layers' weights are random and not square; all
-else is computed by a model file. Scenes come from the validation data.
+`tests/golden/README.md` describes them. The layers have random, non-square weights; everything else
+is computed with a model file. Scenes come from the validation data.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ Arrays = dict[str, np.ndarray]
 
 
 def write_golden(file: ModelFile, data: Path, folder: Path) -> None:
-    """Write `golden.safetensors` and `cases.json`."""
+    """Writes `golden.safetensors` and `cases.json`."""
     rng = np.random.default_rng(SEED)
     arrays: Arrays = {}
     arrays |= layers(rng)
@@ -69,7 +70,7 @@ def write_golden(file: ModelFile, data: Path, folder: Path) -> None:
 
 
 def layers(rng: np.random.Generator) -> Arrays:
-    """Linear, convolution and recurrent cell with random weights, none of them square."""
+    """A linear layer, a convolution and a recurrent cell with random, non-square weights."""
     keys = iter(jax.random.split(jax.random.key(SEED), 4))
     linear = eqx.nn.Linear(7, 5, key=next(keys))
     conv = eqx.tree_at(lambda c: c.bias, Conv(2, 3, 4, next(keys)), jnp.array([0.3, -0.2, 0.1]))
@@ -98,7 +99,7 @@ def layers(rng: np.random.Generator) -> Arrays:
 
 
 def vision(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Generator) -> Arrays:
-    """Crops of a noisy picture by their definition; embeddings and cosines of those and others."""
+    """Crops of a noisy image, by their definition; embeddings and cosines of those and others."""
     image = rng.integers(0, 256, (45, 60, 3), dtype=np.uint8)
     boxes = np.array(
         [
@@ -131,7 +132,7 @@ def vision(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Gener
 
 
 def simulator(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Generator) -> Arrays:
-    """Every action on pairs of observed locations, and on one far from all data."""
+    """All actions on pairs of observed locations, and on a pair far from all data."""
     locations = np.concatenate([_locations(demonstrations, index) for index in range(SCENES)])
     moved = locations[rng.permutation(len(locations))[:6]]
     beside = locations[rng.permutation(len(locations))[:6]]
@@ -157,7 +158,7 @@ def simulator(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Ge
 def language(
     file: ModelFile, demonstrations: Demonstrations
 ) -> tuple[list[dict[str, Any]], Arrays]:
-    """Sentences of the data, one of 128 tokens, and the same one with padding behind it."""
+    """Sentences of the data, one with 128 tokens, and one with padding after it."""
     tokenizer = Tokenizer(file.domain)
     kinds = {True: 0, False: 0}
     chosen: list[str] = []
@@ -195,7 +196,7 @@ def language(
 
 
 def longest_sentence(tokenizer: Tokenizer, sentences: list[str]) -> str:
-    """Commands of the data one after another, filled up to exactly 128 tokens."""
+    """Commands of the data joined together, filled up to exactly 128 tokens."""
     filler = next(word for word in tokenizer.row if word.isalpha())
     words: list[str] = []
     for sentence in sentences:
@@ -208,7 +209,7 @@ def longest_sentence(tokenizer: Tokenizer, sentences: list[str]) -> str:
 
 
 def _padded(file: ModelFile, tokenizer: Tokenizer, sentence: str) -> Arrays:
-    """The first sentence with rubbish behind it that is marked as padding: nothing may change."""
+    """The first sentence followed by random tokens marked as padding: nothing may change."""
     rows = np.array(tokenizer.rows(tokenizer(sentence)), np.int32)
     behind = np.resize(np.arange(1, len(tokenizer.row), dtype=np.int32), PADDING)
     padded = np.concatenate([rows, behind])
@@ -223,7 +224,7 @@ def _padded(file: ModelFile, tokenizer: Tokenizer, sentence: str) -> Arrays:
 def chains(
     file: ModelFile, demonstrations: Demonstrations
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], Arrays]:
-    """Scenes with their sentences: plans, a tie, and an empty scene."""
+    """Scenes with sentences: plans, a tie, and an empty scene."""
     tokenizer = Tokenizer(file.domain)
     scenes, plans, arrays = [], [], {}
     for index in range(SCENES):
@@ -243,7 +244,7 @@ def chains(
         plan, found = _plan(file, tokenizer, demonstrations, index, embeddings)
         plans.append({"scene": index, "sentence": sentence, "steps": plan})
         arrays |= {f"plan.{index}.{name}": array for name, array in found.items()}
-    # The first scene with the object that is moved first there twice: two equally good candidates.
+    # The first scene with a copy of the first moved object: two equally good candidates.
     moved = plans[0]["steps"][0]["object_id"]
     twin = int(demonstrations.object_count[0]) + 1
     scenes.append(_scene(demonstrations, 0, [*range(1, twin), twin]))

@@ -1,7 +1,7 @@
-"""The two hashes of a model file: over all that it says, and over what its results depend on.
+"""Computes the two hashes of a model file: of its whole content, and of what its results depend on.
 
-The rule stands in `docs/decisions/core.md`; the loader's is `weights-codegen/src/hash.rs`, and
-`tests/golden/hash.json` has an example for both.
+`docs/decisions/core.md` defines the rule; `weights-codegen/src/hash.rs` implements it for the
+loader, and `tests/golden/hash.json` has an example for both.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ import numpy as np
 HASH = "hash"
 """The metadata entry that holds the file's hash."""
 TOLD = ("training", "metrics")
-"""Entries that tell how the model came about and what it reached; no plan depends on them."""
+"""Entries about training and metrics, on which no plan depends."""
 
 
 def file_hash(tensors: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> str:
-    """Over all that the file says, but for the hash itself."""
+    """The hash of the whole content of the file, except the hash itself."""
     return _digest(tensors, metadata, (HASH,))
 
 
 def identity(tensors: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> str:
-    """Over what the model's results depend on: the same whatever is told of it."""
+    """The hash of all that the model's results depend on."""
     return _digest(tensors, metadata, (HASH, *TOLD))
 
 
@@ -36,7 +36,7 @@ def _digest(
         digest.update(value.to_bytes(8, "little"))
 
     def text(value: str) -> None:
-        """Its length first: where one text ends and the next begins counts too."""
+        """Hashes the length first, so that boundaries between texts count."""
         content = value.encode()
         number(len(content))
         digest.update(content)

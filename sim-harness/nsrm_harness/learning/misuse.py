@@ -1,14 +1,16 @@
-"""Steps of known words that say what no program has, made from the steps that mean something.
+"""Makes steps of known words with a meaning that no program has, from meaningful steps.
 
-"Put the red block on the block left of the blue block" has the words of a good sentence and a
+"Put the red block on the block left of the blue block" has the words of a good sentence and one
 relation too many; so have "above and to the left of" and "to the top left of". "The first red
-block" is an ordinal, and "…, first put the green block there" another order in time. A parser that
-has heard none of them drops what it cannot represent and is sure of the rest. So the trainer makes
-such steps and asks for an even distribution over actions, which the planner refuses.
+block" is an ordinal, and "…, first put the green block there" another order of time. A parser that
+was never trained on such steps drops what it cannot represent and is sure of the rest. So the
+trainer makes such steps and asks for a uniform distribution over actions, which the planner
+refuses.
 
-A step that means something after all teaches doubt about good sentences: "on the" put into "right
-of the" is "on the right of the". So what then stands before a description must be what no sentence
-has there. `language.patterns` says which patterns are left out, for the sets that measure this.
+A step that has a meaning after all would teach doubt about good sentences: "on the" inserted into
+"right of the" gives "on the right of the". So the words before a description must then be words
+that no sentence has there. `domain.patterns` defines which patterns are reserved for the sets that
+measure this.
 """
 
 from __future__ import annotations
@@ -26,28 +28,28 @@ from nsrm_harness.learning.model import GROUP_TOKEN, MISSING
 from nsrm_harness.learning.nonsense import gap_hash, is_reserved, unique_hashes
 
 SHARES = (2, 2, 1, 1, 1, 1)
-"""How often each kind of `misuse` is made, in their order. Of the first two there are most."""
+"""Frequencies of the kinds of `misuse`, in their order. The first two have the most variety."""
 ROOM = 12
-"""Tokens that are added to a step, at most: the longest relation with its connective."""
+"""Largest number of tokens added to a step: the longest relation with its connective."""
 
 
 class Habits(NamedTuple):
-    """What is said of all steps, as far as misuse is concerned."""
+    """Properties of all steps that misuse depends on."""
 
     fillers: Fillers
     order_words: Array
-    """Words that open a sentence and mean something else anywhere but there, bool `[V]`."""
+    """Words that open a sentence and have another meaning elsewhere, bool `[V]`."""
     known: Array
-    """What stands before descriptions, without fillers and the noun of the description before;
-    hashes, sorted."""
+    """Hashes of the words before descriptions, without fillers and the preceding description's
+    noun; sorted."""
     known_ends: Array
-    """The last two words before descriptions; hashes, sorted."""
+    """Hashes of the last two words before descriptions; sorted."""
     foreign: Array
-    """Words that are said with other actions and never with this one, bool `[A, V]`."""
+    """Words that occur with other actions and never with this one, bool `[A, V]`."""
 
 
 def habits(table: StepTable, fillers: Fillers, order_words: Array) -> Habits:
-    """Of the steps of a table."""
+    """The properties of the steps in a table."""
     groups = 1 + int(np.max(np.sum(np.asarray(table.tokens) == GROUP_TOKEN, axis=1)))
 
     def one(tokens: Array, length: Array) -> tuple[Array, Array]:
@@ -71,12 +73,12 @@ def habits(table: StepTable, fillers: Fillers, order_words: Array) -> Habits:
 
 
 def misuse(key: Array, step: StepTable, donor: StepTable, habits: Habits) -> tuple[Array, Array]:
-    """A step `[T]` with something that no program has: tokens `[T + ROOM]`, and how many; 0 where
-    what came of it may mean something or is reserved.
+    """Changes a step `[T]` to something that no program has: tokens `[T + ROOM]`, and their number;
+    0 if the result may have a meaning or is reserved.
 
-    The relation of the `donor`, or a part of it, is put in, or a word of another action's; some of
-    the relation's own words are left out; the verb gives way to a relation; an order word is put
-    in; a filler between an article and attribute values.
+    It inserts the relation of the `donor`, or a part of it, or a word of another action; omits some
+    of the relation's own words; replaces the verb by a relation; inserts an order word; or inserts
+    a filler between an article and attribute values.
     """
     which, *keys = jax.random.split(key, 1 + len(SHARES))
     kinds = [
@@ -95,30 +97,30 @@ def misuse(key: Array, step: StepTable, donor: StepTable, habits: Habits) -> tup
 
 
 def _groups(step: StepTable) -> Array:
-    """Where attribute values stand: bool `[T]`."""
+    """The tokens of attribute values: bool `[T]`."""
     return (step.tokens == GROUP_TOKEN) & (jnp.arange(step.tokens.shape[0]) < step.length)
 
 
 def _relation_gap(step: StepTable) -> Array:
-    """How many descriptions come before the relation: "on Y put X" 0, "put X on Y" 1."""
+    """Number of descriptions before the relation: "on Y put X" 0, "put X on Y" 1."""
     return jnp.where(step.meant.object < step.meant.reference, 1, 0)
 
 
 def _relation(step: StepTable) -> Array:
-    """Where the relation stands, with its article and what joins it: bool `[T]`."""
+    """The tokens of the relation, with its article and connective: bool `[T]`."""
     groups = _groups(step)
     inside = jnp.arange(step.tokens.shape[0]) < step.length
     return inside & ~groups & (jnp.cumsum(groups) == _relation_gap(step))
 
 
 def _around_relation(step: StepTable) -> Array:
-    """Before which tokens something stands in the relation or beside it: bool `[T]`."""
+    """The tokens before which an insertion is inside or next to the relation: bool `[T]`."""
     relation = _relation(step)
     return relation | jnp.concatenate([jnp.zeros(1, bool), relation[:-1]])
 
 
 def _is_known(tokens: Array, length: Array, gap: Array, habits: Habits) -> Array:
-    """Whether what stands behind `gap` descriptions stands before one in some sentence."""
+    """Whether the words after `gap` descriptions occur before a description in some sentence."""
     inside = jnp.arange(tokens.shape[0]) < length
     here = jnp.cumsum(inside & (tokens == GROUP_TOKEN)) == gap
     bare = _bare(tokens, length, habits.fillers) & here
@@ -131,11 +133,11 @@ def _with_relation(
     keys = jax.random.split(key, 4)
     fillers = habits.fillers.free | habits.fillers.nouns
     chosen = _part_of_relation(keys[0], donor, fillers)
-    # With a filler in front: "block left of the", "and to the left of the".
+    # With a filler before it: "block left of the", "and to the left of the".
     joining, which = jax.random.split(keys[1])
     filler = jax.random.categorical(which, jnp.where(fillers, 0.0, MISSING))
     joined = jax.random.bernoulli(joining) & fillers.any()
-    # Right before a description, "on the | block left of the | blue block"; in or beside the
+    # Directly before a description, "on the | block left of the | blue block"; in or next to the
     # step's own relation; or anywhere.
     position = jnp.arange(step.tokens.shape[0])
     places = jnp.stack([_groups(step), _around_relation(step), position <= step.length])
@@ -148,7 +150,7 @@ def _with_relation(
 
 
 def _with_foreign_word(key: Array, step: StepTable, habits: Habits) -> tuple[Array, Array]:
-    """A word that tells another action, in or beside the relation: "to the | top | left of"."""
+    """A word of another action, in or next to the relation: "to the | top | left of"."""
     which, where = jax.random.split(key)
     foreign = habits.foreign[step.meant.action]
     word = jax.random.categorical(which, jnp.where(foreign, 0.0, MISSING))
@@ -171,7 +173,7 @@ def _with_words_left_out(key: Array, step: StepTable, habits: Habits) -> tuple[A
 
 
 def _part_of_relation(key: Array, donor: StepTable, fillers: Array) -> Array:
-    """The donor's relation, with its article or without, or one to three words of it; in half of
+    """The donor's relation, with or without its article, or one to three of its words; in half of
     the cases without some of its fillers: "left of the" for "block left of the". bool `[T]`."""
     ending, thinning, thin, parting, first, size = jax.random.split(key, 6)
     relation = _relation(donor)
@@ -188,11 +190,11 @@ def _part_of_relation(key: Array, donor: StepTable, fillers: Array) -> Array:
 
 
 def _without_verb(step: StepTable, donor: StepTable) -> tuple[Array, Array]:
-    """Two relations and no verb: what is left when "the green block left of the blue one on the
-    white one" is taken for a step."""
+    """Two relations and no verb, like "the green block left of the blue one on the white one" taken
+    as a step."""
     groups = _groups(step)
     inside = jnp.arange(step.tokens.shape[0]) < step.length
-    # The words before the moved object's description have the verb.
+    # The words before the moved object's description contain the verb.
     gap = 1 - _relation_gap(step)
     tokens, length = _without(step, inside & ~groups & (jnp.cumsum(groups) == gap))
     rest = StepTable(tokens, length, step.follows, step.meant)
@@ -219,7 +221,7 @@ def _with_filler(key: Array, step: StepTable, habits: Habits) -> tuple[Array, Ar
 
 
 def _without(step: StepTable, out: Array) -> tuple[Array, Array]:
-    """The step's tokens without those that are `out`, and how many are left."""
+    """The step's tokens without those in `out`, and their number."""
     position = jnp.arange(step.tokens.shape[0])
     kept = (position < step.length) & ~out
     tokens = step.tokens[jnp.argsort(~kept, stable=True)]
@@ -227,7 +229,7 @@ def _without(step: StepTable, out: Array) -> tuple[Array, Array]:
 
 
 def _inserted(step: StepTable, at: Array, added: Array, among: Array) -> tuple[Array, Array]:
-    """The step with those of `added` that are `among` before its token `at`, cut at `ROOM` more."""
+    """The step with the tokens of `added` in `among` inserted before token `at`, at most `ROOM`."""
     width = step.tokens.shape[0]
     places = jnp.concatenate([jnp.where(among, at - 0.5, jnp.inf), jnp.arange(width)])
     tokens = jnp.concatenate([added, step.tokens])[jnp.argsort(places, stable=True)]
@@ -237,7 +239,7 @@ def _inserted(step: StepTable, at: Array, added: Array, among: Array) -> tuple[A
 
 
 def _bare(tokens: Array, length: Array, fillers: Fillers) -> Array:
-    """Words that are neither fillers nor nouns right behind attribute values: bool `[T]`."""
+    """Words that are neither fillers nor nouns directly after attribute values: bool `[T]`."""
     is_group = tokens == GROUP_TOKEN
     behind = jnp.concatenate([jnp.zeros(1, bool), is_group[:-1]])
     is_filler = fillers.free[tokens] | (fillers.nouns[tokens] & behind)
@@ -245,6 +247,6 @@ def _bare(tokens: Array, length: Array, fillers: Fillers) -> Array:
 
 
 def _end_hash(tokens: Array, at: Array) -> Array:
-    """Of the two words before token `at`."""
+    """Hash of the two words before token `at`."""
     position = jnp.arange(tokens.shape[0])
     return gap_hash(tokens + 1, (position < at) & (position >= at - 2))

@@ -1,7 +1,7 @@
-"""The network in Equinox: the parts of the paper, under the names of the model file.
+"""The network in Equinox: the paper's parts, with the names of the model file.
 
-Every module works on one example; `jax.vmap` makes batches. Row-major matrices `[out, in]`.
-The order of gates in recurrent cells is reset, update, new, as in `equinox.nn.GRUCell`.
+Every module works on one example; `jax.vmap` makes batches. Matrices are row-major `[out, in]`. The
+order of gates in recurrent cells is reset, update, new, as in `equinox.nn.GRUCell`.
 """
 
 from __future__ import annotations
@@ -34,25 +34,25 @@ LOCATION = 5
 CAMERA_TERMS = 6
 
 GROUP_TOKEN = 0
-"""Row of the embeddings that stands for a group of concept words, `[[X]]`."""
+"""Row of the embeddings for a group of concept words, `[[X]]`."""
 UNIQUE_SCALE = 10.0
 """Factor from cosine to logit in `Unique` (section IV-C)."""
 MATCH_SCORE = 0.5
-"""Score at which an object is as likely to match a description as not, in training."""
+"""Score at which, in training, an object is as likely to match a description as not."""
 SIMULATOR_SCALE = 0.1
-"""Factor on the simulator's output; keeps the first predictions near the reference."""
+"""Factor on the simulator's output, which keeps initial predictions near the reference."""
 NORM_EPSILON = 1e-6
-"""Least norm in a cosine."""
+"""Smallest norm in a cosine."""
 MISSING = -1e9
-"""Logit of what is not there: padding, a missing object."""
+"""Logit of padding and missing objects."""
 
 Network = TypeVar("Network", bound=eqx.Module)
-"""The model, or another network of the same parts."""
+"""The model, or another network with the same parts."""
 
 
 @dataclass(frozen=True)
 class AttributeShape:
-    """An attribute type: its name, the view that its operator sees, its number of values."""
+    """An attribute type: its name, its operator's view, its number of values."""
 
     name: str
     view: str
@@ -61,7 +61,7 @@ class AttributeShape:
 
 @dataclass(frozen=True)
 class Dimensions:
-    """What of the network's size depends on the domain."""
+    """The network's dimensions that depend on the domain."""
 
     words: int
     attributes: tuple[AttributeShape, ...]
@@ -80,18 +80,18 @@ class Dimensions:
 
 
 def rows(layer: eqx.nn.Linear, inputs: Array) -> Array:
-    """A layer on each row: `[T, I]` -> `[T, O]`."""
-    assert layer.bias is not None, "a layer is made with a bias"
+    """Applies a layer to each row: `[T, I]` -> `[T, O]`."""
+    assert layer.bias is not None, "layers have a bias"
     return inputs @ layer.weight.T + layer.bias
 
 
 def run_gru(cell: eqx.nn.GRUCell, inputs: Array, valid: Array) -> Array:
     """States of a GRU from a zero state: inputs `[T, I]`, valid `[T]` -> `[T, H]`.
 
-    Where `valid` is false the state passes unchanged, so that padding has no influence.
+    Where `valid` is false, the state does not change, so padding has no influence.
     `n = tanh(i_n + r * (W_hn h + b_n))`, `h' = n + z * (h - n)`.
     """
-    assert cell.bias is not None and cell.bias_n is not None, "a cell is made with biases"
+    assert cell.bias is not None and cell.bias_n is not None, "cells have biases"
     gates, bias_n = inputs @ cell.weight_ih.T + cell.bias, cell.bias_n
 
     def step(hidden: Array, at: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -121,7 +121,7 @@ class Encoder(eqx.Module):
 
     def __call__(self, words: Array, valid: Array) -> tuple[Array, Array]:
         """Embeddings `[T, 32]`, right-padded -> states `[T, 96]`, instruction `[96]`."""
-        # One loop for both directions: half the code to compile.
+        # One loop for both directions halves the code to compile.
         cells = jax.tree.map(lambda *pair: jnp.stack(pair), self.forward, self.backward)
         inputs = jnp.stack([words, words[::-1]])
         states = jax.vmap(run_gru)(cells, inputs, jnp.stack([valid, valid[::-1]]))
@@ -130,7 +130,7 @@ class Encoder(eqx.Module):
 
 
 class Splitter(eqx.Module):
-    """Where the first step of a command ends: a hazard at each token (section IV-B)."""
+    """Predicts where the first step of a command ends: a hazard at each token (section IV-B)."""
 
     embedding: eqx.nn.Embedding
     gru: eqx.nn.GRUCell
@@ -155,7 +155,7 @@ class Splitter(eqx.Module):
 
 
 class Parse(NamedTuple):
-    """One step as the parser sees it: logits `[A]` of actions, `[T]` of each argument."""
+    """The parse of one step: logits `[A]` of actions, `[T]` of each argument."""
 
     action: Array
     object: Array
@@ -182,7 +182,7 @@ class Language(eqx.Module):
         self.splitter = Splitter(dimensions.words, keys[5])
 
     def parse(self, tokens: Array, valid: Array) -> Parse:
-        """Tokens of one step `[T]`, right-padded -> logits; only group tokens are arguments."""
+        """Tokens of one step `[T]`, right-padded -> logits; only group tokens can be arguments."""
         states, instruction = self.encoder(self.embedding.weight[tokens], valid)
         is_group = valid & (tokens == GROUP_TOKEN)
         arguments = [
@@ -193,7 +193,7 @@ class Language(eqx.Module):
 
 
 class Conv(eqx.Module):
-    """Cross-correlation without padding whose stride is its kernel."""
+    """Cross-correlation without padding, with a stride equal to its kernel."""
 
     weight: Array
     bias: Array
@@ -239,13 +239,13 @@ def encode_views(
 ) -> Array:
     """RGB in 0..1 `[3, 32, 32]` -> embedding `[64]`: colour, then brightness.
 
-    `tint` `[3, 1, 1]`: factors on the channels of what brightness is taken from, in training.
+    `tint` `[3, 1, 1]`: factors on the channels for the brightness, in training.
     """
     return jnp.concatenate([color(crop - 0.5), gray(brightness(tint * crop))])
 
 
 class Operator(eqx.Module):
-    """From a view's embedding into the concept space of one attribute type."""
+    """Maps a view's embedding into the concept space of one attribute type."""
 
     hidden: eqx.nn.Linear
     output: eqx.nn.Linear
@@ -263,14 +263,15 @@ class Operator(eqx.Module):
 def brightness(crop: Array) -> Array:
     """RGB in 0..1 `[3, 32, 32]` -> `[1, 32, 32]`, standardised over the crop.
 
-    The greatest of red, green and blue: a blue block's studs stand out as a white one's do.
+    The maximum of red, green and blue: the studs of a blue block stand out like those of a white
+    one.
     """
     gray = crop.max(axis=0)
     return ((gray - gray.mean()) / (gray.std() + 0.02))[None]
 
 
 def cosine(left: Array, right: Array) -> Array:
-    """Cosine of two vectors; 0 where one has no length."""
+    """Cosine of two vectors; 0 if one has length 0."""
     norms = [jnp.sqrt(jnp.maximum(v @ v, NORM_EPSILON**2)) for v in (left, right)]
     return (left @ right) / (norms[0] * norms[1])
 
@@ -312,17 +313,17 @@ class Vision(eqx.Module):
 
 
 def filter_scene(similarities: Array, concepts: Array) -> Array:
-    """Nested `Filter` from `Scene()`: cosines `[M, C]`, concepts `[K]` (-1: none) -> `[M]`."""
+    """Nested `Filter` on `Scene()`: cosines `[M, C]`, concepts `[K]` (-1 for none) -> `[M]`."""
     chosen = jnp.where(concepts >= 0, similarities[:, concepts], 1.0)
     return jnp.minimum(chosen.min(axis=1), 1.0)
 
 
 def unique(scores: Array, present: Array) -> Array:
-    """Log probability of being the only object that matches: scores `[M]` -> `[M]`.
+    """Log probability of being the only matching object: scores `[M]` -> `[M]`.
 
-    An object matches with the log odds `UNIQUE_SCALE · (score - MATCH_SCORE)`. Given that
-    exactly one matches, which one it is has the probability `softmax(UNIQUE_SCALE · score)`;
-    what the `[M]` lack to 1 is the probability that none or several match.
+    An object matches with the log odds `UNIQUE_SCALE · (score - MATCH_SCORE)`. Given that exactly
+    one matches, the probabilities of the objects are `softmax(UNIQUE_SCALE · score)`. One minus the
+    sum over `[M]` is the probability that none or several match.
     """
     odds = jnp.where(present, UNIQUE_SCALE * (scores - MATCH_SCORE), MISSING)
     none = jnp.where(present, jax.nn.log_sigmoid(-odds), 0.0)
@@ -344,7 +345,7 @@ def corners(location: Array) -> Array:
 
 
 class Simulator(eqx.Module):
-    """Action simulator: where the moved object will be (section IV-D)."""
+    """Action simulator: predicts the location of the moved object (section IV-D)."""
 
     input: eqx.nn.Linear
     hidden: eqx.nn.Linear
@@ -352,7 +353,7 @@ class Simulator(eqx.Module):
     location_mean: Array
     location_scale: Array
     residual: bool = eqx.field(static=True)
-    """Whether the output is added to where the reference is; the core knows nothing else."""
+    """Whether the output is added to the reference's location; the core supports only this."""
 
     def __init__(self, actions: int, key: Array, residual: bool = True):
         self.residual = residual
@@ -377,13 +378,14 @@ class Simulator(eqx.Module):
 
 
 class ActionModule(eqx.Module):
-    """Holds the simulator under the name that it has in the model file."""
+    """Holds the simulator under its name in the model file."""
 
     simulator: Simulator
 
 
 class PixelToCamera(eqx.Module):
-    """Linear map from a location to the object's centre in the camera's frame; fitted apart."""
+    """Linear map from a location to the object's centre in the camera's frame; fitted
+    separately."""
 
     weight: Array
 
@@ -401,7 +403,7 @@ class Model(eqx.Module):
         self.language = Language(dimensions, language)
         self.vision = Vision(dimensions, vision)
         self.action = ActionModule(Simulator(dimensions.actions, action, residual))
-        # The centre of the visible surface, until it is fitted (calibrate.py).
+        # Until it is fitted (calibrate.py): the centre of the visible surface.
         self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
 
 
@@ -413,11 +415,11 @@ def tensors(model: eqx.Module) -> dict[str, Array]:
 
 
 def with_tensors(model: Network, values: dict[str, Array]) -> Network:
-    """The model with its arrays replaced; names and shapes must be the model's own."""
+    """The model with other arrays; names and shapes must match."""
     expected = tensors(model)
     if expected.keys() != values.keys():
         odd = sorted(expected.keys() ^ values.keys())
-        raise ValueError(f"tensors missing or not known: {', '.join(odd)}")
+        raise ValueError(f"missing or unknown tensors: {', '.join(odd)}")
     for name, array in expected.items():
         if array.shape != values[name].shape:
             raise ValueError(f"{name}: expected {array.shape}, got {values[name].shape}")

@@ -1,9 +1,9 @@
-"""Which learned action bears which name.
+"""Names the learned actions.
 
-The final scenes say that there are different actions, not what they are called: the order of the
-learned actions is arbitrary. The name of an action is that of the phrases which the domain file
-lists for it; after training, the model itself is asked which of its actions each phrase means.
-Nothing is learned here: rows and columns change places.
+The final scenes show that there are different actions, but not their names: the order of the
+learned actions is arbitrary. The domain file lists phrases for each action; after training, the
+model itself is asked which of its actions each phrase means. Nothing is learned here: rows and
+columns are permuted.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from nsrm_harness.learning.dataset import Sentences
 from nsrm_harness.learning.model import Model
 
 SENTENCES = 64
-"""How many sentences ask for each action."""
+"""Number of sentences per action."""
 AGREEMENT = 0.8
-"""Least share of an action's sentences that must mean the same learned action."""
+"""Smallest share of an action's sentences that must mean the same learned action."""
 
 
 def learned_actions(model: Model, domain: Domain) -> np.ndarray:
-    """For each action of the domain, how often the model means each of its own: `[A, A]`."""
+    """How often the model chooses each of its own actions, by action of the domain: `[A, A]`."""
     rng = np.random.default_rng(0)
     grammar, tokenizer = Grammar(domain, Style()), Tokenizer(domain)
-    # Which objects are named does not matter: all names are the same token.
+    # The described objects do not matter: all descriptions are the same token.
     concept = (domain.concepts[0].name,)
     sentences = [
         tokenizer(grammar.sentence(rng, (Step(action.name, concept, concept),)).text)
@@ -55,11 +55,11 @@ def _meant(model: Model, tokens: Array, valid: Array) -> Array:
 def name_actions(model: Model, domain: Domain) -> tuple[Model, bool]:
     """The model with its actions in the domain's order, and whether each name was clear.
 
-    It is not clear where learned actions merged: two names mean the same one.
+    It is not clear if learned actions merged: two names then mean the same one.
     """
     counts = learned_actions(model, domain)
     count = len(domain.actions)
-    # Each learned action gets one name so that the most sentences agree.
+    # Each learned action gets one name, so that as many sentences as possible agree.
     _, order = linear_sum_assignment(counts, maximize=True)
     clear = bool((counts[np.arange(count), order] >= AGREEMENT * SENTENCES).all())
     decoder, first = model.language.action_decoder, model.action.simulator.input

@@ -1,13 +1,13 @@
-"""Steps that say nothing: the words of a good one shuffled, left out or exchanged.
+"""Makes meaningless steps: good ones with words shuffled, omitted or replaced.
 
-Final scenes show what sentences mean, never that one means nothing. A parser that has heard
-sense alone is as sure about a heap of words. So the trainer makes such heaps from the steps
-that it has and asks for an even distribution over actions, which the planner refuses.
+Final scenes show what sentences mean, but never that one means nothing. A parser that was trained
+only on meaningful steps is just as sure about word salad. So the trainer makes such steps from
+those that it has and asks for a uniform distribution over actions, which the planner refuses.
 
-A heap that means something after all teaches doubt about good sentences: "on top of" without
-its last words is "on", a word for another may be its synonym, and two words shuffled are often
-as they were. So what is left before a description is never what some sentence has there, at
-least two words are exchanged, more than half, and short steps are not shuffled.
+A step that has a meaning after all would teach doubt about good sentences: "on top of" without its
+last words is "on", a replaced word may be a synonym, and two shuffled words often keep their order.
+So the words left before a description are never words that some sentence has there, at least two
+words and more than half are replaced, and short steps are not shuffled.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from nsrm_harness.learning.dataset import Sentences, doubled
 from nsrm_harness.learning.model import GROUP_TOKEN
 
 LEAST_SHUFFLED = 7
-"""Tokens of a step that is shuffled, at least."""
+"""Smallest number of tokens of a shuffled step."""
 LEAST_EXCHANGED = 2
 LEAST_KNOWN = 256
-"""Places for hashes: more than there are last two words before descriptions, so that what is
-compiled for some data serves others."""
+"""Smallest size of a table of hashes: larger than needed, so that different data share compiled
+code."""
 
 
 def nonsense(
     key: Array, tokens: Array, valid: Array, known: Array, words: int
 ) -> tuple[Array, Array]:
-    """A step without a meaning, with the same descriptions: tokens `[T]`, valid `[T]`.
+    """Makes a step meaningless, keeping its descriptions: tokens `[T]`, valid `[T]`.
 
-    With equal chances all tokens are shuffled, words before a description left out, more than half
-    of those exchanged, or more than half of all words.
+    With equal probability it shuffles all tokens, omits words before a description, replaces more
+    than half of those, or replaces more than half of all words.
 
-    * `known`: what stands before descriptions in sentences; see `known_gaps`
-    * `words`: rows of the embedding
+    * `known`: the words before descriptions in sentences; see `known_gaps`
+    * `words`: number of rows of the embedding
     """
     kind, draw, other, place, first, second, some = jax.random.split(key, 7)
     is_group = valid & (tokens == GROUP_TOKEN)
@@ -65,21 +65,21 @@ def nonsense(
 
 
 def gap_hash(tokens: Array, among: Array) -> Array:
-    """A number for the chosen words in their order, uint32; 0 for none. Equal by chance once in
-    four thousand millions."""
+    """Hash of the chosen words in their order, uint32; 0 for none. Collisions have a probability of
+    one in four billion."""
     order = jnp.cumsum(among) - 1
     powers = jnp.cumprod(jnp.full(tokens.shape, HASH_BASE, jnp.uint32))
     return jnp.sum(jnp.where(among, tokens.astype(jnp.uint32) * powers[order], 0), dtype=jnp.uint32)
 
 
 def is_reserved(tokens: Array, valid: Array) -> Array:
-    """Whether a step is kept from training: bool; see `language.patterns`."""
+    """Whether a step is kept from training: bool; see `domain.patterns`."""
     return gap_hash(tokens + 1, valid) >> RESERVED_SHIFT == 0
 
 
 def known_gaps(sentences: Sentences) -> Array:
-    """What stands before descriptions in them: every `gap_hash`, sorted, uint32 `[K]`; the last is
-    repeated until K is `doubled`."""
+    """Hashes of the words before descriptions: every `gap_hash`, sorted, uint32 `[K]`; the last one
+    is repeated until K is `doubled`."""
     count = sentences.groups.shape[1]
     valid = jnp.arange(sentences.tokens.shape[1]) < sentences.length[:, None]
 
@@ -94,7 +94,7 @@ def known_gaps(sentences: Sentences) -> Array:
 
 
 def unique_hashes(found: Array) -> Array:
-    """Each of them once, sorted; the last is repeated until their number is `doubled`, and at
+    """The unique hashes, sorted; the last one is repeated until their number is `doubled` and at
     least `LEAST_KNOWN`."""
     known = np.unique(found)
     room = max(doubled(len(known)), LEAST_KNOWN) - len(known)
@@ -102,7 +102,7 @@ def unique_hashes(found: Array) -> Array:
 
 
 def _most(key: Array, among: Array) -> Array:
-    """More than half of them, at random: bool `[T]`."""
+    """A random selection of more than half of them: bool `[T]`."""
     size, order = jax.random.split(key)
     count = among.sum()
     size = jax.random.randint(size, (), count // 2 + 1, jnp.maximum(count, 1) + 1)

@@ -1,13 +1,13 @@
-"""The loss on the final scene (section IV-E) and what to do about discrete choices.
+"""The loss on the final scene (section IV-E), with discrete choices.
 
-Which action, which object, which reference and which split are discrete. Where their number
-allows, the loss is the exact soft minimum under the model's own probabilities,
+Action, object, reference and split are discrete choices. If their number allows, the loss is the
+exact soft minimum under the model's own probabilities,
 
     -τ log Σ_c π(c) exp(-L(c) / τ),
 
-which credits the choice that explains the final scene; as τ grows it becomes the plain
-expectation. With τ = 0.05 the actions disentangle from every seed that was tried; plain
-straight-through Gumbel samples merge them in most.
+which credits the choice that explains the final scene; for large τ it becomes the plain
+expectation. With τ = 0.05 the actions separated for every seed that was tried; plain
+straight-through Gumbel samples merge them for most seeds.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ from nsrm_harness.learning.model import (
 
 @dataclass(frozen=True)
 class LossWeights:
-    """`w1 · MSE + w2 · (1 - IoU)`, the paper's hyper-parameters."""
+    """The weights of `w1 · MSE + w2 · (1 - IoU)`, the paper's hyperparameters."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
     square: PositiveOrZero
-    """w1, on the mean of squares over corners (fractions of the image) and depth (metres)."""
+    """w1, for the mean squared error over corners (fractions of the image) and depth (metres)."""
     overlap: PositiveOrZero
-    """w2, on one minus the intersection over union of the boxes."""
+    """w2, for one minus the intersection over union of the boxes."""
 
 
 class SceneArrays(NamedTuple):
-    """A scene before and after: locations `[M, 5]` (corners, depth) and who is there `[M]`."""
+    """A scene before and after: locations `[M, 5]` (corners, depth) and present objects `[M]`."""
 
     before: Array
     after: Array
@@ -55,7 +55,8 @@ class SceneArrays(NamedTuple):
 class Grounding(NamedTuple):
     """Log probabilities of one step: of actions `[A]`, of both objects `[M]`.
 
-    Those of the objects add up to the probability that a description has exactly one match.
+    The probabilities of the objects sum to the probability that a description has exactly one
+    match.
     """
 
     action: Array
@@ -80,7 +81,7 @@ def location_loss(predicted: Array, target: Array, weights: LossWeights) -> Arra
 
 
 def scene_loss(predicted: Array, scene: SceneArrays, weights: LossWeights) -> Array:
-    """Average over the objects that are there: predicted locations `[M, 5]` -> scalar."""
+    """Mean over the present objects: predicted locations `[M, 5]` -> scalar."""
     losses = location_loss(predicted, scene.after, weights)
     return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
 
@@ -91,7 +92,7 @@ def soft_minimum(log_probability: Array, losses: Array, temperature: float) -> A
 
 
 def entropy(log_probability: Array) -> Array:
-    """In nats; what is impossible (`MISSING`) adds nothing."""
+    """Entropy in nats; impossible choices (`MISSING`) contribute nothing."""
     probability = jnp.exp(log_probability)
     return -jnp.sum(probability * jnp.where(probability > 0.0, log_probability, 0.0))
 
@@ -103,15 +104,16 @@ def reinforce(
     samples: int,
     spread: Array | float,
 ) -> Array:
-    """The expected loss by samples, with REINFORCE's gradient (section IV-E) for what is sampled.
+    """The expected loss by sampling, with REINFORCE's gradient (section IV-E) for the sampled
+    choices.
 
-    * `log_probability` `[T]`: of each choice
-    * `losses_of`: indices of choices `[samples]` to their losses, whose own gradients count too
+    * `log_probability` `[T]`: log probability of each choice
+    * `losses_of`: maps indices of choices `[samples]` to losses, whose own gradients count, too
     * `samples`: at least two; each is compared with the mean of the others, which has the same
-      expectation and is independent of it, so that the gradient is unbiased
-    * `spread`: weight of the entropy, which keeps choices alive
+      expectation and is independent of it, so the gradient is unbiased
+    * `spread`: weight of the entropy, which keeps all choices possible
 
-    The value is the samples' mean loss less the entropy's share.
+    The value is the mean loss of the samples minus the weighted entropy.
     """
     chosen = jax.random.categorical(key, log_probability, shape=(samples,))
     losses = losses_of(chosen)
@@ -123,14 +125,14 @@ def reinforce(
 
 
 def ground(parse: Parse, tokens: Array, groups: Array, similarities: Array, present: Array):
-    """From a parsed step to log probabilities of actions and objects.
+    """Converts a parsed step to log probabilities of actions and objects.
 
-    * `tokens` `[T]`: the step's tokens; its n-th group token stands for `groups[n]`
-    * `groups` `[G, K]`: concepts of each group, -1 where there is none
+    * `tokens` `[T]`: the step's tokens; its n-th group token represents `groups[n]`
+    * `groups` `[G, K]`: concepts of each group, padded with -1
     * `similarities` `[M, C]`: cosine of each object with each concept
 
-    An argument's object has probability Σ_group π(group) · Unique(Filter(group)): the choice of
-    the group is summed out.
+    An argument's object has probability Σ_group π(group) · Unique(Filter(group)): the choice of the
+    group is marginalised.
     """
     scores = jax.vmap(filter_scene, (None, 0))(similarities, groups)
     meant = jax.vmap(unique, (0, None))(scores, present)
@@ -138,7 +140,7 @@ def ground(parse: Parse, tokens: Array, groups: Array, similarities: Array, pres
     by_token = meant[jnp.clip(order, 0, groups.shape[0] - 1)]
 
     def choose(logits: Array) -> Array:
-        # A token that is no group has no probability at all; keep its gradient finite.
+        # A token that is not a group has probability 0; keep its gradient finite.
         pointer = jnp.where(logits <= MISSING / 2, MISSING, jax.nn.log_softmax(logits))
         return jax.nn.logsumexp(pointer[:, None] + by_token, axis=0)
 
@@ -154,10 +156,10 @@ def exact_step(
     temperature: float,
     exploration: Array | float = 0.0,
 ) -> Array:
-    """Soft minimum over every action, object and reference of one step.
+    """Soft minimum over all actions, objects and references of one step.
 
-    `exploration`: share of the actions' probability that is spread evenly, so that no action dies
-    before it has found what it is for.
+    `exploration`: share of the action probability that is uniform, so that no action dies before it
+    has found its purpose.
     """
     count = grounding.action.shape[0]
     even = jnp.log(jnp.maximum(exploration, 1e-9) / count)
@@ -188,7 +190,7 @@ def straight_through(key: Array, log_probability: Array) -> Array:
 def move(
     simulator: Simulator, action: Array, chosen: Array, reference: Array, locations: Array
 ) -> Array:
-    """Carry out one step: one-hot choices `[A]`, `[M]`, `[M]` on locations `[M, 5]`."""
+    """Executes one step: one-hot choices `[A]`, `[M]`, `[M]` on locations `[M, 5]`."""
     placed = simulator(action, chosen @ locations, reference @ locations)
     return locations + chosen[:, None] * (placed - locations)
 
@@ -202,8 +204,8 @@ def sampled_steps(
     temperature: float,
     sample_actions: bool = False,
 ) -> Array:
-    """Objects by straight-through Gumbel samples, actions of all steps summed exactly, or sampled
-    like the objects."""
+    """Loss with objects by straight-through Gumbel samples, and the actions of all steps
+    marginalised exactly, or sampled like the objects."""
     simulator = model.action.simulator
     locations = scene.before[None]
     log_probability = jnp.zeros(1)
@@ -219,7 +221,7 @@ def sampled_steps(
         run = jax.vmap(run, (None, None, None, None, 0))
         after = run(simulator, actions, chosen, reference, locations)
         locations = after.reshape(-1, *scene.before.shape)
-        # A demonstration's descriptions have one match each.
+        # Each description of a demonstration has exactly one match.
         matched = jax.nn.logsumexp(step.object) + jax.nn.logsumexp(step.reference)
         log_probability = (log_probability[:, None] + action[None] + matched).reshape(-1)
     losses = jax.vmap(scene_loss, (0, None, None))(locations, scene, weights)

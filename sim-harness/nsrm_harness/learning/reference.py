@@ -1,6 +1,7 @@
-"""The whole chain for one sentence and one scene, written plainly: what the core must agree with.
+"""A plain reference implementation of the pipeline for one sentence and one scene.
 
-It keeps every quantity on the way, for golden vectors. It refuses nothing.
+The core must agree with it. It returns all intermediate results, for golden vectors, and never
+refuses.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ MAX_TOKENS = 128
 
 @dataclass(frozen=True)
 class ParsedStep:
-    """One step of a sentence: tokens `first..end`; n of them, g groups."""
+    """One step of a sentence: tokens `first..end`, with n tokens and g groups."""
 
     first: int
     end: int
     hazards: np.ndarray
-    """`[n]` at most: of each token up to the split; none after a sentence's last token."""
+    """At most `[n]`: for each token up to the split; none after a sentence's last token."""
     split: float
-    """Probability of ending there."""
+    """Probability of the split."""
     states: np.ndarray
     """`[n, 96]`"""
     instruction: np.ndarray
@@ -47,14 +48,14 @@ class ParsedStep:
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """One step carried out in a scene of M objects."""
+    """One step executed in a scene with M objects."""
 
     action: int
     object_scores: np.ndarray
     """`[M]`: filtered cosines."""
     reference_scores: np.ndarray
     object: int
-    """Row of the scene."""
+    """Row in the scene."""
     reference: int
     location: np.ndarray
     """`[5]`"""
@@ -63,7 +64,7 @@ class PlannedStep:
 
 
 def parse(model: Model, tokenizer: Tokenizer, sentence: str) -> list[ParsedStep]:
-    """Cut a sentence into steps and encode each."""
+    """Splits a sentence into steps and encodes each."""
     found = tokenizer(sentence)
     rows = np.array(tokenizer.rows(found), np.int32)
     steps: list[ParsedStep] = []
@@ -115,7 +116,7 @@ def _encode(
 
 
 def _padded(rows: np.ndarray) -> tuple[jax.Array, jax.Array]:
-    """Of one length, so that each function is compiled once; padding has no influence."""
+    """Pads to a fixed length, so that each function is compiled once; padding has no influence."""
     tokens = np.zeros(MAX_TOKENS, np.int32)
     tokens[: len(rows)] = rows
     return jnp.asarray(tokens), jnp.arange(MAX_TOKENS) < len(rows)
@@ -141,7 +142,7 @@ def plan(
     similarities: np.ndarray,
     camera: Camera,
 ) -> list[PlannedStep]:
-    """Carry out parsed steps: locations `[M, 5]`, cosines `[M, C]`; M and g must not be 0."""
+    """Executes parsed steps: locations `[M, 5]`, cosines `[M, C]`; M and g must not be 0."""
     locations = locations.copy()
     planned = []
     for step in steps:
@@ -175,7 +176,8 @@ def locate(fitted: PixelToCamera, location: np.ndarray, camera: Camera) -> np.nd
 def crop(image: np.ndarray, box: np.ndarray) -> np.ndarray:
     """The crop by its definition, in f64: uint8 `[H, W, 3]`, `[4]` -> `[3, 32, 32]` in 0..1.
 
-    Each value is the mean of 2x2 bilinear samples; pixel centres at one half, borders repeated.
+    Each value is the mean of 2x2 bilinear samples; pixel centres are at one half, edges are
+    repeated.
     """
     height, width, _ = image.shape
     at = (np.arange(64) + 0.5) / 64

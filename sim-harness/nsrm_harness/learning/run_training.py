@@ -1,4 +1,4 @@
-"""A whole run: train, fit camera and thresholds, write the model, judge it through the core."""
+"""Runs a training: trains, fits camera and thresholds, writes the model, and evaluates it."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from nsrm_harness.learning.train import TRAINS, train
 from nsrm_harness.simulation.layout import WORK_SPACE
 
 Fitting = Callable[[], ModelFile]
-"""Makes a model file of a model in training."""
+"""Makes a model file from a model in training."""
 
 
 @dataclass(frozen=True)
 class Files:
-    """What a run reads; all made by `harness episodes` and `harness calibration`."""
+    """The input files of a run, made by `harness episodes` and `harness calibration`."""
 
     train: Path
     validation: Path
@@ -38,18 +38,18 @@ class Files:
 
     @classmethod
     def of(cls, folder: Path) -> Files:
-        """The files of a folder, under their usual names."""
+        """The files in a folder, with their usual names."""
         names = ("train", "validation", "test", "calibration")
         return cls(*(folder / f"{name}.h5" for name in names))
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """A model with its camera map and thresholds, and how it came about."""
+    """A model with its camera map and thresholds, and details of its training."""
 
     file: ModelFile
     named: bool
-    """Whether each action was learned as one of its own."""
+    """Whether each action was learned separately."""
     seconds: dict[str, float]
     """Time spent, by stage."""
 
@@ -63,9 +63,9 @@ def fit(
     say: Callable[[str], None] = print,
     after_stage: Callable[[str, Fitting], None] = lambda name, fitting: None,
 ) -> Fitted:
-    """Train, then fit camera and thresholds; leaves `curves.png` and a checkpoint in `out`.
+    """Trains, then fits camera and thresholds; leaves `curves.png` and a checkpoint in `out`.
 
-    `after_stage` is given what makes a model file of the model as it stands then.
+    `after_stage` gets a function that makes a model file from the model after that stage.
     """
     with Demonstrations(files.train) as demonstrations:
         domain, data = demonstrations.domain, training_set(demonstrations)
@@ -78,7 +78,7 @@ def fit(
         certainty = calibrate.fit_certainty(model, validation)
         say(
             f"certainty of actions: {certainty.before:.4f}, right {certainty.right:.4f}; logits "
-            f"times {certainty.scale:.2f}"
+            f"scaled by {certainty.scale:.2f}"
         )
         model = calibrate.with_certainty(calibrate.with_camera(model, camera), certainty)
         found = calibrate.fit_thresholds(model, validation)
@@ -112,9 +112,9 @@ def fit(
 def finish(
     fitted: Fitted, test: Path, out: Path, say: Callable[[str], None] = print
 ) -> evaluate.Metrics:
-    """Leaves `model.safetensors` in `out`; returns its metrics on test.
+    """Writes `model.safetensors` to `out`; returns its metrics on test.
 
-    Raises `TrainingError` for a model that learned two actions as one.
+    Raises `TrainingError` if the model learned two actions as one.
     """
     if not fitted.named:
         raise TrainingError(

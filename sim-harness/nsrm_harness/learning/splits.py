@@ -1,4 +1,4 @@
-"""Commands of several steps: cutting them into steps, and how likely each cut is."""
+"""Splits commands into steps, and computes the probability of each split."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class TokenizedCommand(NamedTuple):
 def step_tokens(
     command: TokenizedCommand, first: Array, end: Array, width: int | None = None
 ) -> tuple[Array, Array, Array]:
-    """The tokens `first..end` moved to the front: tokens `[W]`, valid `[W]`, groups `[G, K]`.
+    """Moves the tokens `first..end` to the front: tokens `[W]`, valid `[W]`, groups `[G, K]`.
 
-    `width`: W, for as many tokens as a step has at most; T unless given.
+    `width`: W, the largest number of tokens of a step; by default T.
     """
     total = command.tokens.shape[0]
     position = jnp.arange(width or total)
@@ -39,9 +39,9 @@ def step_tokens(
 
 
 def split_log_probability(splitter: Splitter, command: TokenizedCommand, first: Array) -> Array:
-    """Log probability that the step which begins at `first` ends after each token `[T]`.
+    """Log probability that the step beginning at `first` ends after each token `[T]`.
 
-    Counted from the command's first token; see `end_log_probability`; -1e9 outside.
+    Tokens count from the command's first one; -1e9 outside. See `end_log_probability`.
     """
     position = jnp.arange(command.tokens.shape[0])
     tokens, _, _ = step_tokens(command, first, command.length)
@@ -53,8 +53,8 @@ def split_log_probability(splitter: Splitter, command: TokenizedCommand, first: 
 def end_log_probability(splitter: Splitter, tokens: Array, length: Array) -> Array:
     """Log probability that the first step of the tokens `[T]` ends after each of them `[T]`.
 
-    `h_t Π_{s<t} (1 - h_s)`; after the last token what remains, the probability of no split;
-    -1e9 behind it.
+    `h_t Π_{s<t} (1 - h_s)`; after the last token the rest, the probability of no split; -1e9 beyond
+    it.
     """
     position = jnp.arange(tokens.shape[0])
     valid = position < length

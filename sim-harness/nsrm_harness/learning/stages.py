@@ -1,7 +1,7 @@
-"""The stages of the curriculum (section IV-F): which episodes, which loss, what is trained.
+"""Defines the stages of the curriculum (section IV-F): episodes, loss, trained parts.
 
-A stage is made from the model as it stands when the stage begins, also where a run is resumed in
-its middle: what it computes ahead (cosines, a table of losses, hard choices) is the same again.
+A stage is made from the model at its start, also if a run is resumed in its middle, so that what it
+precomputes (cosines, a table of losses, hard choices) is the same again.
 """
 
 from __future__ import annotations
@@ -54,22 +54,22 @@ PERCEPTION_AND_PARSER = PERCEPTION + PARSER
 SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
 SPLITTER = ("language.splitter",)
 SHIFT = 2
-"""How far a crop is shifted in training, at most; pixels of 32."""
+"""Largest shift of a crop in training; pixels of 32."""
 NOISE = 0.02
-"""Deviation of the noise on it, of values in 0..1."""
+"""Standard deviation of the noise on a crop, for values in 0..1."""
 SAME_NOISE = 8
-"""Crops of a batch that have the same noise: to draw it takes longer than all else in `varied`."""
+"""Number of crops in a batch that share noise, which is the slowest part of `varied`."""
 TINT = 0.5
-"""How far the channels of what brightness is taken from are scaled, at most; natural logarithm."""
+"""Largest scaling of the channels for the brightness; natural logarithm."""
 
 
 class TrainingError(HarnessError):
-    """A training run that cannot begin, or whose result cannot be used."""
+    """A training run that cannot start, or whose result cannot be used."""
 
 
 class Demonstration(NamedTuple):
-    """One demonstration: its command, its scene, where its crops are `[M]`, and the token with
-    which its first step usually would end."""
+    """One demonstration: its command, its scene, the indices of its crops `[M]`, and the usual end
+    of its first step."""
 
     command: TokenizedCommand
     scene: SceneArrays
@@ -78,41 +78,41 @@ class Demonstration(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """What the trainer needs to run a stage.
+    """Everything the trainer needs to run a stage.
 
-    What depends on the data is in `sets` and `shared`, and the loss holds nothing of it: it is
-    compiled once for all data of the same shapes.
+    The data is in `sets` and `shared`, and the loss contains none of it: it is compiled once for
+    all data with the same shapes.
     """
 
     name: str
     config: StageConfig
     sets: tuple[Any, ...]
-    """Trees of arrays; a batch takes as many rows of each."""
+    """Trees of arrays; a batch takes the same number of rows of each."""
     shared: Any
     """Arrays that every batch needs."""
     loss: Callable[[Any, Any, tuple[Any, ...], Array, Array], Array]
-    """From model, `shared`, a batch of each set, a key and the share of the stage that is done to
-    the batch's mean loss."""
+    """Maps model, `shared`, a batch of each set, a key and the finished share of the stage to the
+    batch's mean loss."""
 
 
 class Lookup(NamedTuple):
-    """What demonstrations have in common."""
+    """Data that all demonstrations share."""
 
     crops: Array
-    """All crops `[B, 3, 32, 32]`, black ones behind them; see `lookup`."""
+    """All crops `[B, 3, 32, 32]`, followed by black ones; see `lookup`."""
     known: Array
-    """What stands before descriptions; see `nonsense`."""
+    """Hashes of the words before descriptions; see `nonsense`."""
 
 
 def lookup(data: TrainingSet) -> Lookup:
-    """Of these data; the number of crops is `doubled`."""
+    """The shared data of a training set; the number of crops is `doubled`."""
     crops = jnp.asarray(data.crops)
     room = doubled(len(crops)) - len(crops)
     return Lookup(jnp.pad(crops, ((0, room), (0, 0), (0, 0), (0, 0))), known_gaps(data.sentences))
 
 
 def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
-    """The chosen episodes as one tree with a leading axis; commands padded to their longest."""
+    """The chosen episodes as one tree with a leading axis; commands are padded to the longest."""
     tokens, length, groups, count = decode.commands(data, chosen)
     width = roomy(int(length.max()))
     command = TokenizedCommand(tokens[:, :width], length, groups[:, : count.max()], count)
@@ -122,11 +122,12 @@ def demonstrations(data: TrainingSet, chosen: np.ndarray) -> Demonstration:
 
 
 def varied(key: Array, crop: Array, noise: Array) -> tuple[Array, Array]:
-    """A crop `[3, 32, 32]` mirrored or not, shifted by up to `SHIFT` pixels, with noise; its tint.
+    """Augments a crop `[3, 32, 32]`: mirrored or not, shifted by up to `SHIFT` pixels, with noise;
+    also returns its tint.
 
-    As if the box had been found a little beside its place: a few thousand crops are soon known by
-    heart. The tint (see `encode_views`) keeps colour out of what shapes are told from: how much a
-    block's brightness differs from the table's depends on its colour.
+    Without this, a few thousand crops are soon memorised. The tint (see `encode_views`) keeps
+    colour out of the features for shapes: how much a block's brightness differs from the table's
+    depends on its colour.
     """
     mirror, shift, tint = jax.random.split(key, 3)
     crop = jnp.where(jax.random.bernoulli(mirror), crop[:, :, ::-1], crop)
@@ -138,7 +139,7 @@ def varied(key: Array, crop: Array, noise: Array) -> tuple[Array, Array]:
 
 
 def varied_crops(key: Array, crops: Array) -> tuple[Array, Array]:
-    """A batch of crops `[N, 3, 32, 32]`, each varied, and their tints."""
+    """A batch of augmented crops `[N, 3, 32, 32]`, and their tints."""
     varying, noise = jax.random.split(key)
     fields = jax.random.normal(noise, (-(-len(crops) // SAME_NOISE), *crops.shape[1:]))
     fields = jnp.tile(fields, (SAME_NOISE, 1, 1, 1))[: len(crops)]
@@ -162,7 +163,7 @@ def ground_step(
     end: Array,
     width: int | None = None,
 ) -> Grounding:
-    """Parse and ground the step that has the tokens `first..end` of a command; `width`: see
+    """Parses and grounds the step with the tokens `first..end` of a command; `width`: see
     `step_tokens`."""
     tokens, valid, groups = step_tokens(command, first, end, width)
     return ground(model.language.parse(tokens, valid), tokens, groups, similarities, present)
@@ -176,7 +177,7 @@ def one_step_loss(
     config: TrainingConfig,
     exploration: Array | None = None,
 ) -> Array:
-    """Loss of a command of one step: objects sampled, or with `exploration` all summed out."""
+    """Loss of a one-step command: objects are sampled or, with `exploration`, all marginalised."""
     command, scene = demonstration.command, demonstration.scene
     step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
     if exploration is not None and not config.sample_actions:
@@ -188,9 +189,9 @@ def one_step_loss(
 
 
 def nonsense_loss(key: Array, model: Model, tokens: Array, length: Array, known: Array) -> Array:
-    """How far the actions of a step made meaningless are from being equally likely, in nats.
+    """Divergence, in nats, of the action probabilities of a meaningless step from uniform.
 
-    * `tokens` `[T]`: the step's, of which the first `length` count
+    * `tokens` `[T]`: the step's tokens, of which the first `length` count
     * `known`: see `nonsense`
     """
     valid = jnp.arange(tokens.shape[0]) < length
@@ -208,10 +209,10 @@ def two_step_loss(
     known: Array,
     width: int,
 ) -> Array:
-    """Loss of a command of two steps over its likeliest splits.
+    """Loss of a two-step command over its most likely splits.
 
     * `known`: see `nonsense`
-    * `width`: tokens of a step, at most
+    * `width`: largest number of tokens of a step
     """
     command, scene = demonstration.command, demonstration.scene
     key, saying = jax.random.split(key)
@@ -252,12 +253,11 @@ def two_step_loss(
         loss = reinforce(sampling, log_probability, losses_of, config.split_samples, 0.0)
         loss -= config.temperature * kept_whole(positions[0])
     else:
-        # What is left after a split must not be split again: a split that makes that hard is a
-        # bad one.
+        # The remainder of a split must not be split again: a split that makes this hard is bad.
         likeliest += jax.vmap(kept_whole)(positions)
         losses = jax.vmap(carry_out)(positions) + unusual(positions)
         loss = soft_minimum(likeliest, losses, config.temperature)
-    # What joins two steps begins the second one: so do heaps that follow on a step.
+    # Connectives begin the second step, and so they do in meaningless steps that follow one.
     first = positions[0] + 1
     second, _, _ = step_tokens(command, first, command.length, width)
     heap = nonsense_loss(saying, model, second, command.length - first, known)
@@ -272,11 +272,11 @@ def one_step_stage(
     chosen: np.ndarray,
     exploration: float | None,
 ) -> Stage:
-    """(a) and (b): commands of one step; see `one_step_loss`.
+    """(a) and (b): one-step commands; see `one_step_loss`.
 
-    `exploration` falls to nothing in the first half of the stage.
+    `exploration` decays to zero in the first half of the stage.
     """
-    _some(chosen, f"{name}: no command of one step")
+    _some(chosen, f"{name}: no one-step commands")
 
     def loss(
         model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
@@ -293,7 +293,7 @@ def one_step_stage(
             choosing, saying = jax.random.split(key)
             loss = one_step_loss(choosing, model, demonstration, similarities, config, explore)
             if exploration:
-                # First it must find out what there is to be sure of.
+                # First it must discover the actions.
                 return loss
             command = demonstration.command
             heap = nonsense_loss(saying, model, command.tokens, command.length, lookup.known)
@@ -305,7 +305,7 @@ def one_step_stage(
 
 
 def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
-    """(c): the splitter on a table of losses, of whole commands and of their remainders."""
+    """(c): the splitter on a table of losses of whole commands and of their remainders."""
 
     def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         table: SplitTable = batch[0]
@@ -318,8 +318,9 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
                 loss = reinforce(key, log_probability, losses.__getitem__, samples, spread)
             else:
                 loss = soft_minimum(log_probability, losses, config.temperature)
-            # First what is possible, then what is preferred: from the start it would settle on
-            # splits that some commands cannot have.
+            # First what is possible, then what is preferred: otherwise it would
+            # settle on splits that
+            # are impossible for some commands.
             return loss + done * config.indecision * entropy(log_probability)
 
         keys = jax.random.split(key, len(table.first))
@@ -329,10 +330,10 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
 
 
 def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
-    """(d): everything at once, as many commands of one step as of two in a batch."""
+    """(d): everything at once, with as many one-step as two-step commands in a batch."""
     one, two = data.select(1), data.select(2)
-    _some(one, "joint: no command of one step")
-    _some(two, "joint: no command of two steps")
+    _some(one, "joint: no one-step commands")
+    _some(two, "joint: no two-step commands")
     width = data.sentences.longest_step()
 
     def loss(
@@ -352,7 +353,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
             command = demonstration.command
             heap = nonsense_loss(saying, model, command.tokens, command.length, known)
             loss += config.nonsense * heap
-            # Any split of a command of one step fails: only the whole counts.
+            # Any split of a one-step command fails: only the whole counts.
             whole = split_log_probability(model.language.splitter, command, jnp.array(0))
             return loss - config.temperature * whole[command.length - 1]
 
@@ -370,8 +371,8 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
 def simulator_stage(
     config: TrainingConfig, data: TrainingSet, chosen: np.ndarray, choices: Choices
 ) -> Stage:
-    """(e): the simulator on choices that the model made itself, rolled out."""
-    _some(chosen, "simulator: no command that the model can carry out")
+    """(e): the simulator on the model's own choices, rolled out."""
+    _some(chosen, "simulator: no commands that the model can execute")
     scenes = demonstrations(data, chosen).scene
 
     def rollout(model: Model, scene: SceneArrays, choices: Choices) -> Array:
@@ -396,9 +397,9 @@ def simulator_stage(
 
 
 def perception_stage(config: TrainingConfig, data: TrainingSet, table: ReferenceTable) -> Stage:
-    """(f): perception alone, on the descriptions of confirmed steps: the mean surprise, in nats,
-    that the object meant fits and nothing else in the scene does."""
-    _some(np.asarray(table.meant), "perception: no command that the model carries out right")
+    """(f): only perception, on the descriptions of confirmed steps: the mean surprise, in nats,
+    that the intended object matches and no other in the scene does."""
+    _some(np.asarray(table.meant), "perception: no commands that the model executes correctly")
 
     def loss(
         model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
@@ -417,10 +418,11 @@ def perception_stage(config: TrainingConfig, data: TrainingSet, table: Reference
 
 
 def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTable) -> Array:
-    """Surprise at the end of a step, with another one behind it or, half the time, none.
+    """Surprise at the end of a step that is followed by another one or, in half of the cases, by
+    none.
 
-    Demonstrations have two steps at most; commands may have more, and each step but the last then
-    has another one behind it.
+    Demonstrations have at most two steps; commands may have more, and each step but the last is
+    then followed by another one.
     """
     width, room = step.tokens.shape[0], following.tokens.shape[0]
     position = jnp.arange(width + room)
@@ -434,7 +436,7 @@ def end_loss(key: Array, splitter: Splitter, step: StepTable, following: StepTab
 
 
 def misuse_loss(key: Array, model: Model, step: StepTable, donor: StepTable, said: Said) -> Array:
-    """As `nonsense_loss`, of a step with something in it that no program has; see `misuse`."""
+    """Like `nonsense_loss`, for a step with something that no program has; see `misuse`."""
     tokens, length = misuse(key, step, donor, said.habits)
     valid = jnp.arange(tokens.shape[0]) < length
     actions = jax.nn.log_softmax(model.language.parse(tokens, valid).action)
@@ -444,10 +446,10 @@ def misuse_loss(key: Array, model: Model, step: StepTable, donor: StepTable, sai
 def reordered_loss(
     key: Array, splitter: Splitter, step: StepTable, other: StepTable, habits: Habits
 ) -> Array:
-    """How far the splitter is from being unsure, in nats, that `step` ends where an order word
-    begins `other`: "put the red block on the blue one first put …" may mean either order.
+    """Penalty, in nats, if the splitter is sure that `step` ends where `other` begins with an order
+    word: "put the red block on the blue one first put …" may mean either order.
 
-    0 for another that has a connective: the parser is unsure of that one itself.
+    0 if `other` has a connective: the parser itself is then unsure of it.
     """
     width = step.tokens.shape[0]
     position = jnp.arange(2 * width)
@@ -457,7 +459,7 @@ def reordered_loss(
     tokens = jnp.where(behind < -1, step.tokens[jnp.clip(position, 0, width - 1)], tokens)
     length = step.length + 1 + other.length
     ends = end_log_probability(splitter, tokens, length)
-    # h and 1 - h of the hazard at the step's last token, given that none came before.
+    # h and 1 - h of the hazard at the step's last token, given no earlier end.
     here = ends[step.length - 1]
     later = jax.nn.logsumexp(jnp.where(position >= step.length, ends, MISSING))
     before = jnp.logaddexp(here, later)
@@ -469,11 +471,11 @@ def reordered_loss(
 
 
 class Said(NamedTuple):
-    """What is said of all steps."""
+    """Data about the words of all steps."""
 
     habits: Habits
     known: Array
-    """What stands before descriptions; see `nonsense`."""
+    """Hashes of the words before descriptions; see `nonsense`."""
 
 
 def parser_stage(
@@ -481,15 +483,16 @@ def parser_stage(
 ) -> Stage:
     """(g): parser and splitter on steps whose meaning the final scene has confirmed.
 
-    Both hear them with fillers in between. The parser hears nonsense and misuse too, the splitter
-    commands put together from those steps. `order_words`: bool `[V]`, of the domain.
+    Both are trained on them with inserted fillers, the parser also on nonsense and misuse, the
+    splitter on commands combined from these steps. `order_words`: bool `[V]`, from the domain.
     """
-    _some(np.asarray(table.length), "parser: no command that the model carries out right")
+    _some(np.asarray(table.length), "parser: no commands that the model executes correctly")
     found = habits(table, fillers(table, order_words), jnp.asarray(order_words))
     said = Said(found, known_gaps(data.sentences))
     following = jax.tree.map(lambda column: column[np.asarray(table.follows)], table)
     _some(
-        np.asarray(following.length), "parser: no command of two that the model carries out right"
+        np.asarray(following.length),
+        "parser: no two-step commands that the model executes correctly",
     )
 
     def loss(model: Model, said: Said, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
@@ -520,4 +523,4 @@ def parser_stage(
 
 def _some(chosen: np.ndarray, problem: str) -> None:
     if len(chosen) == 0:
-        raise TrainingError(f"{problem} in the training data; generate more episodes")
+        raise TrainingError(f"{problem} in the training data: generate more episodes")

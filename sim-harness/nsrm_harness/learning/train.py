@@ -1,7 +1,7 @@
-"""Runs the curriculum: the stages in their order, with checkpoints and progress.
+"""Runs the curriculum: the stages in order, with checkpoints and progress.
 
-Everything random is drawn from seed, stage and epoch, so that a run that was interrupted and
-resumed ends with the same weights.
+All random numbers depend on seed, stage and epoch, so an interrupted and resumed run ends with the
+same weights.
 """
 
 from __future__ import annotations
@@ -47,37 +47,37 @@ TRAINS = {
     "perception": PERCEPTION,
     "parser": PARSER + SPLITTER,
 }
-"""The stages in their order, with the beginnings of the names of the tensors that each trains."""
+"""The stages in order, with the name prefixes of the tensors that each trains."""
 FINAL_RATE = 0.05
-"""Learning rate at a stage's end, as a share of that at its start."""
+"""Final learning rate of a stage, relative to the initial one."""
 GRADIENT_NORM = 1.0
 """Gradients are clipped to this norm."""
 OPTIMIZER = optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.scale_by_adam())
-"""Adam on clipped gradients; the rate falls along a cosine over a stage."""
+"""Adam on clipped gradients; the learning rate decays along a cosine over a stage."""
 SECONDS_A_CHECKPOINT = 5.0
 NEXT_ATTEMPT = 1_000_003
 """Added to the seed for each further attempt."""
 
 
 class TrainingState(NamedTuple):
-    """What changes during a stage."""
+    """The state that changes during a stage."""
 
     model: Any
-    """`Model`, or another network of the same parts."""
+    """`Model`, or another network with the same parts."""
     optimizer: optax.OptState
 
 
 class Result(NamedTuple):
-    """A trained model and how it came about."""
+    """A trained model, and details of its training."""
 
     model: Model
     named: bool
-    """Whether each action was learned as one of its own; see `naming`."""
+    """Whether each action was learned separately; see `naming`."""
     progress: TrainingProgress
 
 
 def untrained(domain: Domain, data: TrainingSet, seed: int, residual: bool = True) -> Model:
-    """A random model that knows the scale of the data's locations."""
+    """A random model with the scale of the data's locations."""
     model = Model(Dimensions.of(domain), jax.random.key(seed), residual)
     mean, scale = data.location_statistics()
     return eqx.tree_at(
@@ -100,11 +100,11 @@ def train(
         None
     ),
 ) -> Result:
-    """Train from the start, or go on from the checkpoint in `folder`.
+    """Trains from the start, or resumes from the checkpoint in `folder`.
 
-    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind. What
-    `after_stage` is told of a stage it may be told again after that; the progress that it is given
-    stands behind the stage.
+    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind. After
+    resuming, `after_stage` may be called again for a stage; the progress that it gets is that after
+    the stage.
     """
     run = json_text([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
@@ -167,7 +167,7 @@ def train(
 def make_stage(
     name: str, model: Model, data: TrainingSet, config: TrainingConfig, domain: Domain
 ) -> Stage:
-    """The stage of that name, from the model as it stands when the stage begins."""
+    """The stage with this name, made from the model at its start."""
     single = data.select(1, single_attribute=True)
     if name == "actions":
         return stages.one_step_stage(name, config.actions, config, data, single, config.exploration)
@@ -180,7 +180,7 @@ def make_stage(
         return stages.joint_stage(config, data)
     if len(data.select(2)) == 0:
         raise stages.TrainingError(
-            f"{name}: no command of two steps in the training data; generate more episodes"
+            f"{name}: no two-step commands in the training data: generate more episodes"
         )
     similarities = decode.see_all(model, data)
     if name == "splitter":
@@ -198,12 +198,12 @@ def make_stage(
 
 
 class Fit:
-    """One stage's optimisation."""
+    """The optimisation of one stage."""
 
     def __init__(self, stage: Stage, trains: tuple[str, ...], seed: int, number: int):
         self._stage, self._trains, self._seed, self._number = stage, trains, seed, number
         sizes = [len(jax.tree.leaves(one)[0]) for one in stage.sets]
-        # Of each set the same number of rows in a batch; the smaller sets are gone through again.
+        # A batch has the same number of rows of each set; smaller sets are repeated.
         self._share = min(max(stage.config.batch // len(sizes), 1), *sizes, max(sizes))
         self._sizes = sizes
         self._batches = max(sizes) // self._share
@@ -217,7 +217,7 @@ class Fit:
         return TrainingState(model, OPTIMIZER.init(trained))
 
     def epoch(self, state: TrainingState, epoch: int) -> tuple[TrainingState, float]:
-        """One pass; returns the mean loss too."""
+        """Runs one epoch; also returns the mean loss."""
         rng = np.random.default_rng([self._seed, self._number, epoch])
         key = jax.random.fold_in(jax.random.key(self._seed), self._number * 100_000 + epoch)
         taken = self._batches * self._share
@@ -229,7 +229,7 @@ class Fit:
         rates = np.asarray(self._rate(epoch * self._batches + jnp.arange(self._batches)))
         trained, kept = eqx.partition(state.model, trainable(state.model, self._trains))
         fixed, rest = eqx.partition(kept, eqx.is_array)
-        # As lists: to take a model apart at each step would take longer than some steps.
+        # As lists: flattening a model at each step would take longer than some steps.
         changing, structure = jax.tree.flatten((trained, state.optimizer))
         fixed, fixed_structure = jax.tree.flatten(fixed)
         if self._step is None:
@@ -249,11 +249,11 @@ class Fit:
 def _compiled(
     stage: Stage, structure: Any, fixed_structure: Any, rest: Any
 ) -> Callable[..., tuple[list[Array], Array]]:
-    """One step of the optimiser: from the leaves of what is trained and its moments to the same
-    and the loss.
+    """One optimiser step: maps the leaves of the trained tensors and their moments to new ones and
+    the loss.
 
-    * `structure`: of the trained tensors and their moments
-    * `fixed_structure`: of the others; `rest`: what of the model is no tensor
+    * `structure`: structure of the trained tensors and their moments
+    * `fixed_structure`: structure of the other tensors; `rest`: the model without tensors
     """
 
     @jax.jit
@@ -290,7 +290,7 @@ def _take(sets: tuple[Any, ...], rows: tuple[Array, ...]) -> tuple[Any, ...]:
 
 
 def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
-    """The model's tree with true at the arrays whose names begin with one of `trains`."""
+    """The model's tree with true for the arrays whose names start with one of `trains`."""
 
     def is_trained(path: Any, leaf: Any) -> bool:
         name = jax.tree_util.keystr(path, simple=True, separator=".")
@@ -300,7 +300,7 @@ def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
 
 
 def _start(model: Model, stage: int) -> TrainingState:
-    """A state with the structure that the stage's has."""
+    """A state with the structure of the stage's state."""
     trains = list(TRAINS.values())[stage]
     trained = eqx.filter(model, trainable(model, trains))
     return TrainingState(model, OPTIMIZER.init(trained))

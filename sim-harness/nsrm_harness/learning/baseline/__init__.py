@@ -1,6 +1,6 @@
 """The paper's baseline (section V-B): the same data, loss and sizes, without programs.
 
-Attribute words are words like any other, objects are blended by attention, actions are dense
-vectors. `words` cuts sentences where the truth says that a step ends, the help that the paper
-gives it; `model`, `train`, `evaluate` and `run` are what they are in `learn`.
+Attribute words are ordinary words, objects are blended by attention, actions are dense vectors.
+`words` splits sentences at the true ends of steps, the help that the paper gives it; `model`,
+`train`, `evaluate` and `run_baseline` correspond to modules of `learning`.
 """

@@ -1,4 +1,4 @@
-"""The paper's metrics of the baseline; it has no program, so that one is left out."""
+"""Computes the paper's metrics of the baseline, except for the program, which it lacks."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from nsrm_harness.learning.reference import locate
 
 
 def evaluate_baseline(model: Baseline, path: Path, quiet: bool = False) -> Metrics:
-    """Plan every episode of a file, cut where the truth says, and judge the plans."""
+    """Plans every episode of a file, split at the true ends of steps, and judges the plans."""
     with Demonstrations(path) as demonstrations:
         if vocabulary(demonstrations.domain) != model.words:
-            raise EvaluationError(f"{path}: its domain has other words than the baseline")
+            raise EvaluationError(f"{path}: its domain has other words than the baseline's")
         data = training_set(demonstrations, quiet)
         words = StepWords.of(model.words, demonstrations.sentences, read_ends(path))
         cameras = [demonstrations.camera(index) for index in range(len(demonstrations))]

@@ -1,4 +1,4 @@
-"""The baseline's file, `baseline.safetensors`."""
+"""Writes and reads the baseline's file, `baseline.safetensors`."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from nsrm_harness.learning.baseline.words import vocabulary
 from nsrm_harness.learning.export import arrays_of, filled, hashed_bytes, read_checked, write_whole
 
 SCHEMA = "baseline 2"
-"""Not a number, so that it is not taken for a model file, nor a model file for it."""
+"""Not a number, so that the file cannot be confused with a model file."""
 
 
 @dataclass(frozen=True)
 class BaselineFile:
-    """A baseline with what its file says of it."""
+    """A baseline with the metadata of its file."""
 
     model: Baseline
     domain: Domain
     training: Mapping[str, Any] = field(default_factory=dict)
     """Seed, number of episodes, hash of the data, configuration."""
     metrics: Mapping[str, Any] = field(default_factory=dict)
-    """On test; empty until evaluated."""
+    """Metrics on test; empty until evaluated."""
 
 
 def write_baseline(path: Path, file: BaselineFile) -> None:
-    """Write the file, all of it or nothing; the same baseline gives the same bytes."""
+    """Writes the file atomically; the same baseline gives the same bytes."""
     metadata = {
         "schema": SCHEMA,
         "domain": file.domain.as_json(),
@@ -45,7 +45,7 @@ def write_baseline(path: Path, file: BaselineFile) -> None:
 
 
 def read_baseline(path: Path) -> BaselineFile:
-    """Read it back; `ModelFileError` says what does not fit."""
+    """Reads the file. Raises `ModelFileError` with the problem."""
     arrays, metadata = read_checked(path, SCHEMA)
     domain = domains.from_json(metadata["domain"], str(path))
     return BaselineFile(

@@ -1,4 +1,4 @@
-"""The baseline's network (section V-B), of the same parts and sizes as `learn.model`."""
+"""The baseline's network (section V-B), with the same parts and sizes as `learning.model`."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SHARED = 32
 
 
 class Pointer(eqx.Module):
-    """Attention of one argument: instruction and objects meet in one space."""
+    """Attention of one argument: compares instruction and objects in one space."""
 
     said_hidden: eqx.nn.Linear
     said_output: eqx.nn.Linear
@@ -47,9 +47,9 @@ class Pointer(eqx.Module):
         self.seen_output = eqx.nn.Linear(POINTER_HIDDEN, SHARED, key=keys[3])
 
     def __call__(self, instruction: Array, objects: Array, present: Array) -> Array:
-        """Instruction `[96]`, embeddings `[M, 64]` -> attention `[M]`, which adds up to 1.
+        """Instruction `[96]`, embeddings `[M, 64]` -> attention `[M]`, which sums to 1.
 
-        The similarity is the inner product: a cosine has a greatest attention.
+        The similarity is the inner product, because a cosine would limit the attention.
         """
         said = self.said_output(jax.nn.relu(self.said_hidden(instruction)))
         seen = rows(self.seen_output, jax.nn.relu(rows(self.seen_hidden, objects)))
@@ -57,7 +57,7 @@ class Pointer(eqx.Module):
 
 
 class Meaning(NamedTuple):
-    """What the S steps of a command ask for: `[S, 16]`, and attention `[S, M]` of each argument."""
+    """The S steps of a command: actions `[S, 16]`, and the attention `[S, M]` of each argument."""
 
     action: Array
     object: Array
@@ -90,7 +90,7 @@ class Baseline(eqx.Module):
         self.object_pointer = Pointer(keys[5])
         self.reference_pointer = Pointer(keys[6])
         self.simulator = Simulator(ACTION, keys[7])
-        # The centre of the visible surface, until it is fitted (learn/calibrate.py).
+        # Until it is fitted (learning/calibrate.py): the centre of the visible surface.
         self.camera = PixelToCamera(jnp.eye(3, CAMERA_TERMS))
 
     def encode(self, crop: Array, tint: Array | float = 1.0) -> Array:
@@ -115,11 +115,11 @@ class Baseline(eqx.Module):
 def carry_out(
     simulator: Simulator, meaning: Meaning, before: Array, count: Array, hard: bool = False
 ) -> tuple[Array, Array]:
-    """The first `count` steps one after the other, from locations `before` `[M, 5]`.
+    """Executes the first `count` steps in order, from locations `before` `[M, 5]`.
 
     Returns the locations at the end `[M, 5]` and each step's sub-goal `[S, 5]`. The simulator gets
-    blends of locations. The sub-goal is given to the object with the greatest attention if
-    `hard`, else to each as far as it is attended to.
+    blends of locations. The sub-goal goes to the object with the largest attention if `hard`,
+    otherwise to all objects in proportion to their attention.
     """
 
     def step(locations: Array, at: tuple[Meaning, Array]) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""A whole run of the baseline: train, fit the camera map, judge, write."""
+"""Runs the baseline: trains, fits the camera map, evaluates, and writes the file."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def run(
     out: Path,
     say: Callable[[str], None] = print,
 ) -> Metrics:
-    """Leaves `baseline.safetensors` in `out`; returns the metrics on test.
+    """Writes `baseline.safetensors` to `out`; returns the metrics on test.
 
-    Broken off, it leaves nothing behind: it is written once, at the end.
+    If interrupted, it leaves nothing behind: the file is written once, at the end.
     """
     camera = calibrate.fit_camera(Calibration.load(files.calibration))
     with Demonstrations(files.train) as demonstrations:

@@ -1,8 +1,8 @@
-"""Training of the baseline: the final scene alone, as in `learn`, in three stages.
+"""Trains the baseline on the final scenes alone, as in `learning`, in three stages.
 
-Nothing is discrete: attention blends, so that the loss (section IV-E) is differentiable as it is.
-But a blend of all objects explains no scene, and from there some seeds never learn. So it begins
-as `learn` does: commands of one step, with the soft minimum over every pair of objects.
+Nothing is discrete: attention blends, so the loss (section IV-E) is differentiable. But a blend of
+all objects explains no scene, and from there some seeds never learn. So it starts like `learning`:
+with one-step commands and the soft minimum over all pairs of objects.
 """
 
 from __future__ import annotations
@@ -45,33 +45,33 @@ PARTS = (
 )
 SIMULATOR = ("simulator.input", "simulator.hidden", "simulator.output")
 CHUNK = 256
-"""Episodes that are worked on at once."""
+"""Number of episodes per batch."""
 LEAST_SHARE = 1e-9
-"""Least attention of which a logarithm is taken."""
+"""Smallest attention for the logarithm."""
 
 
 @dataclass(frozen=True)
 class BaselineConfig:
-    """Everything that a training run depends on, apart from data and seed."""
+    """Everything that a training run depends on, except data and seed."""
 
     loss: LossWeights = field(default_factory=lambda: LossWeights(square=200.0, overlap=1.0))
     polish_loss: LossWeights = field(default_factory=lambda: LossWeights(5000.0, 1.0))
-    """For the last stage."""
+    """Loss weights of the last stage."""
     polish_cap: float = 3.0
-    """Most that one object adds there; see `learn.config`."""
+    """Largest loss of one object there; see `learning.config`."""
     temperature: float = 0.05
     """τ of the soft minimum in the first stage."""
     single: StageConfig = field(default_factory=lambda: StageConfig(30, 3e-3, batch=32))
-    """Commands of one step, over every pair of objects."""
+    """One-step commands, over all pairs of objects."""
     joint: StageConfig = field(default_factory=lambda: StageConfig(40, 1e-3, batch=32))
-    """Commands of one and two steps, on blends."""
+    """One-step and two-step commands, on blends."""
     attempts: int = 3
-    """How often it begins, at most: some starts learn combinations of words and objects by heart,
-    and are slow to unlearn them."""
+    """Largest number of attempts: some starts memorise combinations of words and objects, and are
+    slow to unlearn them."""
     learned: float = 0.1
-    """Loss of the joint stage's last epoch from which on it need not begin again."""
+    """Loss of the joint stage's last epoch below which no further attempt is needed."""
     simulator: StageConfig = field(default_factory=lambda: StageConfig(600, 5e-3, batch=256))
-    """The action module alone, on the model's own attention."""
+    """Only the action module, on the model's own attention."""
 
 
 class Lesson(NamedTuple):
@@ -89,7 +89,7 @@ LessonLoss = Callable[[Baseline, Lesson, Array, BaselineConfig], Array]
 
 
 def lessons(data: TrainingSet, words: StepWords, chosen: np.ndarray) -> Lesson:
-    """The chosen episodes with a leading axis, and no more steps than they have."""
+    """The chosen episodes with a leading axis, and as many steps as they have."""
     steps = int(words.count[chosen].max(initial=1))
     return Lesson(
         jnp.asarray(words.tokens[chosen, :steps]),
@@ -101,7 +101,7 @@ def lessons(data: TrainingSet, words: StepWords, chosen: np.ndarray) -> Lesson:
 
 
 def untrained(words: tuple[str, ...], data: TrainingSet, seed: int) -> Baseline:
-    """A random model that knows the scale of the data's locations."""
+    """A random model with the scale of the data's locations."""
     mean, scale = data.location_statistics()
     return eqx.tree_at(
         lambda m: (m.simulator.location_mean, m.simulator.location_scale),
@@ -111,7 +111,7 @@ def untrained(words: tuple[str, ...], data: TrainingSet, seed: int) -> Baseline:
 
 
 def pairs_loss(model: Baseline, lesson: Lesson, objects: Array, config: BaselineConfig) -> Array:
-    """Soft minimum over both arguments of a command of one step; object embeddings `[M, 64]`."""
+    """Soft minimum over both arguments of a one-step command; object embeddings `[M, 64]`."""
     scene = lesson.scene
     meaning = model.understand(lesson.tokens, lesson.length, objects, scene.present)
     action, *attention = (one[0] for one in meaning)
@@ -140,7 +140,7 @@ def attention_stage(
     lookup: Lookup,
     lesson_loss: LessonLoss,
 ) -> Stage:
-    """Everything is trained, on varied crops."""
+    """A stage that trains everything, on augmented crops."""
 
     def loss(
         model: Baseline, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
@@ -155,7 +155,7 @@ def attention_stage(
 
 
 def simulator_stage(config: BaselineConfig, lesson: Lesson, meaning: Meaning) -> Stage:
-    """The action module on what the rest of the model makes of the lessons."""
+    """A stage that trains the action module on the rest of the model's output."""
 
     def rollout(model: Baseline, lesson: Lesson, meaning: Meaning) -> Array:
         scene = lesson.scene
@@ -180,10 +180,10 @@ def _understand(model: Baseline, lesson: Lesson, crops: Array) -> Meaning:
 
 
 def understand(model: Baseline, data: TrainingSet, words: StepWords) -> Meaning:
-    """What the model makes of every command, with a leading axis."""
+    """The model's meaning of every command, with a leading axis."""
     parts = []
     for start in range(0, len(data), CHUNK):
-        # Of one size, so that it is compiled once.
+        # Always the same size, so that it is compiled once.
         chosen = np.arange(start, start + CHUNK).clip(max=len(data) - 1)
         lesson = lessons(data, words, chosen)
         found = _understand(model, lesson, jnp.asarray(data.crops[data.crop_of[chosen]]))
@@ -200,10 +200,12 @@ def train(
     seed: int,
     quiet: bool = False,
 ) -> Baseline:
-    """Train from the start; the same seed gives the same weights."""
+    """Trains from the start; the same seed gives the same weights."""
     single = np.flatnonzero(words.count == 1)
     if len(single) == 0:
-        raise TrainingError("baseline: no command of one step in the training data")
+        raise TrainingError(
+            "baseline: no one-step commands in the training data: generate more episodes"
+        )
     first, every = (lessons(data, words, chosen) for chosen in (single, np.arange(len(data))))
     common, attempts = lookup(data), []
     attention = (
@@ -231,7 +233,7 @@ def _fit(
     number: int,
     quiet: bool,
 ) -> tuple[Baseline, float]:
-    """Returns the mean loss of the last epoch too."""
+    """Trains one stage; also returns the mean loss of the last epoch."""
     fit = Fit(stage, trains, seed, number)
     state, loss = fit.start(model), np.inf
     with tqdm(total=stage.config.epochs, desc=f"{stage.name:>10}", disable=quiet) as bar:

@@ -1,4 +1,4 @@
-"""Sentences as the baseline sees them: cut into steps, every word a token."""
+"""Converts sentences for the baseline: split into steps, with every word as a token."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from nsrm_harness.learning.dataset import roomy
 
 
 def vocabulary(domain: Domain) -> tuple[str, ...]:
-    """All words of the domain, those of the lexicon among them; the group token is none."""
+    """All words of the domain, including the lexicon, without the group token."""
     return (*domain.vocabulary()[1:], *domain.lexicon())
 
 
 @dataclass(frozen=True)
 class StepWords:
-    """The words of N commands, S steps at most, T words in each at most."""
+    """The words of N commands, with at most S steps and T words in each."""
 
     tokens: np.ndarray
     """Rows of the embeddings, int32 `[N, S, T]`, right-padded with row 0; T is `roomy`."""
     length: np.ndarray
-    """Number of words of each step, int32 `[N, S]`; 0 where there is no step."""
+    """Number of words of each step, int32 `[N, S]`; 0 for missing steps."""
     count: np.ndarray
     """Number of steps, int32 `[N]`."""
 
@@ -34,7 +34,7 @@ class StepWords:
     def of(
         cls, words: Sequence[str], sentences: Sequence[str], ends: Sequence[Sequence[int]]
     ) -> StepWords:
-        """Cut each sentence at its `ends`, in characters; `words` in the embeddings' order."""
+        """Splits each sentence at its `ends`, in characters; `words` in the embeddings' order."""
         row = {word: index for index, word in enumerate(words)}
         cut = [
             [_rows(row, part) for part in parts(sentence, at)]
@@ -52,12 +52,13 @@ class StepWords:
 
 
 def parts(sentence: str, ends: Sequence[int]) -> list[str]:
-    """A sentence cut at `ends`; what joins two steps goes to the second."""
+    """A sentence split at `ends`; connectives belong to the later step."""
     return [sentence[start:end] for start, end in zip([0, *ends[:-1]], ends, strict=True)]
 
 
 def read_ends(path: Path) -> list[list[int]]:
-    """Where each step of each sentence of an episode file ends: all that is read of the truth."""
+    """The ends of the steps of all sentences in an episode file, the only ground
+    truth that is read."""
     with GroundTruth(path) as judge:
         return [[step.end for step in judge.truth(index).steps] for index in range(len(judge))]
 
