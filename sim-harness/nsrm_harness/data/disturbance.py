@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from nsrm_harness.geometry.camera import Camera
-from nsrm_harness.geometry.pose import Quaternion, Vector3
+from nsrm_harness.geometry.pose import Pose, Vector3
 from nsrm_harness.simulation.blocks import Block
 from nsrm_harness.simulation.render import Frame, Light
 
@@ -39,10 +39,11 @@ class Disturbance:
         shift = rng.uniform(-1.0, 1.0, 3) * self.camera_m
         axis = rng.normal(size=3)
         axis /= np.linalg.norm(axis)
-        angle = math.radians(float(rng.uniform(-1.0, 1.0)) * self.camera_deg)
-        x, y, z = (float(value) for value in np.add(camera.position, shift))
-        turn = _about(axis, angle)
-        return replace(camera, position=(x, y, z), orientation=_times(turn, camera.orientation))
+        angle_deg = float(rng.uniform(-1.0, 1.0)) * self.camera_deg
+        x, y, z, w = map(float, Rotation.from_rotvec(angle_deg * axis, degrees=True).as_quat())
+        turned = Pose((0.0, 0.0, 0.0), (x, y, z, w)) @ camera.pose
+        position = _three(np.add(camera.position, shift))
+        return replace(camera, position=position, orientation=turned.orientation)
 
     def lit(self, light: Light, rng: np.random.Generator) -> Light:
         """The changed light."""
@@ -68,23 +69,6 @@ class Disturbance:
 
 
 UNDISTURBED = Disturbance()
-
-
-def _about(axis: NDArray[np.float64], angle: float) -> Quaternion:
-    x, y, z = (float(value) * math.sin(angle / 2) for value in axis)
-    return (x, y, z, math.cos(angle / 2))
-
-
-def _times(a: Quaternion, b: Quaternion) -> Quaternion:
-    """The product of two rotations: `b`, then `a`."""
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
 
 
 def _three(values: NDArray[np.float64]) -> Vector3:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 from nsrm_harness.geometry.pose import Pose, Quaternion, Vector3
 
@@ -52,9 +52,10 @@ class Camera:
             raise ValueError("a camera that looks straight up or down has no upright direction")
         right /= np.linalg.norm(right)
         down = np.cross(forward, right)
-        orientation = _quaternion(np.column_stack([right, down, forward]))
+        axes = Rotation.from_matrix(np.column_stack([right, down, forward]))
+        x, y, z, w = map(float, axes.as_quat())
         return Camera(
-            width, height, focal_px, focal_px, width / 2, height / 2, position, orientation
+            width, height, focal_px, focal_px, width / 2, height / 2, position, (x, y, z, w)
         )
 
     @property
@@ -131,25 +132,3 @@ def linear_depth(buffer: NDArray[np.float32]) -> NDArray[np.float32]:
     """Converts a depth buffer's values in 0..1 to metres along the optical axis."""
     depth = FAR_M * NEAR_M / (FAR_M - (FAR_M - NEAR_M) * buffer.astype(np.float64))
     return depth.astype(np.float32)
-
-
-def _quaternion(rotation: NDArray[np.float64]) -> Quaternion:
-    """Shepperd's method: divides by the largest of the four components."""
-    m = rotation
-    trace = float(np.trace(m))
-    squares = [m[0, 0], m[1, 1], m[2, 2], trace]
-    largest = int(np.argmax(squares))
-    size = math.sqrt(1.0 - trace + 2.0 * squares[largest]) if largest < 3 else math.sqrt(1 + trace)
-    q = [0.0, 0.0, 0.0, 0.0]
-    q[largest] = size / 2
-    if largest == 3:
-        q[0] = (m[2, 1] - m[1, 2]) / (2 * size)
-        q[1] = (m[0, 2] - m[2, 0]) / (2 * size)
-        q[2] = (m[1, 0] - m[0, 1]) / (2 * size)
-    else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        q[j] = (m[j, i] + m[i, j]) / (2 * size)
-        q[k] = (m[k, i] + m[i, k]) / (2 * size)
-        q[3] = (m[k, j] - m[j, k]) / (2 * size)
-    x, y, z, w = (float(value) for value in q)
-    return (x, y, z, w)

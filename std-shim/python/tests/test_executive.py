@@ -151,7 +151,8 @@ def test_a_cancelled_sentence_stops_the_controller(model: nsrm.Model) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lose", "kind"), [("on_controller_lost", "controller_lost"), ("on_command_undelivered", "not_accepted")]
+    ("lose", "kind"),
+    [("on_controller_lost", "controller_lost"), ("on_command_undelivered", "not_accepted")],
 )
 def test_a_controller_that_is_gone_is_told_of(model: nsrm.Model, lose: str, kind: str) -> None:
     world = World(model)
