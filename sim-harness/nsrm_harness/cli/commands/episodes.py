@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 from tqdm import tqdm
@@ -18,13 +19,13 @@ from nsrm_harness.cli.commands.options import (
     Values,
     domain_option,
     jobs_option,
+    negated,
     ray_option,
     seed_option,
     workers_of,
 )
 from nsrm_harness.common.workers import Workers
 from nsrm_harness.data.demonstrator import describe
-from nsrm_harness.data.disturbance import Disturbance
 from nsrm_harness.data.generate import SPLITS, Settings, ShardProgress, generate
 from nsrm_harness.simulation.render import KINDS
 
@@ -58,28 +59,22 @@ from nsrm_harness.simulation.render import KINDS
     help="Differences from training, such as camera_m=0.01,camera_deg=1,light=0.1,color=0.1,"
     "depth_m=0.001; the scenes are the same at all sizes.",
 )
-@click.option("--fixed-light", is_flag=True, help="Use the same light in all episodes.")
+@click.option(
+    "--fixed-light",
+    "vary_light",
+    is_flag=True,
+    callback=negated,
+    help="Use the same light in all episodes.",
+)
 @click.option(
     "--no-final-images",
+    "final_image",
     is_flag=True,
+    callback=negated,
     help="Omit the images of final scenes, which are only for people: a quarter faster.",
 )
 def command(
-    split: str,
-    count: int | None,
-    domain_path: Path,
-    out: Path | None,
-    seed: int,
-    jobs: int,
-    ray: str | None,
-    steps: tuple[int, int] | None,
-    objects: tuple[int, int] | None,
-    attributes: tuple[int, int] | None,
-    exclude: tuple[tuple[str, ...], ...],
-    renderer: str,
-    disturbance: Disturbance | None,
-    fixed_light: bool,
-    no_final_images: bool,
+    split: str, domain_path: Path, out: Path | None, jobs: int, ray: str | None, **changes: Any
 ) -> None:
     """Generate a file of demonstrations: initial scene, sentence, final scene.
 
@@ -87,20 +82,9 @@ def command(
     file, byte for byte.
     """
     domain = domains.load(domain_path)
-    default = SPLITS[split]
-    settings = replace(
-        default,
-        count=count or default.count,
-        steps=steps or default.steps,
-        objects=objects or default.objects,
-        attributes=attributes or default.attributes,
-        exclude=exclude,
-        vary_light=not fixed_light,
-        final_image=not no_final_images,
-        disturbance=disturbance or default.disturbance,
-        renderer=renderer,
-        seed=seed,
-    )
+    # Options that are called like a setting, where they are given, come before the split's.
+    given = {name: value for name, value in changes.items() if value is not None}
+    settings = replace(SPLITS[split], **given)
     path = out or Path("data") / domain.name / f"{split}.h5"
     with workers_of(jobs, ray) as workers:
         _generate(settings, domain, path, workers)

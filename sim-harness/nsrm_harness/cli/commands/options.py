@@ -109,6 +109,11 @@ ray_option = click.option(
 quiet_option = click.option("--quiet", is_flag=True, help="Show no progress bar.")
 
 
+def negated(ctx: click.Context, param: click.Parameter, value: bool) -> bool:
+    """The callback of a flag that turns off what its parameter turns on."""
+    return not value
+
+
 def out_option(default: str, help_text: str) -> Callable[[FC], FC]:
     """Option for the folder of the results."""
     return click.option(
