@@ -1,1 +1,1 @@
-"""The tabletop in PyBullet: blocks, physics, the Panda, renderers."""
+"""Simulates the tabletop in PyBullet: blocks, physics, the Panda, renderers."""

@@ -1,4 +1,4 @@
-"""The Franka Panda of PyBullet's data: where its links are and how they look."""
+"""The Franka Panda from PyBullet's data: poses and meshes of its links."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.bullet import connect_direct, pybullet
 
 REST_JOINTS_RAD: tuple[float, ...] = tuple(READY_RAD.tolist())
-"""The hand is 0.49 m above the table at x = 0.31, out of the camera's view of the work space."""
+"""The hand is 0.49 m above the table at x = 0.31, outside the camera's view of the workspace."""
 
 FINGER_REST_M = MAX_OPENING_M / 2
-"""Each finger's distance from the middle: open."""
+"""Distance of each open finger from the middle."""
 
 BASE_LINK = "panda_link0"
 
 
 @dataclass(frozen=True, eq=False)
 class LinkVisual:
-    """What is drawn for one link: meshes in the link's frame."""
+    """The visual of one link: meshes in the link's frame."""
 
     link: str
     meshes: tuple[Mesh, ...]
     center: np.ndarray
-    """Middle of the bounding sphere `[3]`, in the link's frame, metres."""
+    """Centre of the bounding sphere `[3]`, in the link's frame, metres."""
     radius_m: float
 
 
 @lru_cache(maxsize=1)
 def link_visuals() -> tuple[LinkVisual, ...]:
-    """The visual meshes named in the URDF, loaded once a process."""
+    """The visual meshes named in the URDF, loaded once per process."""
     visuals = []
     for link in ElementTree.parse(URDF).getroot().iter("link"):
         meshes: list[Mesh] = []
@@ -54,13 +54,13 @@ def link_visuals() -> tuple[LinkVisual, ...]:
 
 
 def _placed(mesh: Mesh, origin: ElementTree.Element | None) -> Mesh:
-    """The mesh in the link's frame; this URDF only ever turns a visual about z."""
+    """The mesh in the link's frame; this URDF rotates visuals only about z."""
     if origin is None:
         return mesh
     offset = np.array([float(v) for v in origin.get("xyz", "0 0 0").split()], np.float32)
     roll, pitch, yaw = (float(v) for v in origin.get("rpy", "0 0 0").split())
     if roll or pitch:
-        raise ValueError(f"{URDF}: a visual is turned about x or y, which is not read")
+        raise ValueError(f"{URDF}: a visual is rotated about x or y, which is not supported")
     turn = np.array(
         [[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]], np.float32
     )
@@ -71,7 +71,7 @@ def _placed(mesh: Mesh, origin: ElementTree.Element | None) -> Mesh:
 def rest_links() -> tuple[tuple[str, Pose], ...]:
     """The frame of each link in the world, by name, when the arm is at rest.
 
-    Computed once a process, in a client of its own that is closed again.
+    Computed once per process, in a separate client that is then closed.
     """
     client = connect_direct()
     try:

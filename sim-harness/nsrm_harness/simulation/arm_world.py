@@ -1,4 +1,4 @@
-"""The tabletop with an arm that has motors, and moves blocks by touching them alone."""
+"""The tabletop with a motorised arm, which moves blocks only by contact."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ TABLE = "table"
 
 
 Touching = int | str
-"""A block by its number; the arm's links and the table by name."""
+"""A body in contact: a block by number, the arm's links and the table by name."""
 
 
 class Contact(NamedTuple):
-    """Two that push against each other, in the order of what they are called."""
+    """Two bodies that push against each other, sorted by name."""
 
     one: Touching
     other: Touching
@@ -31,15 +31,15 @@ class Contact(NamedTuple):
 
 
 def called(it: Touching) -> str:
-    """One that touches, for people."""
+    """The name of a body in contact, for people."""
     return f"block {it}" if isinstance(it, int) else it
 
 
 class ArmWorld(World):
-    """As `World`, but the arm stands in its physics, and is moved by its motors; it is the body
-    that `nsrm_harness.manipulation` drives.
+    """A `World` whose arm is part of the physics and moved by motors; it implements the robot
+    interface of `nsrm_harness.manipulation`.
 
-    * `on_tick`: is called before each step of physics that the arm waits for
+    * `on_tick`: called before each physics step for which the arm waits
     """
 
     def __init__(self, on_tick: Callable[[], None] = lambda: None) -> None:
@@ -53,15 +53,15 @@ class ArmWorld(World):
 
     @property
     def tick_s(self) -> float:
-        """Between two ticks."""
+        """Time between two ticks."""
         return TIME_STEP_S
 
     def drive(self, joints: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
-        """What the joints follow, rad and rad/s, from the next tick on."""
+        """Sets the target of the joints, rad and rad/s, from the next tick on."""
         self._arm.drive(joints, speeds)
 
     def grip(self, opening_m: float, force_n: float) -> None:
-        """Where the fingers go with at most this force, from the next tick on."""
+        """Sets the target opening of the fingers and their largest force, from the next tick on."""
         self._arm.grip(opening_m, force_n)
 
     def joints(self) -> NDArray[np.float64]:
@@ -69,11 +69,11 @@ class ArmWorld(World):
         return self._arm.joints()
 
     def opening_m(self) -> float:
-        """Between the fingers."""
+        """Opening between the fingers."""
         return self._arm.opening_m()
 
     def tick(self) -> None:
-        """A step of physics."""
+        """Advances the physics by one step."""
         self.on_tick()
         self._set_global_parameters()
         self._step()
@@ -83,7 +83,7 @@ class ArmWorld(World):
         return self._arm.links()
 
     def contacts(self, *block_ids: int) -> set[Contact]:
-        """What pushes against the arm or these blocks now."""
+        """Current contacts of the arm and of these blocks."""
         names: dict[int, Touching] = {body: number for number, body in self._bodies.items()}
         names[self._table] = TABLE
         points = [

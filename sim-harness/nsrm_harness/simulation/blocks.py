@@ -1,4 +1,4 @@
-"""Blocks: what a domain's attribute values say about shape and colour."""
+"""Blocks: shapes and colours from a domain's attribute values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from nsrm_harness.domain import Domain
 
 STUD_HEIGHT_M = 0.004
-"""The studs are the topmost part of a block's height."""
+"""Height of the studs, the topmost part of a block's height."""
 
 DEFAULT_EDGES_M: Vector3 = (0.04, 0.04, 0.04)
 DEFAULT_RGB: Vector3 = (0.6, 0.6, 0.6)
@@ -22,7 +22,7 @@ DEFAULT_RGB: Vector3 = (0.6, 0.6, 0.6)
 
 @dataclass(frozen=True)
 class Block:
-    """One block, wherever it stands.
+    """A block, without a pose.
 
     * `attributes`: value of each attribute type, in the domain's order
     * `edges_m`: length along x, y, z, studs included
@@ -37,12 +37,12 @@ class Block:
 
     @property
     def values(self) -> dict[str, str]:
-        """Attribute type to value."""
+        """Values by attribute type."""
         return dict(self.attributes)
 
 
 def block_from_attributes(domain: Domain, attributes: Mapping[str, str]) -> Block:
-    """The block that has these values: properties of later attribute types win.
+    """The block with these values; properties of later attribute types win.
 
     Raises `KeyError` for an attribute type that is missing or unknown, and for a
     value that the domain does not have.

@@ -1,4 +1,4 @@
-"""PyBullet, without what it prints when it is imported and when it connects."""
+"""Connects to PyBullet without its output on import and on connecting."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 @contextlib.contextmanager
 def silenced() -> Iterator[None]:
-    """Sends file descriptors 1 and 2 to nowhere: the prints come from C."""
+    """Redirects file descriptors 1 and 2 to nowhere, because the output comes from C."""
     sys.stdout.flush()
     sys.stderr.flush()
     saved = [os.dup(1), os.dup(2)]
@@ -31,7 +31,7 @@ with silenced():
     import pybullet_data
 
 DATA_PATH = pybullet_data.getDataPath()
-"""Folder of the models that come with PyBullet."""
+"""Folder of the models shipped with PyBullet."""
 
 
 def connect_direct() -> int:
@@ -39,5 +39,5 @@ def connect_direct() -> int:
     with silenced():
         client = pybullet.connect(pybullet.DIRECT)
     if client < 0:
-        raise RuntimeError("PyBullet gave no client: too many are open in this process")
+        raise RuntimeError("PyBullet cannot open another client: too many are open in this process")
     return client

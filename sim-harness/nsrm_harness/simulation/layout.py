@@ -1,4 +1,4 @@
-"""Where blocks stand at the start: in reach, apart, seen by the camera."""
+"""Samples initial poses of blocks: within reach, apart, and seen by the camera."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Space:
     max: Vector3
 
     def contains(self, position: Vector3) -> bool:
-        """Whether the point lies inside or on the border."""
+        """Whether the point lies inside or on the boundary."""
         return all(
             low <= value <= high
             for low, value, high in zip(self.min, position, self.max, strict=True)
@@ -35,26 +35,26 @@ class Space:
 
 
 WORK_SPACE = Space((0.35, -0.25, 0.0), (0.65, 0.25, 0.18))
-"""Where block centres may be: the arm reaches every point of it from above at any
-yaw, and the default camera sees every block in it whole."""
+"""Workspace of block centres: the arm reaches every point of it from above at any yaw, and the
+default camera sees every block in it completely."""
 
 PLACEMENT_SPACE = WORK_SPACE.shrunk(0.01)
-"""Where blocks are put on purpose: an estimate that is off by a few millimetres
-still lies inside the work space."""
+"""Where blocks are placed on purpose: an estimate with an error of a few millimetres is still
+inside the workspace."""
 
 MAX_YAW_RAD = math.radians(10.0)
 CLEARANCE_M = 0.012
-"""Least gap between two blocks at the start."""
+"""Smallest initial gap between two blocks."""
 
 MAX_TRIES = 2000
 
 
 class LayoutError(HarnessError):
-    """No place was found for a block in a bounded number of tries."""
+    """No place for a block was found in a bounded number of tries."""
 
 
 Corners = tuple[tuple[float, float], ...]
-"""Of a convex shape as seen from above, x and y in metres, counter-clockwise."""
+"""Corners of a convex shape seen from above, x and y in metres, counter-clockwise."""
 
 
 @lru_cache(maxsize=4096)
@@ -73,19 +73,19 @@ def footprint(block: Block, pose: Pose) -> Corners:
 def apart(a: Corners, b: Corners, gap_m: float) -> bool:
     """Whether a straight strip at least `gap_m` wide separates two convex shapes.
 
-    Separating axes of the edges only: two corners that face each other count as
-    closer than they are, never as farther.
+    It tests only the edges' separating axes: two corners facing each other may count as closer than
+    they are, never as farther.
     """
-    # Planning asks this thousands of times an episode: arrays of four rows would cost more than
-    # what is computed on them.
+    # Planning calls this thousands of times per episode: arrays with four rows would cost more than
+    # the computation.
     return _edge_parts(a, b, gap_m) or _edge_parts(b, a, gap_m)
 
 
 def _edge_parts(own: Corners, other: Corners, gap_m: float) -> bool:
-    """Whether the strip along one of the edges of `own` has all of `other` beyond it."""
+    """Whether all of `other` is beyond a strip along one of the edges of `own`."""
     x0, y0 = own[-1]
     for x1, y1 in own:
-        # The outward normal of an edge of a shape whose corners go counter-clockwise.
+        # The outward normal of an edge of a shape with counter-clockwise corners.
         nx, ny = y1 - y0, x0 - x1
         length = math.hypot(nx, ny)
         if min(nx * (x - x0) + ny * (y - y0) for x, y in other) >= gap_m * length:
@@ -103,10 +103,10 @@ def sample_layout(
     clearance_m: float = CLEARANCE_M,
     max_yaw_rad: float = MAX_YAW_RAD,
 ) -> list[Pose]:
-    """A place on the table for each block, in order: uniform in `space`, yaw within
+    """Samples a pose on the table for each block, in order: uniform in `space`, yaw within
     `max_yaw_rad`, at least `clearance_m` between any two.
 
-    * `around`: what has its place already
+    * `around`: footprints that are already taken
 
     Raises `LayoutError` after `MAX_TRIES` draws.
     """
@@ -117,7 +117,7 @@ def sample_layout(
         if tries == MAX_TRIES:
             raise LayoutError(
                 f"no place for block {len(poses) + 1} of {len(blocks)} after {MAX_TRIES} tries: "
-                f"fewer blocks, or a work space larger than {space.min} to {space.max} m"
+                f"use fewer blocks, or a workspace larger than {space.min} to {space.max} m"
             )
         tries += 1
         block = blocks[len(poses)]

@@ -1,4 +1,4 @@
-"""The Panda in the world's physics: motors in its joints, fingers that hold by friction."""
+"""The Panda in the world's physics: motors in its joints, and fingers that hold by friction."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from nsrm_harness.simulation.arm import BASE_LINK, FINGER_REST_M, REST_JOINTS_RA
 from nsrm_harness.simulation.bullet import pybullet
 
 POSITION_GAIN, SPEED_GAIN = 0.3, 1.0
-"""Of the motors' control, in each step."""
+"""Gains of the motors' controller in each step."""
 FINGER_FRICTION = 1.0
-"""Of a finger's pad; with that of a block: 0.6 (docs/arm)."""
+"""Friction of a finger's pad; 0.6 on a block (docs/arm)."""
 SPINNING_FRICTION, ROLLING_FRICTION = 0.005, 0.0001
 GEAR_ERP, GEAR_FORCE_N = 0.1, 50.0
-"""Of what keeps the two fingers equally far from the middle, as one motor moves both."""
+"""Parameters of the constraint that couples the two fingers, since one motor moves both."""
 
 
 class MovingArm:
-    """One arm in a client of PyBullet, at rest and open at first."""
+    """An arm in a PyBullet client, initially at rest with open fingers."""
 
     def __init__(self, client: int) -> None:
         self._client = client
@@ -59,7 +59,7 @@ class MovingArm:
         self.grip(panda.MAX_OPENING_M, panda.GRIP_N)
 
     def drive(self, joints: NDArray[np.float64], speeds: NDArray[np.float64]) -> None:
-        """Has the motors hold these angles and speeds, rad and rad/s, from the next step on."""
+        """Sets the motors' target angles and speeds, rad and rad/s, from the next step on."""
         pybullet.setJointMotorControlArray(
             self._body,
             self._joints,
@@ -73,7 +73,7 @@ class MovingArm:
         )
 
     def grip(self, opening_m: float, force_n: float) -> None:
-        """Has the fingers move to this opening with at most this force, from the next step on."""
+        """Sets the target opening and largest force of the fingers, from the next step on."""
         for finger in self._fingers:
             pybullet.setJointMotorControl2(
                 self._body,
@@ -86,7 +86,7 @@ class MovingArm:
             )
 
     def rub(self, share: float) -> None:
-        """Has the fingers' pads rub so much less than rubber: 1 is as rubber, 0 is not at all."""
+        """Scales the friction of the fingers' pads: 1 is that of rubber, 0 none."""
         for finger in self._fingers:
             pybullet.changeDynamics(
                 self._body,
@@ -103,16 +103,16 @@ class MovingArm:
         return np.array([state[0] for state in states])
 
     def opening_m(self) -> float:
-        """Between the fingers."""
+        """Opening between the fingers."""
         states = pybullet.getJointStates(self._body, self._fingers, physicsClientId=self._client)
         return float(sum(state[0] for state in states))
 
     def contact_points(self) -> Sequence[tuple[Any, ...]]:
-        """PyBullet's, of the arm with anything."""
+        """PyBullet's contact points of the arm with any body."""
         return pybullet.getContactPoints(bodyA=self._body, physicsClientId=self._client)
 
     def link_name(self, index: int) -> str:
-        """Of a link by PyBullet's index."""
+        """The name of a link by PyBullet's index."""
         return self._names.get(index, BASE_LINK)
 
     def links(self) -> dict[str, Pose]:

@@ -1,4 +1,4 @@
-"""Boxes and depths read off the renderer's segmentation mask, which stands in for a detector."""
+"""Boxes and depths from the renderer's segmentation mask, as a substitute for a detector."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from nsrm_harness.simulation.world import World
 
 @dataclass(frozen=True, eq=False)
 class SegmentedObjects:
-    """Where a detector finds the blocks.
+    """The visible blocks, as from a detector.
 
-    * `ids`: of the blocks seen, rising; a hidden block is missing
+    * `ids`: ids of the visible blocks, ascending; hidden blocks are missing
     * `boxes`: `float32 [N, 4]`, x1, y1, x2, y2 as fractions of width and height
     * `depths`: `float32 [N]`, mean depth over the block's visible pixels, metres
     """
@@ -26,14 +26,14 @@ class SegmentedObjects:
     depths: NDArray[np.float32]
 
     def location(self, block_id: int) -> NDArray[np.float32]:
-        """Box corners and mean depth `[5]` of a block that is seen."""
+        """Box corners and mean depth `[5]` of a visible block."""
         row = self.ids.index(block_id)
         return np.append(self.boxes[row], self.depths[row])
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentedImage(SegmentedObjects):
-    """What a camera with a detector gives: no simulator truth beyond the boxes' ids.
+    """The output of a camera with a detector: no ground truth except the boxes' ids.
 
     * `rgb`: `uint8 [H, W, 3]`; `depth`: `float32 [H, W]`, metres along the optical axis
     """
@@ -45,19 +45,18 @@ class SegmentedImage(SegmentedObjects):
 def render_segmented(
     renderer: Renderer, world: World, camera: Camera, light: Light
 ) -> SegmentedImage:
-    """Takes a picture and reads boxes and depths off the segmentation mask, which
-    stands in for a detector."""
+    """Renders an image and reads boxes and depths from its segmentation mask."""
     return segmented_image(renderer.render(world, camera, light))
 
 
 def segmented_image(frame: Frame) -> SegmentedImage:
-    """What is seen in a picture that was taken."""
+    """The visible blocks in a rendered image."""
     found = segmented_objects(frame)
     return SegmentedImage(found.ids, found.boxes, found.depths, frame.rgb, frame.depth)
 
 
 def render_objects(renderer: Renderer, world: World, camera: Camera) -> SegmentedObjects:
-    """As `render_segmented`, without the picture's colours."""
+    """Like `render_segmented`, without colours."""
     return segmented_objects(renderer.surfaces(world, camera))
 
 
@@ -65,7 +64,7 @@ def segmented_objects(seen: Surfaces) -> SegmentedObjects:
     """Boxes and mean depths of the ids in the mask."""
     depth, mask = seen.depth, seen.mask
     height, width = mask.shape
-    # Of truth values, NumPy finds those that are not 0 several times as fast as of integers.
+    # NumPy finds nonzero booleans several times as fast as nonzero integers.
     pixels = np.flatnonzero(mask != 0)
     rows, columns = np.divmod(pixels, width)
     found = mask.ravel()[pixels]

@@ -1,4 +1,4 @@
-"""The simulator as a source of pictures."""
+"""The simulator as a source of images."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from nsrm_harness.simulation.world import World
 
 
 class SimulatedCamera:
-    """A camera that looks at a world; a `CameraSource` on the world's clock."""
+    """A `CameraSource` in a simulated world, with the world's clock."""
 
     def __init__(self, renderer: Renderer, world: World, camera: Camera) -> None:
         self._renderer, self._world, self._camera = renderer, world, camera
 
     @property
     def camera(self) -> Camera:
-        """Its calibration, which is exact."""
+        """The camera's calibration, which is exact."""
         return self._camera
 
     @property
@@ -25,6 +25,6 @@ class SimulatedCamera:
         return self._world.time_s
 
     def take(self) -> RgbdImage:
-        """A picture of the world as it stands now."""
+        """Renders an image of the current world."""
         frame = self._renderer.render(self._world, self._camera, Light())
         return RgbdImage(frame.rgb, frame.depth, self._world.time_s)

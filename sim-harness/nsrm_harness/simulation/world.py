@@ -1,4 +1,4 @@
-"""Physics of the tabletop: blocks are put down, fall, and come to rest."""
+"""The physics of the tabletop: blocks are put down, fall, and come to rest."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ from nsrm_harness.simulation.bullet import connect_direct, pybullet
 TIME_STEP_S = 1.0 / 1000.0
 SOLVER_ITERATIONS = 50
 FRICTION = 0.6
-"""Of each surface. Bullet multiplies those of two that touch: 0.36 between blocks and on the table,
-which is that of dry wood on wood (docs/arm)."""
+"""Friction of each surface. Bullet multiplies the values of two surfaces: 0.36 between blocks and
+on the table, as for dry wood on wood (docs/arm)."""
 BLOCK_DENSITY_KG_M3 = 700.0
-"""That of beech (docs/arm)."""
+"""Density of beech (docs/arm)."""
 CONTACT_BREAKING_M = 0.02
-"""PyBullet's own value. It is global to the process and outlives clients: another
-client may have changed it, so that it is set again before every call that moves a
-block (setting a position alone already makes contacts)."""
+"""PyBullet's default. It is global to the process and outlives clients: another client may have
+changed it, so it is set again before every call that moves a block (even setting a position makes
+contacts)."""
 
 DROP_M = 0.003
-"""How far above its goal a block is let go."""
+"""Height above its goal from which a block is released."""
 
 REST_SPEED_M_S = 1e-3
 REST_TURN_RAD_S = 1e-2
 REST_STEPS = 12
-"""A block is at rest when it stays below both speeds for so many steps."""
+"""A block is at rest if it stays below both speeds for this many steps."""
 MAX_STEPS = 3000
 
 TABLE_LOW: Vector3 = (-0.20, -0.70, -0.04)
 TABLE_HIGH: Vector3 = (1.00, 0.70, 0.0)
-"""The table's top: a slab with its upper face at z = 0."""
+"""The table: a slab with its top face at z = 0."""
 
 GRAVITY_M_S2 = 9.81
 
 
 @dataclass(frozen=True)
 class Settled:
-    """How a settling ended: whether all blocks came to rest, after how many steps."""
+    """The result of settling: whether all blocks came to rest, and the number of steps."""
 
     at_rest: bool
     steps: int
@@ -52,7 +52,7 @@ class Settled:
 
 @dataclass(frozen=True)
 class PlacedBlock:
-    """A block of the world: `id` counts from 1."""
+    """A block in the world; ids count from 1."""
 
     id: int
     block: Block
@@ -60,14 +60,13 @@ class PlacedBlock:
 
 
 class World:
-    """A table, a Panda at rest and blocks, in a PyBullet client of its own.
+    """A table, a Panda at rest and blocks, in a separate PyBullet client.
 
-    The arm stands still, above and behind the work space, where no block can touch
-    it: it is seen, but takes no part in the blocks' physics.
+    The arm stands still, above and behind the workspace, where no block can touch it: it is
+    visible, but not part of the blocks' physics.
 
-    A context manager. Time is counted in steps and nothing is drawn at random, so
-    that the same calls leave the same poses, bit by bit, in any process and after
-    any history.
+    A context manager. Time is counted in steps and nothing is random, so the same calls give the
+    same poses, bit by bit, in any process and after any history.
     """
 
     def __init__(self, *, robot: bool = True) -> None:
@@ -90,18 +89,18 @@ class World:
         self.close()
 
     def close(self) -> None:
-        """Ends the client; the world must not be used afterwards."""
+        """Closes the client; the world must not be used afterwards."""
         if self._client >= 0:
             pybullet.disconnect(physicsClientId=self._client)
             self._client = -1
 
     def spawn(self, blocks: Sequence[Block], poses: Sequence[Pose]) -> None:
-        """Puts blocks in at their poses, at rest; they get the ids 1, 2, … in order.
+        """Adds blocks at their poses, at rest; they get the ids 1, 2, … in order.
 
-        Raises `ValueError` if there are blocks already or the lengths differ.
+        Raises `ValueError` if there already are blocks, or the lengths differ.
         """
         if self._blocks:
-            raise ValueError("the world has blocks already: reset() it first")
+            raise ValueError("the world already has blocks: call reset() first")
         self._set_global_parameters()
         for number, (block, pose) in enumerate(zip(blocks, poses, strict=True), start=1):
             shape = pybullet.createCollisionShape(
@@ -122,13 +121,13 @@ class World:
             self._bodies[number] = body
 
     def reset(self) -> None:
-        """Takes all blocks out; table and robot stay as they were."""
+        """Removes all blocks; table and robot do not change."""
         self._blocks.clear()
         self._bodies.clear()
         self._build()
 
     def place(self, block_id: int, pose: Pose) -> None:
-        """Holds a block `DROP_M` above the goal, at rest; `settle()` lets it go."""
+        """Holds a block `DROP_M` above the goal, at rest; `settle()` releases it."""
         self._set_global_parameters()
         x, y, z = pose.position
         pybullet.resetBasePositionAndOrientation(
@@ -155,22 +154,22 @@ class World:
 
     @property
     def time_s(self) -> float:
-        """Simulated since it was made."""
+        """Simulated time since the world was created."""
         return self._steps * TIME_STEP_S
 
     def pose(self, block_id: int) -> Pose:
-        """Where a block's centre is. Raises `KeyError` for an unknown id."""
+        """The pose of a block's centre. Raises `KeyError` for an unknown id."""
         position, orientation = pybullet.getBasePositionAndOrientation(
             self._body(block_id), physicsClientId=self._client
         )
         return Pose(tuple(position), tuple(orientation))
 
     def poses(self) -> dict[int, Pose]:
-        """Where all blocks are, by id."""
+        """The poses of all blocks by id."""
         return {block_id: self.pose(block_id) for block_id in self._bodies}
 
     def nearest(self, position: ArrayLike) -> tuple[int, float]:
-        """The block whose centre is nearest to a point, and how far it is, metres."""
+        """The block whose centre is closest to a point, and its distance in metres."""
         distance_m, block_id = min(
             (float(np.linalg.norm(np.subtract(pose.position, position))), block_id)
             for block_id, pose in self.poses().items()
@@ -185,7 +184,7 @@ class World:
         )
 
     def slow(self) -> bool:
-        """Whether every block is below both speeds of one at rest."""
+        """Whether every block is below both speed limits of a block at rest."""
         for body in self._bodies.values():
             (vx, vy, vz), (wx, wy, wz) = pybullet.getBaseVelocity(
                 body, physicsClientId=self._client
@@ -228,8 +227,8 @@ class World:
         )
 
     def _build(self) -> None:
-        """An empty table, in an engine without history: bodies that were taken out
-        would leave traces in the order in which contacts are solved."""
+        """Builds an empty table in a fresh engine: removed bodies would leave traces in the order
+        in which contacts are solved."""
         pybullet.resetSimulation(physicsClientId=self._client)
         pybullet.setGravity(0, 0, -GRAVITY_M_S2, physicsClientId=self._client)
         pybullet.setPhysicsEngineParameter(

@@ -1,7 +1,7 @@
-"""Pictures of a world: colour, depth and block ids, behind one interface.
+"""Renders images of a world: colour, depth and block ids, with one interface.
 
-Two renderers draw the same scene (`scene`) under the same light model: OpenGL
-(`gl`, fast, needs libEGL) and PyBullet's own (`tiny`, needs nothing).
+Two renderers draw the same scene (`scene`) with the same light model: OpenGL (`gl`, fast, needs
+libEGL) and PyBullet's own (`tiny`, no dependencies).
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ __all__ = [
 
 
 class RendererError(HarnessError):
-    """No renderer of the kind asked for can run here."""
+    """The requested renderer cannot run here."""
 
 
 class Renderer(Protocol):
-    """Draws worlds. The same calls give the same bytes on the same machine."""
+    """Renders worlds. The same calls give the same bytes on the same machine."""
 
     @property
     def name(self) -> str:
@@ -46,28 +46,28 @@ class Renderer(Protocol):
 
     @property
     def description(self) -> str:
-        """What draws, with its version, for the record."""
+        """Name and version of the rendering library, for records."""
         ...
 
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
-        """A picture of the world as it stands now."""
+        """Renders the current world."""
         ...
 
     def surfaces(self, world: World, camera: Camera) -> Surfaces:
-        """The same picture without its colours, for less than half of the work."""
+        """Renders the same image without colours, with less than half of the work."""
         ...
 
     def close(self) -> None:
-        """Frees what it holds; it must not be used afterwards."""
+        """Frees its resources; it must not be used afterwards."""
         ...
 
 
 def open_renderer(kind: str = "auto") -> Renderer:
-    """The renderer of that kind: "gl", "pybullet", or "auto".
+    """Opens a renderer: "gl", "pybullet", or "auto".
 
-    "auto" is what the environment variable `NSRM_RENDERER` names, else OpenGL where
-    a context can be made, else PyBullet's. Raises `RendererError` for an unknown
-    kind and where OpenGL was asked for by name and cannot run.
+    "auto" is the one named by the environment variable `NSRM_RENDERER`, otherwise OpenGL if a
+    context can be created, otherwise PyBullet's. Raises `RendererError` for an unknown kind, and if
+    OpenGL is requested by name but cannot run.
     """
     chosen = kind
     if kind == "auto":

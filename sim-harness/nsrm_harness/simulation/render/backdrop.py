@@ -1,8 +1,8 @@
-"""Table and floor by arithmetic: what a camera sees where nothing stands.
+"""Computes the view of the empty table and floor.
 
-TinyRenderer spends most of its time on triangles that fill the image. Behind the
-bodies that it draws, each pixel's ray is cut with the table's slab and the floor
-instead; the result is that of the meshes in `scene.surroundings`.
+TinyRenderer spends most of its time on triangles that fill the image. So behind the bodies that it
+draws, each pixel's ray is intersected with the table's slab and the floor instead; the result
+equals that of the meshes in `scene.surroundings`.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _NOTHING, _FLOOR, _TABLE = 0, 1, 2
 class Backdrop:
     """One camera's view of the empty table.
 
-    * `surface`: `uint8 [H, W]`, what each pixel's centre shows, an index of `_SURFACES`
+    * `surface`: `uint8 [H, W]`, the surface at each pixel's centre, an index of `_SURFACES`
     * `depth`: `float32 [H, W]`, metres along the optical axis, `FAR_M` for nothing
     """
 
@@ -47,7 +47,7 @@ class Backdrop:
     depth: NDArray[np.float32]
 
     def rgb(self, light: Light) -> NDArray[np.uint8]:
-        """The picture `[H, W, 3]` under that light."""
+        """The image `[H, W, 3]` in this light."""
         palette = [np.multiply(color, light.shade(normal)) for color, normal in _SURFACES]
         shades = np.clip(np.rint(255 * np.array(palette)), 0, 255).astype(np.uint8)
         return shades[self.surface]
@@ -55,7 +55,7 @@ class Backdrop:
 
 @lru_cache(maxsize=8)
 def backdrop(camera: Camera) -> Backdrop:
-    """Computed once for each camera."""
+    """The backdrop of a camera, computed once per camera."""
     columns, rows = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
     local = np.stack(
         [

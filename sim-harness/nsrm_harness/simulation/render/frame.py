@@ -1,4 +1,4 @@
-"""What a renderer gives."""
+"""The output of a renderer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """What is seen where, without colours; row 0 is the top.
+    """The visible surfaces, without colours; row 0 is the top.
 
     * `depth`: `float32 [H, W]`, metres along the optical axis, at the pixels' centres
     * `mask`: `int32 [H, W]`, id of the block at the pixel's centre, 0 for none
@@ -22,7 +22,7 @@ class Surfaces:
 
 @dataclass(frozen=True, eq=False)
 class Frame(Surfaces):
-    """One picture, three ways; row 0 is the top.
+    """An image in colour, depth and ids; row 0 is the top.
 
     * `rgb`: `uint8 [H, W, 3]`, anti-aliased
     """

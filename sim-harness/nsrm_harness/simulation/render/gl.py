@@ -1,6 +1,6 @@
-"""OpenGL without a window: moderngl on EGL, in software where there is no GPU.
+"""Renders with OpenGL without a window: moderngl on EGL, in software if there is no GPU.
 
-Two passes: colour with 4 samples a pixel, then id and depth at the pixels' centres.
+It uses two passes: colour with 4 samples per pixel, then id and depth at the pixel centres.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from nsrm_harness.simulation.world import World
 
 SAMPLES = 4
 MAX_MESHES = 256
-"""Meshes that are kept on the GPU's side; those not drawn for the longest go first."""
+"""Largest number of meshes kept on the GPU; the least recently drawn are dropped first."""
 
 _LIBRARY = "libEGL.so.1"
 
@@ -63,20 +63,20 @@ void main() { block = id; }
 
 
 class GlUnavailableError(Exception):
-    """No OpenGL 3.3 context without a window can be made on this machine."""
+    """No OpenGL 3.3 context without a window can be created on this machine."""
 
 
 @lru_cache(maxsize=1)
 def _context() -> Any:
-    """The one context of this process: two would corrupt each other."""
+    """The only context of this process: two would corrupt each other."""
     import moderngl
 
-    # By its file name, which needs no ldconfig; and libEGL in the place of libGL,
-    # which is another package: all functions come from eglGetProcAddress.
+    # By file name, which needs no ldconfig; and libEGL instead of libGL, which is another package:
+    # all functions come from eglGetProcAddress.
     settings: dict[str, Any] = {"backend": "egl", "libegl": _LIBRARY, "libgl": _LIBRARY}
     try:
         return moderngl.create_context(require=330, standalone=True, **settings)
-    # The backend loads libraries by hand and raises what it likes.
+    # The backend loads libraries itself and raises arbitrary exceptions.
     except Exception as error:
         raise GlUnavailableError(str(error) or type(error).__name__) from error
 
@@ -96,7 +96,7 @@ class _Targets:
 
 
 class GlRenderer:
-    """The fast renderer. Raises `GlUnavailableError` where it cannot run."""
+    """The fast renderer. Raises `GlUnavailableError` if it cannot run."""
 
     name = "gl"
 
@@ -109,12 +109,12 @@ class GlRenderer:
 
     @property
     def description(self) -> str:
-        """The driver's own words."""
+        """The driver's description."""
         info = self._gl.info
         return f"{info['GL_RENDERER']}, OpenGL {info['GL_VERSION']}"
 
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
-        """A picture of the world as it stands now."""
+        """Renders the current world."""
         targets, clip_from_world = self._aim(camera)
         shadows = list(shadow_parts(world.placed(), light))
         standing, behind = _parts(world, camera)
@@ -136,7 +136,7 @@ class GlRenderer:
         return Frame(seen.depth, seen.mask, rgb)
 
     def surfaces(self, world: World, camera: Camera) -> Surfaces:
-        """The same picture without its colours: the second pass alone."""
+        """Renders the same image without colours: only the second pass."""
         targets, clip_from_world = self._aim(camera)
         standing, behind = _parts(world, camera)
         targets.ids.use()
@@ -152,7 +152,7 @@ class GlRenderer:
         )
 
     def _aim(self, camera: Camera) -> tuple[_Targets, bytes]:
-        """Where to draw pictures of the camera's size, and its matrix."""
+        """The framebuffers for the camera's image size, and its matrix."""
         size = (camera.width, camera.height)
         if size not in self._targets:
             self._targets[size] = _Targets(self._gl, *size)
@@ -186,7 +186,7 @@ class GlRenderer:
 
     def _arrays(self, mesh: Mesh) -> tuple[Any, ...]:
         if mesh in self._meshes:
-            # To the end: the order is that of their last use.
+            # Move to the end: the order is that of last use.
             self._meshes[mesh] = self._meshes.pop(mesh)
         else:
             while len(self._meshes) >= MAX_MESHES:
@@ -207,13 +207,13 @@ class GlRenderer:
 def _parts(
     world: World, camera: Camera
 ) -> tuple[list[tuple[RenderPart, int]], list[tuple[RenderPart, int]]]:
-    """Blocks and robot, then what is behind them, each with its id: from front to
-    back, so that the large faces fill only what is left."""
+    """Blocks and robot, then the surroundings, each with its id: front to back, so that the large
+    faces fill only the rest."""
     standing = [(RenderPart(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
     standing += [(part, 0) for part in robot_parts(world.arm_links(), camera)]
     return standing, [(part, 0) for part in surroundings()]
 
 
 def _columns(matrix: NDArray[np.float64]) -> bytes:
-    """OpenGL's order: column by column, single precision."""
+    """A matrix in OpenGL's order: column by column, single precision."""
     return matrix.T.astype(np.float32).tobytes()

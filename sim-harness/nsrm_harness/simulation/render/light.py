@@ -1,4 +1,4 @@
-"""The light: one distant lamp and an even ambient."""
+"""The light model: one distant lamp and uniform ambient light."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from nsrm_harness.geometry.pose import Vector3
 
 @dataclass(frozen=True)
 class Light:
-    """A surface of colour c and normal n shows c · (ambient + diffuse · color · max(0, n·l)).
+    """A surface with colour c and normal n appears as c · (ambient + diffuse · color · max(0,
+    n·l)).
 
     * `direction`: l, unit vector towards the lamp, world frame
-    * `ambient`, `diffuse`: strengths, about 1 together
-    * `color`: of the lamp, near (1, 1, 1)
+    * `ambient`, `diffuse`: intensities, with a sum of about 1
+    * `color`: colour of the lamp, near (1, 1, 1)
     """
 
     direction: Vector3 = (0.36, -0.48, 0.80)
@@ -26,8 +27,8 @@ class Light:
 
     @staticmethod
     def sample(rng: np.random.Generator) -> Light:
-        """A lamp somewhere above and on the camera's side, of varying strength,
-        between warm and cool."""
+        """Draws a lamp above and on the camera's side, with random intensity and a
+        warm to cool colour."""
         azimuth = math.radians(float(rng.uniform(-80.0, 80.0)))
         elevation = math.radians(float(rng.uniform(45.0, 75.0)))
         warmth = float(rng.uniform(-0.06, 0.06))
@@ -43,7 +44,7 @@ class Light:
         )
 
     def shade(self, normal: Vector3) -> tuple[float, float, float]:
-        """What the light leaves of red, green and blue on a surface with that normal."""
+        """Factors on red, green and blue for a surface with this normal."""
         facing = max(0.0, sum(n * d for n, d in zip(normal, self.direction, strict=True)))
         red, green, blue = (self.ambient + self.diffuse * facing * c for c in self.color)
         return (red, green, blue)

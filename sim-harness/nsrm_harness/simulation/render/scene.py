@@ -1,4 +1,4 @@
-"""What both renderers draw: table, floor, robot, blocks and their shadows."""
+"""The scene for both renderers: table, floor, robot, blocks and their shadows."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ FLOOR_Z_M = -0.75
 
 SHADOW_LAYERS = 5
 SHADOW_DEPTH = 0.72
-"""How much of the lamp's light the darkest layer keeps away."""
+"""Share of the lamp's light that the darkest layer blocks."""
 LAMP_RADIUS = 0.10
-"""Half the lamp's angular size, radians: shadows get softer with height."""
+"""Half of the lamp's angular size, radians: shadows get softer with height."""
 SHADOW_RIM_M = 0.0015
-"""Softness at the ground, where the block stands on it."""
+"""Width of the soft edge at the ground."""
 LAYER_STEP_M = 0.00005
-"""Layers of shadow lie this far above each other on the table."""
+"""Distance between the layers of a shadow on the table."""
 
 
 @dataclass(frozen=True, eq=False)
 class RenderPart:
-    """A mesh where it stands."""
+    """A mesh with its pose."""
 
     mesh: Mesh
     pose: Pose
@@ -45,7 +45,7 @@ _CORNER_SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (
 
 @lru_cache(maxsize=1)
 def surroundings() -> tuple[RenderPart, ...]:
-    """Table and floor, the nearer first."""
+    """Table and floor, the closer one first."""
     (x0, y0, _), (x1, y1, _) = TABLE_LOW, TABLE_HIGH
     floor = [(-6.0, -6.0), (3.0, -6.0), (3.0, 6.0), (-6.0, 6.0)]
     floor_mesh = level_polygons([floor], FLOOR_Z_M, FLOOR_RGB)
@@ -65,7 +65,7 @@ def robot_parts(links: dict[str, Pose], camera: Camera) -> Iterator[RenderPart]:
 
 
 def _in_view(center: NDArray[np.float64], radius: float, camera: Camera) -> bool:
-    """Whether a sphere reaches into the camera's pyramid."""
+    """Whether a sphere intersects the camera's view frustum."""
     x, y, z = camera.to_camera(center)
     if z < NEAR_M - radius:
         return False
@@ -73,7 +73,7 @@ def _in_view(center: NDArray[np.float64], radius: float, camera: Camera) -> bool
         (x, camera.fx, -camera.cx, camera.width - camera.cx),
         (y, camera.fy, -camera.cy, camera.height - camera.cy),
     ):
-        # Signed distances to the pyramid's two sides through the optical centre.
+        # Signed distances to two sides of the frustum, through the optical centre.
         if (offset * focal - low * z) / np.hypot(focal, low) < -radius:
             return False
         if (high * z - offset * focal) / np.hypot(focal, high) < -radius:
@@ -82,10 +82,10 @@ def _in_view(center: NDArray[np.float64], radius: float, camera: Camera) -> bool
 
 
 def shadow_parts(blocks: Sequence[PlacedBlock], light: Light) -> Iterator[RenderPart]:
-    """The blocks' shadows on the table: flat layers, the larger the lighter.
+    """The blocks' shadows on the table, as flat layers; larger layers are lighter.
 
-    Each layer is the outline that a smaller or larger lamp would cast. A layer's
-    colour is such that the light model shows the table with part of the lamp hidden.
+    Each layer is the outline that a smaller or larger lamp would cast. With its colour, the light
+    model shows the table with a part of the lamp hidden.
     """
     if not blocks or light.direction[2] <= 0.05:
         return
@@ -105,7 +105,7 @@ def _cast(
     blocks: Sequence[PlacedBlock], light: Light
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """The shadows `[B, 8, 2]` of the blocks' corners on the table, the directions
-    `[B, 8, 2]` away from the blocks' axes and the half-shadows' widths `[B, 8, 1]`, metres."""
+    `[B, 8, 2]` away from the blocks' axes and the widths of the penumbras `[B, 8, 1]`, metres."""
     half = np.array([placed.block.edges_m for placed in blocks]) / 2
     rotation = np.array([placed.pose.rotation() for placed in blocks])
     center = np.array([placed.pose.position for placed in blocks])[:, None]

@@ -1,8 +1,8 @@
-"""PyBullet's own software renderer: slow, but needs no system library.
+"""Renders with PyBullet's software renderer: slow, but without system libraries.
 
-It draws the same meshes as `gl`, in a client that holds no physics, over a computed
-backdrop. Colour is drawn with `OVERSAMPLING` times as many pixels a side and
-averaged; id and depth are drawn at the image's own size, without shadows.
+It draws the same meshes as `gl`, in a client without physics, over a computed backdrop. Colour is
+drawn with `OVERSAMPLING` times as many pixels per side and averaged; id and depth are drawn at the
+image's size, without shadows.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from nsrm_harness.simulation.world import PlacedBlock, World
 
 OVERSAMPLING = 2
 MAX_MESHES = 256
-"""Meshes whose bodies are kept; when there are more, those not in the picture go."""
+"""Largest number of meshes with bodies; beyond it, those not in the image are dropped."""
 
 SAMPLE_SHIFT_PX = (-0.5, 0.5)
-"""TinyRenderer looks through (i, j + 1) for pixel (i, j) where a camera looks through
-(i + ½, j + ½): the principal point is moved so that both are the same ray."""
+"""TinyRenderer samples (i, j + 1) for pixel (i, j), a camera (i + ½, j + ½): the principal point is
+shifted so that both rays are equal."""
 
 _AWAY = Pose((0.0, 0.0, -1000.0))
-"""Where bodies wait that are not in the picture."""
+"""Where bodies are kept that are not in the image."""
 
 
 class TinyRenderer:
-    """The renderer that always works."""
+    """The renderer that works everywhere."""
 
     name = "pybullet"
 
@@ -52,18 +52,18 @@ class TinyRenderer:
         return f"PyBullet TinyRenderer, API {pybullet.getAPIVersion()}"
 
     def render(self, world: World, camera: Camera, light: Light) -> Frame:
-        """A picture of the world as it stands now."""
-        # Before the colours: it arranges the bodies.
+        """Renders the current world."""
+        # Before the colours, because it arranges the bodies.
         seen = self.surfaces(world, camera)
         return Frame(seen.depth, seen.mask, self._colors(world.placed(), camera, light))
 
     def surfaces(self, world: World, camera: Camera) -> Surfaces:
-        """The same picture without its colours."""
+        """Renders the same image without colours."""
         solid = [(part, 0) for part in robot_parts(world.arm_links(), camera)]
         solid += [(RenderPart(block_mesh(b.block), b.pose), b.id) for b in world.placed()]
         id_of_body = self._arrange(solid)
         _, buffer, bodies = self._shoot(camera, Light())
-        # Bodies are numbered from 0 by PyBullet; -1, the last entry, is none.
+        # PyBullet numbers bodies from 0; -1, the last entry, means none.
         ids = np.zeros(max(id_of_body, default=-1) + 2, dtype=np.int32)
         for body, block_id in id_of_body.items():
             ids[body] = block_id
@@ -71,7 +71,7 @@ class TinyRenderer:
         return Surfaces(depth, ids[bodies])
 
     def close(self) -> None:
-        """Ends the client."""
+        """Closes the client."""
         if self._client >= 0:
             pybullet.disconnect(physicsClientId=self._client)
             self._client = -1
@@ -79,7 +79,7 @@ class TinyRenderer:
     def _colors(
         self, blocks: Sequence[PlacedBlock], camera: Camera, light: Light
     ) -> NDArray[np.uint8]:
-        """The picture `[H, W, 3]` of the bodies, with the blocks' shadows."""
+        """The image `[H, W, 3]` of the bodies, with the blocks' shadows."""
         fine = camera.scaled(OVERSAMPLING)
         shadows = [self._body(part) for part in shadow_parts(blocks, light)]
         drawn, _, bodies = self._shoot(fine, light)
@@ -94,7 +94,7 @@ class TinyRenderer:
         return (total // count).astype(np.uint8)
 
     def _arrange(self, parts: Iterable[tuple[RenderPart, int]]) -> dict[int, int]:
-        """Puts a body at each part, hides all others; block id of each body."""
+        """Puts a body at each part and hides all others; returns the block id of each body."""
         free = {mesh: list(bodies) for mesh, bodies in self._bodies.items()}
         id_of_body: dict[int, int] = {}
         for part, block_id in parts:
@@ -134,7 +134,7 @@ class TinyRenderer:
             physicsClientId=self._client,
         )
         if shape < 0:
-            raise RuntimeError(f"PyBullet took no mesh of {len(mesh.vertices)} vertices")
+            raise RuntimeError(f"PyBullet rejected a mesh with {len(mesh.vertices)} vertices")
         return pybullet.createMultiBody(
             baseMass=0,
             baseVisualShapeIndex=shape,
