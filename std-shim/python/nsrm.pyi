@@ -7,12 +7,27 @@ mean depth in metres.
 
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Final, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+
+MAX_OBJECTS: Final[int]
+"""Objects in a scene."""
+MAX_STEPS: Final[int]
+"""Steps in a program."""
+MAX_TOKENS: Final[int]
+"""Tokens in a sentence, a group of concept words counted as one."""
+MAX_SENTENCE_BYTES: Final[int]
+"""Bytes of UTF-8 in a sentence."""
+MAX_FILTERS: Final[int]
+"""Concepts that describe one object."""
+MAX_GROUPS: Final[int]
+"""Groups of concept words in one step: what is moved, and where to."""
+MAX_CANDIDATES: Final[int]
+"""Candidates that an ambiguous description lists, the best first."""
 
 class NsrmError(ValueError):
     """What this module raises; its subclasses say what was wrong."""

@@ -20,6 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import h5py
+from nsrm import MAX_OBJECTS, MAX_STEPS
 
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import EpisodeFileError, EpisodeSettingsError
@@ -30,15 +31,13 @@ from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
 from nsrm_harness.data.file import KIND, SCHEMA, open_checked
 from nsrm_harness.data.programs import SHARES_OF, Descriptions
 from nsrm_harness.data.seeds import STREAMS, generator
-from nsrm_harness.data.writer import MAX_STEPS, EpisodeWriter
+from nsrm_harness.data.writer import EpisodeWriter
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.simulation.render import KINDS, open_renderer
 from nsrm_harness.simulation.world import World
 
 #: Episodes per shard, the unit of work of a worker.
 SHARD = 10
-#: Largest number of blocks in the core.
-MAX_OBJECTS = 16
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+from nsrm import MAX_STEPS
 
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.demonstrator import Episode
@@ -32,8 +33,6 @@ from nsrm_harness.data.file import camera_row, depth_units
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.segmentation import SegmentedImage, SegmentedObjects
 
-#: Largest number of steps, the core's capacity.
-MAX_STEPS = 8
 #: zlib's level for images: 18 KB for one at 640×480, 2 ms; level 4 gives 12 KB in 5 ms.
 COMPRESSION = 1
 # : For depth, after shuffling bytes: 27 KB for one at 640×480, 1.5 ms; without

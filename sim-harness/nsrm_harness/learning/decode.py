@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from nsrm import MAX_STEPS
 
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.learning.config import TrainingConfig
@@ -23,8 +24,6 @@ from nsrm_harness.learning.splits import TokenizedCommand, split_log_probability
 
 CHUNK = 128
 """Number of rows per batch."""
-MAX_STEPS = 8
-"""Largest number of steps in a command, the core's capacity."""
 NEAR_BEST = 0.02
 """A split whose loss exceeds the smallest by at most this much counts as good."""
 

@@ -14,6 +14,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from nsrm import MAX_TOKENS
 
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.file import Demonstrations
@@ -21,7 +22,6 @@ from nsrm_harness.domain.tokens import Tokenizer, split
 from nsrm_harness.learning import reference
 from nsrm_harness.learning.export import ModelFile, identity_of, safetensors_bytes
 from nsrm_harness.learning.model import Conv, run_gru
-from nsrm_harness.learning.reference import MAX_TOKENS
 
 SEED = 20240
 TOLERANCES = {

@@ -12,14 +12,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from nsrm import MAX_TOKENS
 
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.learning.calibrate import terms
 from nsrm_harness.learning.model import GROUP_TOKEN, Model, Parse, PixelToCamera, filter_scene
-
-MAX_TOKENS = 128
-"""The core's capacity."""
 
 
 @dataclass(frozen=True)

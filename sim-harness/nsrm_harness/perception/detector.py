@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from nsrm import MAX_OBJECTS
 from numpy.typing import NDArray
 
 from nsrm_harness.geometry.camera import MIN_VISIBLE_PX, Camera
@@ -12,9 +13,6 @@ from nsrm_harness.perception.cuts import slabs
 from nsrm_harness.perception.edges import MAX_LABELS, sharpened, without_strays
 from nsrm_harness.perception.relief import PerceptionError, Relief, relief
 from nsrm_harness.perception.towers import joined, towers
-
-#: Largest number of objects in the core.
-MAX_OBJECTS = 16
 
 
 @dataclass(frozen=True, eq=False)

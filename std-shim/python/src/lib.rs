@@ -42,4 +42,19 @@ mod module {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_export]
+    const MAX_CANDIDATES: usize = nsrm_core::MAX_CANDIDATES;
+    #[pymodule_export]
+    const MAX_FILTERS: usize = nsrm_core::MAX_FILTERS;
+    #[pymodule_export]
+    const MAX_GROUPS: usize = nsrm_core::MAX_GROUPS;
+    #[pymodule_export]
+    const MAX_OBJECTS: usize = nsrm_core::MAX_OBJECTS;
+    #[pymodule_export]
+    const MAX_SENTENCE_BYTES: usize = nsrm_core::MAX_SENTENCE_BYTES;
+    #[pymodule_export]
+    const MAX_STEPS: usize = nsrm_core::MAX_STEPS;
+    #[pymodule_export]
+    const MAX_TOKENS: usize = nsrm_core::MAX_TOKENS;
 }

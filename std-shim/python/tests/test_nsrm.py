@@ -382,3 +382,19 @@ def test_threads_share_a_model(model: nsrm.Model, image: np.ndarray) -> None:
     assert len(results) == 4
     for embeddings in results[1:]:
         np.testing.assert_array_equal(embeddings, results[0])
+
+
+@pytest.mark.parametrize(
+    ("sentence", "unit", "limit"),
+    [
+        ("a" * (nsrm.MAX_SENTENCE_BYTES + 1), "bytes", nsrm.MAX_SENTENCE_BYTES),
+        ("the " * (nsrm.MAX_TOKENS + 1), "tokens", nsrm.MAX_TOKENS),
+    ],
+)
+def test_capacities_are_those_of_the_core(
+    model: nsrm.Model, sentence: str, unit: str, limit: int
+) -> None:
+    with pytest.raises(nsrm.Refused) as refused:
+        model.parse(sentence)
+    assert refused.value.kind == "sentence_too_long"
+    assert refused.value.details == {"unit": unit, "limit": limit}

@@ -17,7 +17,7 @@ from nsrm_harness.evaluation.detector.scenes import Picture
 from nsrm_harness.evaluation.miscalibration.faults import FAULTS, Fault
 from nsrm_harness.evaluation.miscalibration.scenes import KINDS, SceneKind, scenes
 from nsrm_harness.geometry.camera import Camera
-from nsrm_harness.perception.detector import MAX_OBJECTS, detect
+from nsrm_harness.perception.detector import detect
 from nsrm_harness.perception.relief import PerceptionError
 
 EMBEDDING = 64
@@ -147,4 +147,4 @@ def _detected(picture: Picture) -> list[Seen]:
 
 
 def _usable(boxes: NDArray[np.float32], depths: NDArray[np.float32], camera: Camera) -> list[Seen]:
-    return [Seen(boxes, depths, camera)] if LEAST <= len(boxes) <= MAX_OBJECTS else []
+    return [Seen(boxes, depths, camera)] if LEAST <= len(boxes) <= nsrm.MAX_OBJECTS else []

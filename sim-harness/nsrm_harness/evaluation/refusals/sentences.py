@@ -16,6 +16,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+from nsrm import MAX_STEPS
 
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.data.seeds import generator
@@ -33,8 +34,8 @@ SETS = ("validation", "test")
 COUNT = 160
 #: Number of draws per requested sentence before giving up.
 MAX_DRAWS = 100
-#: Numbers of steps of a sentence with too many; the core's capacity is 8.
-TOO_MANY_STEPS = (9, 12)
+#: Numbers of steps of a sentence with too many.
+TOO_MANY_STEPS = (MAX_STEPS + 1, MAX_STEPS + 4)
 #: Share of missing actions in words that the domain knows, if possible.
 FAMILIAR = 0.4
 #: Words that join two relations or two values.
