@@ -35,9 +35,8 @@ from nsrm_harness.simulation.segmentation import SegmentedImage, SegmentedObject
 
 #: zlib's level for images: 18 KB for one at 640×480, 2 ms; level 4 gives 12 KB in 5 ms.
 COMPRESSION = 1
-# : For depth, after shuffling bytes: 27 KB for one at 640×480, 1.5 ms; without
-# shuffling 32 KB in 1.7
-#: ms, LZF with shuffling 32 KB in 1.8 ms.
+#: For depth, after shuffling bytes: 27 KB for one at 640×480, 1.5 ms; without shuffling 32 KB in
+#: 1.7 ms, LZF with shuffling 32 KB in 1.8 ms.
 DEPTH_COMPRESSION = 1
 #: Datasets stored as one compressed chunk per episode.
 _INITIAL_IMAGE, _FINAL_IMAGE = "initial/rgb", "final/rgb"

@@ -36,9 +36,8 @@ TOP_FACTOR = 3.0
 #: Smallest height that an overhang hides, and the share of it that is still visible.
 HIDDEN_M = 0.004
 HIDDEN_SHARE = 0.35
-# : Smallest gap of heights without a pixel, wider than the step between two rows of
-# pixels on a wall,
-#: and its largest distance from a cut.
+#: Smallest gap of heights without a pixel, wider than the step between two rows of pixels on a
+#: wall, and its largest distance from a cut.
 GAP_M = 0.0025
 REACH_M = 0.006
 #: Footprints that are narrower, relative to their length, show only one side.
