@@ -390,6 +390,7 @@ impl<'m> Job<'m> {
         }
         (self.clearing, self.has_cleared) = (None, false);
         self.belief.carry(planned.object.object);
+        self.placements.take(self.step, planned.object.object);
         let command = Command {
             id: CommandId {
                 plan: self.number,

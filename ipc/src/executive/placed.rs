@@ -19,10 +19,10 @@ pub(super) type Steps = [bool; MAX_STEPS];
 struct Placed {
     planned: PlannedStep,
     /// Where its object was observed when the step was confirmed; none until then, and once a
-    /// later step has moved it on.
+    /// later step moves it on.
     object: Option<Seen>,
-    /// Where its reference was observed when the step was planned; none once a later step has
-    /// moved it on.
+    /// Where its reference was observed when the step was planned; none once a later step moves
+    /// it on.
     reference: Option<Seen>,
 }
 
@@ -83,21 +83,24 @@ impl Placements {
         }
     }
 
-    /// The controller says that it has done this step. What earlier steps have to do with its
-    /// object is no longer looked at.
-    ///
-    /// * `reference`: where that was observed when the step was planned
-    pub(super) fn put(&mut self, step: usize, planned: PlannedStep, reference: Option<Seen>) {
-        let moved = planned.object.object;
+    /// This step moves an object on: what earlier steps have to do with it is no longer looked at,
+    /// whatever comes of it.
+    pub(super) fn take(&mut self, step: usize, object: u32) {
         for earlier in self.placed.iter_mut().take(step).flatten() {
-            if earlier.planned.object.object == moved {
+            if earlier.planned.object.object == object {
                 earlier.object = None;
                 earlier.reference = None;
             }
-            if earlier.planned.reference.object == moved {
+            if earlier.planned.reference.object == object {
                 earlier.reference = None;
             }
         }
+    }
+
+    /// The controller says that it has done this step.
+    ///
+    /// * `reference`: where that was observed when the step was planned
+    pub(super) fn put(&mut self, step: usize, planned: PlannedStep, reference: Option<Seen>) {
         if let Some(place) = self.placed.get_mut(step) {
             *place = Some(Placed {
                 planned,

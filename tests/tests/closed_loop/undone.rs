@@ -327,10 +327,20 @@ fn what_has_come_undone_while_a_step_could_not_be_done_is_done_again() {
     let model = parts.model();
     let mut world = world(&model, Limits::default());
     world.ask(BESIDE, Mode::ClosedLoop);
-    let first = world.until_command();
-    world.carry_out(&first);
+    reach(&mut world);
+    let second = unable(&mut world, Outcome::NoPath, |world| world.push(1, 0.05));
+    assert_eq!(second.step, 1);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.commanded(), [0, 1]);
+    assert_eq!(world.log[0], "again 0: unsuccessful");
+}
+
+/// The next command is carried out and confirmed.
+fn reach(world: &mut World<'_>) {
+    let command = world.until_command();
+    world.carry_out(&command);
     world.now_ns += MS;
-    world.say(&first, Outcome::Reached);
+    world.say(&command, Outcome::Reached);
     loop {
         world.see();
         world.now_ns += MS;
@@ -338,15 +348,25 @@ fn what_has_come_undone_while_a_step_could_not_be_done_is_done_again() {
             break;
         }
     }
-    let second = unable_after_planning(&mut world);
-    assert_eq!(second.step, 1);
-    assert_eq!(world.run(), Ok(()));
-    assert_eq!(world.commanded(), [0, 1]);
-    assert_eq!(world.log[0], "again 0: unsuccessful");
 }
 
-fn unable_after_planning(world: &mut World<'_>) -> Command {
-    unable(world, Outcome::NoPath, |world| world.push(1, 0.05))
+/// The red block, beside which the green one was put, is lost as it is carried on.
+#[test]
+fn what_a_step_loses_is_not_held_against_an_earlier_one() {
+    let parts = parts();
+    let model = parts.model();
+    let mut world = world(&model, Limits::default());
+    world.ask(
+        "put the small green block beside the small red block then put the small red block beside \
+         the lego red block",
+        Mode::ClosedLoop,
+    );
+    reach(&mut world);
+    let second = unable(&mut world, Outcome::Dropped, |world| world.push(1, 0.05));
+    assert_eq!(second.step, 1);
+    assert_eq!(world.run(), Ok(()));
+    assert_eq!(world.commanded(), [1]);
+    assert_eq!(world.log[0], "again 1: unsuccessful");
 }
 
 #[test]
