@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 import pytest
-from test_arm_seen import hidden, large, move, out_of_sight, put, small
+from test_cuboids import hidden, large, move, out_of_sight, put, small
 
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid

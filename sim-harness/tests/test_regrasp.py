@@ -7,7 +7,7 @@ from contextlib import closing
 
 import pytest
 from arm_scenes import PLACED_M, STAYED_M, Numb, Still, at_home, known, put
-from test_arm_clear import Endless
+from test_relocation import Endless
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid

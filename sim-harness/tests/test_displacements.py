@@ -9,7 +9,7 @@ from contextlib import closing
 
 import pytest
 from arm_scenes import BESIDE, Numb, Still, at_home, known, three
-from test_arm_clear import no_room
+from test_relocation import no_room
 
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose

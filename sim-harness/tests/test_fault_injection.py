@@ -114,7 +114,7 @@ def test_a_step_that_a_later_one_undoes_is_judged_too(
 
 
 def test_the_same_episode_in_another_process_is_the_same_to_the_last_bit() -> None:
-    code = "import test_arm_disturbed as t; print(t.episode('block_pushed_out', 'closed'))"
+    code = "import test_fault_injection as t; print(t.episode('block_pushed_out', 'closed'))"
     # After another one here.
     episode("camera_dark", "open")
     assert elsewhere(code) == episode("block_pushed_out", "closed")

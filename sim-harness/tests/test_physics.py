@@ -41,7 +41,7 @@ def test_final_poses_are_the_same_bytes_in_any_order_and_process():
     here = digests(seeds)
     assert here == digests(seeds[::-1])
     assert here[7] == digests([7])[7]
-    code = "import json, test_world_physics as t;print(json.dumps(t.digests([11, 5, 7, 3])))"
+    code = "import json, test_physics as t;print(json.dumps(t.digests([11, 5, 7, 3])))"
     for seed, value in json.loads(elsewhere(code)).items():
         assert here[int(seed)] == value, f"seed {seed}"
 

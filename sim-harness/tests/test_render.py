@@ -185,7 +185,7 @@ def picture_digest(kind: str) -> str:
 def test_pictures_are_the_same_bytes_in_another_process(kind: str):
     if kind == "gl":
         require_gl().close()
-    other = elsewhere(f"import test_world_render as t; print(t.picture_digest({kind!r}))")
+    other = elsewhere(f"import test_render as t; print(t.picture_digest({kind!r}))")
     assert other == picture_digest(kind)
 
 

@@ -309,7 +309,7 @@ def test_a_blocker_is_put_where_the_blocks_stand_at_the_start() -> None:
 
 def test_the_same_is_moved_to_the_same_place_in_another_process() -> None:
     found = cleared(NO_WAY, BETWEEN)
-    there = elsewhere("import test_arm_clear as t; print(t.cleared(t.NO_WAY, t.BETWEEN))")
+    there = elsewhere("import test_relocation as t; print(t.cleared(t.NO_WAY, t.BETWEEN))")
     assert found and there == repr(found)
 
 

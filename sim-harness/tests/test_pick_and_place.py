@@ -249,4 +249,4 @@ def carried() -> str:
 
 
 def test_the_same_carrying_in_another_process_ends_in_the_same_bytes() -> None:
-    assert elsewhere("import test_arm_carry as t; print(t.carried())") == carried()
+    assert elsewhere("import test_pick_and_place as t; print(t.carried())") == carried()
