@@ -159,7 +159,7 @@ typedef struct nsrm_plan_request {
     /** The sentence in UTF-8. */
     uint8_t sentence[4096];
 } nsrm_plan_request;
-#define NSRM_PLAN_REQUEST_TYPE_NAME "nsrm.v1.PlanRequest.49797f639851b5df"
+#define NSRM_PLAN_REQUEST_TYPE_NAME "nsrm.v1.PlanRequest.912596fd2fc37f48"
 NSRM_ASSERT(sizeof(nsrm_plan_request) == 4120, "size of nsrm_plan_request");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_request) == 8, "alignment of nsrm_plan_request");
 NSRM_ASSERT(offsetof(nsrm_plan_request, client) == 0, "offset of client");
@@ -247,7 +247,7 @@ typedef struct nsrm_plan_reply {
     /** The program's steps when planned. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.a56839637ffd4920"
 NSRM_ASSERT(sizeof(nsrm_plan_reply) == 1944, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");

@@ -219,7 +219,7 @@ def test_the_command_writes_all_that_it_says(
     assert {row["configurations"] for row in rows["checks"]} == {"4"}
     assert "| 1 process |" in printed and "| inverse kinematics |" in printed
     assert "a block in the hand | " in printed
-    assert "Ray is not installed, and not measured" in printed
+    assert "Ray is not installed and was not measured" in printed
     assert (out / "speed.md").read_text(encoding="utf-8") in printed
     with Image.open(out / "speed.png") as picture:
         assert picture.width > 1000

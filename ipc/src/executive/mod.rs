@@ -151,7 +151,7 @@ impl core::error::Error for Busy {}
 /// let mut now_ns = 1_000_000_000;
 /// let mut message = SceneMessage::from(&scene(&TABLETOP));
 /// message.timestamp_ns = now_ns;
-/// executive.see(&message, now_ns)?;
+/// executive.on_scene(&message, now_ns)?;
 /// let result = loop {
 ///     now_ns += 1_000_000;
 ///     match executive.poll(now_ns) {
@@ -165,8 +165,8 @@ impl core::error::Error for Busy {}
 ///                 outcome: outcome as u32,
 ///                 objects: [0; 2],
 ///             };
-///             executive.hear(&feedback(1, Outcome::Accepted), now_ns)?;
-///             executive.hear(&feedback(2, Outcome::Reached), now_ns)?;
+///             executive.on_feedback(&feedback(1, Outcome::Accepted), now_ns)?;
+///             executive.on_feedback(&feedback(2, Outcome::Reached), now_ns)?;
 ///         }
 ///         Event::Ended(result) => break result,
 ///         Event::Waiting => panic!("it has all that it needs"),

@@ -18,7 +18,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// What has become of a `PlanRequest`.
-    "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
+    "nsrm.v1.PlanReply.a56839637ffd4920"
     pub struct PlanReply {
         /// Who asked.
         pub client: u64,

@@ -13,7 +13,7 @@ use crate::executive::{Mode, Sentence};
 
 message! {
     /// Asks for a sentence to be followed.
-    "nsrm.v1.PlanRequest.49797f639851b5df"
+    "nsrm.v1.PlanRequest.912596fd2fc37f48"
     pub struct PlanRequest {
         /// Who asks: a number that no other has.
         pub client: u64,

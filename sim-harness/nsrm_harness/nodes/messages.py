@@ -400,7 +400,7 @@ class PlanRequest(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanRequest.49797f639851b5df"
+        return "nsrm.v1.PlanRequest.912596fd2fc37f48"
 
 
 class StepMessage(ctypes.Structure):
@@ -516,7 +516,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """What iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.392ef0a9ec63b3d5"
+        return "nsrm.v1.PlanReply.a56839637ffd4920"
 
 
 class SubGoal(ctypes.Structure):
