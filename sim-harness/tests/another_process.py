@@ -1,4 +1,4 @@
-"""The same from another process."""
+"""Runs a function in another process, to compare its results."""
 
 from __future__ import annotations
 

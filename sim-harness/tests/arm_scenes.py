@@ -1,4 +1,4 @@
-"""Where the arm is in tests, what stands around it, and what passes its motions on."""
+"""Scenes for tests of the arm, and helpers that pass on its motions."""
 
 from __future__ import annotations
 

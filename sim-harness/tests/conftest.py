@@ -1,4 +1,4 @@
-"""What several files' tests look at, and with what."""
+"""Fixtures that several test files share."""
 
 from __future__ import annotations
 

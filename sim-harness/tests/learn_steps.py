@@ -1,4 +1,4 @@
-"""Steps of the domain's own grammar, understood, for tests of what the trainer makes of steps."""
+"""Steps of the domain's own grammar, parsed, for tests of what the trainer makes from steps."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """A toy world for the tests of learning: drawn squares instead of rendered blocks, no physics.
 
-It keeps what learning depends on: boxes and depths by a pinhole camera, crops that show colour and
-studs, sentences of the domain's own grammar, an outcome that follows from the command.
+It has everything that learning needs: boxes and depths from a pinhole camera, crops that show
+colour and studs, sentences from the domain's own grammar, and outcomes that follow from the
+commands.
 """
 
 from __future__ import annotations

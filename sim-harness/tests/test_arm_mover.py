@@ -1,4 +1,4 @@
-"""The arm as a robot's controller: what it answers, when it is stopped, and what it does then."""
+"""The arm as a robot's controller: its answers, and what it does when it is stopped."""
 
 from __future__ import annotations
 

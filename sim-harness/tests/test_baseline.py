@@ -1,4 +1,4 @@
-"""The baseline: cut where it is told; attention adds up to one; learned from outcomes alone."""
+"""The baseline: splits at given ends, attention that sums to one, learning from outcomes alone."""
 
 from __future__ import annotations
 

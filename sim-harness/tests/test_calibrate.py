@@ -1,4 +1,4 @@
-"""Camera map and thresholds on made-up data with a known answer."""
+"""Camera map and thresholds on synthetic data with a known answer."""
 
 from __future__ import annotations
 

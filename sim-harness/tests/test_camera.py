@@ -1,4 +1,4 @@
-"""The pinhole, the view of the work space, and what is read off a mask."""
+"""The pinhole camera, its view of the workspace, and what is read from a mask."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line: exit codes, messages, what is imported."""
+"""The command line: exit codes, messages, imports."""
 
 from __future__ import annotations
 

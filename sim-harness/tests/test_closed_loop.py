@@ -1,5 +1,5 @@
-"""A sentence is carried out to its end by what is seen: by an arm and a camera that are made up,
-with the true model and the true executive."""
+"""The closed loop executes sentences by what is observed: with a fake arm and camera, and the real
+model and executive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the arm would touch: FCL's answers against PyBullet's, and how densely it is asked."""
+"""Collision checks: FCL against PyBullet, and the spacing of checks."""
 
 from __future__ import annotations
 

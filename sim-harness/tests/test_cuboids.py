@@ -1,4 +1,4 @@
-"""Blocks as boxes in space, by pictures: where they are, and what is believed of hidden ones."""
+"""Blocks as cuboids from images: where they are, and what is assumed of hidden ones."""
 
 from __future__ import annotations
 

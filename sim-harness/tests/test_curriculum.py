@@ -1,5 +1,5 @@
-"""Training on toys: the same seed gives the same weights, interrupted or not; the stages learn;
-another domain needs no change."""
+"""Training on a toy world: the same seed gives the same weights, interrupted or not; the stages
+learn; another domain needs no change."""
 
 from __future__ import annotations
 

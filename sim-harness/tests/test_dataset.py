@@ -1,4 +1,4 @@
-"""What training reads of an episode file, and what it does not."""
+"""What training reads from an episode file, and what it does not."""
 
 from __future__ import annotations
 

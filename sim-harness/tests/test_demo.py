@@ -1,4 +1,4 @@
-"""The demonstration's own parts: its scene, the picture of a prediction, the outcome."""
+"""The parts of the demonstration: its scene, the drawn prediction, the outcome."""
 
 from __future__ import annotations
 

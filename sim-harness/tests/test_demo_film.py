@@ -1,4 +1,4 @@
-"""What was filmed is shown, whatever came of it."""
+"""The demonstration shows everything that was filmed, whatever the outcome."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The demonstrator: programs carried out in the physics, seen by the camera."""
+"""The demonstrator: programs executed in the physics and seen by the camera."""
 
 from __future__ import annotations
 

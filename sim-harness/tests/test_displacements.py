@@ -1,4 +1,4 @@
-"""What is pushed while something else is carried is told, in whichever try it was."""
+"""Objects that are pushed during a pick and place are reported, whichever try it was."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Disturbed episodes: the same scenes and programs, seen by another camera in another light."""
+"""Disturbed episodes: the same scenes and programs with another camera and light."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The domain file: what is read from it, and what is refused with which words."""
+"""The domain file: what is read from it, and the messages of its errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Episode files: the same bytes however they were made, and no truth for who learns."""
+"""Episode files: the same bytes however they were made, and no ground truth for learning."""
 
 from __future__ import annotations
 

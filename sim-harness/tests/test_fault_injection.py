@@ -1,4 +1,4 @@
-"""The arm is disturbed on purpose, and does what it was told, or says why not, at rest."""
+"""Injected faults: the arm does what it was told, or reports why not, and is at rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which words change nothing, and what a step is with some of them put in."""
+"""Fillers: words that change nothing, and steps with some of them inserted."""
 
 from __future__ import annotations
 

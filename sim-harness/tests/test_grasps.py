@@ -1,6 +1,6 @@
-"""How the hand holds a block among neighbours: by the middle of its faces where there is room,
-aside of a neighbour that stands before a part of a face, and by fingers that open less between
-those that leave no more."""
+"""Grasps of a block among neighbours: at the middle of its faces if there is room, off the middle
+if a neighbour stands in front of a part of a face, and with fingers that open less if neighbours
+leave no more room."""
 
 from __future__ import annotations
 

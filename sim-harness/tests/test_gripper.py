@@ -1,5 +1,5 @@
-"""Fingers that begin late, move slowly, stop on the way or never move: the arm waits for them, or
-says so and stays where it is."""
+"""Fingers that start late, move slowly, stop on the way or never move: the arm waits for them, or
+reports it and stays where it is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a carrying is refused for is why it can't be done, and what helps against that is tried."""
+"""A refused pick and place gives the right reason, and remedies for that reason are tried."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JSON without numbers that it does not have."""
+"""JSON without numbers that JSON does not have."""
 
 from __future__ import annotations
 

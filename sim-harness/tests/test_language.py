@@ -1,4 +1,4 @@
-"""Sentences and tokens: every sentence reads back as what it was made from."""
+"""Sentences and tokens: every sentence parses back to its program."""
 
 from __future__ import annotations
 

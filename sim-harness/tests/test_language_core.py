@@ -1,4 +1,4 @@
-"""The core reads a sentence as the trainer does: the same words, and the same unknown one."""
+"""The core tokenises sentences like the trainer: the same words, and the same unknown word."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The packages of the harness stand in layers: each imports itself and those below it alone."""
+"""The layers of the harness: each package imports only itself and lower ones."""
 
 from __future__ import annotations
 

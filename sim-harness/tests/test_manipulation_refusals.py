@@ -1,4 +1,4 @@
-"""What can't be carried out is refused before anything moves."""
+"""Infeasible sub-goals are refused before anything moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trials of the arm: which episodes are drawn, and what is told of them."""
+"""Trials of the arm: which episodes are drawn, and what is reported about them."""
 
 from __future__ import annotations
 

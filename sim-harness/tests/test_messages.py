@@ -1,4 +1,4 @@
-"""The messages lie in Python's memory as in Rust's."""
+"""The messages have the same memory layout in Python as in Rust."""
 
 import ctypes
 import inspect

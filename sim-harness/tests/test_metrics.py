@@ -1,4 +1,4 @@
-"""Metrics by hand: what is right, half right, refused."""
+"""Metrics on hand-made plans: right, partly right, refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the core makes of calibrated cameras, and of those that are not."""
+"""The core on calibrated and miscalibrated cameras."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the trainer makes of good steps that no program can represent."""
+"""Steps that no program can represent, which the trainer makes from good ones."""
 
 from __future__ import annotations
 

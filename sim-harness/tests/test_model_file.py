@@ -1,4 +1,5 @@
-"""What a model file says can't change unnoticed, and files of the schema before are converted."""
+"""Model files: their content cannot change unnoticed, and files of the previous
+schema are converted."""
 
 from __future__ import annotations
 

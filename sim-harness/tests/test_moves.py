@@ -1,4 +1,4 @@
-"""Moves: where blocks go, and which moves are never commanded."""
+"""Moves: where blocks go, and which moves are not allowed."""
 
 from __future__ import annotations
 

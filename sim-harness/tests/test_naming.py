@@ -1,4 +1,4 @@
-"""Names of learned actions, of domains with few actions and with many."""
+"""Naming the learned actions of domains with few and with many actions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is who across pictures, and a controller that does everything once."""
+"""Tracking across images, and a controller that executes each command once."""
 
 from __future__ import annotations
 

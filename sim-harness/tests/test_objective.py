@@ -1,4 +1,4 @@
-"""The loss and what it does with discrete choices."""
+"""The loss and its treatment of discrete choices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Evaluation with the detector's boxes in place of the mask's."""
+"""Evaluation with the detector's boxes instead of the mask's."""
 
 from __future__ import annotations
 

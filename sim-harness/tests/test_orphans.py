@@ -1,4 +1,4 @@
-"""Processes that were started elsewhere end where the one that started them is killed."""
+"""Worker processes exit when the process that started them is killed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A model judged without the core is judged as it is through it."""
+"""A model judged without the core gets the same result as through it."""
 
 from __future__ import annotations
 

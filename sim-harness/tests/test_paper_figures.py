@@ -1,4 +1,4 @@
-"""The paper's figures: what is said, where, and what becomes of it."""
+"""The paper's figures: their sentences, scenes and results."""
 
 from __future__ import annotations
 

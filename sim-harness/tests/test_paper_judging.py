@@ -1,4 +1,4 @@
-"""Models judged in processes of their own: as they are judged in one, and once only."""
+"""Models judged in separate processes: the same results as in one process, and only once."""
 
 from __future__ import annotations
 

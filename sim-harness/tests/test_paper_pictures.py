@@ -1,4 +1,4 @@
-"""The report's pictures: the worst episodes in words and drawn, actions and concepts."""
+"""The report's pictures: the worst episodes, actions and concepts."""
 
 from __future__ import annotations
 

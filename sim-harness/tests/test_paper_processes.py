@@ -1,4 +1,4 @@
-"""Tasks in processes of their own: what they print, and what a failure does to the others."""
+"""Tasks in separate processes: their output, and what a failure does to the others."""
 
 from __future__ import annotations
 

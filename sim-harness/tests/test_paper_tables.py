@@ -1,4 +1,4 @@
-"""The tables: figures to files and back, the report's text, what goes into the README."""
+"""The tables: figures to files and back, the report's text, the README's figures."""
 
 from __future__ import annotations
 

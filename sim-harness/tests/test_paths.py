@@ -1,4 +1,4 @@
-"""Ways of the arm around what stands in them."""
+"""Paths of the arm around obstacles."""
 
 from __future__ import annotations
 

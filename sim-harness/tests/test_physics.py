@@ -1,4 +1,4 @@
-"""Blocks fall, come to rest, and do so the same way every time."""
+"""Blocks fall and come to rest, the same way every time."""
 
 from __future__ import annotations
 

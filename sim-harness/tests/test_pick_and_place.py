@@ -1,4 +1,4 @@
-"""Blocks are carried by friction alone, within the maker's limits, and nothing else is touched."""
+"""Blocks are moved by friction, within the manufacturer's limits, and without other contacts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The judge of the arm's trials: what was done as said, and what was touched that should not be."""
+"""The judge of the arm's trials: successful steps and unexpected contacts."""
 
 from __future__ import annotations
 

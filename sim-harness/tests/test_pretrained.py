@@ -1,4 +1,4 @@
-"""The committed model on unseen episodes, through the core: what it must reach at least."""
+"""The committed model on unseen episodes through the core: the scores that it must reach."""
 
 from __future__ import annotations
 

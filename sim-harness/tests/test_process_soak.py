@@ -1,4 +1,4 @@
-"""What is read from the journal of a soak."""
+"""Reading the journal of a soak test."""
 
 from __future__ import annotations
 

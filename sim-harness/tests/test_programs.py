@@ -1,4 +1,4 @@
-"""Drawing of scenes and programs."""
+"""Drawing random scenes and programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of the project's figures is what the committed report has."""
+"""The project's published figures are those of the committed report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings: what is read back from them, and when none is left."""
+"""Recordings: what can be read back, and when none is left."""
 
 from __future__ import annotations
 

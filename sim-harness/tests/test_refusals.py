@@ -1,4 +1,4 @@
-"""Sentences that must be refused: how they are made, what is counted, what is drawn."""
+"""Sentences that must be refused: how they are made, counted and drawn."""
 
 from __future__ import annotations
 

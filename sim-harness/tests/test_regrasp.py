@@ -1,4 +1,4 @@
-"""A block that must be held otherwise where it goes is set down on the way."""
+"""A block that needs another grasp at its goal is set down on the way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What only stands too near is moved aside first: found and planned before anything moves."""
+"""Obstacles are moved aside, after everything is planned."""
 
 from __future__ import annotations
 

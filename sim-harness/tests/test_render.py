@@ -1,4 +1,4 @@
-"""Both renderers against ray casting and against each other."""
+"""Both renderers, compared with ray casting and with each other."""
 
 from __future__ import annotations
 

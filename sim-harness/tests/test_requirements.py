@@ -1,4 +1,4 @@
-"""Commands that are given the demo's packages alone get along with them."""
+"""Commands that use only the demo's packages work without the others."""
 
 from __future__ import annotations
 

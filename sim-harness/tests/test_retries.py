@@ -1,4 +1,4 @@
-"""What goes wrong on the way is tried again, or ends at rest and in words."""
+"""Failures during execution are retried, or end at rest with a reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is drawn over the camera's images."""
+"""Drawings over the camera's images."""
 
 from __future__ import annotations
 

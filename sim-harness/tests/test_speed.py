@@ -1,4 +1,4 @@
-"""How fast trials run: whose time is whose, and that measuring changes nothing."""
+"""Speed of trials: whose time is whose, and that measuring changes nothing."""
 
 from __future__ import annotations
 

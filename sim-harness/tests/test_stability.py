@@ -1,4 +1,4 @@
-"""Where a block can stand, and where not."""
+"""Where a block can stand, and where it cannot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm that is told to stop brakes along its path, holds what it holds, and finds back."""
+"""A stopped arm brakes along its path, keeps what it holds, and finds its way back."""
 
 from __future__ import annotations
 

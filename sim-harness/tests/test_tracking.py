@@ -1,5 +1,5 @@
-"""How long objects are known that are no longer seen: what is covered or held for ever, the rest
-for a number of pictures. Who is who is tested with the arm and the robot."""
+"""How long objects are tracked that are no longer seen: covered and held ones for ever, the others
+for a number of images. Matching is tested with the arm and the robot."""
 
 from __future__ import annotations
 

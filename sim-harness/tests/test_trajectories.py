@@ -1,4 +1,4 @@
-"""Where the arm's hand is, how it gets there, and in what time."""
+"""Where the arm's hand is, how it gets there, and how long it takes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The arm knows the world by pictures alone: its code can't reach the truth."""
+"""The arm knows the world only through images: its code has no access to the ground truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wheel of this package works where there is no checkout."""
+"""The wheel of this package works outside a checkout."""
 
 from __future__ import annotations
 

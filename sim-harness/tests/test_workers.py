@@ -1,4 +1,4 @@
-"""Functions carried out by processes and by a Ray cluster: the same results, told as they come."""
+"""Functions run by processes and by a Ray cluster: the same results, in order of completion."""
 
 from __future__ import annotations
 

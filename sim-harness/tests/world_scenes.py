@@ -1,4 +1,4 @@
-"""Scenes that the tests of the world share, each from its seed."""
+"""Scenes for the tests of the world, each from its seed."""
 
 from __future__ import annotations
 
