@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -109,8 +109,8 @@ def train(
     run = json_text([asdict(config), seed, data.hash(), domain.as_json()])
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or TrainingProgress()
-    model = untrained(domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual)
-    state = None
+    curriculum = _Curriculum(domain, data, config, seed, checkpoints, progress)
+    model, state = curriculum.untrained(), None
     if progress.epoch > 0 or progress.stage > 0:
         state = checkpoints.state(_start(model, progress.stage))
         model = state.model
@@ -120,18 +120,68 @@ def train(
         if getattr(config, name).epochs == 0:
             progress.stage += 1
             continue
+        model, state = curriculum.carry_out(name, model, state, after_epoch, quiet), None
+        if name == "actions" and curriculum.begins_again(model):
+            progress.attempt += 1
+            progress.epoch = 0
+            progress.losses.pop(name, None)
+            model = curriculum.untrained()
+            continue
+        progress.stage, progress.epoch = progress.stage + 1, 0
+        after_stage(name, model, progress)
+    named, clear = name_actions(model, domain)
+    return Result(named, clear, progress)
+
+
+@dataclass(frozen=True)
+class _Curriculum:
+    """What all stages of a run have in common; `progress` changes as they are carried out."""
+
+    domain: Domain
+    data: TrainingSet
+    config: TrainingConfig
+    seed: int
+    checkpoints: Checkpoints
+    progress: TrainingProgress
+
+    @property
+    def attempt_seed(self) -> int:
+        """Each attempt at the first stage is another random one."""
+        return self.seed + NEXT_ATTEMPT * self.progress.attempt
+
+    def untrained(self) -> Model:
+        """With what an attempt begins."""
+        return untrained(self.domain, self.data, self.attempt_seed, self.config.residual)
+
+    def begins_again(self, model: Model) -> bool:
+        """Whether the first stage learned two actions as one and may be tried once more."""
+        if self.progress.attempt + 1 >= self.config.attempts:
+            return False
+        _, clear = name_actions(model, self.domain)
+        return not clear
+
+    def carry_out(
+        self,
+        name: str,
+        model: Model,
+        state: TrainingState | None,
+        after_epoch: Callable[[TrainingProgress], None],
+        quiet: bool,
+    ) -> Model:
+        """The model after a stage; `state`: that in whose middle it was broken off, if it was."""
+        progress, checkpoints = self.progress, self.checkpoints
         began = time.monotonic() - progress.seconds.get(name, 0.0)
         if progress.epoch == 0:
             checkpoints.begin(progress, model)
-        stage = make_stage(name, checkpoints.begun(progress, model), data, config, domain)
-        fit = Fit(stage, TRAINS[name], seed + NEXT_ATTEMPT * progress.attempt, progress.stage)
+        begun = checkpoints.begun(progress, model)
+        stage = make_stage(name, begun, self.data, self.config, self.domain)
+        fit = Fit(stage, TRAINS[name], self.attempt_seed, progress.stage)
         state = state or fit.start(model)
         saved = time.monotonic()
-        with tqdm(
-            total=stage.config.epochs, initial=progress.epoch, desc=f"{name:>10}", disable=quiet
-        ) as bar:
+        epochs = stage.config.epochs
+        with tqdm(total=epochs, initial=progress.epoch, desc=f"{name:>10}", disable=quiet) as bar:
             try:
-                while progress.epoch < stage.config.epochs:
+                while progress.epoch < epochs:
                     state, loss = fit.epoch(state, progress.epoch)
                     if not np.isfinite(loss):
                         raise stages.TrainingError(f"{name}: the loss is not finite: {loss}")
@@ -147,21 +197,7 @@ def train(
             except KeyboardInterrupt:
                 checkpoints.save(progress, state)
                 raise
-        model, state = state.model, None
-        if name == "actions" and progress.attempt + 1 < config.attempts:
-            _, clear = name_actions(model, domain)
-            if not clear:
-                progress.attempt += 1
-                progress.epoch = 0
-                progress.losses.pop(name, None)
-                model = untrained(
-                    domain, data, seed + NEXT_ATTEMPT * progress.attempt, config.residual
-                )
-                continue
-        progress.stage, progress.epoch = progress.stage + 1, 0
-        after_stage(name, model, progress)
-    named, clear = name_actions(model, domain)
-    return Result(named, clear, progress)
+        return state.model
 
 
 def make_stage(
