@@ -200,66 +200,79 @@ def nonsense_loss(key: Array, model: Model, tokens: Array, length: Array, known:
     return -actions.mean() - jnp.log(actions.shape[0])
 
 
-def two_step_loss(
-    key: Array,
-    model: Model,
-    demonstration: Demonstration,
-    similarities: Array,
-    config: TrainingConfig,
-    known: Array,
-    width: int,
-) -> Array:
-    """Loss of a two-step command over its most likely splits.
+class TwoSteps(NamedTuple):
+    """A command of two steps, for the losses of its splits."""
 
-    * `known`: see `nonsense`
-    * `width`: largest number of tokens of a step
-    """
-    command, scene = demonstration.command, demonstration.scene
-    key, saying = jax.random.split(key)
-    log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
-    position = jnp.arange(log_probability.shape[0])
-    is_group = (command.tokens == GROUP_TOKEN) & (position < command.length)
-    groups_before = jnp.cumsum(is_group)
-    possible = jnp.where(groups_before == GROUPS_PER_STEP, log_probability, MISSING)
-    likeliest, positions = jax.lax.top_k(possible, config.splits)
+    model: Model
+    demonstration: Demonstration
+    similarities: Array
+    config: TrainingConfig
+    width: int
+    """Largest number of tokens of a step."""
 
-    def carry_out(split: Array) -> Array:
+    def possible(self, log_probability: Array) -> Array:
+        """Log probabilities of splits, without those that leave a step without two objects."""
+        command = self.demonstration.command
+        position = jnp.arange(log_probability.shape[0])
+        is_group = (command.tokens == GROUP_TOKEN) & (position < command.length)
+        groups_before = jnp.cumsum(is_group)
+        return jnp.where(groups_before == GROUPS_PER_STEP, log_probability, MISSING)
+
+    def losses(self, key: Array, splits: Array) -> Array:
+        """Of carrying out what each split makes of the command, and of where it ends the first
+        step."""
+        carried_out = jax.vmap(lambda split: self._carried_out(key, split))(splits)
+        unusual = jnp.abs(splits - self.demonstration.usual_end)
+        return carried_out + self.config.unusual_end * unusual
+
+    def _carried_out(self, key: Array, split: Array) -> Array:
+        command, scene = self.demonstration.command, self.demonstration.scene
+        config = self.config
         ends = jnp.stack([split + 1, command.length])
         both = jax.vmap(
             lambda first, end: ground_step(
-                model, command, similarities, scene.present, first, end, width
+                self.model, command, self.similarities, scene.present, first, end, self.width
             )
         )(jnp.stack([0, split + 1]), ends)
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
         return sampled_steps(
-            key, model, steps, scene, config.loss, config.temperature, config.sample_actions
+            key, self.model, steps, scene, config.loss, config.temperature, config.sample_actions
         )
 
-    def unusual(split: Array) -> Array:
-        return config.unusual_end * jnp.abs(split - demonstration.usual_end)
-
-    def kept_whole(split: Array) -> Array:
-        tokens, _, _ = step_tokens(command, split + 1, command.length, width)
+    def kept_whole(self, split: Array) -> Array:
+        """Log probability that the second step is not split again."""
+        command = self.demonstration.command
+        tokens, _, _ = step_tokens(command, split + 1, command.length, self.width)
         length = command.length - split - 1
-        return end_log_probability(model.language.splitter, tokens, length)[length - 1]
+        return end_log_probability(self.model.language.splitter, tokens, length)[length - 1]
 
+
+def two_step_loss(key: Array, steps: TwoSteps, known: Array) -> Array:
+    """Loss of a command of two steps over its likeliest splits.
+
+    * `known`: see `nonsense`
+    """
+    model, config, command = steps.model, steps.config, steps.demonstration.command
+    key, saying = jax.random.split(key)
+    log_probability = split_log_probability(model.language.splitter, command, jnp.array(0))
+    possible = steps.possible(log_probability)
+    likeliest, positions = jax.lax.top_k(possible, config.splits)
     if config.split_gradient == REINFORCE:
         sampling, key = jax.random.split(key)
 
         def losses_of(sampled: Array) -> Array:
-            losses = jax.vmap(carry_out)(sampled) + unusual(sampled)
+            losses = steps.losses(key, sampled)
             return jnp.where(possible[sampled] > MISSING / 2, losses, config.failed_split)
 
         loss = reinforce(sampling, log_probability, losses_of, config.split_samples, 0.0)
-        loss -= config.temperature * kept_whole(positions[0])
+        loss -= config.temperature * steps.kept_whole(positions[0])
     else:
         # The remainder of a split must not be split again: a split that makes this hard is bad.
-        likeliest += jax.vmap(kept_whole)(positions)
-        losses = jax.vmap(carry_out)(positions) + unusual(positions)
-        loss = soft_minimum(likeliest, losses, config.temperature)
+        likeliest += jax.vmap(steps.kept_whole)(positions)
+        loss = soft_minimum(likeliest, steps.losses(key, positions), config.temperature)
     # Connectives begin the second step, and so they do in meaningless steps that follow one.
     first = positions[0] + 1
-    second, _, _ = step_tokens(command, first, command.length, width)
+    second, _, _ = step_tokens(command, first, command.length, steps.width)
     heap = nonsense_loss(saying, model, second, command.length - first, known)
     return loss + config.indecision * entropy(log_probability) + config.nonsense * heap
 
@@ -358,7 +371,8 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
             return loss - config.temperature * whole[command.length - 1]
 
         def two(key: Array, demonstration: Demonstration, similarities: Array) -> Array:
-            return two_step_loss(key, model, demonstration, similarities, config, known, width)
+            steps = TwoSteps(model, demonstration, similarities, config, width)
+            return two_step_loss(key, steps, known)
 
         first = jax.vmap(one)(keys[:half], single, similarities[:half])
         second = jax.vmap(two)(keys[half:], double, similarities[half:])
