@@ -3,7 +3,7 @@
 //! * [`by_hand`]: a model whose weights were set by hand, so that what it does
 //!   with a sentence is known without training;
 //! * [`controller`] and [`world`]: what stands around a planner;
-//! * [`memory`]: shared memory of a test's own, and what was left behind in it;
+//! * [`isolated_memory`]: shared memory of one test, and what was left behind in it;
 //! * [`counting`]: an allocator that counts;
 //! * [`fuzz`]: what is done with bytes from anywhere, by the fuzz targets and by a test;
 //! * [`golden`]: what the trainer computed, for everything to agree with;
