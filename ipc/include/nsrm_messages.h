@@ -324,20 +324,20 @@ NSRM_ASSERT(offsetof(nsrm_sub_goal, orientation) == 60, "offset of orientation")
 NSRM_ASSERT(offsetof(nsrm_sub_goal, location) == 76, "offset of location");
 NSRM_ASSERT(offsetof(nsrm_sub_goal, keep) == 96, "offset of keep");
 
-/** How a command went (service `feedback`). */
+/** The outcome of a command (service `feedback`). */
 typedef struct nsrm_feedback {
     /** Number of the plan, as in `crate::message::SubGoal::plan`. */
     uint64_t plan;
     /** Counts up with each feedback of one controller: a gap is a loss. */
     uint64_t sequence;
-    /** When it was so, nanoseconds on the sender's clock. */
+    /** When the outcome occurred, nanoseconds on the sender's clock. */
     uint64_t timestamp_ns;
     /** Number of the command, as in `crate::message::SubGoal::command`. */
     uint32_t command;
-    /** How it went: the number of an `Outcome`. */
+    /** The number of an `Outcome`. */
     uint32_t outcome;
-    /** Ids of up to two objects: those that stood in its way; those that are moved out
-     *  of it, of `Outcome::Clearing`; 0 for none. */
+    /** Ids of up to two objects: those in the way, or for `Outcome::Clearing` those that
+     *  are moved aside; 0 for none. */
     uint32_t objects[2];
 } nsrm_feedback;
 #define NSRM_FEEDBACK_TYPE_NAME "nsrm.v1.Feedback.343e85d0c8daab6b"
@@ -416,42 +416,41 @@ enum nsrm_kind {
 
 /** Numbers of `Feedback.outcome`. */
 enum nsrm_outcome {
-    /** It will be carried out; another outcome follows. */
+    /** It will be executed; another outcome follows. */
     NSRM_OUTCOME_ACCEPTED = 1,
-    /** The object stands where it should. */
+    /** The object is at its sub-goal. */
     NSRM_OUTCOME_REACHED = 2,
-    /** No room or no way there without a collision. */
+    /** No space at the sub-goal, or no collision-free path. */
     NSRM_OUTCOME_NO_PATH = 3,
-    /** The gripper did not get hold of the object. */
+    /** The gripper did not grasp the object. */
     NSRM_OUTCOME_NOT_GRASPED = 4,
-    /** The object was lost on the way. */
+    /** The object was dropped on the way. */
     NSRM_OUTCOME_DROPPED = 5,
-    /** Set down, but not where it should stand. */
+    /** Placed, but not at its sub-goal. */
     NSRM_OUTCOME_MISPLACED = 6,
     /** Stopped by a command, a person or a safety function. */
     NSRM_OUTCOME_STOPPED = 7,
-    /** Another command is being carried out; this one won't be. */
+    /** Another command is being executed; this one won't be. */
     NSRM_OUTCOME_BUSY = 8,
-    /** The command makes no sense, or its object isn't seen; it won't be carried
-     *  out. */
+    /** The command is invalid, or its object isn't visible; it won't be executed. */
     NSRM_OUTCOME_IMPOSSIBLE = 9,
-    /** It was read after its time; it won't be carried out. */
+    /** It was read after its deadline; it won't be executed. */
     NSRM_OUTCOME_TOO_LATE = 10,
-    /** Nothing bears the object at its sub-goal, or it would fall there. */
+    /** Nothing supports the object at its sub-goal, or it would fall there. */
     NSRM_OUTCOME_WOULD_FALL = 11,
-    /** The object or its sub-goal is beyond the arm's reach. */
+    /** The object or its sub-goal is out of the arm's reach. */
     NSRM_OUTCOME_OUT_OF_REACH = 12,
-    /** The arm's joints do not follow; it stands still where it is. */
+    /** The arm's joints do not follow their commands; the arm has stopped. */
     NSRM_OUTCOME_NOT_FOLLOWING = 13,
-    /** Something stands on the object. */
+    /** Another object stands on the object. */
     NSRM_OUTCOME_COVERED = 14,
-    /** The hand can't hold an object of its size. */
+    /** The gripper can't hold an object of this size. */
     NSRM_OUTCOME_CANNOT_HOLD = 15,
-    /** Other objects are moved aside first, or the object itself is set down on the way;
+    /** Other objects are moved aside first, or the object itself is regrasped on the way;
      *  another outcome follows. */
     NSRM_OUTCOME_CLEARING = 16,
-    /** What the object was to be beside or on was moved since the command was given; the
-     *  object was not grasped. */
+    /** The reference object was moved after the command was sent; the object was not
+     *  grasped. */
     NSRM_OUTCOME_REFERENCE_MOVED = 17,
 };
 

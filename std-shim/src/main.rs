@@ -11,9 +11,9 @@ use nsrm_codegen::hexadecimal;
 use nsrm_core::{Planner, Refusal};
 use serde_json::Value;
 
-/// Sentences to programs, scenes to sub-goals, with a model that was learned.
+/// Parse sentences into programs and plan sub-goals in scenes, with a learned model.
 ///
-/// Exit code 0 when done, 2 when the sentence is refused or the input is bad.
+/// Exit code 0 on success, 2 if the sentence is refused or the input is invalid.
 #[derive(Parser)]
 #[command(name = "nsrm", version)]
 struct Arguments {
@@ -23,9 +23,9 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Print the program that a sentence says.
+    /// Print the program of a sentence.
     Parse {
-        /// The sentence: one argument.
+        /// The sentence, as one argument.
         sentence: String,
         #[command(flatten)]
         options: Options,
@@ -35,17 +35,17 @@ enum Command {
         /// The scene file (JSON).
         #[arg(long)]
         scene: PathBuf,
-        /// Folder with a crop <id>.png for each object, in place of the image.
+        /// Folder with a crop <id>.png per object, instead of the image.
         #[arg(long, value_name = "DIR")]
         crops: Option<PathBuf>,
-        /// The sentence: one argument.
+        /// The sentence, as one argument.
         sentence: String,
         #[command(flatten)]
         options: Options,
     },
-    /// Print what a model is, what it takes and what it reached.
+    /// Print a model's domain, dimensions, memory and metrics.
     Info {
-        /// The model file (safetensors); without it, the built-in model.
+        /// The model file (safetensors); the built-in model by default.
         model: Option<PathBuf>,
         /// Print JSON.
         #[arg(long)]
@@ -68,12 +68,12 @@ struct Options {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// The model file (safetensors); without it, the built-in model.
+    /// The model file (safetensors); the built-in model by default.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
 }
 
-/// Why nothing came of it: for a person, and as JSON.
+/// Why a command failed: as text and as JSON.
 struct Failure {
     message: String,
     json: Value,
@@ -106,7 +106,7 @@ fn main() -> ExitCode {
         Command::Robot(command) => command.wants_json(),
     };
     match run(&command) {
-        // What a robot does was told as it happened.
+        // Events of a robot were printed as they happened.
         Ok(text) if text.is_empty() => ExitCode::SUCCESS,
         Ok(text) => print(&text),
         Err(failure) => {
@@ -119,7 +119,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes to stdout; a reader that has gone is no reason to panic.
+/// Writes to stdout; does not panic if the reader has closed it.
 fn print(text: &str) -> ExitCode {
     use std::io::Write as _;
     match writeln!(std::io::stdout(), "{text}") {
@@ -178,7 +178,7 @@ fn run(command: &Command) -> Result<String, Failure> {
             } else {
                 let domain = model.header.domain;
                 format!(
-                    "{}: sound; domain {domain}, identity {identity}",
+                    "{}: valid; domain {domain}, identity {identity}",
                     path.display()
                 )
             })

@@ -456,7 +456,7 @@ fn checks_models() {
     let bench = Bench::new();
     let text = done(&bench.run(&["check", "model.safetensors"]));
     assert!(
-        text.contains("model.safetensors: sound; domain tabletop"),
+        text.contains("model.safetensors: valid; domain tabletop"),
         "{text}"
     );
     let path = pretrained();

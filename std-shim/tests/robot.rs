@@ -30,11 +30,11 @@ fn a_sentence_is_followed_through_all_processes() {
         "{said}"
     );
     assert!(
-        lines[2].starts_with("step 1: object 1 is on its way to ("),
+        lines[2].starts_with("step 1: moving object 1 to ("),
         "{said}"
     );
     assert!(
-        lines[3].starts_with("step 1: done, seen 0.0 mm from"),
+        lines[3].starts_with("step 1: done, observed 0.0 mm from"),
         "{said}"
     );
     assert_eq!(lines[4..], ["done"]);
@@ -176,8 +176,8 @@ fn no_planner_and_a_second_one_are_told_of() {
     refused(
         &second,
         &[&format!(
-            "robot `left`: `plan` is already served by process {process}; choose another name, or \
-             stop it"
+            "robot `left`: `plan` is already served by process {process}; choose another robot \
+             name, or stop that process"
         )],
     );
 }
@@ -213,8 +213,8 @@ fn a_killed_planner_is_detected_and_another_takes_its_place() {
     let message = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(
         message,
-        "nsrm: the planner of robot `left` died or hangs; look at the robot, then start the \
-         planner anew\n"
+        "nsrm: the planner of robot `left` died or hangs; check the robot, then restart the \
+         planner\n"
     );
     stage.works.store(true, Ordering::Relaxed);
     stage.start("serve", "planning");
@@ -256,7 +256,7 @@ fn bad_configurations_are_told_of() {
     );
     refused(
         &serve("[shared_memory]\nroot = \"here\""),
-        &["shared_memory.root = \"here\": a path from / is needed"],
+        &["shared_memory.root = \"here\": must be an absolute path"],
     );
     let typo = serve("[limits]\nretry = 3");
     let message = String::from_utf8(typo.stderr).unwrap();
@@ -289,12 +289,12 @@ fn what_keeps_processes_from_meeting_is_found() {
     };
     ends_with(
         &bench.run(&serve_in("/proc/nothing")),
-        "the processes meet in /proc/nothing, which can't be made or written to: No such file",
+        "the shared-memory folder /proc/nothing can't be created or written to: No such file",
     );
     let long = bench.path(&"long".repeat(20));
     ends_with(
         &bench.run(&serve_in(long.to_str().unwrap())),
-        "where the processes meet, is too long for sockets in it",
+        "is too long for the sockets in it",
     );
     // One by one, since what fails first depends on how many are left.
     let short = bench.path("m");
@@ -306,9 +306,6 @@ fn what_keeps_processes_from_meeting_is_found() {
             .args(serve)
             .current_dir(bench.folder.path())
             .output();
-        ends_with(
-            &few.unwrap(),
-            &format!("of the {most} files that this process may have open"),
-        );
+        ends_with(&few.unwrap(), &format!("of at most {most} open files"));
     }
 }

@@ -46,8 +46,11 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
     ] {
         let mut command = stage.command(arguments);
         let ended = command.uid(OTHER).gid(OTHER).output().unwrap();
-        let message = "which belongs to another user; start all of them as that one";
-        refused(&ended, &["robot `left`: its processes meet in", message]);
+        let message = "belongs to another user; start all processes as that user";
+        refused(
+            &ended,
+            &["robot `left`: the shared-memory folder ", message],
+        );
     }
     for name in stage.memory.left_behind() {
         // What is being removed just now is nobody's.

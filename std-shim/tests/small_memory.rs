@@ -25,8 +25,8 @@ fn too_little_shared_memory_is_refused() {
         &["serve"],
     ] {
         let ended = with_memory(&bench, 512, arguments);
-        let wants = "robot `left`: `node` wants 1.0 MB of shared memory, and 0.5 are left in \
-                     /dev/shm; remove what nobody uses there, or enlarge it";
+        let wants = "robot `left`: `node` needs 1.0 MB of shared memory, but 0.5 are left in \
+                     /dev/shm; remove unused files there, or enlarge it";
         refused(&ended, &[wants]);
     }
     // With a little more all is as ever.

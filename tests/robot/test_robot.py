@@ -135,8 +135,8 @@ def test_text_tells_what_happens(config: str) -> None:
     lines = done.stdout.splitlines()
     assert lines[0].startswith('sentence  "')
     assert lines[-1] == "done"
-    assert any("is on its way to" in line for line in lines)
-    assert sum("done, seen" in line for line in lines) == 2
+    assert any(": moving object " in line for line in lines)
+    assert sum("done, observed" in line for line in lines) == 2
 
 
 def test_a_ctrl_c_stops_the_arm_and_all_processes(config: str) -> None:
@@ -151,7 +151,7 @@ def test_a_ctrl_c_stops_the_arm_and_all_processes(config: str) -> None:
     ) as running:
         assert running.stdout is not None and running.stderr is not None
         # Of two blocks the first is on its way.
-        next(line for line in running.stdout if "is on its way to" in line)
+        next(line for line in running.stdout if ": moving object " in line)
         os.killpg(running.pid, signal.SIGINT)
         rest = running.stdout.read()
         assert running.wait() == 2
@@ -168,7 +168,7 @@ def test_what_is_refused_ends_with_2_and_moves_nothing(config: str) -> None:
         done = robot(config, "--seed", "4", sentence)
         assert done.returncode == 2, done.stderr
         assert reason in done.stderr
-        assert "on its way" not in done.stdout
+        assert "moving object" not in done.stdout
 
 
 def test_one_configuration_serves_all_processes(tmp_path_factory: pytest.TempPathFactory) -> None:

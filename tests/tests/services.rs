@@ -271,8 +271,8 @@ fn no_robot_has_two_of_what_it_has_one_of() {
     assert_eq!(
         refused.to_string(),
         format!(
-            "robot `left`: `sub_goal` is already served by process {}; choose another name, or \
-             stop it",
+            "robot `left`: `sub_goal` is already served by process {}; choose another robot \
+             name, or stop that process",
             std::process::id()
         )
     );

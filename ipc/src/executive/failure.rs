@@ -4,28 +4,27 @@ use nsrm_core::{Refusal, SceneError};
 
 use crate::message::Outcome;
 
-/// Why a scene is not acted upon.
+/// Why a scene is not used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SceneFault {
-    /// It is no scene, or of another model or domain.
+    /// It is invalid, or from another model or domain.
     Invalid(SceneError),
     /// Its image was taken too long ago.
     TooOld {
-        /// How long, milliseconds.
+        /// Its age, milliseconds.
         age_ms: u64,
-        /// The most that is allowed, milliseconds.
+        /// The greatest allowed age, milliseconds.
         limit_ms: u64,
     },
-    /// Its image was taken before that of the scene that came before it.
+    /// Its image was taken before that of the previous scene.
     OutOfOrder,
-    /// Its image is yet to be taken: its publisher has another clock.
+    /// Its time is in the future: its publisher has another clock.
     FromTheFuture {
         /// By how much, milliseconds.
         by_ms: u64,
     },
-    /// Its camera stands elsewhere, or is another one, than when the sentence was
-    /// begun.
+    /// Its camera has moved, or was replaced, since the sentence was started.
     OtherCamera,
 }
 
@@ -38,15 +37,16 @@ impl fmt::Display for SceneFault {
                 "the scene is {age_ms} ms old, {limit_ms} ms are allowed: does the camera work?"
             ),
             Self::OutOfOrder => f.write_str(
-                "the scene is older than the one before it: is there a second publisher?",
+                "the scene is older than the previous one: is there a second publisher?",
             ),
             Self::FromTheFuture { by_ms } => write!(
                 f,
-                "the scene was seen {by_ms} ms in the future: set its publisher's clock by the \
-                 planner's"
+                "the scene's time is {by_ms} ms in the future: synchronize its publisher's clock \
+                 with the planner's"
             ),
             Self::OtherCamera => f.write_str(
-                "the camera has moved since the sentence was begun: calibrate it and ask again",
+                "the camera has moved since the sentence was started: calibrate it and send the \
+                 sentence again",
             ),
         }
     }
@@ -54,75 +54,74 @@ impl fmt::Display for SceneFault {
 
 impl core::error::Error for SceneFault {}
 
-/// Why a sentence was not carried out, or not to its end. Steps count from 0.
+/// Why a sentence was not executed completely. Steps count from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Failure {
-    /// It is refused; nothing, or nothing more, was moved.
+    /// The sentence was refused; no further object was moved.
     Refused(Refusal),
-    /// No scene came that may be acted upon.
+    /// No usable scene arrived.
     NoScene {
-        /// Why the last one that came was not.
+        /// What was wrong with the last scene that arrived.
         last: Option<SceneFault>,
     },
-    /// The controller did not accept the command, and will not carry it out.
+    /// The controller did not accept the command and will not execute it.
     NotAccepted {
         /// Which step.
         step: u8,
     },
-    /// Nothing was heard of the controller in time, or too late that it had begun; whether the
-    /// step was carried out is unknown.
+    /// The controller did not answer in time, or reported too late that it had started; whether
+    /// the step was executed is unknown.
     Unanswered {
         /// Which step.
         step: u8,
     },
-    /// The controller accepted the command, and nothing was heard of it in time.
+    /// The controller accepted the command and reported no outcome in time.
     NoOutcome {
         /// Which step.
         step: u8,
     },
-    /// The controller died or hangs; whether the step was carried out is unknown.
+    /// The controller died or hangs; whether the step was executed is unknown.
     ControllerLost {
         /// Which step.
         step: u8,
     },
-    /// The controller says that it could not do it.
+    /// The controller reported that the command failed.
     Unsuccessful {
         /// Which step.
         step: u8,
-        /// What it says.
+        /// The reported outcome.
         outcome: Outcome,
-        /// Ids of objects that stood in the way, as it says; 0 for none.
+        /// Ids of objects that the controller reported in the way; 0 for none.
         objects: [u32; 2],
     },
-    /// The controller says that it did it, and the object, or what it was to be beside
-    /// or on, is seen elsewhere.
+    /// The controller reported success, but the object or its reference is observed elsewhere.
     NotThere {
         /// Which step.
         step: u8,
-        /// Id of the object that is.
+        /// Id of that object.
         object: u32,
-        /// How far from its sub-goal, or from where it was when the step was planned, metres.
+        /// Its distance from its sub-goal, or from where it was when the step was planned, metres.
         off_m: f32,
     },
-    /// The controller says that it did it, and the object, or what it was to be beside or on, is
-    /// not seen, and nothing hides it that a step has put down.
+    /// The controller reported success, but the object or its reference is not visible, and no
+    /// object that a step has put down hides it.
     NotSeen {
         /// Which step.
         step: u8,
         /// Id of the object.
         object: u32,
     },
-    /// The one who asked doesn't want it any more, or is gone.
+    /// The client cancelled the sentence, or disconnected.
     Cancelled,
-    /// As before, but the controller did not say that it has stopped.
+    /// As [`Failure::Cancelled`], but the controller did not confirm the stop.
     CancelledUnconfirmed,
-    /// The clock was set back, so that nobody can tell how old a scene is.
+    /// The clock was set back, so the age of scenes is unknown.
     ClockSetBack,
 }
 
 impl Failure {
-    /// The variant's name in snake case, a refusal's with its kind.
+    /// The variant's name in snake case; for a refusal, its kind.
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Refused(refusal) => refusal.kind(),
@@ -148,35 +147,35 @@ impl fmt::Display for Failure {
         match self {
             Self::Refused(refusal) => write!(f, "{refusal}"),
             Self::NoScene { last: None } => {
-                f.write_str("no scene came: is the perception node running?")
+                f.write_str("no scene arrived: is the perception node running?")
             }
             Self::NoScene { last: Some(fault) } => {
                 write!(
                     f,
-                    "no scene came that may be acted upon; the last one: {fault}"
+                    "no usable scene arrived; the last one: {fault}"
                 )
             }
             Self::NotAccepted { step: at } => write!(
                 f,
-                "step {}: the controller did not accept it: is it running, and free?",
+                "step {}: the controller did not accept the command: is it running, and idle?",
                 step(*at)
             ),
             Self::Unanswered { step: at } => write!(
                 f,
-                "step {}: the controller did not answer in time, so whether it was carried out is \
-                 unknown; look at the robot",
+                "step {}: the controller did not answer in time, so whether the step was executed is \
+                 unknown; check the robot",
                 step(*at)
             ),
             Self::NoOutcome { step: at } => write!(
                 f,
-                "step {}: the controller accepted it and did not say in time how it went; look \
-                 at the robot",
+                "step {}: the controller accepted the command but reported no outcome in time; check \
+                 the robot",
                 step(*at)
             ),
             Self::ControllerLost { step: at } => write!(
                 f,
-                "step {}: the controller was lost, so whether it was carried out is unknown; \
-                 look at the robot",
+                "step {}: the controller was lost, so whether the step was executed is unknown; \
+                 check the robot",
                 step(*at)
             ),
             Self::Unsuccessful {
@@ -203,26 +202,26 @@ impl fmt::Display for Failure {
                 off_m,
             } => write!(
                 f,
-                "step {}: object {object} is seen {:.0} mm from where it should be; see whether \
-                 it was pushed or fell, and ask again",
+                "step {}: object {object} is {:.0} mm from where it should be; check whether it \
+                 was pushed or fell, and send the sentence again",
                 step(*at),
                 1000.0 * off_m
             ),
             Self::NotSeen { step: at, object } => {
                 write!(
                     f,
-                    "step {}: object {object} is no longer seen; see whether it fell or is hidden, \
-                     and ask again",
+                    "step {}: object {object} is no longer visible; check whether it fell or is \
+                     hidden, and send the sentence again",
                     step(*at)
                 )
             }
             Self::Cancelled => f.write_str("cancelled"),
             Self::CancelledUnconfirmed => f.write_str(
-                "cancelled, but the controller did not say that it has stopped; look at the robot",
+                "cancelled, but the controller did not confirm the stop; check the robot",
             ),
             Self::ClockSetBack => f.write_str(
-                "the clock was set back meanwhile, so how old a scene is can't be told; look at \
-                 the robot, and ask again",
+                "the clock was set back, so the age of scenes is unknown; check the robot, and send \
+                 the sentence again",
             ),
         }
     }

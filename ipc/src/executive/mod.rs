@@ -128,7 +128,7 @@ impl core::fmt::Display for Busy {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             f,
-            "another sentence (plan {}) is being carried out: wait for it, or cancel it",
+            "another sentence (plan {}) is being executed: wait for it, or cancel it",
             self.plan
         )
     }

@@ -106,11 +106,14 @@ impl fmt::Display for CameraFrameError {
         match self {
             Self::Camera(error) => write!(f, "camera frame: {error}"),
             Self::TooManyBoxes { count } => {
-                write!(f, "camera frame: {count} boxes, at most {MAX_OBJECTS}")
+                write!(
+                    f,
+                    "camera frame: {count} boxes; at most {MAX_OBJECTS} are allowed"
+                )
             }
             Self::ImageLength { expected, got } => write!(
                 f,
-                "camera frame: {got} bytes of image, {expected} for its width and height"
+                "camera frame: the image has {got} bytes; its width and height need {expected}"
             ),
         }
     }

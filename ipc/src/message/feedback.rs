@@ -1,4 +1,4 @@
-//! What a controller answers: how a sub-goal went.
+//! What a controller answers: the outcome of a command.
 
 use core::fmt;
 
@@ -10,65 +10,64 @@ use super::numbers::numbers;
 use crate::executive::CommandId;
 
 message! {
-    /// How a command went (service `feedback`).
+    /// The outcome of a command (service `feedback`).
     "nsrm.v1.Feedback.343e85d0c8daab6b"
     pub struct Feedback {
         /// Number of the plan, as in [`crate::message::SubGoal::plan`].
         pub plan: u64,
         /// Counts up with each feedback of one controller: a gap is a loss.
         pub sequence: u64,
-        /// When it was so, nanoseconds on the sender's clock.
+        /// When the outcome occurred, nanoseconds on the sender's clock.
         pub timestamp_ns: u64,
         /// Number of the command, as in [`crate::message::SubGoal::command`].
         pub command: u32,
-        /// How it went: the number of an [`Outcome`].
+        /// The number of an [`Outcome`].
         pub outcome: u32,
-        /// Ids of up to two objects: those that stood in its way; those that are moved out
-        /// of it, of [`Outcome::Clearing`]; 0 for none.
+        /// Ids of up to two objects: those in the way, or for [`Outcome::Clearing`] those that
+        /// are moved aside; 0 for none.
         pub objects: [u32; 2],
     }
 }
 
 numbers! {
-    /// How a command went.
+    /// The outcome of a command.
     "Feedback.outcome"
     pub enum Outcome {
-        /// It will be carried out; another outcome follows.
+        /// It will be executed; another outcome follows.
         Accepted = 1,
-        /// The object stands where it should.
+        /// The object is at its sub-goal.
         Reached = 2,
-        /// No room or no way there without a collision.
+        /// No space at the sub-goal, or no collision-free path.
         NoPath = 3,
-        /// The gripper did not get hold of the object.
+        /// The gripper did not grasp the object.
         NotGrasped = 4,
-        /// The object was lost on the way.
+        /// The object was dropped on the way.
         Dropped = 5,
-        /// Set down, but not where it should stand.
+        /// Placed, but not at its sub-goal.
         Misplaced = 6,
         /// Stopped by a command, a person or a safety function.
         Stopped = 7,
-        /// Another command is being carried out; this one won't be.
+        /// Another command is being executed; this one won't be.
         Busy = 8,
-        /// The command makes no sense, or its object isn't seen; it won't be carried
-        /// out.
+        /// The command is invalid, or its object isn't visible; it won't be executed.
         Impossible = 9,
-        /// It was read after its time; it won't be carried out.
+        /// It was read after its deadline; it won't be executed.
         TooLate = 10,
-        /// Nothing bears the object at its sub-goal, or it would fall there.
+        /// Nothing supports the object at its sub-goal, or it would fall there.
         WouldFall = 11,
-        /// The object or its sub-goal is beyond the arm's reach.
+        /// The object or its sub-goal is out of the arm's reach.
         OutOfReach = 12,
-        /// The arm's joints do not follow; it stands still where it is.
+        /// The arm's joints do not follow their commands; the arm has stopped.
         NotFollowing = 13,
-        /// Something stands on the object.
+        /// Another object stands on the object.
         Covered = 14,
-        /// The hand can't hold an object of its size.
+        /// The gripper can't hold an object of this size.
         CannotHold = 15,
-        /// Other objects are moved aside first, or the object itself is set down on the way;
+        /// Other objects are moved aside first, or the object itself is regrasped on the way;
         /// another outcome follows.
         Clearing = 16,
-        /// What the object was to be beside or on was moved since the command was given; the
-        /// object was not grasped.
+        /// The reference object was moved after the command was sent; the object was not
+        /// grasped.
         ReferenceMoved = 17,
     }
 }
@@ -77,52 +76,54 @@ impl Outcome {
     /// What happened, for a person.
     pub const fn words(self) -> &'static str {
         match self {
-            Self::Accepted => "the controller has accepted it",
-            Self::Reached => "the object stands where it should",
-            Self::NoPath => "there is no way there without a collision",
-            Self::NotGrasped => "the gripper did not get hold of the object",
-            Self::Dropped => "the object was lost on the way",
-            Self::Misplaced => "the object was set down, but not where it should stand",
+            Self::Accepted => "the controller accepted the command",
+            Self::Reached => "the object is at its sub-goal",
+            Self::NoPath => "no collision-free path exists",
+            Self::NotGrasped => "the gripper did not grasp the object",
+            Self::Dropped => "the object was dropped on the way",
+            Self::Misplaced => "the object was placed, but not at its sub-goal",
             Self::Stopped => "the robot was stopped",
-            Self::Busy => "the controller carries out another command",
-            Self::Impossible => "the controller does not see the object, or can't read the command",
-            Self::TooLate => "the controller was held up and read it too late",
-            Self::WouldFall => "the object would not stand there",
-            Self::OutOfReach => "the arm does not reach that far",
-            Self::NotFollowing => "the arm does not go where it is told to, and stands still",
-            Self::Covered => "something stands on the object",
-            Self::CannotHold => "the hand can't hold an object of this size",
-            Self::Clearing => "something is moved out of the way first",
-            Self::ReferenceMoved => "what the object was to be beside or on was moved meanwhile",
+            Self::Busy => "the controller is executing another command",
+            Self::Impossible => "the controller does not see the object, or the command is invalid",
+            Self::TooLate => "the controller read the command too late",
+            Self::WouldFall => "the object would fall at its sub-goal",
+            Self::OutOfReach => "the object or its sub-goal is out of the arm's reach",
+            Self::NotFollowing => "the arm does not follow its commands and has stopped",
+            Self::Covered => "another object stands on the object",
+            Self::CannotHold => "the gripper can't hold an object of this size",
+            Self::Clearing => "obstacles are moved aside first",
+            Self::ReferenceMoved => "the reference object was moved meanwhile",
         }
     }
 
-    /// What a person can do about it; empty where there is nothing to be done.
+    /// What a person can do about it; empty if nothing needs to be done.
     pub const fn advice(self) -> &'static str {
         match self {
             Self::Accepted | Self::Reached | Self::Clearing => "",
-            Self::NoPath => "make room, and ask again",
-            Self::NotGrasped => "look at the object and the gripper, and ask again",
-            Self::Dropped | Self::Misplaced => "look where the object is, and ask again",
-            Self::Stopped => "see that nobody is in danger, and ask again",
-            Self::Busy => "wait until that one is done, or stop it",
-            Self::Impossible => "see what the controller's log says",
-            Self::TooLate => "see what holds it up, and ask again",
+            Self::NoPath => "make room, and send the sentence again",
+            Self::NotGrasped => "check the object and the gripper, and send the sentence again",
+            Self::Dropped | Self::Misplaced => {
+                "check where the object is, and send the sentence again"
+            }
+            Self::Stopped => "check that nobody is in danger, and send the sentence again",
+            Self::Busy => "wait until it is done, or stop it",
+            Self::Impossible => "see the controller's log",
+            Self::TooLate => "check what delays it, and send the sentence again",
             Self::WouldFall => "ask for another place",
             Self::OutOfReach => "move the object nearer, or ask for another place",
-            Self::NotFollowing => "look at the arm, and start its controller anew",
-            Self::Covered => "ask for what stands on it to be moved first",
+            Self::NotFollowing => "check the arm, and restart its controller",
+            Self::Covered => "ask for that object to be moved first",
             Self::CannotHold => "ask for another object",
-            Self::ReferenceMoved => "leave it where it is, and ask again",
+            Self::ReferenceMoved => "leave it where it is, and send the sentence again",
         }
     }
 
-    /// Whether nothing more will be said of the command.
+    /// Whether it is the last outcome of the command.
     pub const fn is_end(self) -> bool {
         !matches!(self, Self::Accepted | Self::Clearing)
     }
 
-    /// Whether it may go well when tried again.
+    /// Whether a retry may succeed.
     pub const fn may_be_tried_again(self) -> bool {
         matches!(
             self,
@@ -130,7 +131,7 @@ impl Outcome {
         )
     }
 
-    /// Whether it may go well once something else stands elsewhere.
+    /// Whether the command may succeed once other objects have moved.
     pub const fn depends_on_others(self) -> bool {
         matches!(
             self,
@@ -144,24 +145,24 @@ impl Outcome {
     }
 }
 
-/// What was heard of a command, checked.
+/// A feedback message, checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Report {
     /// Which command.
     pub id: CommandId,
-    /// How it went.
+    /// The outcome.
     pub outcome: Outcome,
-    /// Ids of objects that stood in its way, or are moved out of it; 0 for none.
+    /// Ids of objects in the way, or moved aside; 0 for none.
     pub objects: [u32; 2],
-    /// When it was so, nanoseconds on the sender's clock.
+    /// When the outcome occurred, nanoseconds on the sender's clock.
     pub timestamp_ns: u64,
 }
 
-/// Why a feedback is none.
+/// Why a feedback message is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FeedbackError {
-    /// No outcome has this number.
+    /// Unknown outcome.
     Outcome(u32),
     /// Commands count from 1.
     NoCommand,
@@ -170,7 +171,7 @@ pub enum FeedbackError {
 impl fmt::Display for FeedbackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Outcome(number) => write!(f, "feedback: {number} is no outcome"),
+            Self::Outcome(number) => write!(f, "feedback: unknown outcome {number}"),
             Self::NoCommand => f.write_str("feedback: command 0; commands count from 1"),
         }
     }
@@ -179,7 +180,7 @@ impl fmt::Display for FeedbackError {
 impl core::error::Error for FeedbackError {}
 
 impl Feedback {
-    /// What was heard, checked.
+    /// Checks the message.
     ///
     /// ```
     /// use nsrm_ipc::message::{Feedback, FeedbackError, Outcome};
@@ -193,7 +194,7 @@ impl Feedback {
     ///     objects: [0; 2],
     /// };
     /// assert_eq!(feedback.read()?.outcome, Outcome::Reached);
-    /// feedback.outcome = 99; // anything may stand in a message that was received
+    /// feedback.outcome = 99; // a received message may contain anything
     /// assert_eq!(feedback.read(), Err(FeedbackError::Outcome(99)));
     /// # Ok::<(), FeedbackError>(())
     /// ```

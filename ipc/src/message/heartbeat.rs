@@ -89,8 +89,8 @@ pub enum HeartbeatError {
 impl fmt::Display for HeartbeatError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Role(number) => write!(f, "heartbeat: {number} is no role"),
-            Self::State(number) => write!(f, "heartbeat: {number} is no state"),
+            Self::Role(number) => write!(f, "heartbeat: unknown role {number}"),
+            Self::State(number) => write!(f, "heartbeat: unknown state {number}"),
         }
     }
 }

@@ -189,10 +189,10 @@ pub enum PlanReplyError {
 impl fmt::Display for PlanReplyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Status(number) => write!(f, "plan reply: {number} is no status"),
+            Self::Status(number) => write!(f, "plan reply: unknown status {number}"),
             Self::Count(count) => write!(
                 f,
-                "plan reply: a program of {count} steps, from 1 to {MAX_STEPS} are possible"
+                "plan reply: a program of {count} steps; it must have from 1 to {MAX_STEPS}"
             ),
             Self::Step(step) => write!(
                 f,
@@ -203,7 +203,7 @@ impl fmt::Display for PlanReplyError {
                 "plan reply: step {step} has too many concepts, a number that is not finite, or \
                  a quaternion not of length 1"
             ),
-            Self::Reason(number) => write!(f, "plan reply: {number} is no reason"),
+            Self::Reason(number) => write!(f, "plan reply: unknown reason {number}"),
             Self::Text => f.write_str("plan reply: the message is not UTF-8, or too long"),
         }
     }
@@ -413,23 +413,17 @@ impl fmt::Display for MovedFirst {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let object = self.object;
         match self.first {
-            [0, 0] => write!(
-                f,
-                "something is moved out of the way of object {object} first"
-            ),
+            [0, 0] => write!(f, "obstacles to object {object} are moved aside first"),
             [own, 0] | [0, own] if own == object => {
-                write!(
-                    f,
-                    "object {object} is set down on the way, to be held otherwise"
-                )
+                write!(f, "object {object} is set down on the way, to regrasp it")
             }
             [other, 0] | [0, other] => write!(
                 f,
-                "object {other} stands in the way of object {object} and is moved aside first"
+                "object {other} is in the way of object {object} and is moved aside first"
             ),
             [one, other] => write!(
                 f,
-                "objects {one} and {other} stand in the way of object {object} and are moved \
+                "objects {one} and {other} are in the way of object {object} and are moved \
                  aside first"
             ),
         }

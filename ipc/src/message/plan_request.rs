@@ -65,13 +65,13 @@ impl fmt::Display for PlanRequestError {
         match self {
             Self::TooLong { length } => write!(
                 f,
-                "plan request: a sentence of {length} bytes, at most {MAX_SENTENCE_BYTES} are read"
+                "plan request: the sentence has {length} bytes; at most {MAX_SENTENCE_BYTES} are allowed"
             ),
             Self::Utf8 => f.write_str("plan request: the sentence is not UTF-8"),
             Self::Purpose(number) => write!(
                 f,
-                "plan request: {number} is no purpose; 1 plans, 2 carries out, 3 does so without \
-                 looking, 4 cancels"
+                "plan request: unknown purpose {number}; 1 plans, 2 executes, 3 executes without \
+                 observing, 4 cancels"
             ),
         }
     }

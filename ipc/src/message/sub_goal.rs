@@ -121,7 +121,9 @@ pub enum SubGoalError {
 impl fmt::Display for SubGoalError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Kind(kind) => write!(f, "sub-goal: {kind} is no kind; 1 is a move, 2 is a stop"),
+            Self::Kind(kind) => {
+                write!(f, "sub-goal: unknown kind {kind}; 1 is a move, 2 is a stop")
+            }
             Self::NoCommand => f.write_str("sub-goal: command 0; commands count from 1"),
             Self::Step { step, steps } => write!(
                 f,
@@ -129,7 +131,7 @@ impl fmt::Display for SubGoalError {
             ),
             Self::Objects { object, reference } => write!(
                 f,
-                "sub-goal: object {object} and reference {reference} must be two objects, not 0"
+                "sub-goal: object {object} and reference {reference} must differ, and neither may be 0"
             ),
             Self::NotFinite => f.write_str("sub-goal: a number is not finite"),
             Self::NotNormalised => {
@@ -138,7 +140,7 @@ impl fmt::Display for SubGoalError {
             Self::Confidence => f.write_str("sub-goal: confidence must lie from 0 to 1"),
             Self::TooLate { by_ms } => write!(
                 f,
-                "sub-goal: {by_ms} ms after its time; its plan has been given up"
+                "sub-goal: read {by_ms} ms after its deadline; its plan was abandoned"
             ),
         }
     }

@@ -1,4 +1,4 @@
-//! Who asks: a sentence in, what becomes of it out.
+//! A client of the planner: sends a sentence and receives the events of its execution.
 
 use core::fmt;
 
@@ -13,13 +13,13 @@ use crate::service::{
     Notifier, PLAN, PlanClient, Receiver, Robot, RobotName, Sender, ServiceError,
 };
 
-/// Why nothing was asked, or nothing more will be heard.
+/// Why a request was not sent, or gets no more replies.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RequestError {
-    /// No planner is there.
+    /// The robot has no planner.
     NoPlanner(RobotName),
-    /// The planner died or hangs; what was commanded may have been carried out.
+    /// The planner died or hangs; the last command may have been executed.
     PlannerLost(RobotName),
     /// A reply is missing.
     ReplyLost {
@@ -28,12 +28,12 @@ pub enum RequestError {
     },
     /// The sentence can't be sent.
     Request(PlanRequestError),
-    /// What iceoryx2 says.
+    /// Any other error of iceoryx2.
     Iceoryx(String),
 }
 
 impl RequestError {
-    /// Its name, for programs: part of the interface, as the message is not.
+    /// Its name, for programs. It is part of the interface; the message is not.
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::NoPlanner(_) => "no_planner",
@@ -54,17 +54,17 @@ impl fmt::Display for RequestError {
             ),
             Self::PlannerLost(robot) => write!(
                 f,
-                "the planner of robot `{robot}` died or hangs; look at the robot, then start the \
-                 planner anew"
+                "the planner of robot `{robot}` died or hangs; check the robot, then restart the \
+                 planner"
             ),
             Self::ReplyLost { number } => write!(
                 f,
-                "reply {number} was lost, or what was asked; look at the robot, then ask again"
+                "reply {number}, or the request, was lost; check the robot, then send the sentence again"
             ),
             Self::Request(error) => write!(f, "{error}"),
             Self::Iceoryx(says) => write!(
                 f,
-                "asking: {says}; see that there is room in /dev/shm, then ask again"
+                "request: {says}; check that /dev/shm has free space, then send the sentence again"
             ),
         }
     }
@@ -72,26 +72,26 @@ impl fmt::Display for RequestError {
 
 impl core::error::Error for RequestError {}
 
-/// How long a planner may say that it is idle while an end is waited for, nanoseconds: so long
-/// two tunnels at most take there and back before all its scenes are too old.
+/// How long a planner may report that it is idle while a client waits for the end of its request,
+/// nanoseconds: the longest round trip through two tunnels before all scenes are too old.
 const IDLE_NS: u64 = 2_000_000_000;
-/// How many replies are looked through at once for one that belongs to a conversation.
+/// How many replies one call searches for one that belongs to the request.
 const REPLIES_AT_ONCE: usize = 64;
 
 type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
-/// By which services a planner is asked.
+/// The services over which a client sends requests to the planner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Transport {
-    /// `plan`: the planner notices at once when who asked is gone.
+    /// `plan`: the planner detects at once when the client disconnects.
     #[default]
     Connection,
-    /// `ask` and `answer`: goes through what carries publish-subscribe alone, such as a
-    /// tunnel to another host. The planner does not notice when who asked is gone.
+    /// `ask` and `answer`: for bridges that carry publish-subscribe only, such as a tunnel to
+    /// another host. The planner does not detect when the client is gone.
     Broadcast,
 }
 
-/// A person's end.
+/// The client side of the planner's services.
 #[derive(Debug)]
 pub struct Client {
     robot: Robot,
@@ -115,23 +115,23 @@ enum Ports {
     },
 }
 
-/// A sentence that was asked, until its last reply.
+/// A sentence that was sent, until its last reply.
 #[derive(Debug)]
 pub struct Request {
-    /// The connection, if there is one.
+    /// The connection, with [`Transport::Connection`].
     pending: Option<Pending>,
     sequence: u64,
-    /// Of the next reply.
+    /// Number of the next reply.
     number: u32,
     began_ns: u64,
-    /// Since when the planner says that it is idle.
+    /// Since when the planner has reported that it is idle.
     idle_ns: Option<u64>,
 }
 
 impl Client {
-    /// Takes one of the clients' places at a robot.
+    /// Joins a robot as one of its clients.
     ///
-    /// * `silence_ns`: how long the planner may be silent before it is held to be dead
+    /// * `silence_ns`: how long the planner may be silent before it is considered dead
     pub fn begin(
         robot: Robot,
         transport: Transport,
@@ -152,17 +152,17 @@ impl Client {
             heartbeats: Heartbeats::begin(&robot, Role::Client, now_ns)?,
             planner: Peer::default(),
             silence_ns,
-            // Two clients begun in the same nanosecond have different processes.
+            // Two clients started in the same nanosecond are in different processes.
             client: now_ns ^ (u64::from(std::process::id()) << 40),
             sequence: 0,
             robot,
         })
     }
 
-    /// Asks for a sentence to be followed.
+    /// Sends a sentence to the planner.
     pub fn ask(&mut self, sentence: &str, mode: Mode) -> Result<Request, RequestError> {
         self.sequence += 1;
-        // What was heard before is no word on this one, nor is a planner that died before.
+        // Earlier heartbeats say nothing about this request, nor does a planner that died before.
         self.heartbeats.receive(now_ns(), |_, _, _| {});
         self.planner = Peer::default();
         let request = PlanRequest::new(self.client, self.sequence, mode, sentence);
@@ -176,8 +176,7 @@ impl Client {
         })
     }
 
-    /// Asks for it to be followed no longer; the conversation then ends with
-    /// `cancelled`, once the robot has stopped.
+    /// Cancels a request; it then ends with `cancelled`, once the robot has stopped.
     pub fn cancel(&mut self, conversation: &Request) -> Result<(), RequestError> {
         self.send(PlanRequest::cancel(self.client, conversation.sequence))
             .map(|_| ())
@@ -204,8 +203,8 @@ impl Client {
         Ok(pending)
     }
 
-    /// What was said next in a conversation. What makes no sense is passed over, and
-    /// missed when the next one comes.
+    /// The next reply to a request. Invalid replies are rejected; the loss is detected when the
+    /// next one arrives.
     fn receive(
         &mut self,
         conversation: &Request,
@@ -227,7 +226,7 @@ impl Client {
             let Some(reply) = reply else {
                 return Ok(None);
             };
-            // Who takes a dead client's place in shared memory may get its replies, too.
+            // A client that reuses a dead client's slot in shared memory may get its replies, too.
             if let Err(error) = reply.read() {
                 self.heartbeats.reject(PLAN, &error, now_ns);
             } else if (reply.client, reply.request) == (self.client, conversation.sequence) {
@@ -237,13 +236,13 @@ impl Client {
         Ok(None)
     }
 
-    /// How many messages it has passed over: heartbeats and replies that make no sense.
+    /// How many invalid messages it has rejected: heartbeats and replies.
     pub const fn rejected(&self) -> u64 {
         self.heartbeats.rejected()
     }
 
-    /// The next reply, if there is one now; after the last one, an error. Its
-    /// [`PlanReply::read`] has been tried and does not fail.
+    /// The next reply, if one has arrived; after the last one, an error. Its
+    /// [`PlanReply::read`] can no longer fail.
     ///
     /// * `now_ns`: the time, on the machine's clock
     pub fn hear(
@@ -251,7 +250,7 @@ impl Client {
         conversation: &mut Request,
         now_ns: u64,
     ) -> Result<Option<PlanReply>, RequestError> {
-        // What was counted from a later time was so on a clock that was set back since.
+        // Times in the future come from a clock that was set back since.
         self.planner.not_after(now_ns);
         conversation.began_ns = conversation.began_ns.min(now_ns);
         conversation.idle_ns = conversation.idle_ns.map(|since_ns| since_ns.min(now_ns));
@@ -266,9 +265,9 @@ impl Client {
                 }
             }
         });
-        // Not being heard by anyone does not keep it from hearing.
+        // It can receive even if nobody receives its heartbeats.
         let _ = self.heartbeats.beat(State::Busy, now_ns);
-        // Asked first, since replies may come in between.
+        // Checked first, since replies may arrive in between.
         let pending = conversation.pending.as_ref();
         let goes_on = pending.is_none_or(PendingResponse::is_connected);
         if let Some(reply) = self.receive(conversation, now_ns)? {
@@ -280,12 +279,12 @@ impl Client {
             conversation.idle_ns = None;
             return Ok(Some(reply));
         }
-        // One that ends a conversation of its own will has a last word.
+        // A planner that ends a request on its own sends a last reply.
         let (began_ns, silence_ns) = (conversation.began_ns, self.silence_ns);
         if !goes_on || is_other || !self.planner.may_be_alive(began_ns, silence_ns, now_ns) {
             return Err(RequestError::PlannerLost(self.robot.name().clone()));
         }
-        // Without a connection nothing else tells that what was asked, or its end, was lost.
+        // Without a connection, this is the only sign that the request, or its end, was lost.
         let idle_ns = conversation.idle_ns;
         if idle_ns.is_some_and(|since_ns| now_ns.saturating_sub(since_ns) > IDLE_NS) {
             let number = conversation.number;

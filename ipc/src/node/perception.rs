@@ -92,7 +92,7 @@ impl<'m> PerceptionNode<'m> {
         match self.heartbeats.beat(State::Idle, now_ns) {
             Ok(true) => self.scenes.update_connections(),
             Ok(false) => {}
-            Err(failure) => warn!(%failure, "heartbeat"),
+            Err(failure) => warn!(%failure, "heartbeat not sent"),
         }
         // A sample that can't be had now is asked for again by the next call.
         let Ok(Some(frame)) = self.frames.receive() else {
@@ -111,7 +111,7 @@ impl<'m> PerceptionNode<'m> {
                     boxes.any(|it| it.id == id && is_hidden(it)) && !self.appearances.knows(id)
                 });
                 if let Err(failure) = self.scenes.send(&scene) {
-                    warn!(%failure, "scene");
+                    warn!(%failure, "scene not sent");
                 }
             }
             Err(fault) => self.heartbeats.reject(CAMERA, &fault, now_ns),

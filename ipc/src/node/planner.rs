@@ -197,7 +197,7 @@ impl<'m> PlannerNode<'m> {
             State::Idle
         };
         if let Err(failure) = heartbeats.beat(state, now_ns) {
-            warn!(%failure, "heartbeat");
+            warn!(%failure, "heartbeat not sent");
         }
     }
 
@@ -245,7 +245,12 @@ impl<'m> PlannerNode<'m> {
             Ok(Asked::Follow { sentence, mode }) => {
                 match self.executive.ask(sentence.clone(), mode) {
                     Ok(plan) => {
-                        debug!(plan, sentence = sentence.as_str(), ?mode, "asked");
+                        debug!(
+                            plan,
+                            sentence = sentence.as_str(),
+                            ?mode,
+                            "request received"
+                        );
                         to.plan = plan;
                         self.current = Some(Current {
                             active,
@@ -272,7 +277,7 @@ impl<'m> PlannerNode<'m> {
                     }
                     return;
                 } else {
-                    let message = "no request of this number is being followed";
+                    let message = "no request with this number is being executed";
                     Some(PlanReply::refused(to, "no_such_request", message))
                 }
             }
@@ -307,7 +312,7 @@ impl<'m> PlannerNode<'m> {
             Event::Command(_) if !self.controller_alive => self.executive.on_command_undelivered(),
             Event::Command(command) => self.send(&SubGoal::from(command)),
             Event::Stop(id) => self.send(&SubGoal::stop(*id)),
-            Event::Again { step, why } => warn!(step, %why, "tried again"),
+            Event::Again { step, why } => warn!(step, %why, "retrying"),
             _ => {}
         }
     }
@@ -333,7 +338,7 @@ impl<'m> PlannerNode<'m> {
                         let why = refusal.in_context(model, sentence);
                         info!(plan, sentence, %why, "refused");
                     }
-                    Err(why) => warn!(plan, sentence, %why, "not done"),
+                    Err(why) => warn!(plan, sentence, %why, "failed"),
                 }
                 self.current = None;
             }
@@ -369,7 +374,7 @@ fn reply(answers: &Sender<PlanReply>, active: Option<&Active>, said: &PlanReply)
         answer(active, said);
     }
     if let Err(failure) = answers.send(said) {
-        warn!(%failure, "answer");
+        warn!(%failure, "reply not published");
     }
 }
 

@@ -24,7 +24,7 @@ impl Rejected {
         self.count = self.count.saturating_add(1);
         if is_due(self.next_line_ns, now_ns, BETWEEN_LINES_NS) {
             self.next_line_ns = now_ns.saturating_add(BETWEEN_LINES_NS);
-            warn!(service, %why, rejected = self.count, "passed over");
+            warn!(service, %why, rejected = self.count, "message rejected");
         }
     }
 

@@ -17,32 +17,33 @@ const SOCKET_NAME: usize = 1 + 31 + 6;
 /// more than 8 were seen.
 const CLOSED_AGAIN: u64 = 16;
 
-/// What iceoryx2 could not say when something failed, if it can be found: its errors tell
-/// what could not be made, and not why. Changes nothing.
+/// The likely cause of a failure, if one is found: errors of iceoryx2 name what could not be
+/// created, but not why. Changes nothing.
 pub(super) fn likely_cause(config: &Config) -> Option<String> {
     if let Some(most) = getrlimit(Resource::Nofile).current {
         let open = open_files(most);
         if open.saturating_add(CLOSED_AGAIN) > most {
             return Some(format!(
-                "of the {most} files that this process may have open, {open} are, and more are \
-                 needed: allow it more with `ulimit -n`"
+                "{open} of at most {most} open files are in use, and more are needed: raise the \
+                 limit with `ulimit -n`"
             ));
         }
     }
     let folder = folder(config);
     let shown = folder.display();
-    // iceoryx2 makes it before anything in it.
+    // iceoryx2 creates it before anything in it.
     if let Err(error) = access(&folder, Access::WRITE_OK | Access::EXEC_OK) {
         return Some(format!(
-            "the processes meet in {shown}, which can't be made or written to: {error}; choose \
-             another folder: `root` under [shared_memory] in a configuration"
+            "the shared-memory folder {shown} can't be created or written to: {error}; choose \
+             another one: `root` under [shared_memory] in the configuration"
         ));
     }
     let length = folder.as_os_str().len() + config.global.prefix.to_string().len() + SOCKET_NAME;
     (length > SOCKET_PATH).then(|| {
         format!(
-            "the path of {shown}, where the processes meet, is too long for sockets in it, by \
-             {} bytes or so; choose a shorter one: `root` under [shared_memory] in a configuration",
+            "the path of the shared-memory folder {shown} is too long for the sockets in it, by \
+             about {} bytes; choose a shorter one: `root` under [shared_memory] in the \
+             configuration",
             length - SOCKET_PATH
         )
     })

@@ -4,63 +4,63 @@ use std::path::PathBuf;
 use super::RobotName;
 use super::leftovers::SEGMENTS;
 
-/// Why a service can't be used.
+/// Why a process can't use a service.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ServiceError {
-    /// Another process has the place that only one may have.
+    /// Another process has the service's only slot.
     Taken {
         /// Of which robot.
         robot: RobotName,
         /// Which service.
         service: &'static str,
-        /// The process, if it could be found.
+        /// The other process, if it could be found.
         process: Option<u32>,
     },
-    /// All places are taken.
+    /// All slots are taken.
     Full {
         /// Of which robot.
         robot: RobotName,
         /// Which service.
         service: &'static str,
     },
-    /// Someone uses the service with another layout of its messages or other
-    /// promises.
+    /// Another process uses the service with a different message layout or different
+    /// guarantees.
     OtherVersion {
         /// Of which robot.
         robot: RobotName,
         /// Which service.
         service: &'static str,
     },
-    /// Where the processes meet belongs to another user.
+    /// The shared-memory folder belongs to another user.
     OtherUser {
         /// Of which robot.
         robot: RobotName,
-        /// Which service; `node` before any is used.
+        /// Which service; `node` before any service is opened.
         service: &'static str,
-        /// The folder by which they meet.
+        /// The folder.
         folder: PathBuf,
     },
-    /// Shared memory has too little left.
+    /// Too little shared memory is left.
     NoRoom {
         /// Of which robot.
         robot: RobotName,
-        /// Which service; `node` before any is used.
+        /// Which service; `node` before any service is opened.
         service: &'static str,
-        /// Bytes that are left.
+        /// Bytes left.
         free: u64,
-        /// Bytes that must be.
+        /// Bytes needed.
         wanted: u64,
     },
-    /// Anything else that iceoryx2 says.
+    /// Any other error of iceoryx2.
     Iceoryx {
         /// Of which robot.
         robot: RobotName,
         /// Which service.
         service: &'static str,
-        /// What it says.
+        /// The error.
         says: String,
-        /// Why, and what to do, if that could be found.
+        /// Its likely cause and remedy, if one was found.
         cause: Option<String>,
     },
 }
@@ -69,18 +69,18 @@ pub enum ServiceError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SendFailure {
-    /// The receiver has not taken those before it.
+    /// The receiver has not read the earlier messages.
     Full,
-    /// Anything else that iceoryx2 says.
+    /// Any other error of iceoryx2.
     Iceoryx(String),
 }
 
 impl fmt::Display for SendFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Full => f.write_str(
-                "the receiver does not take its messages: does it hang? Stop it and start it anew",
-            ),
+            Self::Full => {
+                f.write_str("the receiver does not read its messages: does it hang? Restart it")
+            }
             Self::Iceoryx(says) => write!(f, "the message was not sent: {says}"),
         }
     }
@@ -100,7 +100,7 @@ impl fmt::Display for ServiceError {
                 if let Some(process) = process {
                     write!(f, " by process {process}")?;
                 }
-                f.write_str("; choose another name, or stop it")
+                f.write_str("; choose another robot name, or stop that process")
             }
             Self::Full { robot, service } => write!(
                 f,
@@ -108,15 +108,15 @@ impl fmt::Display for ServiceError {
             ),
             Self::OtherVersion { robot, service } => write!(
                 f,
-                "robot `{robot}`: another version of NSRM uses `{service}`, or a process that was \
-                 told of another number of hosts; use the same version and the same `hosts` for \
-                 all of a robot's processes, and a tunnel with the configuration in docs/hosts"
+                "robot `{robot}`: `{service}` is used by another version of NSRM, or by a process with \
+                 another setting of `hosts`; use the same version and the same `hosts` for all of \
+                 a robot's processes, and a tunnel with the configuration in docs/hosts"
             ),
             Self::OtherUser { robot, folder, .. } => write!(
                 f,
-                "robot `{robot}`: its processes meet in {}, which belongs to another user; start \
-                 all of them as that one, or give this robot a folder of its own: `root` under \
-                 [shared_memory] in a configuration",
+                "robot `{robot}`: the shared-memory folder {} belongs to another user; start all \
+                 processes as that user, or give this robot its own folder: `root` under \
+                 [shared_memory] in the configuration",
                 folder.display()
             ),
             Self::NoRoom {
@@ -128,8 +128,8 @@ impl fmt::Display for ServiceError {
                 let megabytes = |bytes: u64| bytes as f64 / 1e6;
                 write!(
                     f,
-                    "robot `{robot}`: `{service}` wants {:.1} MB of shared memory, and {:.1} are \
-                     left in {SEGMENTS}; remove what nobody uses there, or enlarge it (`mount -o \
+                    "robot `{robot}`: `{service}` needs {:.1} MB of shared memory, but {:.1} are \
+                     left in {SEGMENTS}; remove unused files there, or enlarge it (`mount -o \
                      remount,size=...`; for a container `--shm-size`)",
                     megabytes(*wanted),
                     megabytes(*free),

@@ -401,7 +401,7 @@ impl Robot {
                 Err(Fault::InFlux) => {
                     // Looked for also when the time is up, by a process that was held up.
                     if leftovers::remove_service(&self.node, &name, pattern) {
-                        warn!(%name, "removed what a process that died had begun to make");
+                        warn!(%name, "removed a service that a dead process had left half created");
                     } else if begun.elapsed() >= IN_FLUX {
                         break Fault::InFlux;
                     }
@@ -426,9 +426,10 @@ impl Robot {
                 folder: folder(self.node.config()),
             },
             Fault::Full => ServiceError::Full { robot, service },
-            Fault::InFlux => {
-                self.iceoryx(service, "it is being made or removed all the time".into())
-            }
+            Fault::InFlux => self.iceoryx(
+                service,
+                "another process keeps creating or removing it".into(),
+            ),
             Fault::Other(says) => self.iceoryx(service, says),
         })
     }

@@ -46,10 +46,13 @@ pub enum RobotNameError {
 impl fmt::Display for RobotNameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Length => write!(f, "a robot's name has from 1 to {MAX_NAME} letters"),
+            Self::Length => write!(
+                f,
+                "a robot's name must have from 1 to {MAX_NAME} characters"
+            ),
             Self::Letter(letter) => write!(
                 f,
-                "{letter:?} in a robot's name: it may have a to z, 0 to 9, \"-\" and \"_\""
+                "{letter:?} in a robot's name: allowed are a to z, 0 to 9, \"-\" and \"_\""
             ),
         }
     }

@@ -93,42 +93,41 @@ class Kind(IntEnum):
 class Outcome(IntEnum):
     """Numbers of `Feedback.outcome`."""
 
-    # It will be carried out; another outcome follows.
+    # It will be executed; another outcome follows.
     ACCEPTED = 1
-    # The object stands where it should.
+    # The object is at its sub-goal.
     REACHED = 2
-    # No room or no way there without a collision.
+    # No space at the sub-goal, or no collision-free path.
     NO_PATH = 3
-    # The gripper did not get hold of the object.
+    # The gripper did not grasp the object.
     NOT_GRASPED = 4
-    # The object was lost on the way.
+    # The object was dropped on the way.
     DROPPED = 5
-    # Set down, but not where it should stand.
+    # Placed, but not at its sub-goal.
     MISPLACED = 6
     # Stopped by a command, a person or a safety function.
     STOPPED = 7
-    # Another command is being carried out; this one won't be.
+    # Another command is being executed; this one won't be.
     BUSY = 8
-    # The command makes no sense, or its object isn't seen; it won't be carried
-    # out.
+    # The command is invalid, or its object isn't visible; it won't be executed.
     IMPOSSIBLE = 9
-    # It was read after its time; it won't be carried out.
+    # It was read after its deadline; it won't be executed.
     TOO_LATE = 10
-    # Nothing bears the object at its sub-goal, or it would fall there.
+    # Nothing supports the object at its sub-goal, or it would fall there.
     WOULD_FALL = 11
-    # The object or its sub-goal is beyond the arm's reach.
+    # The object or its sub-goal is out of the arm's reach.
     OUT_OF_REACH = 12
-    # The arm's joints do not follow; it stands still where it is.
+    # The arm's joints do not follow their commands; the arm has stopped.
     NOT_FOLLOWING = 13
-    # Something stands on the object.
+    # Another object stands on the object.
     COVERED = 14
-    # The hand can't hold an object of its size.
+    # The gripper can't hold an object of this size.
     CANNOT_HOLD = 15
-    # Other objects are moved aside first, or the object itself is set down on the way;
+    # Other objects are moved aside first, or the object itself is regrasped on the way;
     # another outcome follows.
     CLEARING = 16
-    # What the object was to be beside or on was moved since the command was given; the
-    # object was not grasped.
+    # The reference object was moved after the command was sent; the object was not
+    # grasped.
     REFERENCE_MOVED = 17
 
 
@@ -590,21 +589,21 @@ class SubGoal(ctypes.Structure):
 
 
 class Feedback(ctypes.Structure):
-    """How a command went (service `feedback`)."""
+    """The outcome of a command (service `feedback`)."""
 
     _fields_: ClassVar = [
         # Number of the plan, as in `crate::message::SubGoal::plan`.
         ("plan", ctypes.c_uint64),
         # Counts up with each feedback of one controller: a gap is a loss.
         ("sequence", ctypes.c_uint64),
-        # When it was so, nanoseconds on the sender's clock.
+        # When the outcome occurred, nanoseconds on the sender's clock.
         ("timestamp_ns", ctypes.c_uint64),
         # Number of the command, as in `crate::message::SubGoal::command`.
         ("command", ctypes.c_uint32),
-        # How it went: the number of an `Outcome`.
+        # The number of an `Outcome`.
         ("outcome", ctypes.c_uint32),
-        # Ids of up to two objects: those that stood in its way; those that are moved out
-        # of it, of `Outcome::Clearing`; 0 for none.
+        # Ids of up to two objects: those in the way, or for `Outcome::Clearing` those that
+        # are moved aside; 0 for none.
         ("objects", ctypes.c_uint32 * 2),
     ]
     LAYOUT: ClassVar = (40, 8)

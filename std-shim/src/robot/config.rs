@@ -1,4 +1,4 @@
-//! What the commands of a robot are told by a file.
+//! The configuration file of a robot's processes.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use nsrm_ipc::node::Transport;
 use nsrm_ipc::service::{Hosts, RobotName, RobotNameError, set_global_config};
 use serde::Deserialize;
 
-/// A configuration file (TOML). Everything may be left out.
+/// A configuration file (TOML). All keys are optional.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -24,7 +24,7 @@ struct File {
     shared_memory: SharedMemoryFile,
 }
 
-/// [`Line`], by its name.
+/// [`Transport`] by name.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum TransportFile {
@@ -32,7 +32,7 @@ enum TransportFile {
     Broadcast,
 }
 
-/// [`Hosts`], by its name.
+/// [`Hosts`] by name.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum HostsFile {
@@ -40,13 +40,13 @@ enum HostsFile {
     Several,
 }
 
-/// Where iceoryx2 keeps what processes share, if not at its usual place.
+/// Where iceoryx2 keeps its files and shared memory, if not in the default location.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SharedMemoryFile {
-    /// A folder for its files.
+    /// The folder for its files.
     root: Option<String>,
-    /// What names in shared memory begin with.
+    /// The prefix of names in shared memory.
     prefix: Option<String>,
 }
 
@@ -65,27 +65,27 @@ struct LimitsFile {
     retries: Option<u8>,
 }
 
-/// What a command goes by.
+/// The settings of a command.
 #[derive(Debug)]
 pub(crate) struct Config {
     /// The robot.
     pub(crate) robot: RobotName,
-    /// The model file; none: the built-in model.
+    /// The model file; `None`: the built-in model.
     pub(crate) model: Option<PathBuf>,
-    /// By which services a planner is asked.
+    /// The services over which the planner takes requests.
     pub(crate) transport: Transport,
-    /// Over how many hosts the robot's processes are spread.
+    /// Whether the robot's processes run on one host or several.
     pub(crate) hosts: Hosts,
-    /// How the planner works.
+    /// The limits of the closed loop.
     pub(crate) limits: Limits,
-    /// Where processes meet.
+    /// Configuration of iceoryx2: where the processes find each other.
     pub(crate) shared_memory: Iceoryx,
 }
 
-/// The robot's name where none is given.
+/// The default name of the robot.
 const ROBOT: &str = "robot";
 
-/// Why there is no configuration.
+/// Why a configuration is invalid.
 #[derive(Debug)]
 pub(crate) enum ConfigError {
     Read(PathBuf, std::io::Error),
@@ -106,12 +106,12 @@ impl std::fmt::Display for ConfigError {
             Self::Limits(error) => write!(f, "limits: {error}"),
             Self::SharedMemory(key, value) => write!(
                 f,
-                "shared_memory.{key} = {value:?}: too long, or not a name that files may have"
+                "shared_memory.{key} = {value:?}: too long, or not a valid file name"
             ),
             Self::Relative(root) => write!(
                 f,
-                "shared_memory.root = {root:?}: a path from / is needed, for processes to meet \
-                 wherever they are started"
+                "shared_memory.root = {root:?}: must be an absolute path, so that processes \
+                 find each other wherever they are started"
             ),
             Self::Settle(error) => write!(
                 f,
@@ -125,8 +125,8 @@ impl std::fmt::Display for ConfigError {
 impl std::error::Error for ConfigError {}
 
 impl Config {
-    /// From the file, if there is one; what the command line says comes first. The process
-    /// goes by the clock that the hosts have in common from then on.
+    /// Reads the file, if one is given; options on the command line override it. Also sets the
+    /// process's clock to the one that all hosts share.
     pub(crate) fn read(
         path: Option<&PathBuf>,
         robot: Option<&str>,

@@ -1,4 +1,4 @@
-//! The commands that are processes of a robot.
+//! The subcommands that run as processes of a robot.
 
 mod config;
 mod say;
@@ -24,39 +24,38 @@ use config::Config;
 
 #[derive(Subcommand)]
 pub(crate) enum RobotCommand {
-    /// Be a robot's planner: take sentences, give sub-goals, look after each step.
+    /// Run a robot's planner: takes sentences, sends sub-goals, observes the scene after each step.
     Serve {
         #[command(flatten)]
         options: RobotOptions,
     },
-    /// Be a robot's perception: make scenes of its camera's frames.
+    /// Run a robot's perception: turns camera frames into scenes.
     Perceive {
         #[command(flatten)]
         options: RobotOptions,
     },
-    /// Show who of a robot's processes lives, what flows between them, and what the
-    /// planner said last.
+    /// Show a robot's live nodes, the messages between them and the planner's last replies.
     Watch {
-        /// Print JSON, a line every half second and when someone is gone.
+        /// Print JSON: a line every half second and whenever a node is lost.
         #[arg(long)]
         json: bool,
-        /// Print once and end.
+        /// Print once and exit.
         #[arg(long)]
         once: bool,
         #[command(flatten)]
         options: RobotOptions,
     },
-    /// Tell a robot what to do, and follow what becomes of it. Ctrl-C stops the robot.
+    /// Send a sentence to a robot and follow its execution. Ctrl-C stops the robot.
     Say {
-        /// The sentence: one argument.
+        /// The sentence, as one argument.
         sentence: String,
-        /// Say what would be done, and do nothing.
+        /// Print the plan and move nothing.
         #[arg(long, conflicts_with = "open_loop")]
         plan_only: bool,
-        /// Carry out the first plan without looking after each step, as in the paper.
+        /// Execute the first plan without observing the scene after each step, as in the paper.
         #[arg(long)]
         open_loop: bool,
-        /// Print JSON, a line for each thing that happens.
+        /// Print JSON, one line per event.
         #[arg(long)]
         json: bool,
         #[command(flatten)]
@@ -66,13 +65,13 @@ pub(crate) enum RobotCommand {
 
 #[derive(clap::Args)]
 pub(crate) struct RobotOptions {
-    /// Which robot, of those in this machine.
+    /// Name of the robot on this machine.
     #[arg(long, value_name = "NAME")]
     robot: Option<String>,
-    /// Configuration file (TOML); the command line comes first.
+    /// Configuration file (TOML); options on the command line override it.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// The model file (safetensors); without it, the built-in model.
+    /// The model file (safetensors); the built-in model by default.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
 }
@@ -93,7 +92,7 @@ impl RobotCommand {
     }
 
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        // What it has to say otherwise, errors say better.
+        // Its other messages duplicate our errors.
         set_log_level(LogLevel::Fatal);
         match self {
             Self::Serve { options } => serve(&options.read()?),
@@ -121,7 +120,7 @@ impl RobotCommand {
     }
 }
 
-/// Is set by SIGINT and SIGTERM.
+/// A flag that SIGINT and SIGTERM set.
 fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
@@ -135,7 +134,7 @@ fn join(config: &Config, role: Role) -> Result<Robot, Failure> {
     Ok(robot.with_hosts(config.hosts))
 }
 
-/// Log lines go to stderr, by `NSRM_LOG` (a level, or a filter of tracing's).
+/// Logs to stderr, filtered by `NSRM_LOG` (a level, or a filter of `tracing`).
 fn log() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("NSRM_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));

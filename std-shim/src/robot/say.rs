@@ -1,4 +1,4 @@
-//! `nsrm say`: a sentence to a robot, and what becomes of it as it happens.
+//! `nsrm say`: sends a sentence to a robot and prints its execution as it happens.
 
 use std::io::Write as _;
 use std::sync::atomic::Ordering;
@@ -17,12 +17,12 @@ use super::config::Config;
 use super::{join, open, stop_on_signals};
 use crate::Failure;
 
-/// Until a stop that was said, and may have been lost, is said again, nanoseconds.
+/// How long until a stop, which may have been lost, is sent again, nanoseconds.
 const SAID_AGAIN_NS: u64 = 200_000_000;
-/// Between two looks for a reply.
+/// Between two polls for a reply.
 const NAP: Duration = Duration::from_millis(2);
 
-/// Asks, and prints what becomes of it.
+/// Sends the sentence and prints its events until it ends.
 pub(super) fn say(
     config: &Config,
     sentence: &str,
@@ -38,7 +38,7 @@ pub(super) fn say(
         config.limits.silence_ns,
     )?;
     let mut conversation = client.ask(sentence, mode).map_err(not_heard)?;
-    // When a stop that was said is said again.
+    // When the stop is sent next.
     let mut again_ns = None;
     let mut told = Told::default();
     loop {
@@ -47,7 +47,7 @@ pub(super) fn say(
         if stop.load(Ordering::Relaxed) && again_ns.is_none_or(is_due) {
             let is_first = again_ns.replace(now_ns + SAID_AGAIN_NS).is_none();
             let said = client.cancel(&conversation);
-            // What has become of the planner since the first is heard below.
+            // Whether the planner is still there is checked below.
             if is_first {
                 eprintln!("nsrm: stopping the robot …");
                 said.map_err(not_heard)?;
@@ -68,7 +68,7 @@ pub(super) fn say(
                 None => Ok(()),
             }
         };
-        // Who no longer reads has seen enough; the robot goes on.
+        // If nobody reads the output any more, the robot goes on.
         let _ = written;
         match said {
             Reply::Done => return Ok(()),
@@ -83,7 +83,7 @@ pub(super) fn say(
     }
 }
 
-/// Why nothing more is heard: as JSON with the error's kind.
+/// Why the request failed; its JSON has the error's kind.
 fn not_heard(error: RequestError) -> Failure {
     let message = error.to_string();
     let mut json = json::error(&message);
@@ -91,7 +91,7 @@ fn not_heard(error: RequestError) -> Failure {
     Failure { message, json }
 }
 
-/// What a person was told so far.
+/// What has been printed so far.
 #[derive(Default)]
 struct Told {
     /// The last plan.
@@ -99,8 +99,8 @@ struct Told {
 }
 
 impl Told {
-    /// What there is to tell; of plans the first, as those after it differ by what was
-    /// seen meanwhile.
+    /// The text of a reply, if any. Only the first plan is printed: later ones differ by what
+    /// has been observed since.
     fn text(&mut self, model: &Model<'_>, said: &Reply<'_>) -> Option<String> {
         if let Reply::Planned { steps, program } = said {
             let is_first = self.steps.is_empty();
@@ -114,7 +114,7 @@ impl Told {
             let goal = self.steps.get(*step as usize)?;
             let [x, y, z] = goal.position;
             return Some(format!(
-                "step {}: object {} is on its way to ({x:.3}, {y:.3}, {z:.3}) m",
+                "step {}: moving object {} to ({x:.3}, {y:.3}, {z:.3}) m",
                 step + 1,
                 goal.object_id
             ));
@@ -126,13 +126,15 @@ impl Told {
 fn event_text(said: &Reply<'_>) -> Option<String> {
     Some(match said {
         Reply::Reached { step, off_m } if off_m.is_finite() => format!(
-            "step {}: done, seen {:.1} mm from its sub-goal",
+            "step {}: done, observed {:.1} mm from its sub-goal",
             step + 1,
             1000.0 * off_m
         ),
-        Reply::Reached { step, .. } => format!("step {}: done, says the controller", step + 1),
+        Reply::Reached { step, .. } => {
+            format!("step {}: done, according to the controller", step + 1)
+        }
         Reply::Clearing { step, message } => format!("step {}: {message}", step + 1),
-        Reply::Again { message, .. } => format!("{message}; trying again"),
+        Reply::Again { message, .. } => format!("{message}; retrying"),
         Reply::Done => "done".into(),
         Reply::Planned { .. } | Reply::Commanded { .. } | Reply::Failed { .. } => return None,
     })
@@ -162,7 +164,7 @@ fn step_text(model: &Model<'_>, index: usize, step: &StepMessage) -> String {
     )
 }
 
-/// The first so many concepts; a reply was checked to have no more than fit.
+/// The first `count` concepts; they fit, since the reply has been checked.
 fn description(count: u32, concepts: &[u8]) -> Description {
     let mut description = Description::new();
     for &concept in concepts.iter().take(count as usize) {
@@ -203,7 +205,7 @@ fn event_json(model: &Model<'_>, reply: &PlanReply, said: &Reply<'_>) -> Value {
 }
 
 fn step_json(model: &Model<'_>, step: &StepMessage) -> Value {
-    // A model has no more actions than a byte counts.
+    // A model has at most 255 actions.
     let action = u8::try_from(step.action).unwrap_or(u8::MAX);
     let object = description(step.object_count, &step.object);
     let reference = description(step.reference_count, &step.reference);

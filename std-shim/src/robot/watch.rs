@@ -1,4 +1,4 @@
-//! `nsrm watch`: who lives, what flows, and what was said last.
+//! `nsrm watch`: live nodes, the messages between them, and the planner's last replies.
 
 use std::fmt::Write as _;
 use std::io::{IsTerminal as _, Write as _};
@@ -15,21 +15,21 @@ use super::config::Config;
 use super::{join, stop_on_signals};
 use crate::Failure;
 
-/// Between two looks.
+/// Between two polls.
 const NAP: Duration = Duration::from_millis(10);
-/// Nanoseconds between two pictures of what is seen.
-const PICTURE_NS: u64 = 500_000_000;
+/// Nanoseconds between two refreshes.
+const REFRESH_NS: u64 = 500_000_000;
 /// Clears a terminal and goes to its upper left corner.
 const CLEAR: &str = "\x1b[H\x1b[2J";
 
-/// Shows a robot until it is told to stop, or once.
+/// Shows a robot until a signal arrives, or once.
 pub(super) fn watch(config: &Config, as_json: bool, once: bool) -> Result<(), Failure> {
     let stop = stop_on_signals()?;
     let mut watcher = Watcher::begin(join(config, Role::Watcher)?)?;
     let clears = std::io::stdout().is_terminal() && !as_json && !once;
-    let mut next_ns = now_ns() + PICTURE_NS;
-    // Which nodes were alive at the last look, if they have been heard.
-    let mut living = [None; Role::ALL.len()];
+    let mut next_ns = now_ns() + REFRESH_NS;
+    // Which nodes were alive at the last poll, `None` for those never heard.
+    let mut were_alive = [None; Role::ALL.len()];
     while !stop.load(Ordering::Relaxed) {
         std::thread::sleep(NAP);
         let now_ns = now_ns();
@@ -38,22 +38,22 @@ pub(super) fn watch(config: &Config, as_json: bool, once: bool) -> Result<(), Fa
         let nodes = view
             .nodes
             .map(|node| node.map(|node| node.is_alive(silence_ns, now_ns)));
-        let someone_is_gone = nodes != living && nodes.contains(&Some(false));
-        living = nodes;
-        if !is_due(next_ns, now_ns, PICTURE_NS) && (!someone_is_gone || once) {
+        let is_node_lost = nodes != were_alive && nodes.contains(&Some(false));
+        were_alive = nodes;
+        if !is_due(next_ns, now_ns, REFRESH_NS) && (!is_node_lost || once) {
             continue;
         }
-        next_ns = now_ns + PICTURE_NS;
-        let picture = if as_json {
+        next_ns = now_ns + REFRESH_NS;
+        let output = if as_json {
             format!("{}\n", view_json(view, silence_ns, now_ns))
         } else {
             let clear = if clears { CLEAR } else { "" };
             format!("{clear}{}", view_text(config, view, now_ns))
         };
         let mut out = std::io::stdout();
-        // Who no longer reads has seen enough.
+        // If nobody reads the output any more, exit.
         if out
-            .write_all(picture.as_bytes())
+            .write_all(output.as_bytes())
             .and_then(|()| out.flush())
             .is_err()
             || once
@@ -70,7 +70,7 @@ fn seconds(from_ns: u64, to_ns: u64) -> f64 {
 
 fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
     let mut text = format!("robot {}\n\n", config.robot);
-    // Writing to a string does not fail.
+    // Writing to a string can't fail.
     let _ = writeln!(
         text,
         "  {:<12}{:<10}{:>10}{:>12}{:>10}{:>10}",
@@ -90,13 +90,13 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
                 let heard_s = seconds(node.heard_ns, now_ns);
                 let lives = node.is_alive(config.limits.silence_ns, now_ns);
                 if !lives && role == Role::Client {
-                    // They come and go.
+                    // Clients come and go.
                     continue;
                 }
                 let state = if lives {
                     format!("{:?}", node.state).to_lowercase()
                 } else {
-                    "GONE".into()
+                    "LOST".into()
                 };
                 let up_s = seconds(node.started_ns, node.heard_ns);
                 writeln!(
@@ -107,7 +107,7 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
                     node.rejected
                 )
             }
-            None if needed => writeln!(text, "  {:<12}not heard", role.word()),
+            None if needed => writeln!(text, "  {:<12}not found", role.word()),
             None => Ok(()),
         };
     }
@@ -121,10 +121,10 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
     }
     let _ = writeln!(text, "  {} objects in the last scene", view.objects);
     if view.rejected > 0 {
-        let _ = writeln!(text, "  {} messages made no sense", view.rejected);
+        let _ = writeln!(text, "  {} invalid messages", view.rejected);
     }
     if !view.replies.is_empty() {
-        text.push_str("\n  what the planner said last\n");
+        text.push_str("\n  last replies of the planner\n");
     }
     for reply in &view.replies {
         let _ = writeln!(
@@ -146,7 +146,7 @@ fn flow_text(flow: &Flow, now_ns: u64) -> String {
         "{:>8}{:>8}{:>8}{:>9.1} ms{:>9.1}s",
         flow.count,
         flow.lost,
-        // Of a few in a row there is no rate.
+        // A few messages give no reliable rate.
         if flow.count > 20 {
             format!("{:.1}/s", flow.rate_hz)
         } else {
@@ -159,11 +159,11 @@ fn flow_text(flow: &Flow, now_ns: u64) -> String {
 
 fn reply_text(reply: &PlanReply) -> String {
     match reply.read() {
-        Ok(Reply::Planned { steps, .. }) => format!("understood, {} steps", steps.len()),
-        Ok(Reply::Commanded { step }) => format!("step {}: on its way", step + 1),
+        Ok(Reply::Planned { steps, .. }) => format!("planned, {} steps", steps.len()),
+        Ok(Reply::Commanded { step }) => format!("step {}: moving", step + 1),
         Ok(Reply::Reached { step, .. }) => format!("step {}: done", step + 1),
         Ok(Reply::Clearing { step, message }) => format!("step {}: {message}", step + 1),
-        Ok(Reply::Again { message, .. }) => format!("{message}; trying again"),
+        Ok(Reply::Again { message, .. }) => format!("{message}; retrying"),
         Ok(Reply::Done) => "done".into(),
         Ok(Reply::Failed { reason, message }) => format!("{reason}: {message}"),
         Err(error) => error.to_string(),
@@ -211,7 +211,7 @@ fn view_json(view: &View, silence_ns: u64, now_ns: u64) -> Value {
     })
 }
 
-/// To a thousandth, as the figures of a plan are.
+/// Rounded to a thousandth.
 fn rounded(value: f64) -> f64 {
     decimal((value * 1000.0).round() as f32 / 1000.0)
 }

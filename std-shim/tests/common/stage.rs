@@ -214,7 +214,7 @@ impl Stage {
             .spawn()
             .unwrap();
         let mut lines = BufReader::new(say.stdout.take().unwrap()).lines();
-        assert!(lines.any(|line| line.unwrap().contains("is on its way")));
+        assert!(lines.any(|line| line.unwrap().contains(": moving object ")));
         (say, lines)
     }
 

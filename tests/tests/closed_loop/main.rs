@@ -139,8 +139,8 @@ fn what_went_wrong_is_tried_again_a_bounded_number_of_times() {
     let why = unsuccessful(0, Outcome::NoPath).to_string();
     assert_eq!(
         why,
-        "step 1: there is no way there without a collision: object 3 is in the way; make room, \
-         and ask again"
+        "step 1: no collision-free path exists: object 3 is in the way; make room, and send \
+         the sentence again"
     );
     // That can't get better by itself.
     for outcome in [
