@@ -1,9 +1,9 @@
 //! The project's own Python environment: `.venv` in the checkout.
 //!
-//! Each piece of work (the environment itself, each set of requirements, the
-//! Python module) leaves a stamp with the hash of what it was done from, so that
-//! later runs only compare hashes, and what was interrupted is done again. A
-//! locked file keeps two commands from working on it at once.
+//! Each step (the environment itself, each set of requirements, the Python module)
+//! leaves a stamp with the hash of its inputs, so that later runs only compare
+//! hashes, and interrupted steps are repeated. A lock file keeps two commands from
+//! changing it at once.
 
 mod python;
 
@@ -18,7 +18,7 @@ use anyhow::{Context, Result, bail};
 use crate::project::{Project, output_of, run_on_stderr, without_cargo_variables};
 use crate::stamp::{Inputs, Stamp};
 
-/// What the Python module is made from.
+/// The sources of the Python module.
 const MODULE_SOURCES: [&str; 14] = [
     "Cargo.lock",
     "Cargo.toml",
@@ -36,7 +36,7 @@ const MODULE_SOURCES: [&str; 14] = [
     "std-shim/python/src",
 ];
 
-/// Commands of the harness that need no more than the demo's requirements.
+/// Commands of the harness that need only the demo's requirements.
 const LIGHT_COMMANDS: [&str; 7] = [
     "calibration",
     "chaos",
@@ -61,7 +61,7 @@ pub(crate) enum Requirements {
 }
 
 impl Requirements {
-    /// It and what it needs, in the order in which they are installed.
+    /// The set and those that it depends on, in the order of installation.
     fn sets(self) -> &'static [Self] {
         match self {
             Self::Demo => &[Self::Demo],
@@ -71,7 +71,7 @@ impl Requirements {
         }
     }
 
-    /// What a command of the harness needs; its name is the first word.
+    /// What a command of the harness needs; the first argument is its name.
     pub(crate) fn of_command(arguments: &[OsString]) -> Self {
         match arguments.first().and_then(|name| name.to_str()) {
             Some(name) if !name.starts_with('-') && !LIGHT_COMMANDS.contains(&name) => Self::Train,
@@ -89,20 +89,20 @@ impl Requirements {
         }
     }
 
-    /// What is installed and about how long that takes, for people.
+    /// What is installed and about how long that takes, as a message.
     fn announcement(self) -> &'static str {
         match self {
             Self::Demo => {
                 "installing the Python packages of world, camera and detector (about a minute)"
             }
-            Self::Record => "installing the Python packages of recordings (some seconds, 700 MB)",
+            Self::Record => "installing the Python packages of recordings (a few seconds, 700 MB)",
             Self::Train => "installing the Python packages of learning (about a minute, 600 MB)",
-            Self::Dev => "installing the Python packages of the checks (some seconds)",
+            Self::Dev => "installing the Python packages of the checks (a few seconds)",
         }
     }
 }
 
-/// Whether a command is told to write a recording.
+/// Whether a command writes a recording.
 fn records(arguments: &[OsString]) -> bool {
     arguments
         .iter()
@@ -119,7 +119,7 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// The environment of this checkout, made anew if there is none that works.
+    /// The environment of this checkout, created again if it does not work.
     pub(crate) fn open(project: Project) -> Result<Self> {
         let environment = Self {
             folder: project.path(".venv"),
@@ -134,8 +134,7 @@ impl Environment {
         self.folder.join("bin/python")
     }
 
-    /// Installs a set of requirements and all that it needs, where they are not
-    /// installed as their files now say.
+    /// Installs a set of requirements and those that it depends on, unless they are up to date.
     pub(crate) fn ensure(&self, wanted: Requirements) -> Result<()> {
         for set in wanted.sets() {
             let file = self
@@ -147,7 +146,7 @@ impl Environment {
                 pip.args(["install", "--quiet", "--require-hashes", "--requirement"]);
                 run_on_stderr(pip.arg(&file)).with_context(|| {
                     format!(
-                        "installing {} failed; {}",
+                        "can't install {}; {}",
                         file.display(),
                         python::build_hint(&self.python())
                     )
@@ -187,20 +186,20 @@ impl Environment {
 
     fn ensure_made(&self) -> Result<()> {
         let root = self.project.root().to_string_lossy().into_owned();
-        // A moved checkout, or a Python that was taken away, needs a new one.
+        // A moved checkout, or a removed Python, needs a new one.
         if !self.python().exists() {
             self.stamp("made").clear()?;
         }
         self.once(
             "made",
             &root,
-            "making the Python environment .venv (some seconds)",
+            "creating the Python environment .venv (a few seconds)",
             || {
                 let python = python::find()?;
                 self.empty()?;
                 let mut venv = Command::new(&python.program);
                 run_on_stderr(venv.args(["-m", "venv"]).arg(&self.folder))
-                    .with_context(|| format!("{} could not make .venv", python.program))?;
+                    .with_context(|| format!("{} can't create .venv", python.program))?;
                 let packages = self.packages()?;
                 let harness = self.project.path("sim-harness");
                 fs::write(
@@ -212,7 +211,7 @@ impl Environment {
         )
     }
 
-    /// Does a piece of work if its stamp doesn't hold, one process at a time.
+    /// Runs a step if its stamp is out of date, one process at a time.
     fn once(
         &self,
         name: &str,
@@ -241,14 +240,14 @@ impl Environment {
         Stamp::at(self.folder.join(format!("{name}.stamp")))
     }
 
-    /// Held until the file is dropped, or the process ends in whatever way.
+    /// Held until the file is dropped or the process ends.
     fn lock(&self) -> Result<File> {
         fs::create_dir_all(&self.folder)
             .with_context(|| format!("making {}", self.folder.display()))?;
         let path = self.lock_path();
         let file = File::create(&path).with_context(|| format!("opening {}", path.display()))?;
         if file.try_lock().is_err() {
-            eprintln!("setup: another command is working on .venv; waiting for it ...");
+            eprintln!("setup: another command is changing .venv; waiting for it ...");
             file.lock()
                 .with_context(|| format!("locking {}", path.display()))?;
         }
@@ -259,7 +258,7 @@ impl Environment {
         self.folder.join("lock")
     }
 
-    /// Removes what an earlier or interrupted set-up left, all but the held lock.
+    /// Removes the remains of an earlier or interrupted set-up, except the lock.
     fn empty(&self) -> Result<()> {
         for entry in fs::read_dir(&self.folder).context("reading .venv")? {
             let path = entry?.path();

@@ -1,16 +1,16 @@
 //! The project's commands, as aliases of cargo (`.cargo/config.toml`):
 //!
-//! * `cargo demo [ARGUMENTS]`: a sentence and a scene in; program, sub-goals and
-//!   pictures out.
+//! * `cargo demo [ARGUMENTS]`: plans a sentence in a simulated scene, executes it and
+//!   writes images.
 //! * `cargo harness COMMAND [ARGUMENTS]`: any command of the Python package in
 //!   `sim-harness`, in the project's own environment.
-//! * `cargo robot [SENTENCE]`: all processes of a robot in a simulated world.
-//! * `cargo chaos [--kills N]`, `cargo soak [--hours H]`, `cargo latency`: a robot's
-//!   processes killed at random, at work for long, and measured.
+//! * `cargo robot [SENTENCE]`: runs all processes of a robot in a simulated world.
+//! * `cargo chaos [--kills N]`, `cargo soak [--hours H]`, `cargo latency`: kill a
+//!   robot's processes at random, run them for hours, measure their latency.
 //! * `cargo verify [--quick] [--only NAME]… [--list] [--install]`: every check.
 //!
-//! What they need of Python is installed into `.venv` in the checkout when it is
-//! needed first, and again when its requirements or sources have changed.
+//! The Python packages that they need are installed into `.venv` in the checkout on first
+//! use, and again when requirements or sources have changed.
 
 mod environment;
 mod project;
@@ -32,7 +32,7 @@ usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--no-arm] [--record FILE.rr
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
        cargo verify [--quick] [--only NAME]... [--list] [--install]";
 
-/// What exits with 2 in all our commands: input that can't be used.
+/// The exit code of all our commands for invalid input.
 const BAD_INPUT: u8 = 2;
 
 fn main() -> ExitCode {
@@ -62,8 +62,8 @@ fn main() -> ExitCode {
     })
 }
 
-/// A command of the harness that is told where our programs, as they are now, are; each
-/// is that of the package of its name.
+/// Builds our programs, and runs a command of the harness with their paths. A program is named
+/// like its package.
 fn with_programs(command: &str, programs: &[&str], arguments: Vec<OsString>) -> Result<ExitCode> {
     let project = Project::find()?;
     let mut build = Command::new("cargo");
@@ -81,8 +81,8 @@ fn with_programs(command: &str, programs: &[&str], arguments: Vec<OsString>) -> 
     harness(words)
 }
 
-/// Becomes `python -m nsrm_harness.cli ARGUMENTS`, so that signals and the exit
-/// code are the harness's own. Returns only when it can't be started.
+/// Replaces this process by `python -m nsrm_harness.cli ARGUMENTS`, so that signals and the exit
+/// code are the harness's own. Returns only if it can't be started.
 fn harness(arguments: Vec<OsString>) -> Result<ExitCode> {
     let environment = Environment::open(Project::find()?)?;
     environment.ensure(Requirements::of_command(&arguments))?;
@@ -91,7 +91,7 @@ fn harness(arguments: Vec<OsString>) -> Result<ExitCode> {
     python.args(["-m", "nsrm_harness.cli"]).args(arguments);
     let error = python.exec();
     Err(anyhow::Error::new(error).context(format!(
-        "{} could not be started; remove the folder .venv and try again",
+        "can't start {}; remove the folder .venv and try again",
         environment.python().display()
     )))
 }

@@ -1,4 +1,4 @@
-//! Where the checkout is, and running programs in it.
+//! The checkout, and running programs in it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -22,7 +22,7 @@ impl Project {
             .context("the folder of xtask has no parent")?;
         if !root.join("sim-harness").is_dir() {
             bail!(
-                "{} is not a checkout of this project (it has no sim-harness)",
+                "{} is not a checkout of this project: it has no folder sim-harness",
                 root.display()
             );
         }
@@ -66,14 +66,13 @@ pub(crate) fn without_cargo_variables(command: &mut Command) -> &mut Command {
     command
 }
 
-/// Runs a command to its end and returns what it printed; what it printed on
-/// failure goes into the error.
+/// Runs a command and returns its output; if it fails, the output is in the error.
 pub(crate) fn output_of(command: &mut Command) -> Result<String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command
         .stdin(Stdio::null())
         .output()
-        .with_context(|| format!("{name} could not be started"))?;
+        .with_context(|| format!("can't start {name}"))?;
     if !output.status.success() {
         bail!(
             "{name} failed ({}): {}",
@@ -84,15 +83,15 @@ pub(crate) fn output_of(command: &mut Command) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
-/// Runs a command to its end; all that it prints goes to stderr, so that stdout
-/// belongs to what the user asked for.
+/// Runs a command with its output on stderr, so that stdout has only the result that the user
+/// asked for.
 pub(crate) fn run_on_stderr(command: &mut Command) -> Result<()> {
     let name = command.get_program().to_string_lossy().into_owned();
     let status = command
         .stdin(Stdio::null())
         .stdout(std::io::stderr())
         .status()
-        .with_context(|| format!("{name} could not be started"))?;
+        .with_context(|| format!("can't start {name}"))?;
     if !status.success() {
         bail!("{name} failed ({status}); its messages are above");
     }

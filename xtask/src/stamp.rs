@@ -1,5 +1,4 @@
-//! Remembering what was done from what: a file that holds the hash of the inputs
-//! and is written only when the work has ended well.
+//! Stamps: files with the hash of a step's inputs, written only when the step has succeeded.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
@@ -7,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-/// Hash of inputs; of use in this checkout only. A toolchain that hashes
-/// otherwise makes the work be done once more, no harm else.
+/// Hash of inputs, valid in this checkout only. If another toolchain hashes differently, the
+/// step runs once more.
 #[derive(Default)]
 pub(crate) struct Inputs(DefaultHasher);
 
@@ -49,7 +48,7 @@ impl Inputs {
     }
 }
 
-/// Whether a file is made by tools rather than written by people.
+/// Whether a file is made by tools.
 fn is_made(name: &std::ffi::OsStr) -> bool {
     matches!(
         name.to_str(),
@@ -57,7 +56,7 @@ fn is_made(name: &std::ffi::OsStr) -> bool {
     )
 }
 
-/// A file that says from which inputs a piece of work was done last.
+/// A file that records the inputs of the last successful run of a step.
 pub(crate) struct Stamp(PathBuf);
 
 impl Stamp {
@@ -66,12 +65,12 @@ impl Stamp {
         Self(path)
     }
 
-    /// Whether the work was done, to its end, from these inputs.
+    /// Whether the step has succeeded with these inputs.
     pub(crate) fn holds(&self, inputs: &str) -> bool {
         fs::read_to_string(&self.0).is_ok_and(|written| written == inputs)
     }
 
-    /// Says that the work is not done: before it starts.
+    /// Removes the stamp, before the step starts.
     pub(crate) fn clear(&self) -> Result<()> {
         match fs::remove_file(&self.0) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -81,7 +80,7 @@ impl Stamp {
         }
     }
 
-    /// Says that the work is done, from these inputs.
+    /// Records that the step has succeeded with these inputs.
     pub(crate) fn write(&self, inputs: &str) -> Result<()> {
         fs::write(&self.0, inputs).with_context(|| format!("writing {}", self.0.display()))
     }

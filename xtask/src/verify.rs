@@ -1,8 +1,8 @@
-//! `cargo verify`: every check, and a table at the end. Those that mostly wait for processes run
-//! one after the other beside those that compute, which do so, too.
+//! `cargo verify`: runs every check and ends with a table. Two sequences run in parallel: checks
+//! that mostly wait for processes, and checks that compute.
 //!
-//! A check that fails, or does not end, prints all of its output and the others still
-//! run, so that one run shows everything that is wrong. What a check printed is kept in
+//! A check that fails or times out prints all of its output, and the others still run, so that one
+//! run shows everything that is wrong. The output of a check is kept in
 //! `target/verify/NAME.log`.
 
 mod checks;
@@ -37,18 +37,18 @@ use report::{Outcome, Report};
 const HELP: &str = "\
 usage: cargo verify [--quick] [--only NAME]... [--list] [--install]
 
-Runs every check, and ends with a table and the slowest tests.
+Runs every check and ends with a table and the slowest tests.
 
-  --quick       what to run before each commit: format, lints, the quick tests, one demo;
-                five minutes on two cores, once everything is built
-  --only NAME   this check alone; may be said several times
-  --list        say which checks there are, and what each does
-  --install     first install the system's packages that they need: as root, on Debian and
-                what comes from it
+  --quick       run what is needed before each commit: format, lints, quick tests, one demo;
+                five minutes on two cores once everything is built
+  --only NAME   run this check only; can be repeated
+  --list        list the checks and what each proves
+  --install     first install the system packages that the checks need; as root, on Debian and
+                its derivatives
 
-What a check printed is kept in target/verify/NAME.log.";
+The output of each check is kept in target/verify/NAME.log.";
 
-/// What the user asked for.
+/// The command line.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Arguments {
     only: Vec<String>,
@@ -74,11 +74,11 @@ impl Arguments {
                     };
                     let name = name.to_string_lossy().into_owned();
                     if !CHECKS.iter().any(|check| check.name == name) {
-                        bail!("there is no check {name:?} (cargo verify --list)");
+                        bail!("unknown check {name:?} (cargo verify --list)");
                     }
                     arguments.only.push(name);
                 }
-                _ => bail!("{word:?} is not understood\n{USAGE}"),
+                _ => bail!("unknown argument {word:?}\n{USAGE}"),
             }
         }
         Ok(arguments)
@@ -90,7 +90,7 @@ impl Arguments {
     }
 }
 
-/// Runs the checks that were asked for; fails if any of them does.
+/// Runs the requested checks; fails if any of them fails.
 pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
     let arguments = match Arguments::parse(words) {
         Ok(arguments) => arguments,
@@ -124,7 +124,7 @@ pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
         .filter(|check| arguments.wants(check))
         .collect();
     if wanted.is_empty() {
-        eprintln!("error: --quick has none of these checks (cargo verify --list)");
+        eprintln!("error: none of these checks runs with --quick (cargo verify --list)");
         return Ok(ExitCode::from(BAD_INPUT));
     }
     run.all(&wanted)?;
@@ -137,7 +137,7 @@ pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
     })
 }
 
-/// What a run of the checks shares.
+/// State shared by the checks of a run.
 struct Run {
     context: Context,
     quick: bool,
@@ -145,8 +145,8 @@ struct Run {
 }
 
 impl Run {
-    /// All of them: those that wait beside the others. The order of each kind is kept, and none
-    /// that waits is begun before what stands in front of it has ended.
+    /// Runs all checks: those that wait in parallel with the others. Each kind keeps its order, and a
+    /// check that waits starts only after all checks before it have ended.
     fn all(&self, checks: &[&'static Check]) -> Result<()> {
         let (queue, waiting) = mpsc::channel::<&Check>();
         thread::scope(|scope| {
@@ -180,8 +180,8 @@ impl Run {
     }
 }
 
-/// Runs one check. An error here is one of ours (a log that can't be written);
-/// whatever goes wrong in the check is in the outcome.
+/// Runs one check. An `Err` is an error of ours (a log that can't be written); a failure of the
+/// check is in the outcome.
 fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let start = Instant::now();
     let log = context.logs().join(format!("{}.log", check.name));
@@ -210,10 +210,10 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let failed = problem.is_some() || counts.failed > 0;
     if failed {
         print!("{}", fs::read_to_string(&log).unwrap_or_default());
-        println!("   (kept in {})", log.display());
+        println!("   (log: {})", log.display());
     }
     if counts == Counts::default() || (failed && counts.failed == 0) {
-        // A check without tests of its own counts as one.
+        // A check without tests counts as one test.
         counts.add(Counts::one(!failed));
     }
     Ok(Outcome {
@@ -225,11 +225,11 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     })
 }
 
-/// How many steps run at the same time, of those that may.
+/// How many steps run at the same time, of those that can.
 const AT_ONCE: usize = 2;
 
-/// Runs one step, or several that may run beside each other. Those write logs of their
-/// own, which are put behind the check's in the order of the steps.
+/// Runs one step, or several in parallel. Parallel steps write their own logs, which are then
+/// appended to the check's log in the order of the steps.
 fn run_steps(context: &Context, steps: &[Step], log: &Path) -> Result<Vec<Result<Counts>>> {
     if let [step] = steps {
         return Ok(vec![run_step(context, step, log)]);
@@ -264,12 +264,12 @@ fn run_steps(context: &Context, steps: &[Step], log: &Path) -> Result<Vec<Result
         fs::remove_file(&own_log)?;
     }
     if results.len() < steps.len() {
-        bail!("a step was not run to its end");
+        bail!("a step did not run to completion");
     }
     Ok(results.into_iter().map(|(_, result)| result).collect())
 }
 
-/// Runs one command with its output going into the log, and counts its tests.
+/// Runs one command, writes its output to the log, and counts its tests.
 fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
     let shown = step.shown();
     let mut file = append_to(log)?;
@@ -285,14 +285,14 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
         .stderr(file);
     let child = without_cargo_variables(&mut command)
         .spawn()
-        .with_context(|| format!("{shown}: could not be started"))?;
+        .with_context(|| format!("{shown}: can't be started"))?;
     let status = limit::wait(child, LIMIT).with_context(|| shown.clone())?;
     let written = fs::read(log).with_context(|| format!("reading {}", log.display()))?;
     let printed = String::from_utf8_lossy(&written[before..]);
     let counts = step.tests.map_or(Ok(Counts::default()), |kind| {
         count::in_output(kind, &printed)
     });
-    // A failed test makes the status bad as well; its count says so already.
+    // Failed tests also make the status a failure; they are counted already.
     match counts {
         Ok(counts) if status.success() || counts.failed > 0 => Ok(counts),
         Err(error) if status.success() => Err(error.context(shown)),

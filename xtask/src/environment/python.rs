@@ -1,4 +1,4 @@
-//! Finding a Python that the environment can be made from.
+//! Finds a Python for the environment.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 
 use crate::project::output_of;
 
-/// In the order of preference: PyBullet has a binary wheel for 3.11 only.
+/// In order of preference: PyBullet has a binary wheel for 3.11 only.
 const CANDIDATES: [&str; 5] = [
     "python3.11",
     "python3.12",
@@ -16,16 +16,16 @@ const CANDIDATES: [&str; 5] = [
     "python",
 ];
 
-/// Versions that the packages are known to work with, minor numbers of Python 3.
+/// Supported versions: minor numbers of Python 3.
 const MINOR_VERSIONS: std::ops::RangeInclusive<u32> = 11..=13;
 
 /// An interpreter that was tried.
 pub(super) struct Python {
-    /// The name that it was found by.
+    /// The name of the program.
     pub(super) program: String,
 }
 
-/// The first candidate that has a version we support and can make environments.
+/// The first candidate with a supported version that can create environments.
 pub(super) fn find() -> Result<Python> {
     let mut reasons = Vec::new();
     for program in CANDIDATES {
@@ -60,7 +60,7 @@ pub(super) fn find() -> Result<Python> {
     );
 }
 
-/// The minor version, or why it can't be used; `None`: there is no such program.
+/// The minor version, or why it can't be used; `None` if the program does not exist.
 fn try_candidate(program: &str) -> Result<u32, Option<String>> {
     let run = |code: &str| output_of(Command::new(program).args(["-c", code]));
     let Ok(version) = run("import sys; print(*sys.version_info[:2])") else {
@@ -80,14 +80,14 @@ fn try_candidate(program: &str) -> Result<u32, Option<String>> {
     Ok(minor)
 }
 
-/// `"3 11"` → 11, where that is a version we support.
+/// `"3 11"` → 11, if that version is supported.
 fn parse_version(printed: &str) -> Option<u32> {
     let (major, minor) = printed.split_once(' ')?;
     let minor = minor.parse().ok()?;
     (major == "3" && MINOR_VERSIONS.contains(&minor)).then_some(minor)
 }
 
-/// What may be missing when packages can't be installed, for an error message.
+/// What may be missing if packages can't be installed, for an error message.
 pub(super) fn build_hint(python: &Path) -> String {
     let works = |program: &str| output_of(Command::new(program).arg("--version")).is_ok();
     let headers = "import sysconfig, os, sys; \
@@ -103,7 +103,7 @@ pub(super) fn build_hint(python: &Path) -> String {
         missing.push("Python's headers (Debian: python3-dev)");
     }
     if missing.is_empty() {
-        "is the package index within reach?".to_owned()
+        "can the package index be reached?".to_owned()
     } else {
         format!(
             "packages without a ready-made build for this Python are compiled, and this machine \

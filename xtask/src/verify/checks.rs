@@ -12,17 +12,16 @@ use super::tools::Tool;
 use crate::environment::{Environment, Requirements};
 use crate::project::Project;
 
-/// The programs outside the workspace, which have profiles of their own.
+/// The packages outside the workspace, which have their own profiles.
 const APART: [&str; 2] = ["tests/fuzz/Cargo.toml", "tests/no-std-plan/Cargo.toml"];
 
-/// Where the settings of the Python linters, of pyright and of pytest stand.
+/// The settings of the Python linters, of pyright and of pytest.
 const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
 
 /// The Python packages, and their tests.
 const PYTHON_PACKAGES: [&str; 2] = ["sim-harness", "std-shim/python"];
 
-/// The crates that are published; `rust-version` and all else that others see of them is in their
-/// manifests.
+/// The published crates. Their manifests have `rust-version` and everything else that users see.
 const PUBLISHED: [&str; 5] = [
     "nsrm-core",
     "nsrm-tabletop",
@@ -35,13 +34,13 @@ const PUBLISHED: [&str; 5] = [
 pub(super) struct Check {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
-    /// Time on two cores from a clean clone, for people.
+    /// Approximate time on two cores from a clean clone.
     pub(super) about: &'static str,
-    /// The commands to run, after whatever must be made before them.
+    /// The commands to run, including those that prepare.
     pub(super) steps: Steps,
-    /// Those of `--quick`, if it belongs to what is run before each commit.
+    /// The steps for `--quick`, if it is part of that.
     pub(super) quick: Option<Steps>,
-    /// Whether it mostly waits for processes, and runs beside checks that compute.
+    /// Whether it mostly waits for processes, and runs in parallel with checks that compute.
     pub(super) waits: bool,
 }
 
@@ -64,7 +63,7 @@ impl Check {
         }
     }
 
-    /// With `--quick`, these steps.
+    /// The steps for `--quick`.
     pub(super) const fn quick(mut self, steps: Steps) -> Self {
         self.quick = Some(steps);
         self
@@ -76,13 +75,13 @@ impl Check {
     }
 }
 
-/// All checks, in the order in which they are begun. Those that wait stand early, so that all that
-/// computes behind them runs beside them; who needs the environment waits until it is made.
+/// All checks, in the order in which they start. Those that wait come early, so that those that
+/// compute run in parallel with them; a check that needs the environment waits until it exists.
 pub(super) const CHECKS: &[Check] = &[
     Check::new(
         "environment",
-        "the Python environment from hashed requirements, with the module",
-        "3 min, beside others",
+        "the Python environment installs from hashed requirements, with the module",
+        "3 min, in parallel",
         environment,
     )
     .quick(environment)
@@ -90,103 +89,103 @@ pub(super) const CHECKS: &[Check] = &[
     Check::new("format", "Rust is formatted by rustfmt", "1 s", format).quick(format),
     Check::new(
         "lints",
-        "clippy has no warning, on all targets",
+        "clippy gives no warnings, on all targets",
         "2 min",
         lints,
     )
     .quick(lints),
     Check::new(
         "rust-tests",
-        "tests and doc tests of the crates",
+        "tests and doctests of the crates",
         "2 min",
         rust_tests,
     )
     .quick(quick_rust_tests),
     Check::new(
         "second-user",
-        "a robot's processes refuse another user's memory, and too little (needs root)",
+        "a robot's processes refuse another user's memory and too little memory (needs root)",
         "30 s",
         second_user,
     ),
     Check::new(
         "generated",
-        "the static arrays of nsrm-tabletop are what the generator writes from the model file",
+        "the static arrays of nsrm-tabletop match what the generator writes from the model file",
         "20 s",
         generated,
     )
     .quick(generated),
     Check::new(
         "golden",
-        "golden vectors of the trainer: Rust statics, loaded model",
+        "the static and the loaded model match the golden vectors of the trainer",
         "30 s",
         golden,
     )
     .quick(golden),
     Check::new(
         "proofs",
-        "no allocation, no panic, every refusal, any input",
+        "no allocation, no panic, every refusal, robustness to any input",
         "1 min",
         proofs,
     ),
     Check::new("docs", "rustdoc has no warning", "15 s", docs),
     Check::new(
         "package",
-        "each published crate can be packaged, and builds from its package alone",
+        "each published crate can be packaged and builds from its package",
         "3 min",
         package,
     ),
     Check::new(
         "trials",
-        "50 kills at random lose nothing and do nothing twice; a soak, latencies and the arm's \
+        "50 random kills lose nothing and repeat nothing; a soak, latencies and the arm's \
          trials in small",
-        "4 min, beside others",
+        "4 min, in parallel",
         trials,
     )
     .waiting(),
     Check::new(
         "robot",
-        "cargo robot carries sentences out, through all processes",
-        "4 min, beside others",
+        "cargo robot executes sentences through all processes",
+        "4 min, in parallel",
         robot,
     )
     .waiting(),
     Check::new(
         "hosts",
-        "a robot on two hosts: a sentence from each, a narrow cable, none (needs root)",
-        "3 min, beside others",
+        "a robot on two hosts: a sentence from each, a slow link, a lost link (needs root)",
+        "3 min, in parallel",
         hosts,
     )
     .waiting(),
     Check::new(
         "python-lints",
-        "ruff and pyright have no complaint",
+        "ruff and pyright report nothing",
         "45 s",
         python_lints,
     )
     .quick(python_lints),
     Check::new(
         "python-tests",
-        "tests of harness and Python module, golden vectors among them",
+        "tests of the harness and the Python module, including the golden vectors",
         "8 min",
         python_tests,
     )
     .quick(quick_python_tests),
     Check::new(
         "tables",
-        "the paper's tables reduced, from scratch; a second domain the whole way",
+        "a reduced run of the paper's tables, from scratch; a second domain end to end",
         "7 min",
         tables,
     ),
     Check::new("demo", "cargo demo plans, refuses and draws", "1 min", demo).quick(quick_demo),
     Check::new(
         "fuzz",
-        "no bytes break what reads untrusted input: committed ones, then new ones for 25 s each",
+        "no bytes break the readers of untrusted input: committed inputs, then 25 s of new ones each",
         "5 min",
         fuzz::steps,
     ),
 ];
 
-/// Carries services between hosts.
+/// The tunnel between hosts.
 const TUNNEL: Tool = Tool {
     package: "iceoryx2-integrations-zenoh-link-tunnel-cli",
     program: "iox2-link-tunnel-zenoh",
@@ -198,9 +197,9 @@ pub(super) struct Step {
     pub(super) program: PathBuf,
     pub(super) arguments: Vec<OsString>,
     pub(super) variables: Vec<(&'static str, OsString)>,
-    /// Whose tests it runs, if any.
+    /// The test runner, if it runs tests.
     pub(super) tests: Option<Runner>,
-    /// Whether it may run at the same time as the steps next to it that may, too.
+    /// Whether it can run in parallel with adjacent steps of this kind.
     pub(super) beside: bool,
 }
 
@@ -219,7 +218,7 @@ impl Step {
         Self::new("cargo", arguments)
     }
 
-    /// Another argument, behind those that are there.
+    /// Appends an argument.
     pub(super) fn argument(mut self, argument: impl Into<OsString>) -> Self {
         self.arguments.push(argument.into());
         self
@@ -240,8 +239,8 @@ impl Step {
         self
     }
 
-    /// For packages outside the workspace: their own target folder, so that
-    /// nothing is built into the sources.
+    /// Sets the target folder; for packages outside the workspace, which would otherwise build
+    /// into the source tree.
     fn building_in(mut self, folder: PathBuf) -> Self {
         self.arguments.splice(
             1..1,
@@ -255,7 +254,7 @@ impl Step {
         self
     }
 
-    /// The command as a person would type it.
+    /// The command as typed in a shell.
     pub(super) fn shown(&self) -> String {
         let mut text = String::new();
         for (name, value) in &self.variables {
@@ -274,7 +273,7 @@ impl Step {
 pub(super) struct Context {
     project: Project,
     logs: PathBuf,
-    /// Is held by who makes the environment: two checks at once may need it.
+    /// Held while the environment is made: two checks may need it at once.
     environment: Mutex<()>,
 }
 
@@ -291,7 +290,7 @@ impl Context {
         &self.project
     }
 
-    /// The interpreter of the project's environment, with all that the checks need.
+    /// The interpreter of the project's environment, with everything that the checks need.
     fn python(&self) -> Result<PathBuf> {
         let _one = self
             .environment

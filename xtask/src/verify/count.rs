@@ -1,13 +1,13 @@
-//! How many tests ran, read from what the test runners print.
+//! How many tests ran, parsed from the output of the test runners.
 
 use anyhow::{Result, bail};
 
-/// Tests by how they ended.
+/// Numbers of tests by result.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Counts {
     /// Passed.
     pub(super) passed: u32,
-    /// Failed, or ended by an error.
+    /// Failed, or stopped by an error.
     pub(super) failed: u32,
     /// Not run: ignored or skipped.
     pub(super) skipped: u32,
@@ -42,8 +42,8 @@ pub(super) enum Runner {
     Fuzz,
 }
 
-/// Sums what a runner printed; that no test ran is an error, since a check
-/// that proves nothing must not pass.
+/// Sums the counts in a runner's output. No tests at all is an error, since a check that
+/// proves nothing must not pass.
 pub(super) fn in_output(runner: Runner, output: &str) -> Result<Counts> {
     let mut counts = Counts::default();
     match runner {

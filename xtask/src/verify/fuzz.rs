@@ -32,7 +32,9 @@ pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
     let replay = ["test", "--locked", "--package=nsrm-tests", "--test=corpora"];
     let mut steps = vec![Step::cargo(&replay).counting(Runner::Cargo)];
     if output_of(Command::new("c++").arg("--version")).is_err() {
-        eprintln!("verify: no C++ compiler, which libFuzzer needs; only committed inputs are run");
+        eprintln!(
+            "verify: no C++ compiler found, which libFuzzer needs; only committed inputs are tested"
+        );
         return Ok(steps);
     }
     let (program, install) = CARGO_FUZZ.at_hand(context);

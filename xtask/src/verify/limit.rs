@@ -1,5 +1,4 @@
-//! A command that does not end is ended: one test that waits for ever must not keep all
-//! other checks from being run.
+//! A time limit for commands: one test that hangs must not block the other checks.
 
 use std::fs;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -11,10 +10,10 @@ use anyhow::{Context as _, Result, bail};
 /// How long a command may take; the slowest take a third of it on two cores.
 pub(super) const LIMIT: Duration = Duration::from_secs(20 * 60);
 
-/// How often it is looked whether a command has ended.
+/// How often a running command is polled.
 const NAP: Duration = Duration::from_millis(20);
 
-/// Waits until a command has ended, or ends it with all that it started.
+/// Waits until a command has ended; at the limit, kills it and its descendants.
 pub(super) fn wait(mut child: Child, limit: Duration) -> Result<ExitStatus> {
     let start = Instant::now();
     loop {
@@ -25,7 +24,7 @@ pub(super) fn wait(mut child: Child, limit: Duration) -> Result<ExitStatus> {
             kill(child.id());
             child.wait().context("waiting for a command")?;
             bail!(
-                "did not end within {} min and was killed; the last lines of the log say where it was",
+                "did not end within {} min and was killed; the last lines of the log show where it was",
                 limit.as_secs() / 60
             );
         }
@@ -33,13 +32,13 @@ pub(super) fn wait(mut child: Child, limit: Duration) -> Result<ExitStatus> {
     }
 }
 
-/// Kills a process and its descendants. None of them leads a group of its own, so that
-/// Ctrl-C reaches them all; hence they are looked for.
+/// Kills a process and its descendants. They share our process group, so that Ctrl-C reaches
+/// them all; hence they are searched for one by one.
 fn kill(process: u32) {
     let mut processes = vec![process.to_string()];
     let mut index = 0;
     while let Some(parent) = processes.get(index).cloned() {
-        // What is stopped starts nothing more while its children are listed.
+        // A stopped process starts no more children while they are listed.
         signal("-STOP", [&parent]);
         processes.extend(children(&parent));
         index += 1;
@@ -47,7 +46,7 @@ fn kill(process: u32) {
     signal("-KILL", &processes);
 }
 
-/// Sends a signal; a process that has ended meanwhile is none to complain about.
+/// Sends a signal; not an error if the process has ended meanwhile.
 fn signal<'a>(name: &str, processes: impl IntoIterator<Item = &'a String>) {
     let _ = Command::new("kill")
         .arg(name)
@@ -56,7 +55,7 @@ fn signal<'a>(name: &str, processes: impl IntoIterator<Item = &'a String>) {
         .status();
 }
 
-/// Those that a process's threads have started and that live.
+/// The live children of a process's threads.
 fn children(process: &str) -> Vec<String> {
     let threads = fs::read_dir(format!("/proc/{process}/task"));
     threads

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 
 use crate::project::{output_of, run_on_stderr};
 
-/// A Debian package, and what is lost without it.
+/// A Debian package, and what can't be done without it.
 struct SystemPackage {
     name: &'static str,
     without: &'static str,
@@ -15,7 +15,7 @@ struct SystemPackage {
 const PACKAGES: [SystemPackage; 5] = [
     SystemPackage {
         name: "gcc",
-        without: "nothing can be linked",
+        without: "no program can be linked",
     },
     SystemPackage {
         name: "g++",
@@ -23,7 +23,7 @@ const PACKAGES: [SystemPackage; 5] = [
     },
     SystemPackage {
         name: "iproute2",
-        without: "two hosts can't be made",
+        without: "the check hosts can't run",
     },
     SystemPackage {
         name: "libegl1",
@@ -35,11 +35,13 @@ const PACKAGES: [SystemPackage; 5] = [
     },
 ];
 
-/// Installs what is missing when asked to or in CI, as root; else says so.
+/// Installs missing packages, as root, if asked to or in CI; otherwise lists them.
 pub(super) fn prepare(asked: bool) -> Result<()> {
     if output_of(Command::new("dpkg-query").arg("--version")).is_err() {
         if asked {
-            eprintln!("verify: --install works on Debian and what comes from it; going on without");
+            eprintln!(
+                "verify: --install works on Debian and its derivatives only; continuing without it"
+            );
         }
         return Ok(());
     }
@@ -63,7 +65,7 @@ pub(super) fn prepare(asked: bool) -> Result<()> {
         );
     }
     eprintln!(
-        "verify: to add them, run as root: cargo verify --install, or: apt-get install {}",
+        "verify: to install them, run as root: cargo verify --install, or: apt-get install {}",
         names.join(" ")
     );
     Ok(())

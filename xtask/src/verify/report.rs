@@ -1,4 +1,4 @@
-//! What the checks came to.
+//! The report at the end.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use super::checks::CHECKS;
 use super::count::Counts;
 use super::slow::Slow;
 
-/// How a check ended.
+/// The result of a check.
 pub(super) struct Outcome {
     pub(super) name: &'static str,
     pub(super) failed: bool,
@@ -17,7 +17,7 @@ pub(super) struct Outcome {
 
 /// How many slow tests are listed.
 const LISTED: usize = 15;
-/// None is slow that takes less, seconds.
+/// Shorter tests are not listed, seconds.
 const SLOW_S: f32 = 5.0;
 
 impl Outcome {
@@ -101,7 +101,11 @@ impl Report {
             let _ = writeln!(text, "failed: {}", failed.join(", "));
         }
         if all.skipped > 0 {
-            let _ = writeln!(text, "skipped: {} tests; the logs say why", all.skipped);
+            let _ = writeln!(
+                text,
+                "skipped: {} tests; the logs give the reasons",
+                all.skipped
+            );
         }
         let _ = write!(text, "verify: {} passed, {} failed", all.passed, all.failed);
         text

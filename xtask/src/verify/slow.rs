@@ -1,14 +1,14 @@
-//! Which tests were slow, read from what the test runners print: pytest tells of each test, cargo
-//! of each program of tests.
+//! Slow tests, parsed from the output of the test runners: pytest reports each test, cargo each
+//! test program.
 
-/// A test, or all tests of a program, and how long it took.
+/// A test, or all tests of a program, and its time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Slow {
     pub(super) seconds: f32,
     pub(super) what: String,
 }
 
-/// What is told in a log of a check, as it comes.
+/// The tests in a log of a check, in order.
 pub(super) fn in_output(output: &str) -> Vec<Slow> {
     let mut found = Vec::new();
     let mut program = "";
