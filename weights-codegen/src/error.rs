@@ -9,40 +9,40 @@ use core::fmt;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// The bytes are no safetensors file.
+    /// The bytes are not a safetensors file.
     NotSafetensors {
         /// What the reader of the format found.
         reason: String,
     },
-    /// A key of `__metadata__` is not there.
+    /// A key of `__metadata__` is missing.
     MissingMetadata {
         /// The key.
         key: &'static str,
     },
-    /// The value of a metadata key is no JSON, or JSON of another form.
+    /// The value of a metadata key is not JSON, or has the wrong structure.
     NotJson {
         /// The key.
         key: &'static str,
-        /// Where and why, as the JSON reader says it.
+        /// The error of the JSON reader.
         reason: String,
     },
-    /// The file has another schema version than this build reads.
+    /// The file has a schema version that this build does not read.
     Schema {
         /// The version that this build reads.
         expected: u32,
-        /// What the file says.
+        /// The version of the file.
         got: String,
     },
     /// A dimension differs from that of the architecture.
     Dimension {
         /// Name in the metadata.
         name: String,
-        /// The architecture's.
+        /// The architecture's value.
         expected: u64,
-        /// The file's.
+        /// The file's value.
         got: u64,
     },
-    /// A list of the domain has no entry.
+    /// A list of the domain is empty.
     Empty {
         /// Which list.
         what: String,
@@ -53,7 +53,7 @@ pub enum ModelError {
         what: &'static str,
         /// The greatest number.
         limit: usize,
-        /// The file's.
+        /// The file's value.
         got: usize,
     },
     /// Two entries of one list have the same name.
@@ -63,22 +63,22 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
-    /// A concept of the attribute type that says the objects' sizes has no edge lengths, or
-    /// one that is not greater than 0 and finite.
+    /// A concept of the size attribute has no edge lengths, or one that is not positive and
+    /// finite.
     Edges {
         /// The concept.
         concept: String,
         /// Its edge lengths, metres.
         got: Option<[f32; 3]>,
     },
-    /// A word that no sentence can contain after it was cut into tokens.
+    /// A word that can't occur in a tokenized sentence.
     UnreadableWord {
         /// The word.
         word: String,
     },
     /// Row 0 of the vocabulary is not the group token.
     GroupToken {
-        /// What stands there; empty when the vocabulary is.
+        /// Row 0; empty if the vocabulary is.
         got: String,
     },
     /// The vocabulary and the words of the domain are not the same set.
@@ -92,14 +92,14 @@ pub enum ModelError {
     VocabularyOrder {
         /// A word.
         first: String,
-        /// The next word, which should stand before it.
+        /// The next word, which sorts before it.
         second: String,
     },
-    /// A tensor is not there.
+    /// A tensor is missing.
     MissingTensor {
         /// Its name.
         name: String,
-        /// The shape that it should have.
+        /// The expected shape.
         expected: Vec<usize>,
     },
     /// A tensor that the architecture does not have.
@@ -107,20 +107,20 @@ pub enum ModelError {
         /// Its name.
         name: String,
     },
-    /// A tensor has another shape.
+    /// A tensor has the wrong shape.
     Shape {
         /// Its name.
         name: String,
-        /// The shape that it should have.
+        /// The expected shape.
         expected: Vec<usize>,
-        /// The shape that it has.
+        /// The shape in the file.
         got: Vec<usize>,
     },
     /// A tensor's elements are not `f32`.
     ElementType {
         /// Its name.
         name: String,
-        /// What they are, in the format's notation.
+        /// Their type, in the format's notation.
         got: String,
     },
     /// A tensor holds a NaN or an infinity.
@@ -151,23 +151,23 @@ pub enum ModelError {
         /// Its value.
         got: f32,
     },
-    /// The metadata's hash is no SHA-256 in lower-case hexadecimal digits.
+    /// The metadata's hash is not a SHA-256 in lower-case hexadecimal digits.
     HashForm {
-        /// What stands there.
+        /// The value in the file.
         got: String,
     },
-    /// Metadata or tensors are not those that the file's hash was taken of.
+    /// Metadata or tensors do not match the file's hash.
     Hash {
-        /// The one that the file names.
+        /// The hash in the file.
         expected: String,
-        /// That of its content.
+        /// The hash of its content.
         got: String,
     },
-    /// A threshold is not from 0 to 1.
+    /// A threshold is outside 0 to 1.
     Threshold {
         /// Which.
         name: &'static str,
-        /// The file's.
+        /// The file's value.
         got: f32,
     },
     /// The work space is empty or unbounded along an axis.
@@ -179,14 +179,14 @@ pub enum ModelError {
         /// Its upper bound, metres.
         max: f32,
     },
-    /// The placed orientation is no unit quaternion.
+    /// The placed orientation is not a unit quaternion.
     PlacedOrientation {
         /// Its length.
         length: f32,
     },
 }
 
-/// The schema whose files `cargo harness convert` takes.
+/// The schema that `cargo harness convert` converts.
 const CONVERTIBLE: &str = "2";
 
 impl fmt::Display for ModelError {
@@ -194,7 +194,7 @@ impl fmt::Display for ModelError {
         match self {
             Self::NotSafetensors { reason } => write!(
                 f,
-                "not a safetensors file ({reason}); give the model.safetensors that `harness train` wrote"
+                "not a safetensors file ({reason}); pass the model.safetensors that `harness train` wrote"
             ),
             Self::MissingMetadata { key } => write!(
                 f,
@@ -232,7 +232,7 @@ impl fmt::Display for ModelError {
             ),
             Self::Duplicate { what, name } => write!(
                 f,
-                "domain: the {what} {name:?} stands there twice; rename one and train again"
+                "domain: the {what} {name:?} occurs twice; rename one and train again"
             ),
             Self::Edges { concept, got } => {
                 write!(
@@ -259,7 +259,7 @@ impl fmt::Display for ModelError {
                     "metadata `vocabulary`: expected exactly the words of the domain;"
                 )?;
                 write_words(f, " lacks", missing)?;
-                write_words(f, " has besides", extra)?;
+                write_words(f, " also has", extra)?;
                 write!(f, " train again with this domain")
             }
             Self::VocabularyOrder { first, second } => write!(

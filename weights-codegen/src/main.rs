@@ -12,16 +12,16 @@ use nsrm_codegen::{Options, OwnedModel, memory_report, rust_source};
 struct Arguments {
     /// The model file (safetensors).
     model: PathBuf,
-    /// Where the Rust source goes.
+    /// The Rust source file to write.
     #[arg(long, value_name = "FILE", required_unless_present = "report")]
     out: Option<PathBuf>,
     /// Name of the public static.
     #[arg(long, default_value = "TABLETOP")]
     name: String,
-    /// Print the read-only memory that each array takes.
+    /// Print the read-only memory of each array.
     #[arg(long)]
     report: bool,
-    /// Write nothing; exit with 2 if FILE is not what would be written.
+    /// Write nothing; exit with code 2 if FILE is out of date.
     #[arg(long, requires = "out")]
     check: bool,
 }
@@ -46,7 +46,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             let written = std::fs::read(out).map_err(at(out))?;
             if written != source.as_bytes() {
                 return Err(format!(
-                    "{}: not what {} gives; write it again without --check",
+                    "{}: differs from what {} generates; run again without --check",
                     out.display(),
                     arguments.model.display()
                 ));

@@ -47,7 +47,7 @@ fn writes_and_checks() {
     std::fs::write(&path, source + "\n").expect("a changed source");
     assert_refused(
         &run(directory.path(), &check),
-        &["shelf.rs", "not what", "write it again"],
+        &["shelf.rs", "differs from what", "run again"],
     );
 }
 

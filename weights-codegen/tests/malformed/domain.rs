@@ -169,7 +169,7 @@ fn a_vocabulary_that_is_not_the_domains() {
     let words = vocabulary(|words| words[3] = "mug");
     let error = refused(
         |file| file.set("vocabulary", words),
-        &["lacks \"jar\"", "has besides \"mug\"", "train again"],
+        &["lacks \"jar\"", "also has \"mug\"", "train again"],
     );
     let (missing, extra) = (vec!["jar".into()], vec!["mug".into()]);
     assert_eq!(error, ModelError::Vocabulary { missing, extra });

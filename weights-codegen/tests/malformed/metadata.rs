@@ -21,7 +21,7 @@ fn not_safetensors() {
         );
         assert_message(
             &error,
-            &["not a safetensors file", "give the model.safetensors"],
+            &["not a safetensors file", "pass the model.safetensors"],
         );
     }
 }
