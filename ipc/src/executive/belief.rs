@@ -1,47 +1,47 @@
-//! Where objects are believed to be that are hidden by what the robot has put down.
+//! The believed positions of objects that are hidden by objects that the robot has placed.
 
 use heapless::Vec;
 use nsrm_core::model::LOCATION;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{MAX_OBJECTS, Model, Scene};
 
-/// Of the box in which an object was seen, so much at least is hidden, or shows what is still
-/// seen of it. Of 999 objects that a detector had lost behind others, 98 % were hidden so far
+/// The share of an object's last box that must be hidden, or show its visible rest. Of 999 objects
+/// that a detector had lost behind others, 98 % were hidden to this degree
 /// (docs/decisions/processes.md).
 const HIDDEN_SHARE: f32 = 0.6;
-/// By so much of its size the box of an object that stays may differ from picture to picture.
+/// How much the box of an unmoved object may vary between images, as a share of its size.
 const EDGE_SHARE: f32 = 0.1;
 
-/// The objects of the scene that was acted upon last, those included that were hidden in it.
+/// The objects of the last scene that was used, including those that were hidden in it.
 ///
-/// One of them that is no longer seen, or only in part, is believed to be as it was as long as
-/// something hides it that the robot has carried for this sentence: that this stands where it
-/// was put is looked at besides. A block that has vanished from under another is missed all the
-/// same, since that has fallen. What someone else has put before a block excuses nothing.
+/// An object that is no longer visible, or only in part, is believed to be where it was as long as
+/// it is hidden by an object that the robot has moved for this sentence, whose own position is
+/// verified separately. A block removed from under another one is detected nevertheless, since the
+/// upper one falls. Objects that someone else has put in front of a block are no explanation.
 #[derive(Debug, Default)]
 pub(super) struct Belief {
     /// The nearest to the camera first.
     objects: Vec<ObservedObject, MAX_OBJECTS>,
-    /// Ids of what the robot has carried; of more than that it is not known.
+    /// Ids of the objects that the robot has moved, as many as fit.
     carried: Vec<u32, MAX_OBJECTS>,
 }
 
 impl Belief {
-    /// As they were believed to be; without what the robot has carried since.
+    /// The objects as believed, without those that the robot has moved since.
     pub(super) fn objects(&self) -> &[ObservedObject] {
         &self.objects
     }
 
-    /// This is how things stand now.
+    /// Replaces the belief by this scene.
     pub(super) fn update(&mut self, scene: &Scene) {
         self.objects.clear();
-        // As many places as a scene has.
+        // It has as many places as a scene.
         let _ = self.objects.extend_from_slice(scene.objects());
         self.objects
             .sort_unstable_by(|one, other| depth_m(one).total_cmp(&depth_m(other)));
     }
 
-    /// The robot takes this object elsewhere.
+    /// The robot moves this object.
     pub(super) fn carry(&mut self, id: u32) {
         self.objects.retain(|object| object.id != id);
         if !self.carried.contains(&id) {
@@ -49,12 +49,13 @@ impl Belief {
         }
     }
 
-    /// A scene with what is hidden in it as it was before. What finds no room is left out.
+    /// Adds to a scene the objects that are hidden in it, where they were before. Objects that do
+    /// not fit are left out.
     ///
-    /// Cost: each object is compared with each other one, and the checks of a scene.
+    /// Cost: compares all pairs of objects, and the checks of a scene.
     pub(super) fn complete(&self, scene: &Scene, model: &Model<'_>) -> Scene {
         let mut raw = *scene.raw();
-        // What is hidden hides what is behind it, in turn.
+        // Hidden objects hide others behind them in turn.
         for before in &self.objects {
             let (mut seen, mut hidden) = (None, 0.0_f32);
             for object in raw.objects.iter_mut().take(raw.count as usize) {
@@ -70,14 +71,14 @@ impl Belief {
                 _ => {}
             }
         }
-        // Of sound objects, each of which it has once.
+        // The objects are valid and unique.
         Scene::new(raw, model).unwrap_or(*scene)
     }
 }
 
-/// Whether what is seen of an object, and what hides it, are where all of it was seen.
+/// Whether the visible part of an object and what hides it lie where the whole object was seen.
 ///
-/// * `hidden`: the share of it that is hidden
+/// * `hidden`: the hidden share of it
 fn is_part(seen: &[f32; LOCATION], before: &[f32; LOCATION], hidden: f32) -> bool {
     hidden > EDGE_SHARE
         && is_within(seen, before)
@@ -93,7 +94,7 @@ fn is_within(seen: &[f32; LOCATION], before: &[f32; LOCATION]) -> bool {
         && seen[3] <= y2 + height
 }
 
-/// How much of a box, `own`, lies in another one.
+/// The share of a box, `own`, that lies in another one.
 pub(super) fn shared(other: &[f32; LOCATION], own: &[f32; LOCATION]) -> f32 {
     let common = [
         own[0].max(other[0]),
@@ -105,12 +106,12 @@ pub(super) fn shared(other: &[f32; LOCATION], own: &[f32; LOCATION]) -> f32 {
     area(&common) / area(own)
 }
 
-/// As a share of the image; of a box that is none, 0.
+/// The area as a share of the image; 0 for an invalid box.
 fn area(&[x1, y1, x2, y2, _]: &[f32; LOCATION]) -> f32 {
     (x2 - x1).max(0.0) * (y2 - y1).max(0.0)
 }
 
-/// How far from the camera an object is.
+/// The distance of an object from the camera.
 pub(super) const fn depth_m(object: &ObservedObject) -> f32 {
     object.location[4]
 }
@@ -128,10 +129,10 @@ mod tests {
         for (seen, hidden, expected) in [
             (strip, 0.8, true),
             (strip, 0.45, true),
-            // Something else keeps the rest from being seen.
+            // Something else hides the rest.
             (strip, 0.35, false),
             (wide, 0.8, false),
-            // All of it is seen.
+            // It is completely visible.
             (BEFORE, 0.05, false),
         ] {
             assert_eq!(is_part(&seen, &BEFORE, hidden), expected, "{seen:?}");

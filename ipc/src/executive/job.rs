@@ -1,4 +1,4 @@
-//! One sentence on its way: from its words to its last step.
+//! The execution of one sentence, from its text to its last step.
 
 use core::task::Poll;
 use nsrm_core::language::{Parsed, ParsingTask};
@@ -17,7 +17,7 @@ use super::view::{Seen, View};
 use super::{Command, CommandId, Event, Mode, Sentence};
 use crate::message::{Outcome, Report};
 
-/// A sentence being carried out. Steps count from 0.
+/// A sentence being executed. Steps count from 0.
 #[derive(Debug)]
 pub(super) struct Job<'m> {
     planner: Planner<'m>,
@@ -25,24 +25,24 @@ pub(super) struct Job<'m> {
     mode: Mode,
     parsed: Parsed,
     plan: Plan,
-    /// The step that is next, or on its way.
+    /// The current step: next, or being executed.
     step: usize,
-    /// What it is to come to.
+    /// Its plan.
     next: Option<PlannedStep>,
-    /// Where its reference was observed when it was planned.
+    /// Where the step's reference was observed when it was planned.
     reference: Option<Seen>,
     /// How many commands each step has taken.
     attempts: [u8; MAX_STEPS],
     retries: u8,
     commands: u32,
-    /// What is moved first for the command that is carried out, until it is told.
+    /// The objects moved aside for the current command, until they are reported.
     clearing: Option<[u32; 2]>,
-    /// Whether anything was.
+    /// Whether any object was moved aside.
     has_cleared: bool,
     placements: Placements,
     belief: Belief,
     meant: Meant,
-    /// Why it is to end, whatever it is at.
+    /// Why it must end, in any stage.
     end: Option<Failure>,
     stage: Stage<'m>,
 }
@@ -75,7 +75,7 @@ impl<'m> Job<'m> {
         self.end.get_or_insert(Failure::Cancelled);
     }
 
-    /// What was waited for since a time, and how old a scene is, can't be told any more.
+    /// Waiting times and the ages of scenes are unknown from now on.
     pub(super) fn set_back(&mut self, now_ns: u64) {
         self.end.get_or_insert(Failure::ClockSetBack);
         if let Stage::Stopping { since_ns, .. } = &mut self.stage {
@@ -91,7 +91,7 @@ impl<'m> Job<'m> {
                 since_ns,
                 heard,
             } if command.id == report.id => match (report.outcome, &heard) {
-                // It got there, whatever came of sending it.
+                // It was delivered, whatever the sender reported.
                 (Outcome::Accepted, CommandStatus::Nothing | CommandStatus::Undelivered) => {
                     *heard = CommandStatus::Accepted;
                     *since_ns = now_ns;
@@ -110,10 +110,9 @@ impl<'m> Job<'m> {
                         self.belief.carry(id);
                     }
                 }
-                // Said again, or late, it gives no more time and takes nothing back.
+                // A repeated or late report extends no timeout and revokes nothing.
                 (Outcome::Accepted | Outcome::Clearing, _) => {}
-                // What is said first counts; it may have been on its way when the
-                // controller was lost.
+                // The first report counts; it may have been sent before the controller was lost.
                 (
                     _,
                     CommandStatus::Nothing
@@ -121,9 +120,9 @@ impl<'m> Job<'m> {
                     | CommandStatus::Lost
                     | CommandStatus::Undelivered,
                 ) => {
-                    // Not before the command, whatever the controller's clock says: a
-                    // scene from before it shows nothing of what came of it. Nor farther
-                    // ahead than a scene may be, or none would ever be later.
+                    // Not before the command, whatever the controller's clock says: an earlier
+                    // scene does not show the result. Nor further in the future than a scene may
+                    // be, or no scene would ever be later.
                     let latest_ns = now_ns.saturating_add(AHEAD_NS);
                     let timestamp_ns = report.timestamp_ns.min(latest_ns).max(*sent_ns);
                     *heard = CommandStatus::Ended(Report {
@@ -213,7 +212,7 @@ impl<'m> Job<'m> {
             Stage::Send {
                 seen: Some((taken_ns, since_ns)),
             } if too_old(taken_ns, limits, now_ns).is_some() => {
-                // Who polls was held up since it was planned.
+                // The caller was delayed since it was planned.
                 self.look_to_ground(taken_ns, since_ns);
                 Ok(Event::Working)
             }
@@ -232,7 +231,7 @@ impl<'m> Job<'m> {
                 why,
                 ..
             } => {
-                // What another one says that was started in its place confirms nothing.
+                // A report of a replacement controller confirms nothing.
                 let confirmed = confirmed && !is_lost;
                 let waited_ns = now_ns.saturating_sub(since_ns);
                 if !confirmed && !is_lost && waited_ns <= limits.accept_wait_ns {
@@ -271,7 +270,7 @@ impl<'m> Job<'m> {
         self.look(after_ns, since_ns, Purpose::Verify { tried, missing });
     }
 
-    /// No scene has come, or none that shows what is missing.
+    /// No scene has arrived, or none that shows the missing object.
     fn look_in_vain(
         &mut self,
         purpose: Purpose,
@@ -301,8 +300,8 @@ impl<'m> Job<'m> {
         }
     }
 
-    /// Prepares the step that is next for a scene: grounds it, unless its object is to go where it
-    /// was before.
+    /// Prepares the next step in a scene: grounds it, unless its object must go back to its old
+    /// place.
     fn prepare(&mut self, scene: Scene, since_ns: u64, limits: &Limits) -> Result<Event, Failure> {
         let taken_ns = scene.header().timestamp_ns;
         self.belief.update(&scene);
@@ -355,7 +354,7 @@ impl<'m> Job<'m> {
                 self.meant.update(&plan, &scene);
                 self.plan = plan;
             }
-            // Something that was moved may be in the camera's view still.
+            // A moving object may still be in the camera's view.
             Err(refusal @ Refusal::Calibration(_)) if self.commands > 0 => {
                 let refused = Some(Failure::Refused(refusal));
                 self.look(taken_ns, since_ns, Purpose::Ground { refused });
@@ -368,7 +367,7 @@ impl<'m> Job<'m> {
             .next
             .and_then(|next| self.view(&scene, limits).see(next.reference.object));
         if too_old(taken_ns, limits, now_ns).is_some() {
-            // By now: grounding took its time.
+            // Too old by now: grounding takes time.
             self.look_to_ground(taken_ns, since_ns);
             return Ok(Event::Working);
         }
@@ -382,7 +381,7 @@ impl<'m> Job<'m> {
     }
 
     fn send(&mut self, limits: &Limits, now_ns: u64) -> Result<Event, Failure> {
-        // A plan has a step for each one left, and one was.
+        // A plan has a step for each remaining one, of which there is at least one.
         let planned = self.next.ok_or(Failure::Refused(Refusal::InvalidModel))?;
         self.commands = self.commands.saturating_add(1);
         if let Some(attempts) = self.attempts.get_mut(self.step) {
@@ -397,7 +396,7 @@ impl<'m> Job<'m> {
                 command: self.commands,
             },
             until_ns: now_ns.saturating_add(limits.accept_wait_ns),
-            // At most MAX_STEPS, both.
+            // Both are at most MAX_STEPS.
             step: self.step as u8,
             steps: self.steps() as u8,
             planned,
@@ -416,7 +415,7 @@ impl<'m> Job<'m> {
         self.parsed.program().steps().len()
     }
 
-    /// What the controller has said of its command, and since when it is waited for.
+    /// Waits for the outcome of a command.
     fn await_outcome(
         &mut self,
         command: &Command,
@@ -448,7 +447,7 @@ impl<'m> Job<'m> {
         }
     }
 
-    /// The controller says how a command went.
+    /// The controller reported the outcome of a command.
     fn end_command(
         &mut self,
         command: &Command,
@@ -503,10 +502,9 @@ impl<'m> Job<'m> {
         Ok(Event::Working)
     }
 
-    /// Whether the step that was tried has done what it should and those before it are still as
-    /// they should be; if not, what has come undone is done again.
+    /// Verifies the last attempt and the steps before it; undone steps are repeated.
     ///
-    /// * `waits`: after when a scene was waited for, and since when
+    /// * `waits`: the earliest time of the scene, and since when it is awaited
     fn verify(
         &mut self,
         scene: Scene,
@@ -541,7 +539,7 @@ impl<'m> Job<'m> {
         };
         match (undone, tried) {
             (Some(undone), _) if undone.is_missing => {
-                // An arm may hide it for a while.
+                // The arm may hide it for a while.
                 let missing = Some(undone);
                 let taken_ns = scene.header().timestamp_ns;
                 self.look(taken_ns, since_ns, Purpose::Verify { tried, missing });
@@ -573,7 +571,7 @@ impl<'m> Job<'m> {
         }
     }
 
-    /// These steps are to be done again, and what was tried but could not be done.
+    /// Repeats these steps, and an attempt that was impossible.
     fn undo(&mut self, tried: Tried, undone: &Undone, limits: &Limits) -> Result<Event, Failure> {
         let why = match tried {
             Tried::Unable(why) => why,
@@ -589,7 +587,7 @@ impl<'m> Job<'m> {
         core::array::from_fn(|index| index == step)
     }
 
-    /// One retry less; the failure when none is left, or no attempt at one of these steps.
+    /// Uses up one retry; fails if none is left, or if one of these steps has no attempt left.
     fn again(&mut self, steps: Steps, why: Failure, limits: &Limits) -> Result<Event, Failure> {
         let mut attempts = steps.iter().zip(self.attempts);
         let is_over = attempts.any(|(again, attempts)| *again && attempts >= limits.attempts);
@@ -603,8 +601,8 @@ impl<'m> Job<'m> {
         Ok(Event::Again { step, why })
     }
 
-    /// Ends so. Whatever it fails with, a command that may still be accepted or carried out is
-    /// stopped first: nothing else ends a sentence before its last step is done.
+    /// Ends the sentence with a failure. A command that might still be accepted or executed is
+    /// stopped first. Nothing else ends a sentence before its last step is done.
     fn give_up(&mut self, why: Failure, now_ns: u64) -> Event {
         let Stage::Commanded {
             command: Command { id, .. },
@@ -626,11 +624,11 @@ impl<'m> Job<'m> {
     }
 }
 
-/// With what a sentence ends once its controller was told to stop.
+/// The failure of a sentence after a stop was sent.
 fn stopped(why: Failure, confirmed: bool, begun: bool) -> Failure {
     match why {
         Failure::Cancelled if !confirmed => Failure::CancelledUnconfirmed,
-        // It says so late, or may have begun without being heard.
+        // It reported late, or may have started without a report.
         Failure::NotAccepted { step } if begun || !confirmed => Failure::Unanswered { step },
         why => why,
     }

@@ -1,38 +1,36 @@
 use core::fmt;
 
-/// How long is waited, how exact a step must be, how often it is tried again.
+/// Limits of the closed loop: timeouts, tolerances and retries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// The oldest scene that is acted upon, nanoseconds since its image was taken.
+    /// The greatest age of a scene that is used, nanoseconds since its image was taken.
     pub scene_age_ns: u64,
-    /// How long a scene that may be acted upon is waited for.
+    /// How long to wait for a usable scene.
     pub scene_wait_ns: u64,
     /// How long the controller may take to accept a command, or a stop.
     pub accept_wait_ns: u64,
-    /// How long it may take to carry one out.
+    /// How long it may take to execute a command.
     pub move_wait_ns: u64,
-    /// How long another node may be silent before it is held to be dead.
+    /// How long another node may be silent before it is considered dead.
     pub silence_ns: u64,
     /// How far from its sub-goal an object may be observed, metres.
     pub tolerance_m: f32,
-    /// How far from where it was observed before an object may be observed that has not moved,
-    /// metres.
+    /// How far apart two observations of an unmoved object may be, metres.
     pub moved_m: f32,
-    /// The same for an object that another one covers in part, metres.
+    /// The same for an object that is partly covered by another one, metres.
     pub covered_m: f32,
-    /// How many commands a step may take.
+    /// The greatest number of commands for one step.
     pub attempts: u8,
-    /// How often anything is tried again, counted over the whole sentence.
+    /// The greatest number of retries in a whole sentence.
     pub retries: u8,
 }
 
 impl Default for Limits {
-    /// Scenes of half a second at most; three heartbeats lost, so that a death is
-    /// noticed within half a second; 15 mm, which is more than an arm may correct a
-    /// sub-goal by what it sees of the support (8 mm across and 12 mm in height) and less
-    /// than half of the smallest block. An observation is compared with an earlier one more
-    /// closely than with a sub-goal, since what the model's map from pixels to the world is
-    /// off by cancels.
+    /// Scenes at most half a second old; three lost heartbeats, so that a death is detected within
+    /// half a second; 15 mm, which is more than an arm may correct a sub-goal from its view of the
+    /// support (8 mm across and 12 mm in height), and less than half of the smallest block. Two
+    /// observations are compared more strictly than an observation with a sub-goal, since errors of
+    /// the model's map from pixels to the world cancel.
     fn default() -> Self {
         Self {
             scene_age_ns: 500_000_000,
@@ -49,7 +47,7 @@ impl Default for Limits {
     }
 }
 
-/// A limit that would let nothing happen, or everything.
+/// An invalid limit: it would allow nothing, or everything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LimitsError {
@@ -57,7 +55,7 @@ pub enum LimitsError {
     Zero(&'static str),
     /// A distance is not a positive number.
     Distance(&'static str),
-    /// No step may be commanded.
+    /// No command is allowed.
     NoAttempt,
 }
 
@@ -74,7 +72,7 @@ impl fmt::Display for LimitsError {
 impl core::error::Error for LimitsError {}
 
 impl Limits {
-    /// Whether anything can be done within them.
+    /// Checks that the limits are valid.
     ///
     /// ```
     /// use nsrm_ipc::executive::{Limits, LimitsError};

@@ -1,14 +1,14 @@
-//! Which objects a sentence is about: those that were there when it was begun.
+//! The objects that a sentence is about: those that were present when it was started.
 
 use heapless::Vec;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{MAX_OBJECTS, MAX_STEPS, Model, Plan, Scene};
 
-/// What was observed when the sentence was grounded first, and what its steps mean of that.
+/// The objects observed when the sentence was first grounded, and those that its steps refer to.
 ///
-/// What appears later is no object of the sentence. Where blocks stand close a detector may take
-/// parts of two for another one, which would make "the blue block" ambiguous midway. Only where
-/// something that is meant is gone all count again.
+/// Objects that appear later do not count. Where blocks stand close together, a detector may take
+/// parts of two for a third one, which would make "the blue block" ambiguous midway. Only if an
+/// object that is referred to disappears do all objects count again.
 #[derive(Debug, Default)]
 pub(super) struct Meant {
     known: Vec<u32, MAX_OBJECTS>,
@@ -17,7 +17,7 @@ pub(super) struct Meant {
 }
 
 impl Meant {
-    /// What is left of the sentence was grounded so.
+    /// Records how the rest of the sentence was grounded.
     pub(super) fn update(&mut self, plan: &Plan, scene: &Scene) {
         self.known = scene.objects().iter().map(|object| object.id).collect();
         let steps = self.steps.iter_mut().skip(plan.first());
@@ -26,8 +26,8 @@ impl Meant {
         }
     }
 
-    /// A scene without what has appeared since; all of it before the first grounding, or if
-    /// something is not there that this step or a later one means.
+    /// A scene without the objects that have appeared since; the whole scene before the first
+    /// grounding, or if an object that this step or a later one refers to is missing.
     pub(super) fn only(&self, scene: &Scene, step: usize, model: &Model<'_>) -> Scene {
         let is_there = |id: &u32| scene.objects().iter().any(|object| object.id == *id);
         let mut left = self.steps.iter().skip(step).flatten().flatten();
@@ -39,10 +39,10 @@ impl Meant {
         raw.count = 0;
         let known = |object: &&ObservedObject| self.known.contains(&object.id);
         for object in scene.objects().iter().filter(known) {
-            // As many places as before.
+            // It has as many places as before.
             let _ = raw.push(*object);
         }
-        // Of sound objects.
+        // The objects are valid.
         Scene::new(raw, model).unwrap_or(*scene)
     }
 }

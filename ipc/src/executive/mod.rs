@@ -1,13 +1,12 @@
-//! The loop that closes: parses a sentence, grounds the step that is next in the
-//! scene as it is observed, commands it, looks at what came of it, and goes on,
-//! tries again or gives up with a reason.
+//! The closed loop: parses a sentence, grounds the next step in the observed scene, commands it,
+//! observes the result, and continues, retries or gives up with a reason.
 //!
-//! An [`Executive`] knows no process and no clock: it is told scenes, feedback and
-//! the time, and says what to do by [`Executive::poll`], a bounded piece of work a
-//! call. It never allocates.
+//! An [`Executive`] knows neither processes nor clocks: its caller passes in scenes, feedback and
+//! the time, and [`Executive::poll`] returns what to do. Each call does a bounded amount of work
+//! and never allocates.
 //!
-//! A sentence ends with [`Event::Ended`]. If its last command may still be accepted or carried
-//! out then, [`Event::Stop`] has come before.
+//! A sentence ends with [`Event::Ended`]. If its last command might still be accepted or executed,
+//! [`Event::Stop`] comes first.
 
 mod belief;
 mod failure;
@@ -30,94 +29,92 @@ use crate::message::{Feedback, FeedbackError, SceneMessage};
 use job::Job;
 use scene_gate::{AHEAD_NS, SceneGate};
 
-/// A sentence, as long as it may be.
+/// The text of a sentence.
 pub type Sentence = String<MAX_SENTENCE_BYTES>;
 
-/// How far a sentence is to be followed.
+/// How a sentence is executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// Say what would be done, and do nothing.
+    /// Plan only; nothing moves.
     PlanOnly,
-    /// Ground each step in the scene observed after the one before it.
+    /// Ground each step in the scene observed after the previous step.
     ClosedLoop,
-    /// Carry out the plan made at the beginning, as in the paper, without looking.
+    /// Execute the initial plan without observing again, as in the paper.
     OpenLoop,
 }
 
-/// Who a command is, among all of one planner's and of those started before it.
+/// The identity of a command among all commands of a planner and its predecessors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CommandId {
-    /// Number of the plan; plans of later planners have greater ones.
+    /// Number of the plan; plans of later planners have greater numbers.
     pub plan: u64,
-    /// Counts the plan's commands from 1; a step tried again has another.
+    /// Number of the command within its plan, from 1; a retry is a new command.
     pub command: u32,
 }
 
-/// What the controller is to do.
+/// A command for the controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
-    /// Who the command is.
+    /// The command's identity.
     pub id: CommandId,
-    /// Until when it may be begun, nanoseconds: then it is given up, and a stop
-    /// follows.
+    /// The deadline for starting it, nanoseconds; then it is abandoned, and a stop follows.
     pub until_ns: u64,
     /// Which step of the program, from 0.
     pub step: u8,
     /// How many steps the program has.
     pub steps: u8,
-    /// Which object, and where to.
+    /// The object and its sub-goal.
     pub planned: PlannedStep,
-    /// Ids of what is to stay where it is besides the reference: what the steps that are done have
-    /// put somewhere, and what they have put it beside or on; 0 for none.
+    /// Ids of objects that must stay where they are, besides the reference: the objects and
+    /// references of completed steps; 0 for none.
     pub keep: [u32; MAX_OBJECTS],
 }
 
-/// What a call of [`Executive::poll`] has come to.
+/// The result of [`Executive::poll`].
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a command or a result would be lost"]
-// The largest is handed on once a plan.
+// The largest variant is passed on once per plan.
 #[allow(clippy::large_enum_variant)]
 pub enum Event {
-    /// Nothing can be done until something arrives or time goes by.
+    /// Nothing to do until something arrives or time passes.
     Waiting,
-    /// A piece of work was done; more is left.
+    /// Some work was done; more is left.
     Working,
-    /// The sentence was understood and, from the step that is next on, grounded.
+    /// The sentence was parsed, and its steps grounded from the next one on.
     Planned(Plan),
-    /// To be sent to the controller.
+    /// Send the controller this command.
     Command(Command),
-    /// To be sent to the controller: this command is no longer wanted.
+    /// Send the controller a stop of this command.
     Stop(CommandId),
-    /// Before a step's object is carried to its sub-goal, something else is.
+    /// Other objects are moved aside before a step's object is moved.
     Clearing {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u8,
         /// Id of the step's object.
         object: u32,
-        /// Ids of what is moved aside first; the step's own object, if it is set down on the
+        /// Ids of the objects that are moved aside; the step's own object if it is regrasped on the
         /// way; 0 for none.
         first: [u32; 2],
     },
-    /// A step did what it should.
+    /// A step succeeded.
     Reached {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u8,
-        /// How far from its sub-goal the object was seen, metres; without looking
-        /// not a number.
+        /// How far from its sub-goal the object was observed, metres; NaN if it was not observed.
         off_m: f32,
     },
-    /// A step will be tried again.
+    /// A step will be retried.
     Again {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u8,
         /// What went wrong.
         why: Failure,
     },
-    /// The sentence was carried out, or why not.
+    /// The sentence was executed, or why not.
     Ended(Result<(), Failure>),
 }
 
-/// Another sentence is being carried out.
+/// Another sentence is being executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Busy {
     /// Number of its plan.
@@ -136,7 +133,7 @@ impl core::fmt::Display for Busy {
 
 impl core::error::Error for Busy {}
 
-/// Carries out one sentence at a time.
+/// Executes one sentence at a time.
 ///
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../core/examples/observed/mod.rs"));
@@ -184,16 +181,15 @@ pub struct Executive<'m> {
     scene_gate: SceneGate,
     next_plan: u64,
     job: Option<Job<'m>>,
-    /// The latest time that it was told.
+    /// The latest time that was passed in.
     latest_ns: u64,
 }
 
 impl<'m> Executive<'m> {
-    /// With nothing to do.
+    /// An executive without a sentence.
     ///
-    /// * `first_plan`: number of its first plan; above those of any executive
-    ///   before it that the same controller has heard, such as the monotonic time
-    ///   in nanoseconds
+    /// * `first_plan`: number of its first plan; must exceed the numbers of any earlier executive
+    ///   of the same controller; the monotonic time in nanoseconds does
     pub fn new(model: &'m Model<'m>, limits: Limits, first_plan: u64) -> Self {
         Self {
             planner: Planner::new(model),
@@ -210,12 +206,12 @@ impl<'m> Executive<'m> {
         self.planner.model()
     }
 
-    /// Number of the plan that is being carried out.
+    /// Number of the plan that is being executed.
     pub fn plan(&self) -> Option<u64> {
         self.job.as_ref().map(|job| job.number)
     }
 
-    /// Begins with a sentence; gives the number of its plan.
+    /// Starts a sentence; returns the number of its plan.
     pub fn ask(&mut self, sentence: Sentence, mode: Mode) -> Result<u64, Busy> {
         if let Some(plan) = self.plan() {
             return Err(Busy { plan });
@@ -227,15 +223,15 @@ impl<'m> Executive<'m> {
         Ok(plan)
     }
 
-    /// The sentence is no longer wanted: what moves is stopped, and
-    /// [`Failure::Cancelled`] ends it.
+    /// Cancels the sentence: a running motion is stopped, and the sentence ends with
+    /// [`Failure::Cancelled`].
     pub fn cancel(&mut self) {
         if let Some(job) = &mut self.job {
             job.cancel();
         }
     }
 
-    /// A scene has arrived; says why it won't be looked at, if so.
+    /// Takes a scene that has arrived; an error says why it is rejected.
     ///
     /// Cost: the checks of [`SceneMessage::to_scene`] and a copy of 4.5 KB.
     pub fn on_scene(&mut self, message: &SceneMessage, now_ns: u64) -> Result<(), SceneFault> {
@@ -243,8 +239,8 @@ impl<'m> Executive<'m> {
         self.scene_gate.see(message, model, &self.limits, now_ns)
     }
 
-    /// Feedback has arrived. What is about no command that is waited for changes
-    /// nothing.
+    /// Takes feedback that has arrived. Feedback about any other than the current command is
+    /// ignored.
     pub fn on_feedback(&mut self, feedback: &Feedback, now_ns: u64) -> Result<(), FeedbackError> {
         let report = feedback.read()?;
         if let Some(job) = &mut self.job {
@@ -253,30 +249,30 @@ impl<'m> Executive<'m> {
         Ok(())
     }
 
-    /// The controller died, hangs, or is another one than before: what it was
-    /// doing has an unknown end. It is told to stop, in case that it only was held up.
+    /// The controller died, hangs, or was replaced: the outcome of its command is unknown. A stop
+    /// is sent, in case it was only delayed.
     pub fn on_controller_lost(&mut self) {
         if let Some(job) = &mut self.job {
             job.on_controller_lost();
         }
     }
 
-    /// The command of the last [`Event::Command`] could not be sent: no controller
-    /// is there, or it doesn't take its commands.
+    /// The command of the last [`Event::Command`] could not be delivered: there is no controller,
+    /// or it does not read its commands.
     pub fn on_command_undelivered(&mut self) {
         if let Some(job) = &mut self.job {
             job.on_command_undelivered();
         }
     }
 
-    /// Does one piece of work, at most [`nsrm_core::planner::UNIT_MULTIPLY_ADDS`], or takes in a
-    /// scene: a few copies of 4.5 KB, its checks, and each object compared with each other one.
+    /// Does one unit of work: at most [`nsrm_core::planner::UNIT_MULTIPLY_ADDS`], or the checks of
+    /// a scene, which copy 4.5 KB a few times and compare all pairs of objects.
     ///
-    /// * `now_ns`: the time, on the clock of the scenes and of the feedback; when it is set back
-    ///   by more than 5 ms, what is under way ends with [`Failure::ClockSetBack`]
+    /// * `now_ns`: the time, on the clock of the scenes and of the feedback; if it is set back by
+    ///   more than 5 ms, the current sentence ends with [`Failure::ClockSetBack`]
     pub fn poll(&mut self, now_ns: u64) -> Event {
         if now_ns.saturating_add(AHEAD_NS) < self.latest_ns {
-            // Its scene would be later than all that come.
+            // The stored scene would be later than all future ones.
             self.scene_gate = SceneGate::new();
             if let Some(job) = &mut self.job {
                 job.set_back(now_ns);

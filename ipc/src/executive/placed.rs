@@ -1,4 +1,4 @@
-//! What the steps so far have put where, and whether it is still observed there.
+//! Where the steps so far have placed objects, and whether they are still observed there.
 
 use nsrm_core::planner::PlannedStep;
 use nsrm_core::{MAX_OBJECTS, MAX_STEPS};
@@ -11,34 +11,34 @@ const _: () = assert!(
     "not all of `kept` would find room"
 );
 
-/// Some of a program's steps, by their places.
+/// A set of a program's steps, by number.
 pub(super) type Steps = [bool; MAX_STEPS];
 
-/// A step that the controller says it has done.
+/// A step that the controller reported as done.
 #[derive(Debug, Clone, Copy)]
 struct Placed {
     planned: PlannedStep,
-    /// Where its object was observed when the step was confirmed; none until then, and once a
-    /// later step moves it on.
+    /// Where its object was observed when the step was confirmed; `None` before that, and after a
+    /// later step moves it.
     object: Option<Seen>,
-    /// Where its reference was observed when the step was planned; none once a later step moves
-    /// it on.
+    /// Where its reference was observed when the step was planned; `None` after a later step moves
+    /// it.
     reference: Option<Seen>,
 }
 
-/// What each step has put where.
+/// Where each step has placed its object.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Placements {
     placed: [Option<Placed>; MAX_STEPS],
     done: Steps,
 }
 
-/// An object that is not as a step has left it. Steps count from 0.
+/// An object that is not where a step has left it. Steps count from 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Deviation {
-    /// It isn't observed.
+    /// It is not visible.
     Missing { step: u8, object: u32 },
-    /// It is observed elsewhere, so far off.
+    /// It is observed elsewhere, at this distance.
     Elsewhere { step: u8, object: u32, off_m: f32 },
 }
 
@@ -59,19 +59,19 @@ impl From<Deviation> for Failure {
     }
 }
 
-/// What has come undone.
+/// Steps that are undone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Undone {
-    /// The steps that have to do with it.
+    /// The affected steps.
     pub(super) steps: Steps,
-    /// What is amiss with the first of them.
+    /// What is wrong with the first of them.
     pub(super) first: Deviation,
-    /// Whether anything isn't observed; something may hide it for a while.
+    /// Whether an object is not visible; it may be hidden for a while.
     pub(super) is_missing: bool,
 }
 
 impl Placements {
-    /// The first of so many steps that is not done.
+    /// The first of `steps` steps that is not done.
     pub(super) fn next(&self, steps: usize) -> Option<usize> {
         self.done.iter().take(steps).position(|done| !done)
     }
@@ -83,8 +83,8 @@ impl Placements {
         }
     }
 
-    /// This step moves an object on: what earlier steps have to do with it is no longer looked at,
-    /// whatever comes of it.
+    /// This step moves an object of earlier steps, which are no longer verified for it, whatever
+    /// the outcome.
     pub(super) fn take(&mut self, step: usize, object: u32) {
         for earlier in self.placed.iter_mut().take(step).flatten() {
             if earlier.planned.object.object == object {
@@ -97,9 +97,9 @@ impl Placements {
         }
     }
 
-    /// The controller says that it has done this step.
+    /// The controller reported that this step is done.
     ///
-    /// * `reference`: where that was observed when the step was planned
+    /// * `reference`: where the reference was observed when the step was planned
     pub(super) fn put(&mut self, step: usize, planned: PlannedStep, reference: Option<Seen>) {
         if let Some(place) = self.placed.get_mut(step) {
             *place = Some(Placed {
@@ -110,17 +110,17 @@ impl Placements {
         }
     }
 
-    /// Where the object of an undone step goes again if its reference was moved on by a later
-    /// step: grounded anew, it would follow.
+    /// The old sub-goal for the object of an undone step whose reference was moved by a later step:
+    /// grounded again, the object would follow its reference.
     pub(super) fn again(&self, step: usize) -> Option<PlannedStep> {
         let placed = self.placed.get(step)?.as_ref()?;
         placed.reference.is_none().then_some(placed.planned)
     }
 
-    /// Whether a step has put its object where it should, and its reference has stayed: how far
-    /// off the object is, metres. Where it is observed now it is to stay.
+    /// Whether a step has placed its object at its sub-goal and its reference has not moved;
+    /// returns the object's distance, metres. From now on it must stay where it is observed.
     pub(super) fn confirm(&mut self, step: usize, view: &View<'_>) -> Result<f32, Deviation> {
-        // It was put.
+        // It has been placed.
         let Some(placed) = self.placed.get_mut(step).and_then(Option::as_mut) else {
             return Ok(0.0);
         };
@@ -130,7 +130,7 @@ impl Placements {
             .ok_or(Deviation::Missing { step, object })?;
         let goal = placed.planned.sub_goal.pose.translation.vector.into();
         let off_m = seen.off_m(&goal);
-        // Neither is one there whose distance is not a number.
+        // A distance that is NaN counts as elsewhere.
         if off_m.is_nan() || off_m > view.limits.tolerance_m {
             return Err(Deviation::Elsewhere {
                 step,
@@ -142,7 +142,7 @@ impl Placements {
             stayed(step, placed.planned.reference.object, before, view)?;
         }
         placed.object = Some(seen);
-        // What was put beside or on it since may stay, if it has come back to where it was.
+        // Later steps that used it as a reference remain valid if it is back where it was.
         for later in self.placed.iter_mut().skip(usize::from(step)).flatten() {
             if later.planned.reference.object == object
                 && let Some(before) = &mut later.reference
@@ -154,7 +154,7 @@ impl Placements {
         Ok(off_m)
     }
 
-    /// What is no longer as the steps have left it.
+    /// The objects that are no longer where the steps have left them.
     pub(super) fn undone(&self, view: &View<'_>) -> Option<Undone> {
         let mut found: Option<Undone> = None;
         for ((step, placed), done) in (0..).zip(&self.placed).zip(self.done) {
@@ -186,14 +186,14 @@ impl Placements {
         found
     }
 
-    /// Ids of what the steps that are done have put somewhere, and beside or on what; 0 for none.
+    /// Ids of the objects and references of completed steps; 0 for none.
     pub(super) fn kept(&self) -> [u32; MAX_OBJECTS] {
         let done = self.placed.iter().zip(self.done).filter(|(_, done)| *done);
         let planned = done.filter_map(|(placed, _)| placed.as_ref());
         let ids = planned.flat_map(|it| [it.planned.object.object, it.planned.reference.object]);
         let mut kept = [0; MAX_OBJECTS];
         for id in ids {
-            // Two a step, at most.
+            // At most two per step.
             if !kept.contains(&id)
                 && let Some(place) = kept.iter_mut().find(|place| **place == 0)
             {
@@ -203,7 +203,7 @@ impl Placements {
         kept
     }
 
-    /// These steps are to be done again.
+    /// Marks these steps as not done.
     pub(super) fn undo(&mut self, steps: &Steps) {
         for (done, undone) in self.done.iter_mut().zip(steps) {
             *done &= !undone;

@@ -6,17 +6,17 @@ use super::limits::Limits;
 use crate::message::SceneMessage;
 
 const NS_PER_MS: u64 = 1_000_000;
-/// How far ahead a scene's time may be, nanoseconds: clocks of one machine agree,
-/// those of two within about a millisecond.
+/// How far in the future a scene's time may be, nanoseconds: the clocks of one machine agree, those
+/// of two within about a millisecond.
 pub(super) const AHEAD_NS: u64 = 5 * NS_PER_MS;
 
-/// The latest scene that may be acted upon.
+/// The latest usable scene.
 #[derive(Debug)]
 pub(super) struct SceneGate {
     scene: Option<Scene>,
-    /// What was wrong with the last scene, if it was not taken.
+    /// What was wrong with the last scene, if it was rejected.
     fault: Option<SceneFault>,
-    /// The camera that all scenes of a sentence are from.
+    /// The camera that all scenes of a sentence must have.
     camera: Option<Camera>,
 }
 
@@ -34,7 +34,7 @@ impl SceneGate {
         self.camera = None;
     }
 
-    /// Takes a scene that may be acted upon.
+    /// Takes a scene if it is usable.
     pub(super) fn see(
         &mut self,
         message: &SceneMessage,
@@ -61,7 +61,7 @@ impl SceneGate {
             let by_ms = (taken_ns - now_ns) / NS_PER_MS;
             return Err(SceneFault::FromTheFuture { by_ms });
         }
-        // A publisher that was started anew counts from 0 again, but time goes on.
+        // A restarted publisher counts from 0 again, but time goes on.
         if let Some(before) = &self.scene
             && taken_ns < before.header().timestamp_ns
         {
@@ -76,8 +76,8 @@ impl SceneGate {
         Ok(scene)
     }
 
-    /// The scene to act upon: seen later than `after_ns` and not too old now. All
-    /// scenes from now on must be from its camera.
+    /// The usable scene: its image was taken after `after_ns` and is not too old now. From now on
+    /// all scenes must be from its camera.
     pub(super) fn look(&mut self, after_ns: u64, limits: &Limits, now_ns: u64) -> Option<Scene> {
         let scene = self.scene?;
         let taken_ns = scene.header().timestamp_ns;
@@ -98,7 +98,7 @@ impl SceneGate {
     }
 }
 
-/// Whether a scene of this time is too old to act upon.
+/// Whether a scene of this time is too old to use.
 pub(super) fn too_old(taken_ns: u64, limits: &Limits, now_ns: u64) -> Option<SceneFault> {
     let age_ns = now_ns.saturating_sub(taken_ns);
     (age_ns > limits.scene_age_ns).then_some(SceneFault::TooOld {

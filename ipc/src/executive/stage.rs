@@ -1,4 +1,4 @@
-//! What a sentence on its way waits for.
+//! The stages of a running sentence.
 
 use nsrm_core::language::{Parsed, ParsingTask};
 use nsrm_core::planner::GroundingTask;
@@ -9,13 +9,13 @@ use super::placed::Undone;
 use super::{Command, CommandId, Sentence};
 use crate::message::Report;
 
-/// What comes next.
+/// The current stage.
 #[derive(Debug)]
 // A job has one stage, and there is one job.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum Stage<'m> {
     Parse(ParsingTask<'m, Sentence>),
-    /// A scene seen later than this is waited for.
+    /// Waits for a scene later than this.
     Look {
         after_ns: u64,
         since_ns: u64,
@@ -26,13 +26,13 @@ pub(super) enum Stage<'m> {
         taken_ns: u64,
         since_ns: u64,
     },
-    /// The next step of the plan is commanded.
+    /// Sends the command of the next step.
     Send {
-        /// When the scene was seen in which it was grounded, and since when one is waited for;
-        /// nobody looks with the loop open.
+        /// The time of the scene in which it was grounded, and since when it waited for one; `None`
+        /// in open loop.
         seen: Option<(u64, u64)>,
     },
-    /// Its outcome is waited for.
+    /// Waits for the outcome of a command.
     Commanded {
         command: Command,
         sent_ns: u64,
@@ -40,53 +40,53 @@ pub(super) enum Stage<'m> {
         since_ns: u64,
         heard: CommandStatus,
     },
-    /// A stop was sent; then the sentence ends so.
+    /// A stop was sent; waits for its confirmation, then ends the sentence.
     Stopping {
         id: CommandId,
         since_ns: u64,
-        /// Whether the controller was lost: one that was held up must not begin, or go on, with
-        /// what has been given up; but its answer is not waited for.
+        /// Whether the controller was lost. A stop is sent in case it was only delayed, but its
+        /// answer is not awaited.
         is_lost: bool,
         confirmed: bool,
-        /// Whether it is known meanwhile that it was begun.
+        /// Whether the command is known to have started.
         begun: bool,
         why: Failure,
     },
     Finished,
 }
 
-/// What a scene is waited for.
+/// What a scene is needed for.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Purpose {
-    /// To ground the step that is next; in the scenes so far it may have been refused.
+    /// To ground the next step; it may have been refused in earlier scenes.
     Ground { refused: Option<Failure> },
-    /// To see what has become of a step, and whether those before it are still as they should be.
+    /// To verify a step and those before it.
     Verify {
         tried: Tried,
-        /// What is no longer observed in the scenes so far.
+        /// Objects that were missing in the scenes so far.
         missing: Option<Undone>,
     },
 }
 
-/// What the controller said of the step that was tried last.
+/// What the controller reported about the last attempt.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Tried {
-    /// It was done, which is yet to be confirmed.
+    /// It was done, which an observation must confirm.
     Reached,
-    /// It could not be done as things stood.
+    /// It was impossible in the state of the scene.
     Unable(Failure),
-    /// What came of it is known.
+    /// Its result is known.
     Known,
 }
 
-/// What was heard of a command.
+/// What is known about a command.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum CommandStatus {
     Nothing,
     Accepted,
     Ended(Report),
-    /// No more of it: the controller died.
+    /// Nothing more: the controller was lost.
     Lost,
-    /// It could not be sent.
+    /// It could not be delivered.
     Undelivered,
 }

@@ -1,4 +1,4 @@
-//! Where a scene shows objects, and whether they have moved since another one.
+//! Where objects are in a scene, and whether they have moved since an earlier one.
 
 use nsrm_core::model::PixelToCamera;
 use nsrm_core::scene::{ObservedObject, Scene};
@@ -6,40 +6,40 @@ use nsrm_core::scene::{ObservedObject, Scene};
 use super::belief::{Belief, depth_m, shared};
 use super::limits::Limits;
 
-/// An object is covered in part if so much of its box lies in that of a nearer one: with less, its
-/// centre is observed within a millimetre or two of where it would be.
+/// The share of an object's box, inside the box of a nearer object, from which on it counts as
+/// partly covered. With less, its centre is observed with an error of a millimetre or two.
 const COVERED_SHARE: f32 = 0.05;
 
 /// Where an object was observed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
-    /// Of its centre, world frame, metres.
+    /// Its centre: world frame, metres.
     position: [f32; 3],
-    /// Another that covers a part of it, and has stayed where it was.
+    /// Another object that covers part of it and has not moved.
     covered_by: Option<u32>,
 }
 
 impl Seen {
-    /// How far it is from a place, metres.
+    /// Its distance from a position, metres.
     pub(super) fn off_m(&self, place: &[f32; 3]) -> f32 {
         let offsets = self.position.iter().zip(place).map(|(a, b)| a - b);
         offsets.map(|offset| offset * offset).sum::<f32>().sqrt()
     }
 
-    /// Whether it is so near to where it was before, metres.
+    /// Whether it is within this distance of where it was before, metres.
     pub(super) fn is_within(&self, before: &Self, most_m: f32) -> bool {
         self.off_m(&before.position) <= most_m
     }
 }
 
-/// A scene, and what was believed before it.
+/// A scene, and the belief before it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<'a> {
-    /// From pixels to the world.
+    /// Maps pixels to the world.
     pub(super) map: &'a PixelToCamera,
-    /// With what is hidden in it.
+    /// The scene, completed with hidden objects.
     pub(super) scene: &'a Scene,
-    /// How all stood before, but for what was carried since.
+    /// The objects as they stood before, without those that have been moved since.
     pub(super) before: &'a Belief,
     pub(super) limits: &'a Limits,
 }
@@ -63,8 +63,8 @@ impl View<'_> {
 
     /// How far an object is from where it was before, metres, if it has moved.
     ///
-    /// One that another covers in part, now or then, may seem to: unless that has moved, too, as
-    /// what stands on it does.
+    /// An object that is partly covered by another one, now or then, may only appear to have moved,
+    /// unless the other one has moved, too, as one that stands on it does.
     pub(super) fn moved_m(&self, now: &Seen, before: &Seen) -> Option<f32> {
         let off_m = now.off_m(&before.position);
         let was_covered = before
@@ -78,7 +78,7 @@ impl View<'_> {
         (off_m.is_nan() || off_m > most_m).then_some(off_m)
     }
 
-    /// Whether anything that was not carried is elsewhere than before, or gone.
+    /// Whether any object that the robot did not move has moved or disappeared.
     pub(super) fn has_changed(&self) -> bool {
         self.before.objects().iter().any(|object| {
             let before = Seen {
@@ -90,8 +90,8 @@ impl View<'_> {
         })
     }
 
-    /// Whether an object is where it was before. What was carried since is looked at for itself, as
-    /// is what is no longer observed.
+    /// Whether an object is where it was before. Objects that have been moved since, or are no
+    /// longer visible, are checked separately.
     fn has_stayed(&self, object: u32) -> bool {
         let mut objects = self.before.objects().iter();
         let before = objects.find(|before| before.id == object);
