@@ -1,4 +1,4 @@
-/* The messages that cross processes.
+/* The messages between processes.
  * Written by `cargo run -p nsrm-ipc --bin nsrm-bindings`; do not edit. */
 
 #ifndef NSRM_MESSAGES_H
@@ -26,9 +26,9 @@ typedef struct nsrm_camera_message {
     float fx;
     /** Focal length along y in pixels. */
     float fy;
-    /** Principal point's x in pixels, from the image's left edge. */
+    /** x of the principal point in pixels, from the image's left edge. */
     float cx;
-    /** Principal point's y in pixels, from the image's upper edge. */
+    /** y of the principal point in pixels, from the image's upper edge. */
     float cy;
     /** Origin of the optical frame in the world's frame, metres. */
     float position[3];
@@ -47,19 +47,18 @@ NSRM_ASSERT(offsetof(nsrm_camera_message, cy) == 20, "offset of cy");
 NSRM_ASSERT(offsetof(nsrm_camera_message, position) == 24, "offset of position");
 NSRM_ASSERT(offsetof(nsrm_camera_message, orientation) == 36, "offset of orientation");
 
-/** An object that a detector has found in the image. */
+/** An object that a detector has found in an image. */
 typedef struct nsrm_detected_box {
-    /** Who it is across frames; not zero. */
+    /** Id of the object, the same in all frames; not zero. */
     uint32_t id;
-    /** 0 where all of it is seen, 1 where others are known to hide a part of it, 2 where they
-     *  hide all of it: its look is then that of before, and without one it is left out. */
+    /** 0 if it is completely visible, 1 if others are known to hide part of it, 2 if they hide
+     *  all of it: it then keeps its earlier appearance, and without one it is left out. */
     uint32_t covered;
-    /** Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
-     *  image's width and height. */
+    /** Corners x1, y1, x2, y2 of the box around its visible part, as fractions of the image's
+     *  width and height. */
     float visible[4];
-    /** Corners of the box around all of it, also of what is hidden behind others as
-     *  far as that is known, then the mean depth of its pixels along the optical
-     *  axis, metres. */
+    /** Corners of the box around the whole object, including hidden parts as far as they are
+     *  known, then the mean depth of its pixels along the optical axis, metres. */
     float location[5];
 } nsrm_detected_box;
 #define NSRM_DETECTED_BOX_TYPE_NAME "nsrm.v1.DetectedBox.a804d86f803d6e69"
@@ -70,21 +69,21 @@ NSRM_ASSERT(offsetof(nsrm_detected_box, covered) == 4, "offset of covered");
 NSRM_ASSERT(offsetof(nsrm_detected_box, visible) == 8, "offset of visible");
 NSRM_ASSERT(offsetof(nsrm_detected_box, location) == 24, "offset of location");
 
-/** Header of a frame (service `camera`); the bytes of the image follow as a
- *  slice: RGB rows first, depth rows behind them, both without gaps.
+/** Header of a frame (service `camera`); the bytes of the image follow as a slice: first the
+ *  RGB rows, then the depth rows, both without gaps.
  *
- *  RGB: three bytes a pixel. Depth: one little-endian `f32` a pixel, metres
- *  along the optical axis, 0 where nothing was measured. */
+ *  RGB: three bytes per pixel. Depth: one little-endian `f32` per pixel, metres along the
+ *  optical axis, 0 for no measurement. */
 typedef struct nsrm_camera_frame {
-    /** Counts up with each frame of one publisher. */
+    /** Sequence number: increases with each frame of one publisher. */
     uint64_t sequence;
     /** When the image was taken, nanoseconds on the publisher's clock. */
     uint64_t timestamp_ns;
     /** The camera. */
     nsrm_camera_message camera;
-    /** How many of `boxes` are there. */
+    /** The number of valid entries in `boxes`. */
     uint32_t count;
-    /** What the detector found. */
+    /** The detections. */
     nsrm_detected_box boxes[16];
 } nsrm_camera_frame;
 #define NSRM_CAMERA_FRAME_TYPE_NAME "nsrm.v1.CameraFrame.5791200141f197a9"
@@ -96,14 +95,14 @@ NSRM_ASSERT(offsetof(nsrm_camera_frame, camera) == 16, "offset of camera");
 NSRM_ASSERT(offsetof(nsrm_camera_frame, count) == 68, "offset of count");
 NSRM_ASSERT(offsetof(nsrm_camera_frame, boxes) == 72, "offset of boxes");
 
-/** An object as the camera sees it. */
+/** An object in the camera's view. */
 typedef struct nsrm_object_message {
-    /** Who it is across scenes; not zero. */
+    /** Id of the object, the same in all scenes; not zero. */
     uint32_t id;
     /** Box corners x1, y1, x2, y2 as fractions of the image's width and
      *  height, then mean depth in metres. */
     float location[5];
-    /** What the crop encoder made of it. */
+    /** The crop encoder's embedding. */
     float embedding[64];
 } nsrm_object_message;
 #define NSRM_OBJECT_MESSAGE_TYPE_NAME "nsrm.v1.ObjectMessage.74f496911c7af3de"
@@ -113,22 +112,22 @@ NSRM_ASSERT(offsetof(nsrm_object_message, id) == 0, "offset of id");
 NSRM_ASSERT(offsetof(nsrm_object_message, location) == 4, "offset of location");
 NSRM_ASSERT(offsetof(nsrm_object_message, embedding) == 24, "offset of embedding");
 
-/** The latest scene (service `scene`). The bytes are those of core's
- *  `RawScene`; `SceneMessage::to_scene` checks them. */
+/** The latest scene (service `scene`). Has the same bytes as core's `RawScene`;
+ *  `SceneMessage::to_scene` checks them. */
 typedef struct nsrm_scene_message {
     /** Version of this layout: `nsrm_core::scene::SCENE_SCHEMA`. */
     uint32_t schema;
     /** Frame of reference of the camera's pose. */
     uint32_t frame;
-    /** Tag of the model whose encoder made the embeddings. */
+    /** Tag of the model whose encoder computed the embeddings. */
     uint64_t model_tag;
-    /** Counts up with each scene of one publisher. */
+    /** Sequence number: increases with each scene of one publisher. */
     uint64_t sequence;
     /** When the image was taken, nanoseconds on the publisher's clock. */
     uint64_t timestamp_ns;
-    /** The camera that saw it. */
+    /** The camera. */
     nsrm_camera_message camera;
-    /** How many of `objects` are there. */
+    /** The number of valid entries in `objects`. */
     uint32_t count;
     /** The objects. */
     nsrm_object_message objects[16];
@@ -145,14 +144,13 @@ NSRM_ASSERT(offsetof(nsrm_scene_message, camera) == 32, "offset of camera");
 NSRM_ASSERT(offsetof(nsrm_scene_message, count) == 84, "offset of count");
 NSRM_ASSERT(offsetof(nsrm_scene_message, objects) == 88, "offset of objects");
 
-/** Asks for a sentence to be followed. */
+/** A request to execute a sentence, or to cancel one. */
 typedef struct nsrm_plan_request {
-    /** Who asks: a number that no other has. */
+    /** The client: a unique number. */
     uint64_t client;
     /** Number of the request, the client's own. */
     uint64_t sequence;
-    /** How far it is to be followed, or that it no longer is: the number of a
-     *  `Purpose`. */
+    /** What is requested: the number of a `Purpose`. */
     uint32_t purpose;
     /** Bytes of the sentence; 0 to cancel. */
     uint32_t sentence_length;
@@ -168,20 +166,20 @@ NSRM_ASSERT(offsetof(nsrm_plan_request, purpose) == 16, "offset of purpose");
 NSRM_ASSERT(offsetof(nsrm_plan_request, sentence_length) == 20, "offset of sentence_length");
 NSRM_ASSERT(offsetof(nsrm_plan_request, sentence) == 24, "offset of sentence");
 
-/** A step as understood and, where it is still to be done, as grounded. */
+/** A step as parsed and, if it is still to be done, as grounded. */
 typedef struct nsrm_step_message {
     /** Index of the action in the model. */
     uint32_t action;
-    /** How many concepts describe the object to be moved. */
+    /** How many concepts describe the object to move. */
     uint32_t object_count;
-    /** Those concepts, by their index in the model; 0 behind the last. */
+    /** Those concepts: indices in the model; 0 after the last. */
     uint8_t object[4];
     /** How many concepts describe the reference. */
     uint32_t reference_count;
     /** Those concepts. */
     uint8_t reference[4];
-    /** Id of the object to be moved; 0 where the step is not grounded, and
-     *  then all below is 0. */
+    /** Id of the object to move; 0 if the step is not grounded, and then all fields below are
+     *  0. */
     uint32_t object_id;
     /** Id of the reference. */
     uint32_t reference_id;
@@ -192,12 +190,12 @@ typedef struct nsrm_step_message {
     /** Probability of each choice: split, action, words of the object, words
      *  of the reference, object, reference. */
     float confidence[6];
-    /** Where the object's centre is to be: world frame, metres. */
+    /** Sub-goal position of the object's centre: world frame, metres. */
     float position[3];
-    /** How it is to be turned, world frame: x, y, z, w. */
+    /** Sub-goal orientation, world frame: x, y, z, w. */
     float orientation[4];
-    /** Where the camera will see it, as predicted: x1, y1, x2, y2 as
-     *  fractions of the image, mean depth in metres. */
+    /** Predicted location in the image: x1, y1, x2, y2 as fractions of the image, mean depth in
+     *  metres. */
     float location[5];
 } nsrm_step_message;
 #define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.9da5fff08c49f54d"
@@ -217,34 +215,34 @@ NSRM_ASSERT(offsetof(nsrm_step_message, position) == 60, "offset of position");
 NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 72, "offset of orientation");
 NSRM_ASSERT(offsetof(nsrm_step_message, location) == 88, "offset of location");
 
-/** What has become of a `PlanRequest`. */
+/** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
-    /** Who asked. */
+    /** The client. */
     uint64_t client;
     /** Number of the request. */
     uint64_t request;
     /** Number of the plan; 0 if there is none. */
     uint64_t plan;
-    /** Counts the replies to a request from 1: a gap is a loss. */
+    /** Number of the reply to its request, from 1: a gap is a loss. */
     uint32_t number;
-    /** What has happened: the number of a `Status`. */
+    /** The event: the number of a `Status`. */
     uint32_t status;
     /** Which step it is about, from 0. */
     uint32_t step;
-    /** How many steps the program has; from 1 when planned, else 0. */
+    /** How many steps the program has; at least 1 with `Status::Planned`, else 0. */
     uint32_t count;
-    /** Why not: place in `REASONS` from 1; 0 where all is well. */
+    /** Why it failed: place in `REASONS` from 1; 0 if it did not fail. */
     uint32_t reason;
-    /** How far from its sub-goal an object was seen, metres. */
+    /** How far from its sub-goal an object was observed, metres. */
     float off_m;
     /** Bytes of the message. */
     uint32_t message_length;
     /** Always 0. */
     uint32_t reserved;
-    /** For a person, in UTF-8: the program in the paper's notation when
-     *  planned, else why not. */
+    /** Text for a person, UTF-8: the program in the paper's notation with `Status::Planned`,
+     *  else the reason. */
     uint8_t message[1024];
-    /** The program's steps when planned. */
+    /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
 #define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.a56839637ffd4920"
@@ -264,46 +262,47 @@ NSRM_ASSERT(offsetof(nsrm_plan_reply, reserved) == 52, "offset of reserved");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, message) == 56, "offset of message");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, steps) == 1080, "offset of steps");
 
-/** A command (service `sub_goal`): bring an object to its sub-goal, or stop
- *  doing so. Each is acknowledged by a `crate::message::Feedback`; one that
- *  comes again is answered again and not carried out again.
+/** A command (service `sub_goal`): move an object to its sub-goal, or stop doing so. Each is
+ *  acknowledged by a `crate::message::Feedback`; a repeated command gets the same answer and
+ *  is not executed again.
  *
- *  A controller may have been held up, and find commands that nobody wants any
- *  more: of all that wait it obeys stops first, and it answers without a move what
- *  is read after `until_ns` or comes before a command that it has had (of a smaller
- *  plan, or of the same one with a smaller number). */
+ *  A delayed controller may read commands that are obsolete. Of all waiting commands it obeys
+ *  stops first. It answers, but does not execute, a command that it reads after `until_ns`, or
+ *  that is older than one it has received (with a smaller plan number, or with the same one and
+ *  a smaller command number). */
 typedef struct nsrm_sub_goal {
-    /** Number of the plan; a later plan has a greater one. */
+    /** Number of the plan; a later plan has a greater number. */
     uint64_t plan;
-    /** Until when it may be begun, nanoseconds on the clock that the robot's processes go
-     *  by: the machine's monotonic one, or the wall clock over several hosts. Then the
-     *  planner gives it up. 0 for a stop, which is never too late. */
+    /** The deadline for starting it, nanoseconds on the clock of the robot's processes: the
+     *  machine's monotonic clock, or the wall clock on several hosts. Then the planner abandons
+     *  it. 0 for a stop, which is never too late. */
     uint64_t until_ns;
-    /** Counts the plan's commands from 1; a stop has that of what it stops. */
+    /** Number of the command within its plan, from 1; a stop has the number of the command that
+     *  it stops. */
     uint32_t command;
-    /** The number of a `Kind`; of a stop all below is 0. */
+    /** The number of a `Kind`; in a stop all fields below are 0. */
     uint32_t kind;
-    /** Place in the plan, from 0. */
+    /** Number of the step, from 0. */
     uint32_t step;
-    /** Steps of the plan. */
+    /** Number of steps in the program. */
     uint32_t steps;
     /** Index of the action in the model. */
     uint32_t action;
-    /** The object to be moved. */
+    /** Id of the object to move. */
     uint32_t object_id;
-    /** The object in relation to which it is moved. */
+    /** Id of the reference object. */
     uint32_t reference_id;
     /** Product of the step's probabilities, 0 to 1. */
     float confidence;
-    /** Where the object's centre is to be: world frame, metres. */
+    /** Sub-goal position of the object's centre: world frame, metres. */
     float position[3];
-    /** How it is to be turned, world frame: x, y, z, w. */
+    /** Sub-goal orientation, world frame: x, y, z, w. */
     float orientation[4];
-    /** Where the camera will see it, as predicted: x1, y1, x2, y2 as
-     *  fractions of the image, mean depth in metres. */
+    /** Predicted location in the image: x1, y1, x2, y2 as fractions of the image, mean depth in
+     *  metres. */
     float location[5];
-    /** Ids of what is to stay where it is besides the reference: what the steps that are done
-     *  have put somewhere, and what they have put it beside or on; 0 for none. */
+    /** Ids of objects that must stay where they are, besides the reference: the objects and
+     *  references of completed steps; 0 for none. */
     uint32_t keep[16];
 } nsrm_sub_goal;
 #define NSRM_SUB_GOAL_TYPE_NAME "nsrm.v1.SubGoal.027c01d730571850"
@@ -350,20 +349,19 @@ NSRM_ASSERT(offsetof(nsrm_feedback, command) == 24, "offset of command");
 NSRM_ASSERT(offsetof(nsrm_feedback, outcome) == 28, "offset of outcome");
 NSRM_ASSERT(offsetof(nsrm_feedback, objects) == 32, "offset of objects");
 
-/** A sign of life. */
+/** A heartbeat (service `heartbeat`). */
 typedef struct nsrm_heartbeat {
-    /** Counts up with each heartbeat of one node. */
+    /** Sequence number: increases with each heartbeat of one node. */
     uint64_t sequence;
     /** When it was sent, nanoseconds on the sender's clock. */
     uint64_t timestamp_ns;
-    /** When the node was started: tells it from one started in its place. */
+    /** When the node was started: distinguishes it from a later one in its place. */
     uint64_t started_ns;
-    /** How many messages it has received and passed over since then, because they
-     *  made no sense or came too late. */
+    /** How many messages it has rejected since then, because they were invalid or too late. */
     uint64_t rejected;
-    /** Who sends: the number of a `Role`. */
+    /** The sender's role: the number of a `Role`. */
     uint32_t role;
-    /** What it does: the number of a `State`. */
+    /** The sender's state: the number of a `State`. */
     uint32_t state;
 } nsrm_heartbeat;
 #define NSRM_HEARTBEAT_TYPE_NAME "nsrm.v1.Heartbeat.6f9d992f9581fe82"
@@ -376,45 +374,45 @@ NSRM_ASSERT(offsetof(nsrm_heartbeat, rejected) == 24, "offset of rejected");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, role) == 32, "offset of role");
 NSRM_ASSERT(offsetof(nsrm_heartbeat, state) == 36, "offset of state");
 
-/** Numbers of `PlanRequest.purpose`. */
+/** Values of `PlanRequest.purpose`. */
 enum nsrm_purpose {
-    /** To say what would be done. */
+    /** Plan only. */
     NSRM_PURPOSE_PLAN_ONLY = 1,
-    /** To do it, and look after each step. */
+    /** Execute, and observe the scene after each step. */
     NSRM_PURPOSE_CLOSED_LOOP = 2,
-    /** To do it without looking. */
+    /** Execute without observing. */
     NSRM_PURPOSE_OPEN_LOOP = 3,
-    /** To cancel the request of this number. */
+    /** Cancel the request with this number. */
     NSRM_PURPOSE_CANCEL = 4,
 };
 
-/** Numbers of `PlanReply.status`. */
+/** Values of `PlanReply.status`. */
 enum nsrm_status {
-    /** It was understood and grounded; again before each step that is grounded anew. */
+    /** It was parsed and grounded; repeated before each step that is grounded again. */
     NSRM_STATUS_PLANNED = 1,
     /** A step was sent to the controller. */
     NSRM_STATUS_COMMANDED = 2,
-    /** A step did what it should. */
+    /** A step succeeded. */
     NSRM_STATUS_REACHED = 3,
-    /** A step did not, and is tried again. */
+    /** A step failed and is retried. */
     NSRM_STATUS_AGAIN = 4,
-    /** All is done. The last reply. */
+    /** The sentence is done. The last reply. */
     NSRM_STATUS_DONE = 5,
-    /** It won't be followed, or not further. The last reply. */
+    /** The request was refused or has failed. The last reply. */
     NSRM_STATUS_FAILED = 6,
-    /** Before a step's object is carried, something else is moved out of its way. */
+    /** Other objects are moved aside before a step's object is moved. */
     NSRM_STATUS_CLEARING = 7,
 };
 
-/** Numbers of `SubGoal.kind`. */
+/** Values of `SubGoal.kind`. */
 enum nsrm_kind {
-    /** To bring the object there. */
+    /** Move the object to its sub-goal. */
     NSRM_KIND_MOVE = 1,
-    /** To stop. */
+    /** Stop. */
     NSRM_KIND_STOP = 2,
 };
 
-/** Numbers of `Feedback.outcome`. */
+/** Values of `Feedback.outcome`. */
 enum nsrm_outcome {
     /** It will be executed; another outcome follows. */
     NSRM_OUTCOME_ACCEPTED = 1,
@@ -454,35 +452,35 @@ enum nsrm_outcome {
     NSRM_OUTCOME_REFERENCE_MOVED = 17,
 };
 
-/** Numbers of `Heartbeat.role`. */
+/** Values of `Heartbeat.role`. */
 enum nsrm_role {
     /** Publishes camera frames. */
     NSRM_ROLE_CAMERA = 1,
-    /** Makes scenes of them. */
+    /** Turns frames into scenes. */
     NSRM_ROLE_PERCEPTION = 2,
     /** Answers sentences with plans. */
     NSRM_ROLE_PLANNER = 3,
-    /** Carries sub-goals out. */
+    /** Executes sub-goals. */
     NSRM_ROLE_CONTROLLER = 4,
-    /** Asks for sentences to be followed. */
+    /** Sends sentences to the planner. */
     NSRM_ROLE_CLIENT = 5,
-    /** Looks on. */
+    /** Observes. */
     NSRM_ROLE_WATCHER = 6,
 };
 
-/** Numbers of `Heartbeat.state`. */
+/** Values of `Heartbeat.state`. */
 enum nsrm_state {
     /** Not yet ready. */
     NSRM_STATE_STARTING = 1,
-    /** Ready, with nothing to do. */
+    /** Ready and idle. */
     NSRM_STATE_IDLE = 2,
-    /** At work. */
+    /** Working. */
     NSRM_STATE_BUSY = 3,
-    /** Alive, but unable to work; a person must look. */
+    /** Alive, but unable to work; needs a person. */
     NSRM_STATE_FAILED = 4,
 };
 
-/** Numbers of `PlanReply.reason`. */
+/** Values of `PlanReply.reason`. */
 enum nsrm_reason {
     NSRM_REASON_NO_WORDS = 1,
     NSRM_REASON_UNKNOWN_WORD = 2,
@@ -521,9 +519,9 @@ enum nsrm_reason {
     NSRM_REASON_OTHER = 35,
 };
 
-/* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and with what they are to be opened:
- * messages that wait for a subscriber, and that one who comes late is given; whether the oldest
- * makes room for a new one; how many may publish and subscribe. */
+/* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:
+ * how many messages wait for a subscriber; how many a late subscriber gets; whether a full buffer
+ * drops the oldest; the numbers of publishers and subscribers. */
 #define NSRM_CAMERA_SERVICE "camera"
 #define NSRM_CAMERA_BUFFER 1
 #define NSRM_CAMERA_HISTORY 1

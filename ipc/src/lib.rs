@@ -1,28 +1,25 @@
-//! The messages that cross processes in shared memory, by iceoryx2.
+//! A robot's processes: messages in shared memory by iceoryx2, services, nodes, and the closed
+//! loop.
 //!
-//! [`message`], in the order in which data flows: [`message::CameraFrame`] (an image
-//! with its boxes) → [`message::SceneMessage`] (what perception makes of it) →
-//! [`message::PlanRequest`] and [`message::PlanReply`] (a sentence, and what becomes
-//! of it) → [`message::SubGoal`] (a command) → [`message::Feedback`] (what came of
-//! it); and [`message::Heartbeat`] from everyone.
+//! [`message`], in the order in which data flows: [`message::CameraFrame`] (an image with its
+//! boxes) → [`message::SceneMessage`] (perception's result) → [`message::PlanRequest`] and
+//! [`message::PlanReply`] (a sentence and the events of its execution) → [`message::SubGoal`] (a
+//! command) → [`message::Feedback`] (its outcome); and [`message::Heartbeat`] from every node.
 //!
-//! [`executive`]: the loop between them, without any transport. [`bindings`]: the
-//! messages in C and Python. [`service`]: where processes meet. [`node`]:
-//! the processes.
+//! [`executive`]: the closed loop, independent of any transport. [`bindings`]: the messages in C
+//! and Python. [`service`]: the services between processes. [`node`]: the processes.
 //!
-//! A message is plain memory: `#[repr(C)]`, fixed size, no padding, no pointer,
-//! no `bool`, no enum. **Anything may stand in a message that was received**: its
-//! methods check and convert it into types whose values make sense, or say by a
-//! typed error what is wrong. There is one error enum a message.
+//! A message is plain memory: `#[repr(C)]`, fixed size, no padding, no pointer, no `bool`, no enum.
+//! **A received message may contain anything**: its methods check it and convert it into types that
+//! are always valid, or return a typed error. Each message has one error enum.
 //!
-//! iceoryx2 compares a message's type name and size between peers, but not the
-//! order of its fields. So the type name carries the version of the schema and a
-//! hash over name, kind, offset and size of every field ([`message::Message`]); the whole
-//! layout stands in `layout.txt`, `include/nsrm_messages.h` and the harness's
-//! `messages.py`, which tests compare with the structs.
+//! iceoryx2 compares a message's type name and size between peers, but not the order of its fields.
+//! So the type name carries the version of the schema and a hash over name, kind, offset and size
+//! of every field ([`message::Message`]); the whole layout is in `layout.txt`,
+//! `include/nsrm_messages.h` and the harness's `messages.py`, which tests compare with the structs.
 //!
-//! Without the feature `processes` (on by default) there are messages and executive alone, and
-//! iceoryx2 is not built: for a closed loop within one process.
+//! Without the feature `processes` (on by default) the crate has only the messages and the
+//! executive and does not depend on iceoryx2: for a closed loop within one process.
 
 #[cfg(feature = "processes")]
 pub mod bindings;

@@ -1,4 +1,4 @@
-//! Writes the messages' layout table, C header and Python module from the structs.
+//! Generates the messages' layout table, C header and Python module from the structs.
 
 use std::path::Path;
 

@@ -9,7 +9,7 @@ use crate::service::Quality;
 /// A C header, for C11 and C++11.
 pub(super) fn header() -> String {
     let mut header = format!(
-        "/* The messages that cross processes.\n * {HOW} */\n\n\
+        "/* The messages between processes.\n * {HOW} */\n\n\
          #ifndef NSRM_MESSAGES_H\n#define NSRM_MESSAGES_H\n\n\
          #include <stddef.h>\n#include <stdint.h>\n\n\
          #ifdef __cplusplus\n#define NSRM_ASSERT(condition, text) static_assert(condition, text)\n\
@@ -54,7 +54,7 @@ pub(super) fn header() -> String {
     header
 }
 
-/// Numbers by name, and what the services promise.
+/// Named values, and the guarantees of the services.
 fn constants(header: &mut String) {
     for Numbers {
         name,
@@ -64,10 +64,7 @@ fn constants(header: &mut String) {
     {
         let name = snake(name);
         let upper = name.to_uppercase();
-        let _ = writeln!(
-            header,
-            "\n/** Numbers of `{field}`. */\nenum nsrm_{name} {{"
-        );
+        let _ = writeln!(header, "\n/** Values of `{field}`. */\nenum nsrm_{name} {{");
         for Member { name, doc, number } in members {
             let (doc, name) = (prose(doc, "\n     *  "), snake(name).to_uppercase());
             let _ = writeln!(
@@ -77,7 +74,7 @@ fn constants(header: &mut String) {
         }
         header.push_str("};\n");
     }
-    header.push_str("\n/** Numbers of `PlanReply.reason`. */\nenum nsrm_reason {\n");
+    header.push_str("\n/** Values of `PlanReply.reason`. */\nenum nsrm_reason {\n");
     for (number, reason) in (1..).zip(REASONS) {
         let _ = writeln!(
             header,
@@ -87,9 +84,9 @@ fn constants(header: &mut String) {
     }
     header.push_str("};\n");
     header.push_str(
-        "\n/* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and with what they are to be \
-         opened:\n * messages that wait for a subscriber, and that one who comes late is given; whether \
-         the oldest\n * makes room for a new one; how many may publish and subscribe. */\n",
+        "\n/* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open \
+         them with:\n * how many messages wait for a subscriber; how many a late subscriber gets; \
+         whether a full buffer\n * drops the oldest; the numbers of publishers and subscribers. */\n",
     );
     for (service, quality) in QUALITIES {
         let upper = service.to_uppercase();
@@ -113,7 +110,7 @@ fn constants(header: &mut String) {
     }
 }
 
-/// What stands before and behind a field's name.
+/// The text before and after a field's name.
 fn type_of(element: &Type) -> (String, String) {
     match element {
         Type::U8 => ("uint8_t".into(), String::new()),

@@ -1,6 +1,6 @@
-//! The messages in other languages, written from the structs: Python (`ctypes`)
-//! and C, and a table for people. Each states size, alignment and every offset as
-//! Rust has them, for the other side to compare with its own.
+//! The messages in other languages, generated from the structs: Python (`ctypes`) and C, and a
+//! table for people. Each states size, alignment and every offset in Rust, so that the other side
+//! can compare them with its own.
 
 mod c;
 mod python;
@@ -14,14 +14,14 @@ use crate::message::{
 };
 use crate::service::{CAMERA, CAMERA_QUALITY, Carried, Quality};
 
-/// A message as bindings tell of it.
+/// The description of a message for bindings.
 #[derive(Debug, Clone, Copy)]
 pub struct Description {
     /// The struct's name.
     pub name: &'static str,
     /// What it is, in Markdown.
     pub doc: &'static str,
-    /// What iceoryx2 compares.
+    /// The type name that iceoryx2 compares.
     pub type_name: &'static str,
     /// Hash of the layout, the end of the type's name.
     pub layout_hash: u64,
@@ -45,7 +45,7 @@ const fn describe<T: Message>() -> Description {
     }
 }
 
-/// All messages; those that others are made of come before these.
+/// All messages; those that others contain come first.
 pub const MESSAGES: [Description; 11] = [
     describe::<CameraMessage>(),
     describe::<DetectedBox>(),
@@ -60,7 +60,7 @@ pub const MESSAGES: [Description; 11] = [
     describe::<Heartbeat>(),
 ];
 
-/// All fields whose numbers have names, but for [`crate::message::REASONS`].
+/// All enumerated fields, except [`crate::message::REASONS`].
 const NUMBERS: [Numbers; 6] = [
     Purpose::NUMBERS,
     Status::NUMBERS,
@@ -70,7 +70,7 @@ const NUMBERS: [Numbers; 6] = [
     State::NUMBERS,
 ];
 
-/// What the publish-subscribe services promise that a camera or a controller may open.
+/// The guarantees of the publish-subscribe services that a camera or a controller may open.
 const QUALITIES: [(&str, Quality); 5] = [
     (CAMERA, CAMERA_QUALITY),
     (SceneMessage::SERVICE, SceneMessage::QUALITY),
@@ -81,7 +81,7 @@ const QUALITIES: [(&str, Quality); 5] = [
 
 const HOW: &str = "Written by `cargo run -p nsrm-ipc --bin nsrm-bindings`; do not edit.";
 
-/// What is committed, by its path from this package.
+/// The generated files that are committed, by path from this package.
 pub fn files() -> [(&'static str, String); 3] {
     [
         ("layout.txt", table()),
@@ -93,15 +93,15 @@ pub fn files() -> [(&'static str, String); 3] {
     ]
 }
 
-/// For people: what of the messages must be the same on both sides.
+/// For people: the layout of the messages, which must be the same on both sides.
 fn table() -> String {
     let mut table = format!(
         "Layout of the messages: offset, size (bytes), name and type of each field.\n{HOW}\n\
-         A change is a new schema.\n"
+         Any change needs a new schema version.\n"
     );
     for message in &MESSAGES {
         let (name, size, align) = (message.type_name, message.size, message.align);
-        // Writing to a string does not fail.
+        // Writing to a string can't fail.
         let _ = writeln!(table, "\n{name}  size {size}  align {align}");
         for field in message.fields {
             let (offset, size, name) = (field.offset, field.size, field.name);
@@ -134,12 +134,12 @@ fn snake(name: &str) -> String {
     snake
 }
 
-/// A doc comment without the links that only rustdoc follows.
+/// A doc comment without the links, which only rustdoc resolves.
 fn prose(doc: &str, line_end: &str) -> String {
     let lines = doc.lines().map(str::trim);
     let text = lines.collect::<Vec<_>>().join(line_end);
     let text = text.replace("[`", "`").replace("`]", "`");
-    // Nor are there blanks at a line's end.
+    // Without trailing blanks.
     let lines = text.lines().map(str::trim_end);
     lines.collect::<Vec<_>>().join("\n")
 }

@@ -11,7 +11,7 @@ use crate::service::{FRAMES_AT_ONCE, ONLOOKERS, Quality, ROOM};
 /// A Python module of `ctypes` structures.
 pub(super) fn module() -> String {
     let mut module = format!(
-        "\"\"\"The messages that cross processes.\n\n{HOW}\n\"\"\"\n\n\
+        "\"\"\"The messages between processes.\n\n{HOW}\n\"\"\"\n\n\
          from __future__ import annotations\n\nimport ctypes\nfrom enum import IntEnum\nfrom typing import ClassVar, NamedTuple\n\n\
          REASONS = (\n"
     );
@@ -19,7 +19,7 @@ pub(super) fn module() -> String {
         let _ = writeln!(module, "    \"{reason}\",");
     }
     module.push_str(
-        ")\n\"\"\"Why a request is not followed: `PlanReply.reason` is a place in here, counted \
+        ")\n\"\"\"Why a request failed: `PlanReply.reason` is a place in this list, counted \
          from 1.\"\"\"\n",
     );
     constants(&mut module);
@@ -39,7 +39,7 @@ pub(super) fn module() -> String {
         let _ = write!(
             module,
             "    ]\n    LAYOUT: ClassVar = ({size}, {align})\n    \
-             \"\"\"Size and alignment in bytes, as Rust has them.\"\"\"\n    \
+             \"\"\"Size and alignment in bytes, as in Rust.\"\"\"\n    \
              OFFSETS: ClassVar = {{\n"
         );
         for field in message.fields {
@@ -47,16 +47,16 @@ pub(super) fn module() -> String {
         }
         let _ = write!(
             module,
-            "    }}\n    \"\"\"Bytes before each field, as Rust has them.\"\"\"\n\n    \
+            "    }}\n    \"\"\"Bytes before each field, as in Rust.\"\"\"\n\n    \
              @staticmethod\n    def type_name() -> str:\n        \
-             \"\"\"What iceoryx2 compares between peers.\"\"\"\n        \
+             \"\"\"The type name that iceoryx2 compares between peers.\"\"\"\n        \
              return \"{type_name}\"\n"
         );
     }
     module
 }
 
-/// Numbers by name, and what the services promise.
+/// Named values, and the guarantees of the services.
 fn constants(module: &mut String) {
     for Numbers {
         name,
@@ -66,7 +66,7 @@ fn constants(module: &mut String) {
     {
         let _ = write!(
             module,
-            "\n\nclass {name}(IntEnum):\n    \"\"\"Numbers of `{field}`.\"\"\"\n\n"
+            "\n\nclass {name}(IntEnum):\n    \"\"\"Values of `{field}`.\"\"\"\n\n"
         );
         for Member { name, doc, number } in members {
             comment(module, "    ", doc);
@@ -74,8 +74,8 @@ fn constants(module: &mut String) {
         }
     }
     module.push_str(
-        "\n\nclass Quality(NamedTuple):\n    \"\"\"What a publish-subscribe service \
-         promises.\"\"\"\n\n    buffer: int\n    history: int\n    overflow: bool\n    publishers: \
+        "\n\nclass Quality(NamedTuple):\n    \"\"\"The guarantees of a publish-subscribe \
+         service.\"\"\"\n\n    buffer: int\n    history: int\n    overflow: bool\n    publishers: \
          int\n    subscribers: int\n\n\nQUALITIES = {\n",
     );
     for (service, quality) in QUALITIES {
@@ -95,11 +95,11 @@ fn constants(module: &mut String) {
     }
     let _ = write!(
         module,
-        "}}\n\"\"\"By the end of the service's name.\"\"\"\nONLOOKERS = {ONLOOKERS}\n\"\"\"How many \
-         may look on, beside those that a robot needs.\"\"\"\nROOM = {ROOM}\n\"\"\"Bytes of shared \
-         memory that must be left for a process to begin.\"\"\"\nFRAMES_AT_ONCE = \
-         {FRAMES_AT_ONCE}\n\"\"\"Frames that have memory at once with one reader.\"\"\"\nMAX_STEPS = \
-         {MAX_STEPS}\n\"\"\"A plan has no more steps.\"\"\"\n"
+        "}}\n\"\"\"By the last part of the service's name.\"\"\"\nONLOOKERS = {ONLOOKERS}\n\"\"\"The greatest number of \
+         observers, besides the processes that a robot needs.\"\"\"\nROOM = {ROOM}\n\"\"\"Bytes of shared \
+         memory that must be free when a process starts.\"\"\"\nFRAMES_AT_ONCE = \
+         {FRAMES_AT_ONCE}\n\"\"\"Frames in memory at once with one reader.\"\"\"\nMAX_STEPS = \
+         {MAX_STEPS}\n\"\"\"The greatest number of steps of a plan.\"\"\"\n"
     );
 }
 

@@ -11,30 +11,29 @@ use super::layout::message;
 use super::scene::CameraMessage;
 
 message! {
-    /// An object that a detector has found in the image.
+    /// An object that a detector has found in an image.
     #[derive(Default)]
     "nsrm.v1.DetectedBox.a804d86f803d6e69"
     pub struct DetectedBox {
-        /// Who it is across frames; not zero.
+        /// Id of the object, the same in all frames; not zero.
         pub id: u32,
-        /// 0 where all of it is seen, 1 where others are known to hide a part of it, 2 where they
-        /// hide all of it: its look is then that of before, and without one it is left out.
+        /// 0 if it is completely visible, 1 if others are known to hide part of it, 2 if they hide
+        /// all of it: it then keeps its earlier appearance, and without one it is left out.
         pub covered: u32,
-        /// Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
-        /// image's width and height.
+        /// Corners x1, y1, x2, y2 of the box around its visible part, as fractions of the image's
+        /// width and height.
         pub visible: [f32; 4],
-        /// Corners of the box around all of it, also of what is hidden behind others as
-        /// far as that is known, then the mean depth of its pixels along the optical
-        /// axis, metres.
+        /// Corners of the box around the whole object, including hidden parts as far as they are
+        /// known, then the mean depth of its pixels along the optical axis, metres.
         pub location: [f32; 5],
     }
 }
 
 impl DetectedBox {
-    /// [`DetectedBox::covered`] of what is hidden.
+    /// [`DetectedBox::covered`] of a hidden object.
     pub const HIDDEN: u32 = 2;
 
-    /// One of which nothing is hidden, or nobody knows what.
+    /// A box of an object that is completely visible as far as is known.
     pub const fn whole(id: u32, location: [f32; 5]) -> Self {
         let [x1, y1, x2, y2, _] = location;
         Self {
@@ -47,28 +46,28 @@ impl DetectedBox {
 }
 
 message! {
-    /// Header of a frame (service `camera`); the bytes of the image follow as a
-    /// slice: RGB rows first, depth rows behind them, both without gaps.
+    /// Header of a frame (service `camera`); the bytes of the image follow as a slice: first the
+    /// RGB rows, then the depth rows, both without gaps.
     ///
-    /// RGB: three bytes a pixel. Depth: one little-endian `f32` a pixel, metres
-    /// along the optical axis, 0 where nothing was measured.
+    /// RGB: three bytes per pixel. Depth: one little-endian `f32` per pixel, metres along the
+    /// optical axis, 0 for no measurement.
     #[derive(Default)]
     "nsrm.v1.CameraFrame.5791200141f197a9"
     pub struct CameraFrame {
-        /// Counts up with each frame of one publisher.
+        /// Sequence number: increases with each frame of one publisher.
         pub sequence: u64,
         /// When the image was taken, nanoseconds on the publisher's clock.
         pub timestamp_ns: u64,
         /// The camera.
         pub camera: CameraMessage,
-        /// How many of `boxes` are there.
+        /// The number of valid entries in `boxes`.
         pub count: u32,
-        /// What the detector found.
+        /// The detections.
         pub boxes: [DetectedBox; MAX_OBJECTS],
     }
 }
 
-/// A frame that was checked, its image still in place.
+/// A checked frame, with its image in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame<'a> {
     /// The camera.
@@ -77,26 +76,26 @@ pub struct Frame<'a> {
     pub rgb: &'a [u8],
     /// `[height][width]` little-endian `f32`, metres.
     pub depth: &'a [u8],
-    /// What the detector found; its numbers are checked with the scene.
+    /// The detections; their numbers are checked with the scene.
     pub boxes: &'a [DetectedBox],
 }
 
-/// Why a camera frame is none.
+/// Why a camera frame is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CameraFrameError {
-    /// The camera is not one.
+    /// Invalid camera.
     Camera(CameraError),
     /// More boxes than a scene holds.
     TooManyBoxes {
-        /// How many the frame says it has.
+        /// The number in the frame.
         count: u32,
     },
-    /// The slice has not the length that width and height ask for.
+    /// The length of the slice does not match width and height.
     ImageLength {
         /// Bytes of RGB and depth for the camera's image size.
         expected: u64,
-        /// Bytes that came.
+        /// Bytes of the slice.
         got: u64,
     },
 }
@@ -128,7 +127,7 @@ impl From<CameraError> for CameraFrameError {
 }
 
 impl CameraFrame {
-    /// The parts of the frame, `image` being the slice that came with it.
+    /// Checks the frame; `image` is its slice.
     ///
     /// ```
     /// use nsrm_core::camera::CameraError;

@@ -1,4 +1,4 @@
-//! Checks that several messages share.
+//! Checks shared by several messages.
 
 use nsrm_core::nn::LENGTH_TOLERANCE;
 

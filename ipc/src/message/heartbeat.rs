@@ -1,4 +1,5 @@
-//! What every node publishes a few times a second, so that a hung peer is found.
+//! Heartbeats: every node publishes them several times a second, so that others detect if it dies
+//! or hangs.
 
 use core::fmt;
 
@@ -9,46 +10,45 @@ use super::layout::message;
 use super::numbers::numbers;
 
 message! {
-    /// A sign of life.
+    /// A heartbeat (service `heartbeat`).
     "nsrm.v1.Heartbeat.6f9d992f9581fe82"
     pub struct Heartbeat {
-        /// Counts up with each heartbeat of one node.
+        /// Sequence number: increases with each heartbeat of one node.
         pub sequence: u64,
         /// When it was sent, nanoseconds on the sender's clock.
         pub timestamp_ns: u64,
-        /// When the node was started: tells it from one started in its place.
+        /// When the node was started: distinguishes it from a later one in its place.
         pub started_ns: u64,
-        /// How many messages it has received and passed over since then, because they
-        /// made no sense or came too late.
+        /// How many messages it has rejected since then, because they were invalid or too late.
         pub rejected: u64,
-        /// Who sends: the number of a [`Role`].
+        /// The sender's role: the number of a [`Role`].
         pub role: u32,
-        /// What it does: the number of a [`State`].
+        /// The sender's state: the number of a [`State`].
         pub state: u32,
     }
 }
 
 numbers! {
-    /// Which node it is.
+    /// The role of a node.
     "Heartbeat.role"
     pub enum Role {
         /// Publishes camera frames.
         Camera = 1,
-        /// Makes scenes of them.
+        /// Turns frames into scenes.
         Perception = 2,
         /// Answers sentences with plans.
         Planner = 3,
-        /// Carries sub-goals out.
+        /// Executes sub-goals.
         Controller = 4,
-        /// Asks for sentences to be followed.
+        /// Sends sentences to the planner.
         Client = 5,
-        /// Looks on.
+        /// Observes.
         Watcher = 6,
     }
 }
 
 impl Role {
-    /// In a word, as in a node's name.
+    /// The name in lower case, as in a node's name.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Camera => "camera",
@@ -62,27 +62,27 @@ impl Role {
 }
 
 numbers! {
-    /// What a node does.
+    /// The state of a node.
     "Heartbeat.state"
     pub enum State {
         /// Not yet ready.
         Starting = 1,
-        /// Ready, with nothing to do.
+        /// Ready and idle.
         Idle = 2,
-        /// At work.
+        /// Working.
         Busy = 3,
-        /// Alive, but unable to work; a person must look.
+        /// Alive, but unable to work; needs a person.
         Failed = 4,
     }
 }
 
-/// Why a heartbeat is none.
+/// Why a heartbeat is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HeartbeatError {
-    /// No role has this number.
+    /// Unknown role.
     Role(u32),
-    /// No state has this number.
+    /// Unknown state.
     State(u32),
 }
 

@@ -1,4 +1,5 @@
-//! What of a message must be the same on both sides, and a name that says so.
+//! The memory layout of messages, which must be the same on both sides, and a type name that
+//! ensures it.
 
 /// A field of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,18 +29,18 @@ pub enum Type {
     U64,
     /// `f32`
     F32,
-    /// So many of a type, one behind the other.
+    /// An array of a type.
     Array(&'static Type, usize),
     /// A message, by its [`Message::NAME`].
     Message(&'static str),
 }
 
-/// What a message may be made of: integers, floats, arrays and messages, but no
-/// `bool`, `char` or enum, since not every byte is a valid one of those.
+/// The types that fields may have: integers, floats, arrays and messages, but no `bool`, `char` or
+/// enum, for which not every byte is valid.
 pub trait Element: Copy {
     /// For bindings.
     const TYPE: Type;
-    /// Tells element types apart.
+    /// Distinguishes element types.
     const KIND: u64;
 }
 
@@ -70,8 +71,8 @@ impl<T: Element, const LENGTH: usize> Element for [T; LENGTH] {
 
 /// A struct that crosses processes.
 ///
-/// Implemented by this crate's `message!` alone, which also makes it a compile
-/// error when there is padding between or behind the fields.
+/// Implemented only by this crate's `message!`, which makes padding between or after the fields a
+/// compile error.
 pub trait Message: Copy {
     /// The struct's name.
     const NAME: &'static str;
@@ -118,7 +119,7 @@ const fn hash_of<T: Message>() -> u64 {
     hash_number(hash, align_of::<T>() as u64)
 }
 
-/// Whether the fields fill the message, one right behind the other.
+/// Whether the fields fill the message without gaps.
 pub(crate) const fn has_padding<T: Message>() -> bool {
     let mut end = 0;
     let mut index = 0;
@@ -132,9 +133,9 @@ pub(crate) const fn has_padding<T: Message>() -> bool {
     end != size_of::<T>()
 }
 
-/// Defines a message: the struct with its type name for iceoryx2, its fields for
-/// the layout's table and hash, and the proof that it has no padding.
-/// `ZeroCopySend` must be in scope where there are processes.
+/// Defines a message: the struct with its type name for iceoryx2, its fields for the layout's table
+/// and hash, and the proof that it has no padding. `ZeroCopySend` must be in scope with the feature
+/// `processes`.
 macro_rules! message {
     (
         $(#[doc = $doc:literal])*

@@ -1,5 +1,5 @@
-//! The messages, a file for each service; what of them must be the same on both
-//! sides is in `layout.rs`, what numbers of a field mean in `numbers.rs`.
+//! The messages, one file per service; their memory layout is in `layout.rs`, the values of
+//! enumerated fields in `numbers.rs`.
 
 mod camera_frame;
 mod checks;

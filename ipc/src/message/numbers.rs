@@ -1,30 +1,30 @@
-//! Names for the numbers that a field may hold: a message holds no enum, since not every
-//! number is one of its values.
+//! Enumerated fields: names for the numbers that a field may hold. A message contains no enum,
+//! since not every number would be valid.
 
-/// One of the numbers.
+/// One of the values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Member {
     /// Its name.
     pub name: &'static str,
     /// What it means, in Markdown.
     pub doc: &'static str,
-    /// As it stands in the field.
+    /// Its number in the field.
     pub number: u32,
 }
 
-/// The numbers of a field, as bindings tell of them.
+/// The values of a field, for bindings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Numbers {
     /// The enum's name.
     pub name: &'static str,
     /// The message and its field.
     pub field: &'static str,
-    /// All of them, in their order.
+    /// All of them, in order.
     pub members: &'static [Member],
 }
 
-/// Defines an enum whose values a field holds by their numbers: the enum, how it is got
-/// from a number, and what bindings tell of it.
+/// Defines an enum whose values a field holds as numbers: the enum, its conversion from a number,
+/// and its description for bindings.
 macro_rules! numbers {
     (
         $(#[doc = $doc:literal])*
@@ -57,7 +57,7 @@ macro_rules! numbers {
                 ],
             };
 
-            /// The one of this number, if there is one.
+            /// The value with this number, if there is one.
             pub const fn from_number(number: u32) -> Option<Self> {
                 match number {
                     $($number => Some(Self::$member),)*

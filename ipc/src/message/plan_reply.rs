@@ -1,5 +1,5 @@
-//! What becomes of what a person asked (services `plan` and `answer`): a [`PlanReply`]
-//! for each thing that happens, the last of which says how it ended.
+//! Replies to a request (services `plan` and `answer`): one [`PlanReply`] per event, of which the
+//! last one reports the result.
 
 use core::fmt;
 
@@ -13,46 +13,45 @@ use super::step::StepMessage;
 use super::text::{self, Clamped};
 use crate::executive::{Event, Failure};
 
-/// Bytes of a message for a person; a longer one is cut.
+/// Bytes of a text for a person; a longer one is cut.
 pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
-    /// What has become of a `PlanRequest`.
+    /// An event in the execution of a `PlanRequest`.
     "nsrm.v1.PlanReply.a56839637ffd4920"
     pub struct PlanReply {
-        /// Who asked.
+        /// The client.
         pub client: u64,
         /// Number of the request.
         pub request: u64,
         /// Number of the plan; 0 if there is none.
         pub plan: u64,
-        /// Counts the replies to a request from 1: a gap is a loss.
+        /// Number of the reply to its request, from 1: a gap is a loss.
         pub number: u32,
-        /// What has happened: the number of a [`Status`].
+        /// The event: the number of a [`Status`].
         pub status: u32,
         /// Which step it is about, from 0.
         pub step: u32,
-        /// How many steps the program has; from 1 when planned, else 0.
+        /// How many steps the program has; at least 1 with [`Status::Planned`], else 0.
         pub count: u32,
-        /// Why not: place in [`REASONS`] from 1; 0 where all is well.
+        /// Why it failed: place in [`REASONS`] from 1; 0 if it did not fail.
         pub reason: u32,
-        /// How far from its sub-goal an object was seen, metres.
+        /// How far from its sub-goal an object was observed, metres.
         pub off_m: f32,
         /// Bytes of the message.
         pub message_length: u32,
         /// Always 0.
         pub reserved: u32,
-        /// For a person, in UTF-8: the program in the paper's notation when
-        /// planned, else why not.
+        /// Text for a person, UTF-8: the program in the paper's notation with [`Status::Planned`],
+        /// else the reason.
         pub message: [u8; MAX_MESSAGE_BYTES],
-        /// The program's steps when planned.
+        /// The program's steps with [`Status::Planned`].
         pub steps: [StepMessage; MAX_STEPS],
     }
 }
 
-/// Why a request is not followed, by the names of [`nsrm_core::Refusal::kind`] and
-/// [`Failure::kind`], and of what the planner's node finds: a number in
-/// [`PlanReply::reason`] is a place in here, counted from 1.
+/// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
+/// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
 pub const REASONS: [&str; 35] = [
     "no_words",
     "unknown_word",
@@ -91,34 +90,34 @@ pub const REASONS: [&str; 35] = [
     OTHER,
 ];
 
-/// The reason for what has none of its own here: the message says what it is.
+/// Any other reason: the message explains it.
 const OTHER: &str = "other";
 
 numbers! {
-    /// What has become of a request.
+    /// An event in the execution of a request.
     "PlanReply.status"
     pub enum Status {
-        /// It was understood and grounded; again before each step that is grounded anew.
+        /// It was parsed and grounded; repeated before each step that is grounded again.
         Planned = 1,
         /// A step was sent to the controller.
         Commanded = 2,
-        /// A step did what it should.
+        /// A step succeeded.
         Reached = 3,
-        /// A step did not, and is tried again.
+        /// A step failed and is retried.
         Again = 4,
-        /// All is done. The last reply.
+        /// The sentence is done. The last reply.
         Done = 5,
-        /// It won't be followed, or not further. The last reply.
+        /// The request was refused or has failed. The last reply.
         Failed = 6,
-        /// Before a step's object is carried, something else is moved out of its way.
+        /// Other objects are moved aside before a step's object is moved.
         Clearing = 7,
     }
 }
 
-/// What a reply says, its parts still in place.
+/// The content of a reply, in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reply<'a> {
-    /// The program, and what is left of it grounded.
+    /// The program, with its remaining steps grounded.
     Planned {
         /// All steps of the program.
         steps: &'a [StepMessage],
@@ -127,62 +126,61 @@ pub enum Reply<'a> {
     },
     /// A step was sent to the controller.
     Commanded {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u32,
     },
-    /// Before a step's object is carried, something else is moved out of its way.
+    /// Other objects are moved aside before a step's object is moved.
     Clearing {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u32,
-        /// For a person: what is moved.
+        /// Text for a person: what is moved.
         message: &'a str,
     },
-    /// A step did what it should.
+    /// A step succeeded.
     Reached {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u32,
-        /// How far from its sub-goal its object was seen, metres; not a number
-        /// where nobody looked.
+        /// How far from its sub-goal its object was observed, metres; NaN if it was not observed.
         off_m: f32,
     },
-    /// A step is tried again.
+    /// A step is retried.
     Again {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u32,
         /// One of [`REASONS`].
         reason: &'static str,
-        /// For a person.
+        /// Text for a person.
         message: &'a str,
     },
-    /// All is done.
+    /// The sentence is done.
     Done,
-    /// It won't be followed, or not further.
+    /// The request was refused or has failed.
     Failed {
         /// One of [`REASONS`].
         reason: &'static str,
-        /// For a person.
+        /// Text for a person.
         message: &'a str,
     },
 }
 
-/// Why a reply is none.
+/// Why a reply is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PlanReplyError {
-    /// No such status.
+    /// Unknown status.
     Status(u32),
-    /// A program of no steps, or of more than there may be.
+    /// A program without steps, or with too many.
     Count(u32),
-    /// No program has this step.
+    /// A step number that no program has.
     Step(u32),
-    /// A step of the program makes no sense.
+    /// An invalid step.
     Broken {
-        /// Which, from 0.
+        /// Which step, from 0.
         step: u32,
     },
-    /// No such reason.
+    /// Unknown reason.
     Reason(u32),
-    /// The message is no text.
+    /// The message is not valid text.
     Text,
 }
 
@@ -211,16 +209,16 @@ impl fmt::Display for PlanReplyError {
 
 impl core::error::Error for PlanReplyError {}
 
-/// Which request a reply is to, and which reply it is.
+/// The request that a reply belongs to, and the reply's number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReplyTo {
-    /// Who asked.
+    /// The client.
     pub client: u64,
     /// Number of the request.
     pub request: u64,
     /// Number of the plan; 0 if there is none.
     pub plan: u64,
-    /// Counts the replies to a request from 1.
+    /// Number of the reply to its request, from 1.
     pub number: u32,
 }
 
@@ -243,9 +241,9 @@ impl PlanReply {
         }
     }
 
-    /// What has happened, if it is for the one who asked.
+    /// The reply for an event, if the client is told about it.
     ///
-    /// * `sentence`: the one that was asked, for the message
+    /// * `sentence`: the sentence of the request, for the message
     pub fn about(to: ReplyTo, event: &Event, model: &Model<'_>, sentence: &str) -> Option<Self> {
         Some(match event {
             Event::Waiting | Event::Working | Event::Stop(_) => return None,
@@ -276,7 +274,7 @@ impl PlanReply {
         })
     }
 
-    /// The node itself says no.
+    /// A refusal by the node itself.
     ///
     /// * `reason`: one of [`REASONS`]
     ///
@@ -330,11 +328,11 @@ impl PlanReply {
 
     fn because(self, reason: &str, message: impl fmt::Display) -> Self {
         let place = |reason| REASONS.iter().position(|known| *known == reason);
-        // Every reason is one of them: of failures a test here goes through all, of
-        // refusals one in `tests/tests/refusals.rs`. But a later core may have more.
+        // Every reason is in the list: a test here checks all failures, one in
+        // `tests/tests/refusals.rs` all refusals. But a later core may have more.
         let place = place(reason).or_else(|| place(OTHER));
         Self {
-            // They are few.
+            // They fit: there are few.
             reason: place.map_or(0, |place| place as u32 + 1),
             ..self.saying(message)
         }
@@ -349,7 +347,7 @@ impl PlanReply {
         }
     }
 
-    /// What the reply says, checked.
+    /// Checks the reply and returns its content.
     pub fn read(&self) -> Result<Reply<'_>, PlanReplyError> {
         let message = text::read(self.message_length, &self.message);
         let message = message.map_err(|_| PlanReplyError::Text)?;
@@ -403,7 +401,7 @@ impl PlanReply {
     }
 }
 
-/// What is moved before a step's object is carried to its sub-goal, for a person.
+/// Text for a person: what is moved before a step's object.
 struct MovedFirst {
     object: u32,
     first: [u32; 2],

@@ -1,4 +1,4 @@
-//! What a person asks of a robot (services `plan` and `ask`).
+//! A client's requests to a robot (services `plan` and `ask`).
 
 use core::fmt;
 
@@ -12,15 +12,14 @@ use super::text::{self, Clamped, TextFault};
 use crate::executive::{Mode, Sentence};
 
 message! {
-    /// Asks for a sentence to be followed.
+    /// A request to execute a sentence, or to cancel one.
     "nsrm.v1.PlanRequest.912596fd2fc37f48"
     pub struct PlanRequest {
-        /// Who asks: a number that no other has.
+        /// The client: a unique number.
         pub client: u64,
         /// Number of the request, the client's own.
         pub sequence: u64,
-        /// How far it is to be followed, or that it no longer is: the number of a
-        /// [`Purpose`].
+        /// What is requested: the number of a [`Purpose`].
         pub purpose: u32,
         /// Bytes of the sentence; 0 to cancel.
         pub sentence_length: u32,
@@ -29,23 +28,23 @@ message! {
     }
 }
 
-/// What is asked for, checked.
+/// A checked request.
 #[derive(Debug, Clone, PartialEq, Eq)]
-// One at a time, and handed on at once.
+// There is only one at a time, and it is passed on at once.
 #[allow(clippy::large_enum_variant)]
 pub enum Asked {
-    /// That a sentence be followed.
+    /// Execute a sentence.
     Follow {
         /// The sentence.
         sentence: Sentence,
-        /// How far.
+        /// How to execute it.
         mode: Mode,
     },
-    /// That the request of this number be no longer followed.
+    /// Cancel the request with this number.
     Cancel,
 }
 
-/// Why a request is none.
+/// Why a request is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PlanRequestError {
@@ -56,7 +55,7 @@ pub enum PlanRequestError {
     },
     /// The sentence is not UTF-8.
     Utf8,
-    /// No such purpose.
+    /// Unknown purpose.
     Purpose(u32),
 }
 
@@ -80,22 +79,22 @@ impl fmt::Display for PlanRequestError {
 impl core::error::Error for PlanRequestError {}
 
 numbers! {
-    /// What a request is for: [`PlanRequest::purpose`].
+    /// The purpose of a request: [`PlanRequest::purpose`].
     "PlanRequest.purpose"
     pub enum Purpose {
-        /// To say what would be done.
+        /// Plan only.
         PlanOnly = 1,
-        /// To do it, and look after each step.
+        /// Execute, and observe the scene after each step.
         ClosedLoop = 2,
-        /// To do it without looking.
+        /// Execute without observing.
         OpenLoop = 3,
-        /// To cancel the request of this number.
+        /// Cancel the request with this number.
         Cancel = 4,
     }
 }
 
 impl PlanRequest {
-    /// Asks for a sentence to be followed.
+    /// A request to execute a sentence.
     ///
     /// ```
     /// use nsrm_ipc::executive::Mode;
@@ -133,7 +132,7 @@ impl PlanRequest {
         })
     }
 
-    /// Asks for the request of this number to be no longer followed.
+    /// A request to cancel the request with this number.
     ///
     /// ```
     /// use nsrm_ipc::message::{Asked, PlanRequest};
@@ -150,7 +149,7 @@ impl PlanRequest {
         }
     }
 
-    /// What is asked for.
+    /// Checks the request.
     pub fn read(&self) -> Result<Asked, PlanRequestError> {
         let purpose =
             Purpose::from_number(self.purpose).ok_or(PlanRequestError::Purpose(self.purpose))?;

@@ -1,4 +1,4 @@
-//! What perception publishes: a scene, in the layout of core's.
+//! The scene that perception publishes, in core's layout.
 
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
@@ -23,9 +23,9 @@ message! {
         pub fx: f32,
         /// Focal length along y in pixels.
         pub fy: f32,
-        /// Principal point's x in pixels, from the image's left edge.
+        /// x of the principal point in pixels, from the image's left edge.
         pub cx: f32,
-        /// Principal point's y in pixels, from the image's upper edge.
+        /// y of the principal point in pixels, from the image's upper edge.
         pub cy: f32,
         /// Origin of the optical frame in the world's frame, metres.
         pub position: [f32; 3],
@@ -35,37 +35,37 @@ message! {
 }
 
 message! {
-    /// An object as the camera sees it.
+    /// An object in the camera's view.
     "nsrm.v1.ObjectMessage.74f496911c7af3de"
     pub struct ObjectMessage {
-        /// Who it is across scenes; not zero.
+        /// Id of the object, the same in all scenes; not zero.
         pub id: u32,
         /// Box corners x1, y1, x2, y2 as fractions of the image's width and
         /// height, then mean depth in metres.
         pub location: [f32; LOCATION],
-        /// What the crop encoder made of it.
+        /// The crop encoder's embedding.
         pub embedding: [f32; OBJECT_EMBEDDING],
     }
 }
 
 message! {
-    /// The latest scene (service `scene`). The bytes are those of core's
-    /// [`RawScene`]; [`SceneMessage::to_scene`] checks them.
+    /// The latest scene (service `scene`). Has the same bytes as core's [`RawScene`];
+    /// [`SceneMessage::to_scene`] checks them.
     "nsrm.v1.SceneMessage.44a4c1a31d84fbc0"
     pub struct SceneMessage {
         /// Version of this layout: [`nsrm_core::scene::SCENE_SCHEMA`].
         pub schema: u32,
         /// Frame of reference of the camera's pose.
         pub frame: u32,
-        /// Tag of the model whose encoder made the embeddings.
+        /// Tag of the model whose encoder computed the embeddings.
         pub model_tag: u64,
-        /// Counts up with each scene of one publisher.
+        /// Sequence number: increases with each scene of one publisher.
         pub sequence: u64,
         /// When the image was taken, nanoseconds on the publisher's clock.
         pub timestamp_ns: u64,
-        /// The camera that saw it.
+        /// The camera.
         pub camera: CameraMessage,
-        /// How many of `objects` are there.
+        /// The number of valid entries in `objects`.
         pub count: u32,
         /// The objects.
         pub objects: [ObjectMessage; MAX_OBJECTS],
@@ -128,7 +128,7 @@ impl From<&RawScene> for SceneMessage {
 }
 
 impl SceneMessage {
-    /// The scene, checked for a planner on `model`; copies the 4.5 KB once.
+    /// Checks the scene for a planner with `model`; copies the 4.5 KB once.
     ///
     /// ```
     /// use nsrm_core::{SceneError, camera::CameraError};
@@ -160,7 +160,7 @@ impl SceneMessage {
     }
 }
 
-// The same bytes as core's, so that a scene can be written in place one day.
+// The same bytes as core's, so that a scene could be written in place.
 const _: () = {
     use core::mem::offset_of;
     assert!(size_of::<SceneMessage>() == size_of::<RawScene>());

@@ -1,4 +1,4 @@
-//! A step of a program, as a [`PlanReply`](super::PlanReply) tells it.
+//! A step of a program in a [`PlanReply`](super::PlanReply).
 
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
@@ -10,21 +10,21 @@ use super::checks::{all_finite, is_unit};
 use super::layout::message;
 
 message! {
-    /// A step as understood and, where it is still to be done, as grounded.
+    /// A step as parsed and, if it is still to be done, as grounded.
     "nsrm.v1.StepMessage.9da5fff08c49f54d"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
-        /// How many concepts describe the object to be moved.
+        /// How many concepts describe the object to move.
         pub object_count: u32,
-        /// Those concepts, by their index in the model; 0 behind the last.
+        /// Those concepts: indices in the model; 0 after the last.
         pub object: [u8; MAX_FILTERS],
         /// How many concepts describe the reference.
         pub reference_count: u32,
         /// Those concepts.
         pub reference: [u8; MAX_FILTERS],
-        /// Id of the object to be moved; 0 where the step is not grounded, and
-        /// then all below is 0.
+        /// Id of the object to move; 0 if the step is not grounded, and then all fields below are
+        /// 0.
         pub object_id: u32,
         /// Id of the reference.
         pub reference_id: u32,
@@ -35,12 +35,12 @@ message! {
         /// Probability of each choice: split, action, words of the object, words
         /// of the reference, object, reference.
         pub confidence: [f32; 6],
-        /// Where the object's centre is to be: world frame, metres.
+        /// Sub-goal position of the object's centre: world frame, metres.
         pub position: [f32; 3],
-        /// How it is to be turned, world frame: x, y, z, w.
+        /// Sub-goal orientation, world frame: x, y, z, w.
         pub orientation: [f32; 4],
-        /// Where the camera will see it, as predicted: x1, y1, x2, y2 as
-        /// fractions of the image, mean depth in metres.
+        /// Predicted location in the image: x1, y1, x2, y2 as fractions of the image, mean depth in
+        /// metres.
         pub location: [f32; 5],
     }
 }
@@ -77,7 +77,7 @@ impl StepMessage {
         }
     }
 
-    /// And as it is grounded.
+    /// The same step, grounded.
     pub(super) fn ground(&mut self, planned: &PlannedStep) {
         let (object, reference) = (&planned.object, &planned.reference);
         let confidence = &planned.confidence;
@@ -104,7 +104,7 @@ impl StepMessage {
         self.object_id != 0
     }
 
-    /// Whether what came from another process can be one.
+    /// Whether a received step is valid.
     pub(super) fn makes_sense(&self) -> bool {
         let counts = [self.object_count, self.reference_count];
         let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32);
@@ -119,7 +119,7 @@ impl StepMessage {
     }
 }
 
-/// How many concepts a description has, and which.
+/// The number of concepts in a description, and the concepts.
 fn concepts(description: &Description) -> (u32, [u8; MAX_FILTERS]) {
     let mut places = [0; MAX_FILTERS];
     for (place, &concept) in places.iter_mut().zip(description.concepts()) {

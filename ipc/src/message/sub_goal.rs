@@ -1,4 +1,4 @@
-//! What a controller is told: which object, where to, or to stop.
+//! Commands for a controller: move an object to its sub-goal, or stop.
 
 use core::fmt;
 
@@ -13,94 +13,95 @@ use super::numbers::numbers;
 use crate::executive::{Command, CommandId};
 
 message! {
-    /// A command (service `sub_goal`): bring an object to its sub-goal, or stop
-    /// doing so. Each is acknowledged by a [`crate::message::Feedback`]; one that
-    /// comes again is answered again and not carried out again.
+    /// A command (service `sub_goal`): move an object to its sub-goal, or stop doing so. Each is
+    /// acknowledged by a [`crate::message::Feedback`]; a repeated command gets the same answer and
+    /// is not executed again.
     ///
-    /// A controller may have been held up, and find commands that nobody wants any
-    /// more: of all that wait it obeys stops first, and it answers without a move what
-    /// is read after `until_ns` or comes before a command that it has had (of a smaller
-    /// plan, or of the same one with a smaller number).
+    /// A delayed controller may read commands that are obsolete. Of all waiting commands it obeys
+    /// stops first. It answers, but does not execute, a command that it reads after `until_ns`, or
+    /// that is older than one it has received (with a smaller plan number, or with the same one and
+    /// a smaller command number).
     "nsrm.v1.SubGoal.027c01d730571850"
     pub struct SubGoal {
-        /// Number of the plan; a later plan has a greater one.
+        /// Number of the plan; a later plan has a greater number.
         pub plan: u64,
-        /// Until when it may be begun, nanoseconds on the clock that the robot's processes go
-        /// by: the machine's monotonic one, or the wall clock over several hosts. Then the
-        /// planner gives it up. 0 for a stop, which is never too late.
+        /// The deadline for starting it, nanoseconds on the clock of the robot's processes: the
+        /// machine's monotonic clock, or the wall clock on several hosts. Then the planner abandons
+        /// it. 0 for a stop, which is never too late.
         pub until_ns: u64,
-        /// Counts the plan's commands from 1; a stop has that of what it stops.
+        /// Number of the command within its plan, from 1; a stop has the number of the command that
+        /// it stops.
         pub command: u32,
-        /// The number of a [`Kind`]; of a stop all below is 0.
+        /// The number of a [`Kind`]; in a stop all fields below are 0.
         pub kind: u32,
-        /// Place in the plan, from 0.
+        /// Number of the step, from 0.
         pub step: u32,
-        /// Steps of the plan.
+        /// Number of steps in the program.
         pub steps: u32,
         /// Index of the action in the model.
         pub action: u32,
-        /// The object to be moved.
+        /// Id of the object to move.
         pub object_id: u32,
-        /// The object in relation to which it is moved.
+        /// Id of the reference object.
         pub reference_id: u32,
         /// Product of the step's probabilities, 0 to 1.
         pub confidence: f32,
-        /// Where the object's centre is to be: world frame, metres.
+        /// Sub-goal position of the object's centre: world frame, metres.
         pub position: [f32; 3],
-        /// How it is to be turned, world frame: x, y, z, w.
+        /// Sub-goal orientation, world frame: x, y, z, w.
         pub orientation: [f32; 4],
-        /// Where the camera will see it, as predicted: x1, y1, x2, y2 as
-        /// fractions of the image, mean depth in metres.
+        /// Predicted location in the image: x1, y1, x2, y2 as fractions of the image, mean depth in
+        /// metres.
         pub location: [f32; 5],
-        /// Ids of what is to stay where it is besides the reference: what the steps that are done
-        /// have put somewhere, and what they have put it beside or on; 0 for none.
+        /// Ids of objects that must stay where they are, besides the reference: the objects and
+        /// references of completed steps; 0 for none.
         pub keep: [u32; MAX_OBJECTS],
     }
 }
 
 numbers! {
-    /// What a sub-goal tells a controller: [`SubGoal::kind`].
+    /// The kind of a command: [`SubGoal::kind`].
     "SubGoal.kind"
     pub enum Kind {
-        /// To bring the object there.
+        /// Move the object to its sub-goal.
         Move = 1,
-        /// To stop.
+        /// Stop.
         Stop = 2,
     }
 }
 
-/// What a controller is told, checked.
+/// A checked command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
-    /// To bring an object to a pose.
+    /// Move an object to a pose.
     Move {
         /// Id of the object.
         object: u32,
         /// Pose of its centre: world frame, metres.
         pose: Isometry3<f32>,
     },
-    /// To stop what it was told by the command of this number.
+    /// Stop the command with this number.
     Stop,
 }
 
-/// Why a sub-goal is none.
+/// Why a command is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SubGoalError {
-    /// Neither a move nor a stop.
+    /// Unknown kind.
     Kind(u32),
     /// Commands count from 1.
     NoCommand,
-    /// More steps than a plan has, none, or a place behind the last.
+    /// Too many steps, none, or a step number after the last.
     Step {
-        /// Place that it says it has.
+        /// The step number.
         step: u32,
-        /// Steps that it says there are.
+        /// The number of steps.
         steps: u32,
     },
-    /// An object's id is 0, or both are the same.
+    /// An id is 0, or both are the same.
     Objects {
-        /// Id of the object to be moved.
+        /// Id of the object to move.
         object: u32,
         /// Id of the reference.
         reference: u32,
@@ -109,9 +110,9 @@ pub enum SubGoalError {
     NotFinite,
     /// The orientation is not a quaternion of length 1.
     NotNormalised,
-    /// The confidence is no probability.
+    /// The confidence is not from 0 to 1.
     Confidence,
-    /// It makes sense, but its time has gone: it must not be begun.
+    /// It is valid, but its deadline has passed: it must not be started.
     TooLate {
         /// By how much, milliseconds.
         by_ms: u64,
@@ -186,7 +187,7 @@ impl SubGoal {
         }
     }
 
-    /// Who the command is.
+    /// The command's identity.
     pub const fn id(&self) -> CommandId {
         CommandId {
             plan: self.plan,
@@ -194,8 +195,7 @@ impl SubGoal {
         }
     }
 
-    /// What is to be done, checked; whether there are such objects only its
-    /// receiver knows.
+    /// Checks the command; only its receiver knows whether the objects exist.
     ///
     /// * `now_ns`: the time, on the machine's clock
     pub fn read(&self, now_ns: u64) -> Result<Order, SubGoalError> {

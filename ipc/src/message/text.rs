@@ -1,6 +1,6 @@
-//! Text in a message: a length and an array, of which the length may lie.
+//! Text in a message: a length and an array; the length may be wrong.
 
-/// Why bytes of a message are no text.
+/// Why bytes of a message are not text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TextFault {
     /// The length exceeds the array.
@@ -18,8 +18,7 @@ pub(crate) fn read(length: u32, bytes: &[u8]) -> Result<&str, TextFault> {
     core::str::from_utf8(bytes).map_err(|_| TextFault::Utf8)
 }
 
-/// An array of bytes that text is written into; what doesn't fit is left out at
-/// a character's end.
+/// An array of bytes for text; a text that does not fit is cut after a whole character.
 pub(crate) struct Clamped<const LENGTH: usize> {
     pub(crate) bytes: [u8; LENGTH],
     pub(crate) length: u32,
@@ -35,8 +34,7 @@ impl<const LENGTH: usize> Clamped<LENGTH> {
             length: 0,
             full: false,
         };
-        // Writing never fails: see `write_str`. A `Display` that does leaves what
-        // it had written.
+        // Writing never fails: see `write_str`. A `Display` that fails leaves what it has written.
         let _ = core::fmt::write(&mut clamped, format_args!("{text}"));
         clamped
     }
@@ -56,7 +54,8 @@ impl<const LENGTH: usize> core::fmt::Write for Clamped<LENGTH> {
     }
 }
 
-/// The most bytes of whole characters of `text` that fit into `limit`.
+/// The number of bytes of the longest prefix of `text`, in whole characters, that fits into
+/// `limit`.
 fn whole_characters(text: &str, limit: usize) -> usize {
     let mut length = limit.min(text.len());
     while !text.is_char_boundary(length) {

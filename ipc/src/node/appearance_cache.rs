@@ -1,4 +1,4 @@
-//! What objects look like when nothing stands before them.
+//! Remembers the appearance of objects while nothing hides them.
 
 use heapless::Vec;
 use nsrm_core::MAX_OBJECTS;
@@ -6,11 +6,11 @@ use nsrm_core::model::OBJECT_EMBEDDING;
 
 use crate::message::{CameraFrame, ObjectMessage};
 
-/// The embeddings of a camera's objects as they were when all of each was seen. The crop of
-/// one that is partly hidden shows what hides it, too.
+/// The embeddings of a camera's objects from when each was completely visible. The crop of a partly
+/// hidden object also shows what hides it.
 #[derive(Debug, Default)]
 pub(super) struct AppearanceCache {
-    /// Of the last frame: another publisher begins anew, with other objects.
+    /// From the last frame: a new publisher has other objects.
     sequence: u64,
     known: Vec<Appearance, MAX_OBJECTS>,
 }
@@ -22,9 +22,10 @@ struct Appearance {
 }
 
 impl AppearanceCache {
-    /// Remembers what is seen whole, and gives what is not its look of before.
+    /// Remembers objects that are completely visible, and gives the others their earlier
+    /// appearance.
     ///
-    /// * `objects`: those of the frame's boxes, in their order
+    /// * `objects`: the objects of the frame's boxes, in the same order
     pub(super) fn recall(&mut self, header: &CameraFrame, objects: &mut [ObjectMessage]) {
         if header.sequence <= self.sequence {
             self.known.clear();
@@ -44,12 +45,13 @@ impl AppearanceCache {
         }
     }
 
-    /// Whether it is known how an object looks.
+    /// Whether the appearance of an object is known.
     pub(super) fn knows(&self, id: u32) -> bool {
         self.known.iter().any(|appearance| appearance.id == id)
     }
 
-    /// In the place of one that is not in the frame, if all are taken: there is one then.
+    /// If all places are taken, it replaces an object that is not in the frame, of which there is
+    /// one.
     fn remember(&mut self, object: &ObjectMessage, header: &CameraFrame) {
         let appearance = Appearance {
             id: object.id,
@@ -75,8 +77,8 @@ mod tests {
 
     const BOX: [f32; LOCATION] = [0.1, 0.1, 0.3, 0.3, 0.9];
 
-    /// Of a frame of these objects, each whole or not and all of one look: the looks that
-    /// they are given.
+    /// The appearances given to the objects of a frame, each whole or not and all with one
+    /// appearance.
     fn see(
         appearances: &mut AppearanceCache,
         sequence: u64,
@@ -105,7 +107,7 @@ mod tests {
     #[test]
     fn what_is_hidden_looks_as_it_did_whole() {
         let mut appearances = AppearanceCache::default();
-        // Never seen whole: there is nothing better.
+        // Never completely visible: nothing better is known.
         assert_eq!(see(&mut appearances, 1, &[(5, false)], 1.0), [1.0]);
         let both = [(4, true), (5, true)];
         assert_eq!(see(&mut appearances, 2, &both, 2.0), [2.0, 2.0]);
@@ -113,7 +115,7 @@ mod tests {
         let hidden = [(5, false), (4, true)];
         assert_eq!(see(&mut appearances, 3, &hidden, 3.0), [2.0, 3.0]);
         assert_eq!(see(&mut appearances, 4, &[(4, false)], 4.0), [3.0]);
-        // A camera that was started anew: object 4 is another one.
+        // A restarted camera: object 4 is another one.
         assert_eq!(see(&mut appearances, 1, &[(4, false)], 5.0), [5.0]);
     }
 

@@ -1,4 +1,4 @@
-//! Who lives: every node says so ten times a second, and notices who no longer does.
+//! Heartbeats: every node sends one ten times a second, and detects nodes that stop.
 
 use core::fmt::Display;
 
@@ -21,7 +21,7 @@ pub struct Heartbeats {
 }
 
 impl Heartbeats {
-    /// Not yet heard of.
+    /// Not yet received.
     pub fn begin(robot: &Robot, role: Role, now_ns: u64) -> Result<Self, ServiceError> {
         Ok(Self {
             sender: robot.sender()?,
@@ -39,7 +39,7 @@ impl Heartbeats {
         })
     }
 
-    /// Says that the node lives, when it is time to; whether it was.
+    /// Sends a heartbeat if one is due; returns whether it was.
     pub fn beat(&mut self, state: State, now_ns: u64) -> Result<bool, SendFailure> {
         if !is_due(self.next_ns, now_ns, HEARTBEAT_NS) {
             return Ok(false);
@@ -57,7 +57,7 @@ impl Heartbeats {
         self.next_ns
     }
 
-    /// Takes in what others have said; what makes no sense is rejected.
+    /// Receives the heartbeats of others; invalid ones are rejected.
     pub fn receive(&mut self, now_ns: u64, mut heard: impl FnMut(Role, State, &Heartbeat)) {
         for heartbeat in self.receiver.waiting() {
             match heartbeat.read() {
@@ -67,30 +67,29 @@ impl Heartbeats {
         }
     }
 
-    /// Counts a message that the node has received and passes over; the count goes
-    /// with its heartbeats. At most once a second one is logged.
+    /// Counts a rejected message; the count is sent with the heartbeats. At most one per second is
+    /// logged.
     ///
-    /// * `service`: through which it came
+    /// * `service`: the service of the message
     pub fn reject(&mut self, service: &str, why: &dyn Display, now_ns: u64) {
         self.rejected.add(service, why, now_ns);
     }
 
-    /// How many messages the node has passed over.
+    /// How many messages the node has rejected.
     pub const fn rejected(&self) -> u64 {
         self.rejected.count()
     }
 }
 
-/// Another node, as its heartbeats tell of it.
+/// Another node, as known from its heartbeats.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Peer {
-    /// When it was started and last heard, if ever.
+    /// When it was started and when its last heartbeat arrived, if any.
     known: Option<(u64, u64)>,
 }
 
 impl Peer {
-    /// Takes in a heartbeat; whether it is from another process than the one
-    /// before it.
+    /// Records a heartbeat; returns whether it is from another process than the previous one.
     pub fn hear(&mut self, heartbeat: &Heartbeat, now_ns: u64) -> bool {
         let is_other = self
             .known
@@ -99,8 +98,8 @@ impl Peer {
         is_other
     }
 
-    /// Whether it may be alive: it was heard of, or is listened to if it never was, no longer
-    /// ago than it may be silent.
+    /// Whether it may be alive: its last heartbeat, or the start of listening if none has arrived,
+    /// is recent enough.
     ///
     /// * `since_ns`: when listening began
     pub fn may_be_alive(&self, since_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
@@ -108,8 +107,8 @@ impl Peer {
         may_be_alive(heard_ns, silence_ns, now_ns)
     }
 
-    /// If it was heard later than now, the clock was set back since: it has as long again to be
-    /// heard.
+    /// If its last heartbeat is in the future, the clock was set back: it gets the whole timeout
+    /// again.
     pub(super) fn not_after(&mut self, now_ns: u64) {
         if let Some((_, heard_ns)) = &mut self.known {
             *heard_ns = now_ns.min(*heard_ns);
@@ -117,8 +116,8 @@ impl Peer {
     }
 }
 
-/// Whether who was heard then may be alive: no longer ago than it may be silent. A time that is
-/// yet to come is that of a clock that was set back, and counts like one that has gone.
+/// Whether a node with a heartbeat at that time may be alive. A future time comes from a clock that
+/// was set back, and counts like one in the past.
 pub(super) const fn may_be_alive(heard_ns: u64, silence_ns: u64, now_ns: u64) -> bool {
     now_ns.abs_diff(heard_ns) <= silence_ns
 }
@@ -143,11 +142,12 @@ mod tests {
         assert!(peer.may_be_alive(10, 50, 70) && !peer.may_be_alive(10, 50, 71));
         assert!(!peer.hear(&heartbeat(5), 30));
         assert!(peer.hear(&heartbeat(6), 40));
-        // The clock is set back: who is heard again lives, who isn't does not for long.
+        // The clock is set back: a node with new heartbeats stays alive, one without does not for
+        // long.
         let (mut heard, silent) = (peer, peer);
         heard.hear(&heartbeat(6), 2);
         assert!(heard.may_be_alive(10_000, 5, 3) && !silent.may_be_alive(10_000, 5, 3));
-        // Or it has as long again to be heard.
+        // Or it gets the whole timeout again.
         let mut silent = silent;
         silent.not_after(3);
         assert!(silent.may_be_alive(10_000, 5, 8) && !silent.may_be_alive(10_000, 5, 9));

@@ -1,5 +1,5 @@
-//! Perception as a process: frames with boxes in, scenes out. Crops are read where
-//! the camera's process has written the pixels.
+//! Perception as a process: takes frames with boxes and publishes scenes. It reads the pixels in
+//! place, where the camera's process has written them.
 
 use core::fmt;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -19,15 +19,15 @@ use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
 /// The longest sleep when no frame arrives.
 const NAP: Duration = Duration::from_millis(20);
 
-/// Why there is no scene for a frame.
+/// Why a frame gives no scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum FrameFault {
-    /// The frame is none.
+    /// Invalid frame.
     Frame(CameraFrameError),
-    /// Its image is none.
+    /// Invalid image.
     Image(ImageError),
-    /// What the detector says can't be.
+    /// Invalid detections.
     Scene(SceneError),
 }
 
@@ -55,7 +55,7 @@ pub struct PerceptionNode<'m> {
 }
 
 impl<'m> PerceptionNode<'m> {
-    /// Takes perception's place at a robot.
+    /// Joins a robot as its perception.
     pub fn begin(robot: Robot, model: &'m Model<'m>) -> Result<Self, ServiceError> {
         Ok(Self {
             model,
@@ -67,14 +67,14 @@ impl<'m> PerceptionNode<'m> {
         })
     }
 
-    /// Makes scenes until it is told to stop. Sleeps while no frame comes.
+    /// Publishes scenes until `stop` is set. Sleeps while no frame arrives.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
         let wait_set = self.robot.wait_set([CAMERA])?;
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
-            // A camera without end must not keep it from stopping.
+            // An endless stream of frames must not keep it from stopping.
             while self.poll(now_ns()) && !stop.load(Ordering::Relaxed) {}
-            // Behind the work: it takes some hundreds of microseconds.
+            // After the work: it takes some hundreds of microseconds.
             if is_due(burial_ns, now_ns(), HEARTBEAT_NS) {
                 self.robot.cleanup_dead_nodes();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
@@ -86,7 +86,7 @@ impl<'m> PerceptionNode<'m> {
         Ok(())
     }
 
-    /// Makes a scene of the latest frame, if there is a new one; whether there was.
+    /// Publishes a scene of the latest frame, if there is a new one; returns whether there was.
     /// Never waits.
     pub fn poll(&mut self, now_ns: u64) -> bool {
         match self.heartbeats.beat(State::Idle, now_ns) {
@@ -94,11 +94,11 @@ impl<'m> PerceptionNode<'m> {
             Ok(false) => {}
             Err(failure) => warn!(%failure, "heartbeat not sent"),
         }
-        // A sample that can't be had now is asked for again by the next call.
+        // If receiving fails, the next call tries again.
         let Ok(Some(frame)) = self.frames.receive() else {
             return false;
         };
-        // A copy: what was checked must not change afterwards.
+        // A copy: checked data must not change afterwards.
         let header = *frame.user_header();
         match see(self.model, &header, frame.payload()) {
             Ok(mut scene) => {
@@ -119,13 +119,13 @@ impl<'m> PerceptionNode<'m> {
         true
     }
 
-    /// How many frames it has passed over.
+    /// How many frames it has rejected.
     pub const fn rejected(&self) -> u64 {
         self.heartbeats.rejected()
     }
 }
 
-/// Takes objects out of a scene; the others keep their order.
+/// Removes objects from a scene; the others keep their order.
 fn leave_out(scene: &mut SceneMessage, is_out: impl Fn(u32) -> bool) {
     let mut kept = 0;
     for index in 0..scene.count as usize {
@@ -139,13 +139,13 @@ fn leave_out(scene: &mut SceneMessage, is_out: impl Fn(u32) -> bool) {
             kept += 1;
         }
     }
-    // No more than before.
+    // At most as many as before.
     scene.count = kept as u32;
 }
 
-/// The scene that a frame shows.
+/// The scene in a frame.
 ///
-/// * `image`: the bytes behind the frame's header; only the crops' are read
+/// * `image`: the bytes after the frame's header; only those of the crops are read
 pub fn see(
     model: &Model<'_>,
     header: &CameraFrame,
@@ -158,7 +158,7 @@ pub fn see(
     let image = image.map_err(FrameFault::Image)?;
     let mut detections: Vec<Detection, MAX_OBJECTS> = Vec::new();
     for found in frame.boxes {
-        // As many places as a frame has boxes.
+        // It has as many places as a frame has boxes.
         let _ = detections.push(Detection {
             id: found.id,
             visible: found.visible,
@@ -197,7 +197,7 @@ mod tests {
             .map(|object| object.id)
             .collect();
         assert_eq!(ids, [2, 4]);
-        // A count that is wrong stays so, for who checks it, or is cut to what there is.
+        // A wrong count is kept for the later check, or clipped to the available boxes.
         scene.count = 99;
         leave_out(&mut scene, |_| false);
         assert_eq!(scene.count as usize, scene.objects.len());

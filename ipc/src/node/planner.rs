@@ -1,5 +1,4 @@
-//! The planner as a process: takes sentences and scenes in, gives commands and
-//! replies out.
+//! The planner as a process: takes sentences and scenes, sends commands and replies.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
@@ -17,20 +16,20 @@ use crate::message::{
 };
 use crate::service::{Carried, PLAN, PlanServer, Receiver, Robot, Sender, ServiceError};
 
-/// Whether there is more to do at once.
+/// Whether there is more work to do now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PollStatus {
-    /// Nothing until something arrives, or time goes by.
+    /// Nothing to do until something arrives or time passes.
     Idle,
-    /// Another [`PlannerNode::poll`] would go on.
+    /// Call [`PlannerNode::poll`] again.
     Working,
 }
 
-/// The longest sleep when nothing arrives: what waits for time looks so often.
+/// The longest sleep when nothing arrives, which bounds the delay of timeouts.
 const NAP: Duration = Duration::from_millis(20);
 
-/// How many requests are answered in a call of [`PlannerNode::poll`], so that who asks
-/// without end can't keep it from its work.
+/// How many requests one call of [`PlannerNode::poll`] answers, so that a flood of requests can't
+/// block its work.
 const REQUESTS_AT_ONCE: usize = 16;
 
 type Active = ActiveRequest<ipc::Service, PlanRequest, (), PlanReply, ()>;
@@ -42,7 +41,7 @@ pub struct PlannerNode<'m> {
     server: PlanServer,
     /// Requests without a connection.
     asked: Receiver<PlanRequest>,
-    /// All replies, for who looks on and for who asked without a connection.
+    /// All replies, for observers and for clients without a connection.
     answers: Sender<PlanReply>,
     scenes: Receiver<SceneMessage>,
     commands: Sender<SubGoal>,
@@ -54,21 +53,21 @@ pub struct PlannerNode<'m> {
     silence_ns: u64,
     executive: Executive<'m>,
     current: Option<Current>,
-    /// [`Event::Planned`], until it is said.
+    /// [`Event::Planned`], until it is published.
     planned: Option<Event>,
 }
 
-/// The request that is being followed.
+/// The request that is being executed.
 #[derive(Debug)]
 struct Current {
-    /// The connection, if it came by one.
+    /// The connection, if it has one.
     active: Option<Active>,
     to: ReplyTo,
     sentence: Sentence,
 }
 
 impl<'m> PlannerNode<'m> {
-    /// Takes the planner's place at a robot.
+    /// Joins a robot as its planner.
     pub fn begin(robot: Robot, model: &'m Model<'m>, limits: Limits) -> Result<Self, ServiceError> {
         let now_ns = now_ns();
         Ok(Self {
@@ -90,8 +89,7 @@ impl<'m> PlannerNode<'m> {
         })
     }
 
-    /// Answers until it is told to stop; then it stops what moves. Sleeps while there is
-    /// nothing to do.
+    /// Runs until `stop` is set, then stops a running motion. Sleeps while there is nothing to do.
     pub fn run(&mut self, stop: &AtomicBool) -> Result<(), ServiceError> {
         let ended = self.work_until(stop);
         self.give_up(now_ns());
@@ -108,7 +106,7 @@ impl<'m> PlannerNode<'m> {
         let mut burial_ns = 0;
         while !stop.load(Ordering::Relaxed) {
             self.work(now_ns());
-            // Behind the work: it takes some hundreds of microseconds.
+            // After the work: it takes some hundreds of microseconds.
             if is_due(burial_ns, now_ns(), HEARTBEAT_NS) {
                 self.robot.cleanup_dead_nodes();
                 burial_ns = now_ns().saturating_add(HEARTBEAT_NS);
@@ -120,8 +118,8 @@ impl<'m> PlannerNode<'m> {
         Ok(())
     }
 
-    /// Stops what moves, and tells who asked that the planner was stopped. Dropping the node does
-    /// the same.
+    /// Stops a running motion, and tells the client that the planner was stopped. Dropping the node
+    /// does the same.
     pub fn give_up(&mut self, now_ns: u64) {
         self.executive.cancel();
         if let Event::Stop(id) = self.executive.poll(now_ns) {
@@ -134,20 +132,19 @@ impl<'m> PlannerNode<'m> {
         }
     }
 
-    /// Takes in what has arrived and does one piece of work
-    /// ([`Executive::poll`]); never waits. For a loop of one's own.
+    /// Receives what has arrived and does one unit of work ([`Executive::poll`]); never waits. For
+    /// use in your own loop.
     ///
-    /// Cost: some microseconds beside the piece. The call that first hears of a process
-    /// that comes or goes, who asks among them, has its memory mapped or unmapped: up to
-    /// 0.4 ms were seen (`docs/processes`).
+    /// Cost: some microseconds besides the unit of work. The first call after a process, such as a
+    /// client, has joined or left maps or unmaps its memory: up to 0.4 ms were measured
+    /// (`docs/processes`).
     pub fn poll(&mut self, now_ns: u64) -> PollStatus {
         self.take_in(now_ns);
         self.go_on(now_ns)
     }
 
-    /// Takes in what has arrived and does all that it calls for, at most a sentence's
-    /// work; never waits. To look at every port once a piece would take longer than the
-    /// pieces.
+    /// Receives what has arrived and does all resulting work, at most that of one sentence; never
+    /// waits. Polling every port for each unit of work would take longer than the work.
     pub fn work(&mut self, now_ns: u64) {
         self.take_in(now_ns);
         while self.go_on(now_ns) == PollStatus::Working {}
@@ -174,7 +171,7 @@ impl<'m> PlannerNode<'m> {
         busyness
     }
 
-    /// How many messages it has passed over: heartbeats, scenes, feedback, requests.
+    /// How many messages it has rejected: heartbeats, scenes, feedback, requests.
     pub const fn rejected(&self) -> u64 {
         self.heartbeats.rejected()
     }
@@ -268,8 +265,8 @@ impl<'m> PlannerNode<'m> {
                 });
                 if is_it {
                     self.executive.cancel();
-                    // That the request was heard is said by its own connection alone: to all
-                    // others it would look like the sentence's own end, which follows.
+                    // A cancel is acknowledged on its own connection only: to all others it would
+                    // look like the end of the sentence, which follows.
                     let heard = Event::Ended(Ok(()));
                     let heard = PlanReply::about(to, &heard, self.executive.model(), "");
                     if let (Some(active), Some(heard)) = (active, heard) {
@@ -291,8 +288,8 @@ impl<'m> PlannerNode<'m> {
         }
     }
 
-    /// Sends what an event calls for. What was planned is said behind the command that
-    /// follows it, for which the robot waits.
+    /// Sends what an event requires. A plan is published after the command that follows it, since
+    /// the robot waits for the command.
     fn act(&mut self, event: Event) {
         self.command(&event);
         if matches!(event, Event::Planned(_)) {
@@ -305,10 +302,10 @@ impl<'m> PlannerNode<'m> {
         self.tell(&event);
     }
 
-    /// Sends what an event has the controller do.
+    /// Sends the command or stop of an event to the controller.
     fn command(&mut self, event: &Event) {
         match event {
-            // One that hangs would carry it out when it goes on, whatever was said since.
+            // A controller that hangs would execute it later, whatever has been sent since.
             Event::Command(_) if !self.controller_alive => self.executive.on_command_undelivered(),
             Event::Command(command) => self.send(&SubGoal::from(command)),
             Event::Stop(id) => self.send(&SubGoal::stop(*id)),
@@ -317,7 +314,7 @@ impl<'m> PlannerNode<'m> {
         }
     }
 
-    /// Tells who asked of an event.
+    /// Tells the client about an event.
     fn tell(&mut self, event: &Event) {
         let Some(current) = &mut self.current else {
             return;
@@ -329,7 +326,7 @@ impl<'m> PlannerNode<'m> {
         }
         let plan = current.to.plan;
         match event {
-            // Behind the command, for which the robot waits, as a log may be slow.
+            // After the command, for which the robot waits, since logging may be slow.
             Event::Planned(_) => info!(plan, sentence, "planned"),
             Event::Ended(outcome) => {
                 match outcome {
@@ -358,17 +355,17 @@ impl<'m> PlannerNode<'m> {
     }
 }
 
-/// Whatever ends the planner's work, an error or a panic among it, the robot does not go on alone.
+/// However the planner ends, also by an error or a panic, the robot does not continue alone.
 impl Drop for PlannerNode<'_> {
     fn drop(&mut self) {
         self.give_up(now_ns());
     }
 }
 
-/// Sends a reply to who asked, and to who looks on.
+/// Sends a reply to the client, and publishes it for observers.
 ///
-/// * `active`: the connection of who asked, if there is one. Who asked may be gone, or may
-///   not take its replies; then it is cancelled, or has itself to blame
+/// * `active`: the client's connection, if there is one. If the client is gone, its request is
+///   cancelled; if it does not read its replies, it loses them
 fn reply(answers: &Sender<PlanReply>, active: Option<&Active>, said: &PlanReply) {
     if let Some(active) = active {
         answer(active, said);
@@ -378,7 +375,7 @@ fn reply(answers: &Sender<PlanReply>, active: Option<&Active>, said: &PlanReply)
     }
 }
 
-/// Sends a reply to who asked by a connection.
+/// Sends a reply over a connection.
 fn answer(active: &Active, said: &PlanReply) {
     if let Err(error) = active.send_copy(*said) {
         warn!(?error, "reply not sent");
@@ -389,11 +386,12 @@ fn answer(active: &Active, said: &PlanReply) {
 mod tests {
     use super::*;
 
-    /// A death is noticed within half a second, and three lost heartbeats are none.
+    /// A death is detected within half a second; three lost heartbeats do not count as one.
     #[test]
     fn naps_and_silence_keep_what_is_promised() {
         let silence_ns = Limits::default().silence_ns;
-        // The last heartbeat is heard a nap late, and its lack is seen another one late.
+        // The last heartbeat is received up to one nap late, and the timeout is detected another
+        // one late.
         let noticed_ns = u128::from(silence_ns) + 2 * NAP.as_nanos();
         assert!(noticed_ns <= 500_000_000, "{noticed_ns}");
         assert!(silence_ns > 3 * HEARTBEAT_NS);

@@ -1,4 +1,4 @@
-//! What a node has received and passed over, since it made no sense or came too late.
+//! Counts the messages that a node has rejected, because they were invalid or too late.
 
 use core::fmt::Display;
 
@@ -6,20 +6,20 @@ use tracing::warn;
 
 use crate::clock::is_due;
 
-/// The least time between two log lines of a node about what it passes over,
-/// nanoseconds: who sends nonsense without end must not fill the log too.
+/// The shortest time between two log lines about rejected messages, nanoseconds: a flood of invalid
+/// messages must not fill the log.
 const BETWEEN_LINES_NS: u64 = 1_000_000_000;
 
-/// How many messages a node has passed over.
+/// How many messages a node has rejected.
 #[derive(Debug, Default)]
 pub(super) struct Rejected {
     count: u64,
-    /// When the next one may be logged.
+    /// When the next one can be logged.
     next_line_ns: u64,
 }
 
 impl Rejected {
-    /// One more; is logged unless another one just was. Never allocates by itself.
+    /// Counts one more and logs it, unless another one was just logged. Does not allocate itself.
     pub(super) fn add(&mut self, service: &str, why: &dyn Display, now_ns: u64) {
         self.count = self.count.saturating_add(1);
         if is_due(self.next_line_ns, now_ns, BETWEEN_LINES_NS) {

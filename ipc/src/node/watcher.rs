@@ -1,4 +1,4 @@
-//! Who looks on: who lives, what flows, and what was said last.
+//! Observes a robot: live nodes, streams of messages, and the last replies.
 
 use heapless::Deque;
 use nsrm_core::scene::SCENE_SCHEMA;
@@ -17,21 +17,21 @@ const REPLIES: usize = 8;
 /// Share of the newest interval in a rate.
 const NEWEST: f64 = 0.1;
 
-/// A node as its heartbeats tell of it.
+/// A node, as known from its heartbeats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct NodeView {
-    /// What it is.
+    /// Its role.
     pub role: Role,
-    /// What it does.
+    /// Its state.
     pub state: State,
     /// When it was started, nanoseconds.
     pub started_ns: u64,
-    /// When it was heard last, nanoseconds.
+    /// When its last heartbeat arrived, nanoseconds.
     pub heard_ns: u64,
-    /// How often it was started anew while it was watched.
+    /// How often it has restarted while it was observed.
     pub restarts: u32,
-    /// How many messages it has received and passed over since it was started.
+    /// How many messages it has rejected since it was started.
     pub rejected: u64,
 }
 
@@ -39,32 +39,31 @@ pub struct NodeView {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Flow {
-    /// How many came.
+    /// How many have arrived.
     pub count: u64,
-    /// How many are missing, by their numbers; a new publisher begins anew.
+    /// How many are missing, by sequence number; a new publisher starts at zero.
     pub lost: u64,
-    /// Messages a second, the last ten or so.
+    /// Messages per second, over about the last ten.
     pub rate_hz: f64,
-    /// When the last one was made (for a scene: when its picture was taken),
-    /// nanoseconds.
+    /// When the last one was made (for a scene: when its image was taken), nanoseconds.
     pub made_ns: u64,
-    /// How long it had been on its way when it was seen here, nanoseconds.
+    /// Its age on arrival, nanoseconds.
     pub latency_ns: u64,
-    /// When it was seen here, nanoseconds.
+    /// When it arrived, nanoseconds.
     pub heard_ns: u64,
     sequence: u64,
 }
 
 impl NodeView {
-    /// Whether it may be alive: it was heard no longer ago than it may be silent. A time that is
-    /// yet to come counts like one that has gone.
+    /// Whether it may be alive: its last heartbeat is recent enough. A time in the future counts
+    /// like one in the past.
     pub const fn is_alive(&self, silence_ns: u64, now_ns: u64) -> bool {
         may_be_alive(self.heard_ns, silence_ns, now_ns)
     }
 }
 
 impl Flow {
-    /// How long ago the last one was made, nanoseconds.
+    /// The age of the last one, nanoseconds.
     pub const fn age_ns(&self, now_ns: u64) -> u64 {
         let heard_ns = now_ns.saturating_sub(self.heard_ns);
         heard_ns.saturating_add(self.latency_ns)
@@ -92,27 +91,27 @@ impl Flow {
     }
 }
 
-/// All that is known of a robot.
+/// Everything known about a robot.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct View {
-    /// The nodes that were heard, in the order of their roles.
+    /// The known nodes, in the order of their roles.
     pub nodes: [Option<NodeView>; Role::ALL.len()],
-    /// Scenes. Of those that come faster than they are looked for some count as lost.
+    /// Scenes. Those that arrive faster than they are polled count in part as lost.
     pub scenes: Flow,
-    /// Objects in the last one.
+    /// Objects in the last scene.
     pub objects: u32,
-    /// What the controller says.
+    /// Feedback of the controller.
     pub feedback: Flow,
-    /// What the planner said last, the latest last.
+    /// The planner's last replies, the latest last.
     pub replies: Deque<PlanReply, REPLIES>,
-    /// How many messages made no sense and are not in any of these.
+    /// How many messages were invalid; they are in none of the above.
     pub rejected: u64,
 }
 
 impl View {
-    /// Whatever was heard later than now was so on a clock that was set back since: how long ago
-    /// that was is counted from now on, and each node has as long again to be heard.
+    /// Times in the future come from a clock that was set back: they become the present time, and
+    /// each node gets its whole timeout again.
     fn not_after(&mut self, now_ns: u64) {
         for node in self.nodes.iter_mut().flatten() {
             node.heard_ns = node.heard_ns.min(now_ns);
@@ -122,7 +121,7 @@ impl View {
         }
     }
 
-    /// A heartbeat has come.
+    /// Records a heartbeat.
     pub fn hear_heartbeat(
         &mut self,
         heartbeat: &Heartbeat,
@@ -148,7 +147,7 @@ impl View {
         Ok(())
     }
 
-    /// A scene has come. What else must be right of it only who has its model can tell.
+    /// Records a scene. Only a process with its model can check the rest.
     pub fn hear_scene(&mut self, scene: &SceneMessage, now_ns: u64) -> Result<(), SceneError> {
         let (got, count) = (scene.schema, scene.count);
         if got != SCENE_SCHEMA {
@@ -162,14 +161,14 @@ impl View {
         Ok(())
     }
 
-    /// The controller has said something.
+    /// Records feedback.
     pub fn hear_feedback(&mut self, feedback: &Feedback, now_ns: u64) -> Result<(), FeedbackError> {
         let made_ns = feedback.read()?.timestamp_ns;
         self.feedback.hear(feedback.sequence, made_ns, now_ns);
         Ok(())
     }
 
-    /// The planner has said something; the oldest of what it said is forgotten.
+    /// Records a reply; the oldest one is dropped.
     pub fn hear_reply(&mut self, reply: &PlanReply) -> Result<(), PlanReplyError> {
         reply.read()?;
         if self.replies.is_full() {
@@ -180,7 +179,7 @@ impl View {
     }
 }
 
-/// Looks on; changes nothing.
+/// Observes a robot; changes nothing.
 #[derive(Debug)]
 pub struct Watcher {
     heartbeats: Receiver<Heartbeat>,
@@ -193,7 +192,7 @@ pub struct Watcher {
 }
 
 impl Watcher {
-    /// Takes one of the onlookers' places at a robot.
+    /// Joins a robot as one of its observers.
     pub fn begin(robot: Robot) -> Result<Self, ServiceError> {
         Ok(Self {
             heartbeats: robot.receiver()?,
@@ -206,8 +205,8 @@ impl Watcher {
         })
     }
 
-    /// Takes in what has come, and what is known now. A stream that can't be read now
-    /// is read by the next call.
+    /// Receives what has arrived and returns the current view. If a stream can't be read, the next
+    /// call tries again.
     pub fn look(&mut self, now_ns: u64) -> &View {
         let (view, rejected) = (&mut self.view, &mut self.rejected);
         view.not_after(now_ns);
@@ -249,10 +248,10 @@ mod tests {
         assert_eq!((flow.count, flow.lost), (4, 2));
         assert!((flow.rate_hz - 10.0).abs() < 1e-9, "{}", flow.rate_hz);
         assert_eq!(flow.latency_ns, 3_000_000);
-        // A publisher that was started anew.
+        // A restarted publisher.
         flow.hear(1, 600_000_000, 600_000_000);
         assert_eq!((flow.count, flow.lost), (5, 2));
-        // Numbers that nobody counts with.
+        // Implausible numbers.
         for sequence in [u64::MAX, 0, u64::MAX] {
             flow.hear(sequence, sequence, 0);
         }
@@ -279,7 +278,7 @@ mod tests {
         let lives = |view: &View, now_ns| view.nodes[2].map(|it| it.is_alive(silence_ns, now_ns));
         assert_eq!(lives(&view, heard_ns + 51), Some(false));
         assert_eq!(lives(&view, 3000), Some(false));
-        // It has as long again to be heard.
+        // It gets the whole timeout again.
         view.not_after(3000);
         assert_eq!(
             [3050, 3051].map(|it| lives(&view, it)),

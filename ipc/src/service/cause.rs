@@ -7,14 +7,12 @@ use rustix::process::{Resource, getrlimit};
 
 use super::folder;
 
-/// What the path of a socket may have at most, bytes: Linux's `sockaddr_un`, without the zero
-/// at its end.
+/// The longest path of a socket, bytes: Linux's `sockaddr_un`, without the terminating zero.
 const SOCKET_PATH: usize = 107;
-/// What iceoryx2 puts behind folder and prefix, bytes: a slash, a number of some 31 digits, and
+/// What iceoryx2 appends to folder and prefix, bytes: a slash, a number of about 31 digits, and
 /// `.event`.
 const SOCKET_NAME: usize = 1 + 31 + 6;
-/// How many files may have been closed again when the last that was needed could not be had;
-/// more than 8 were seen.
+/// How many files may have been closed again after the open that failed; more than 8 were observed.
 const CLOSED_AGAIN: u64 = 16;
 
 /// The likely cause of a failure, if one is found: errors of iceoryx2 name what could not be
@@ -49,12 +47,12 @@ pub(super) fn likely_cause(config: &Config) -> Option<String> {
     })
 }
 
-/// How many files this process has open, of the `most` it may have.
+/// How many files this process has open, of at most `most`.
 fn open_files(most: u64) -> u64 {
     match fs::read_dir("/proc/self/fd") {
-        // Apart from the one that lists them.
+        // Without the one that lists them.
         Ok(entries) => (entries.count() as u64).saturating_sub(1),
-        // Not one is left to list them with.
+        // No file descriptor is left for listing them.
         Err(error) if error.raw_os_error() == Some(Errno::MFILE.raw_os_error()) => most,
         Err(_) => 0,
     }

@@ -1,4 +1,4 @@
-//! What iceoryx2's many errors on opening a service and on taking a place there come down to.
+//! Reduces iceoryx2's many errors on opening a service and creating a port to a few.
 
 use core::fmt::Debug;
 
@@ -16,10 +16,10 @@ use iceoryx2::service::builder::request_response::{
 use iceoryx2::service::port_factory::client::ClientCreateError;
 use iceoryx2::service::port_factory::server::ServerCreateError;
 
-/// Why a service was not opened, or no place taken.
+/// Why a service was not opened, or no port created.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Fault {
-    /// It is just being made or removed.
+    /// Another process is creating or removing it.
     InFlux,
     OtherVersion,
     OtherUser,
@@ -130,7 +130,7 @@ impl From<EventOpenOrCreateError> for Fault {
     }
 }
 
-/// Of an error on taking a place, the variant that says that there is none.
+/// The variant of a port's creation error that means that all slots are taken.
 macro_rules! full {
     ($($error:ident :: $full:ident),+ $(,)?) => {$(
         impl From<$error> for Fault {

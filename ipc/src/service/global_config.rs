@@ -6,11 +6,12 @@ use iceoryx2::config::Config;
 use iceoryx2::prelude::{FilePath, SemanticString};
 use rustix::fs::{MemfdFlags, memfd_create};
 
-/// Makes a place other than iceoryx2's usual one this process's own, if it has none yet.
+/// Makes a configuration other than iceoryx2's default the global one of this process, if it has
+/// none yet.
 ///
-/// What a node has left that was killed before it had written down where it lives, iceoryx2
-/// 0.10 looks for at the place that is global to who looks: without this, such files stay
-/// for ever. The global place can be set by a file alone.
+/// iceoryx2 0.10 searches for the remains of nodes that were killed before they had recorded their
+/// configuration in the global location of the searching process; without this, such files stay for
+/// ever. The global configuration can be set only by a file.
 pub fn set_global_config(config: &Config) -> io::Result<()> {
     let (root, prefix) = (config.global.root_path(), config.global.prefix);
     let text = format!(
@@ -18,7 +19,7 @@ pub fn set_global_config(config: &Config) -> io::Result<()> {
         root.to_string(),
         prefix.to_string()
     );
-    // In memory: a file of a name in a folder for all may be another user's.
+    // In memory: a named file in a shared folder may belong to another user.
     let file = memfd_create(c"nsrm-global-config", MemfdFlags::CLOEXEC)?;
     let mut file = File::from(file);
     file.write_all(text.as_bytes())?;

@@ -1,6 +1,6 @@
-//! What was half made when its maker was killed, which iceoryx2 leaves for ever: services,
-//! which then nobody can open or make any more, segments of shared memory, at which others
-//! wait for ever, sockets, nodes and connections, whose files stay.
+//! Removes what killed processes left half created, which iceoryx2 leaves for ever: services, which
+//! then nobody can open or create; segments of shared memory, on which others wait for ever;
+//! sockets, nodes and connections, whose files stay.
 
 use std::fs::{File, Metadata};
 use std::io::ErrorKind;
@@ -17,26 +17,26 @@ use iceoryx2::service::service_hash::ServiceHash;
 
 use super::folder;
 
-/// Making any of them takes a millisecond; what is half made for so long stays so.
+/// Creating any of them takes a millisecond; after this time, one that is half created is
+/// abandoned.
 const GIVEN_UP: Duration = Duration::from_secs(1);
 
 /// Where Linux keeps named segments of shared memory.
 pub(super) const SEGMENTS: &str = "/dev/shm";
 /// All permissions of a file.
 const ACCESS: u32 = 0o777;
-/// Those of a node's context until the node is made.
+/// The permissions of a node's context until the node is created.
 const BEGUN: u32 = 0o200;
-/// Permission of the owner to read, which a segment gets when it is made.
+/// Read permission of the owner, which a segment gets when it is complete.
 const OWNER_READ: u32 = 0o400;
 
-/// Removes segments that were begun and given up; whether there are some that are being
-/// made, or may be.
+/// Removes abandoned segments; returns whether some are, or may be, still being created.
 ///
-/// To be called before iceoryx2 looks at what the dead have left: it waits without end for
-/// a segment that is still empty. Who waits so is freed by the next one that calls this.
+/// Call it before iceoryx2 cleans up dead nodes: it waits endlessly for a segment that is still
+/// empty. A process that waits is freed when another one calls this.
 ///
-/// Anyone may put files there. Those of others than this user and who owns the folder in which
-/// the processes meet are none of a robot's.
+/// Anyone can put files there. Only files of this user and of the owner of the shared-memory folder
+/// can belong to a robot.
 pub(super) fn remove_segments(config: &Config, now: SystemTime) -> bool {
     let mut being_made = false;
     for (path, segment) in segments(config) {
@@ -48,11 +48,11 @@ pub(super) fn remove_segments(config: &Config, now: SystemTime) -> bool {
     being_made
 }
 
-/// Removes segments between two ports of processes that were both killed, which iceoryx2
-/// leaves now and then; nothing in them tells whose they were.
+/// Removes segments between two ports of processes that were both killed, which iceoryx2 sometimes
+/// leaves; nothing in them identifies their owner.
 ///
-/// They are nobody's where this node is the only one that there is, they are older than that,
-/// and no process has them in its memory: another folder of nodes may use the same names.
+/// They are orphaned if this node is the only one, they are older than it, and no process has them
+/// mapped: another folder of nodes may use the same names.
 pub(super) fn remove_connections(node: &Node<ipc::Service>) {
     let config = node.config();
     let suffix = config.global.service.connection_suffix.to_string();
@@ -68,8 +68,8 @@ pub(super) fn remove_connections(node: &Node<ipc::Service>) {
     }
 }
 
-/// Segments of shared memory that a robot's processes may have made, with what the system
-/// tells of them; without those that have gone meanwhile.
+/// Segments of shared memory that may belong to a robot's processes, with their metadata; without
+/// those that disappear meanwhile.
 fn segments(config: &Config) -> impl Iterator<Item = (PathBuf, Metadata)> {
     let prefix = config.global.prefix.to_string();
     let user = rustix::process::geteuid().as_raw();
@@ -83,7 +83,7 @@ fn segments(config: &Config) -> impl Iterator<Item = (PathBuf, Metadata)> {
     })
 }
 
-/// Whether there is no other node, dead ones included.
+/// Whether there is no other node, not even a dead one.
 fn is_alone(node: &Node<ipc::Service>) -> bool {
     let mut others = false;
     let listed = Node::<ipc::Service>::list(node.config(), |state| {
@@ -93,7 +93,7 @@ fn is_alone(node: &Node<ipc::Service>) -> bool {
     listed.is_ok() && !others
 }
 
-/// Whether a process has a segment in its memory, of those that this one may look into.
+/// Whether any process that this one may inspect has a segment mapped.
 fn is_mapped(segment: &Path) -> bool {
     let segment = segment.to_string_lossy();
     let mut processes = std::fs::read_dir("/proc").into_iter().flatten().flatten();
@@ -103,10 +103,10 @@ fn is_mapped(segment: &Path) -> bool {
     })
 }
 
-/// Removes a service that was begun and given up; whether it was one.
+/// Removes an abandoned service; returns whether it was one.
 ///
-/// One process at a time does so, and only to what was begun long enough ago: what another
-/// one has begun anew meanwhile is left to it.
+/// Only one process at a time does so, and only if the service was started long enough ago: one
+/// that another process has started meanwhile is left alone.
 pub(super) fn remove_service(
     node: &Node<ipc::Service>,
     name: &ServiceName,
@@ -114,7 +114,7 @@ pub(super) fn remove_service(
 ) -> bool {
     let config = node.config();
     let folder = PathBuf::from(config.global.service_dir().to_string());
-    // The folder itself is the lock, so that none is left behind.
+    // The folder itself is the lock, so that no lock file is left behind.
     let Ok(lock) = File::open(&folder) else {
         return false;
     };
@@ -128,13 +128,13 @@ pub(super) fn remove_service(
     // SAFETY: nobody uses the service: it is used through its dynamic part, which is not
     // there. Nobody makes it: that would have taken a thousandth of its age.
     let removed = unsafe { node.force_remove_service(name, pattern) };
-    // What is not even readable yet is not removed by that.
+    // That does not remove files that are not even readable yet.
     removed == Ok(true) || std::fs::remove_file(file).is_ok()
 }
 
-/// Removes the last of dead nodes that iceoryx2 fails to remove: tags that they had begun to
-/// write, which are in the way of removing the folder behind them. That they have gone from
-/// their services before shows in that the node's description has.
+/// Removes the remains of dead nodes that iceoryx2 fails to remove: half-written tags, which block
+/// the removal of their folder. A missing node description shows that the node has already been
+/// removed from its services.
 pub(super) fn remove_tags(config: &Config, now: SystemTime) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
     let _ = Node::<ipc::Service>::list(config, |state| {
@@ -150,19 +150,19 @@ pub(super) fn remove_tags(config: &Config, now: SystemTime) {
     });
 }
 
-/// Removes what nodes have left that were killed while they began or ended, or while another
-/// one that was killed, too, buried them: files without the three that every node has that
-/// lives or that iceoryx2 will bury, or whose third was never finished.
+/// Removes the remains of nodes that were killed while they started, ended or were cleaned up by a
+/// process that was also killed: files without the three that every node has that is alive or that
+/// iceoryx2 will clean up, or whose third file was never finished.
 pub(super) fn remove_nodes(config: &Config) {
     let folder = PathBuf::from(config.global.node_dir().to_string());
     let (prefix, suffix) = (config.global.prefix, config.global.node.monitor_suffix);
     let (prefix, suffix) = (prefix.to_string(), suffix.to_string());
     let now = SystemTime::now();
-    // What can't be looked at or removed now is so by the next node that joins.
+    // What can't be inspected or removed now is left to the next node that joins.
     for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        // A node's folder has its number for a name, its files have more around it.
+        // A node's folder is named by its number; its files add a prefix and a suffix.
         let number = if is_folder {
             name.as_str()
         } else {
@@ -186,8 +186,8 @@ pub(super) fn remove_nodes(config: &Config) {
     }
 }
 
-/// Removes sockets by which nobody is woken any more: what was killed between making one and
-/// noting that it has, or while it was buried, leaves it.
+/// Removes orphaned sockets: left by processes that were killed between creating and registering
+/// one, or during their cleanup.
 pub(super) fn remove_sockets(config: &Config) {
     let folder = PathBuf::from(config.global.root_path().to_string());
     let prefix = config.global.prefix.to_string();
@@ -202,13 +202,13 @@ pub(super) fn remove_sockets(config: &Config) {
     }
 }
 
-/// Whether no process holds the other end; nothing is sent to who does.
+/// Whether no process holds the other end; sends nothing.
 fn is_nobodys(socket: &Path) -> bool {
     let connected = UnixDatagram::unbound().and_then(|own| own.connect(socket));
     connected.is_err_and(|error| error.kind() == ErrorKind::ConnectionRefused)
 }
 
-/// The file in which a service is described.
+/// The file that describes a service.
 fn file_name(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> String {
     let hash = ServiceHash::new::<<ipc::Service as Service>::ServiceNameHasher>(name, pattern);
     let (prefix, suffix) = (
@@ -223,13 +223,13 @@ fn was_given_up(file: &Path, now: SystemTime) -> bool {
     begun.is_ok_and(|begun| is_given_up(begun, now))
 }
 
-/// Whether what was begun then is given up by now.
+/// Whether something started at that time counts as abandoned now.
 fn is_given_up(begun: SystemTime, now: SystemTime) -> bool {
     now.duration_since(begun).is_ok_and(|age| age > GIVEN_UP)
 }
 
 fn is_usable(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> bool {
-    // What can't be looked at for another reason is not touched.
+    // What can't be inspected for another reason is left alone.
     ipc::Service::details(name, config, pattern).map_or(true, |found| {
         found.is_some_and(|service| service.dynamic_details.is_some())
     })

@@ -1,22 +1,21 @@
-//! Whether shared memory has room. Linux finds a page for it when it is first written to, and
-//! ends who writes where none is left by SIGBUS, without a word; so each process looks before
-//! it begins.
+//! Checks that shared memory has free space. Linux allocates a page on the first write, and kills
+//! the writer by SIGBUS without a message if none is left; so each process checks before it starts.
 
 use super::leftovers::SEGMENTS;
 use super::{RobotName, ServiceError};
 
-/// Refuses when fewer bytes are left than are wanted.
+/// An error if fewer bytes are left than needed.
 pub(super) fn find_room(
     robot: &RobotName,
     service: &'static str,
     wanted: u64,
 ) -> Result<(), ServiceError> {
-    // Who can't look is not kept from trying.
+    // If the check itself fails, the process may try.
     let Ok(found) = rustix::fs::statvfs(SEGMENTS) else {
         return Ok(());
     };
     let free = found.f_bavail.saturating_mul(found.f_frsize);
-    // One without blocks is without a limit.
+    // A file system without blocks has no limit.
     if found.f_blocks == 0 || free >= wanted {
         return Ok(());
     }

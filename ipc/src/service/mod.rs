@@ -1,20 +1,19 @@
-//! The services of one robot, `nsrm/v1/<robot>/…`, and what each promises.
+//! The services of one robot, `nsrm/v1/<robot>/…`, and their guarantees.
 //!
-//! | service | what goes through it | what is promised, and why |
+//! | service | messages | guarantees, and why |
 //! |---|---|---|
-//! | `camera` | slices with a `CameraFrame` in front | the latest frame and none before it: an old picture is of no use. One publisher |
-//! | `scene` | `SceneMessage` | the latest scene, also for who comes late. One publisher |
-//! | `plan` | `PlanRequest`, and `PlanReply`s until the last | one server; a request that finds no room is an error of the client's; replies of a whole sentence fit in |
-//! | `ask`, `answer` | `PlanRequest`, `PlanReply` | the same without a connection, for what carries publish-subscribe alone, such as a tunnel between hosts; the last 8 and 64. `answer` has all replies, for who looks on |
-//! | `sub_goal` | `SubGoal` | none is dropped: a full buffer is an error of the sender's, who never waits. One publisher and one subscriber: no robot has two masters, no command two servants |
-//! | `feedback` | `Feedback` | the last 64; a gap shows in the numbers. A controller never waits for who reads it. One publisher |
+//! | `camera` | slices with a `CameraFrame` as header | only the latest frame: an old image is of no use. One publisher |
+//! | `scene` | `SceneMessage` | the latest scene, also for late subscribers. One publisher |
+//! | `plan` | `PlanRequest`, and `PlanReply`s until the last | one server; a request that does not fit is an error for the client; the replies to a whole sentence fit |
+//! | `ask`, `answer` | `PlanRequest`, `PlanReply` | the same without a connection, for bridges that carry publish-subscribe only, such as a tunnel between hosts; the last 8 and 64. `answer` has all replies, for observers |
+//! | `sub_goal` | `SubGoal` | none is dropped: a full buffer is an error for the sender, which never waits. One publisher and one subscriber: no robot has two planners, no command two controllers |
+//! | `feedback` | `Feedback` | the last 64; sequence numbers show a gap. A controller never waits for its readers. One publisher |
 //! | `heartbeat` | `Heartbeat` | the last 16 of every node |
 //!
-//! Beside each stands an event service of the same name: who sends rings, who waits
-//! need not spin. What iceoryx2 does by itself and is changed here: a publisher with
-//! a full buffer waits for ever; the dead are found by nobody unless someone looks
-//! ([`Robot::cleanup_dead_nodes`]); signals are taken over; who writes where shared memory is full is
-//! ended by the system, so none begins without [`ROOM`].
+//! Each has an event service of the same name: senders notify, so that receivers need not spin.
+//! Defaults of iceoryx2 that are changed here: a publisher with a full buffer waits for ever; dead
+//! nodes are detected only on request ([`Robot::cleanup_dead_nodes`]); it handles signals; a
+//! process that writes to full shared memory is killed, so none starts without [`ROOM`].
 
 mod cause;
 mod error;
@@ -58,12 +57,12 @@ use fault::Fault;
 use memory::find_room;
 use quality::REPLIES;
 
-/// How long a service that is just being made or removed is waited for; long enough to
-/// find that its maker has given it up.
+/// How long to wait for a service that another process is creating or removing; long enough to
+/// detect that it is abandoned.
 const IN_FLUX: Duration = Duration::from_secs(4);
-/// How long is waited in between two tries.
+/// How long to wait between two tries.
 const BETWEEN_TRIES: Duration = Duration::from_millis(10);
-/// How long a try itself waits.
+/// The timeout of one try.
 const TRY: Duration = Duration::from_millis(100);
 
 /// The server of `plan`.
@@ -71,7 +70,7 @@ pub type PlanServer = Server<ipc::Service, PlanRequest, (), PlanReply, ()>;
 /// A client of `plan`.
 pub type PlanClient = Client<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
-/// A process's place among those of one robot.
+/// A process as a member of a robot.
 #[derive(Debug)]
 pub struct Robot {
     node: Node<ipc::Service>,
@@ -80,11 +79,10 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Joins a robot's processes.
+    /// Joins a robot.
     ///
-    /// * `role`: what this process is, for others to name it
-    /// * `config`: where iceoryx2 keeps its files; [`Config::global_config`] but in
-    ///   tests
+    /// * `role`: the role of this process, which others name in errors
+    /// * `config`: where iceoryx2 keeps its files; [`Config::global_config`] except in tests
     pub fn join(name: RobotName, role: Role, config: &Config) -> Result<Self, ServiceError> {
         let service = "node";
         find_room(&name, service, ROOM)?;
@@ -97,7 +95,7 @@ impl Robot {
         let node_name = node_name(&name, role);
         let mut config = config.clone();
         config.global.creation_timeout = TRY;
-        // The dead are buried by `cleanup_dead_nodes` alone, which looks first whether that would hang.
+        // Only `cleanup_dead_nodes` cleans up, since it first checks whether that would hang.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
@@ -130,8 +128,7 @@ impl Robot {
         Ok(robot)
     }
 
-    /// The same place, at a robot whose processes are spread over so many hosts; to be said
-    /// by all of them.
+    /// Sets whether the robot's processes run on one host or several; all of them must agree.
     pub const fn with_hosts(mut self, hosts: Hosts) -> Self {
         self.hosts = hosts;
         self
@@ -142,30 +139,29 @@ impl Robot {
         &self.name
     }
 
-    /// Frees the places of processes that have died; to be called a few times a
-    /// second, since nobody else does. Whether it could be done now: not while something
-    /// is being made.
+    /// Frees the slots of dead processes. Call it a few times per second, since nothing else does.
+    /// Returns whether it was possible now: it is not while another process is creating something.
     pub fn cleanup_dead_nodes(&self) -> bool {
         self.cleanup_dead_nodes_at(SystemTime::now())
     }
 
-    /// As [`Robot::cleanup_dead_nodes`], for a program with a clock of its own.
+    /// As [`Robot::cleanup_dead_nodes`], for a program with its own clock.
     ///
-    /// * `now`: on the clock by which the system dates files: what a process that died had half
-    ///   made is removed when it is a second old
+    /// * `now`: on the clock of the file system: what a dead process has left half created is
+    ///   removed when it is a second old
     pub fn cleanup_dead_nodes_at(&self, now: SystemTime) -> bool {
         let config = self.node.config();
         if leftovers::remove_segments(config, now) {
             return false;
         }
         if self.node.try_cleanup_dead_nodes().failed_cleanups > 0 {
-            // The next call then goes through.
+            // The next call can then clean up.
             leftovers::remove_tags(config, now);
         }
         true
     }
 
-    /// Sends messages of this type.
+    /// A sender of messages of this type.
     pub fn sender<M: Carried>(&self) -> Result<Sender<M>, ServiceError> {
         let service = self.stream::<M>()?;
         let full = match M::QUALITY.publishers {
@@ -175,7 +171,7 @@ impl Robot {
         let publisher = self.create_port(M::SERVICE, full, || {
             service
                 .publisher_builder()
-                // The default waits for ever when a buffer is full; this says so.
+                // The default waits for ever if a buffer is full; this returns an error.
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
                 .create()
@@ -183,20 +179,20 @@ impl Robot {
         Ok(Sender::new(publisher, self.notifier(M::SERVICE)?))
     }
 
-    /// Receives messages of this type.
+    /// A receiver of messages of this type.
     pub fn receiver<M: Carried>(&self) -> Result<Receiver<M>, ServiceError> {
         let service = self.stream::<M>()?;
         let subscriber = self.create_port(M::SERVICE, Self::full, || {
             service
                 .subscriber_builder()
-                // A tunnel may have made the service, with room for more.
+                // A tunnel may have created the service, with more slots.
                 .buffer_size(M::QUALITY.buffer)
                 .create()
         })?;
         Ok(Receiver::new(subscriber))
     }
 
-    /// Publishes frames of up to so many bytes.
+    /// A publisher of frames of up to `bytes` bytes.
     pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
         let frames = FRAMES_AT_ONCE.saturating_mul(bytes as u64);
         find_room(&self.name, CAMERA, frames.saturating_add(ROOM))?;
@@ -211,7 +207,7 @@ impl Robot {
         Ok(FramesOut::new(publisher, self.notifier(CAMERA)?))
     }
 
-    /// Receives frames.
+    /// A receiver of frames.
     pub fn frames_in(&self) -> Result<Frames, ServiceError> {
         let service = self.frames()?;
         let subscriber = self.create_port(CAMERA, Self::full, || {
@@ -221,7 +217,7 @@ impl Robot {
         Ok(Frames::new(subscriber))
     }
 
-    /// Answers requests: the planner's end.
+    /// The planner's side of `plan`.
     pub fn plan_server(&self) -> Result<PlanServer, ServiceError> {
         let service = self.plan()?;
         self.create_port(PLAN, Self::taken, || {
@@ -232,7 +228,7 @@ impl Robot {
         })
     }
 
-    /// Asks.
+    /// The client's side of `plan`.
     pub fn plan_client(&self) -> Result<PlanClient, ServiceError> {
         let service = self.plan()?;
         self.create_port(PLAN, Self::full, || {
@@ -243,7 +239,7 @@ impl Robot {
         })
     }
 
-    /// What wakes those who [`Robot::wait_set`] to a service.
+    /// A notifier, which wakes the wait sets of a service ([`Robot::wait_set`]).
     pub fn notifier(&self, service: &'static str) -> Result<Notifier, ServiceError> {
         let events = self.events(service)?;
         let notifier =
@@ -251,7 +247,7 @@ impl Robot {
         Ok(Notifier::new(notifier))
     }
 
-    /// Is woken when something comes through these services.
+    /// A wait set, which wakes up when something arrives at these services.
     pub fn wait_set<const N: usize>(
         &self,
         services: [&'static str; N],
@@ -333,7 +329,7 @@ impl Robot {
         self.open(service, MessagingPattern::Event, |builder| {
             builder
                 .event()
-                // Who is woken looks at the count of each id, 256 of them if nothing is said.
+                // A woken listener checks the count of each id, of which the default has 256.
                 .event_id_max_value(0)
                 .max_notifiers(ONLOOKERS)
                 .max_listeners(ONLOOKERS)
@@ -342,10 +338,10 @@ impl Robot {
         })
     }
 
-    /// Takes a place at a service; one that a dead process still has is waited for while it is
-    /// buried, by this process or by another one that has begun to.
+    /// Creates a port of a service. If a dead process still has the slot, waits until it is cleaned
+    /// up, by this process or by another one that has started to.
     ///
-    /// * `full`: the error when there is none
+    /// * `full`: the error if there is none
     fn create_port<T, E: Into<Fault>>(
         &self,
         service: &'static str,
@@ -369,10 +365,10 @@ impl Robot {
         })
     }
 
-    /// Whether there are dead processes that are not buried yet.
+    /// Whether there are dead processes that are not cleaned up yet.
     fn has_dead(&self) -> bool {
         let mut found = false;
-        // Whoever can't be looked at keeps nobody waiting.
+        // A process that can't be inspected delays nobody.
         let _ = Node::<ipc::Service>::list(self.node.config(), |state| {
             found = matches!(state, NodeState::Dead(_));
             if found {
@@ -384,7 +380,7 @@ impl Robot {
         found
     }
 
-    /// Opens a service, again and again while another process makes or removes it.
+    /// Opens a service; retries while another process creates or removes it.
     fn open<T, E: Into<Fault>>(
         &self,
         service: &'static str,
@@ -399,7 +395,7 @@ impl Robot {
             match open(self.node.service_builder(&name)).map_err(Into::into) {
                 Ok(opened) => return Ok(opened),
                 Err(Fault::InFlux) => {
-                    // Looked for also when the time is up, by a process that was held up.
+                    // Also checked after the timeout, by a process that was delayed.
                     if leftovers::remove_service(&self.node, &name, pattern) {
                         warn!(%name, "removed a service that a dead process had left half created");
                     } else if begun.elapsed() >= IN_FLUX {
@@ -434,7 +430,7 @@ impl Robot {
         })
     }
 
-    /// What iceoryx2 says, as an error.
+    /// An error of iceoryx2 as ours.
     pub(crate) fn fault(&self, service: &'static str, error: &dyn Debug) -> ServiceError {
         self.iceoryx(service, format!("{error:?}"))
     }
@@ -453,10 +449,10 @@ impl Robot {
         ServiceError::Full { robot, service }
     }
 
-    /// The only place is taken, by the process whose node has the same name.
+    /// The only slot is taken, by the process whose node has the same name.
     fn taken(&self, service: &'static str) -> ServiceError {
         let mut process = None;
-        // Whoever can't be looked at isn't named.
+        // A process that can't be inspected isn't named.
         let _ = Node::<ipc::Service>::list(self.node.config(), |state| {
             if let NodeState::Alive(view) = state
                 && view.id() != self.node.id()
@@ -476,16 +472,15 @@ impl Robot {
     }
 }
 
-/// By which processes meet.
+/// The folder in which iceoryx2 keeps its files.
 fn folder(config: &Config) -> PathBuf {
     String::from_utf8_lossy(config.global.root_path().as_bytes())
         .as_ref()
         .into()
 }
 
-/// The folder by which processes meet, if it is another user's: iceoryx2 gives nobody
-/// else access to what lies in it and in shared memory, and has no error of its own for
-/// that. Root is kept from nothing.
+/// That folder, if it belongs to another user: iceoryx2 gives no other user access to its files and
+/// its shared memory, and has no specific error for that. Root has access to everything.
 fn folder_of_other(config: &Config) -> Option<PathBuf> {
     let folder = folder(config);
     let owner = std::fs::metadata(&folder).ok()?.uid();

@@ -3,11 +3,11 @@ use core::str::FromStr;
 
 use heapless::String;
 
-/// The most letters of a robot's name.
+/// The greatest length of a robot's name, characters.
 pub const MAX_NAME: usize = 32;
 
-/// Which robot: a part of every service's name, so that several in one machine
-/// don't hear each other.
+/// The name of a robot: a part of every service's name, so that several robots on one machine don't
+/// receive each other's messages.
 ///
 /// ```
 /// use nsrm_ipc::service::{RobotName, RobotNameError};
@@ -33,13 +33,13 @@ impl fmt::Display for RobotName {
     }
 }
 
-/// Why a robot can't be called so.
+/// Why a robot's name is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RobotNameError {
-    /// No letters, or too many.
+    /// Empty, or too long.
     Length,
-    /// Something else than small letters, digits, `-` and `_`.
+    /// A character other than small letters, digits, `-` and `_`.
     Letter(char),
 }
 

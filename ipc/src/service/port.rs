@@ -10,7 +10,7 @@ use super::error::SendFailure;
 use super::quality::Carried;
 use crate::message::CameraFrame;
 
-/// Wakes those who listen to a service.
+/// Wakes the listeners of a service.
 #[derive(Debug)]
 pub struct Notifier {
     notifier: EventNotifier<ipc::Service>,
@@ -21,8 +21,8 @@ impl Notifier {
         Self { notifier }
     }
 
-    /// Wakes them. Who could not be woken looks a little later by itself: everyone
-    /// who waits does so for a bounded time.
+    /// Wakes them. A listener that can't be woken polls a little later, since every wait is
+    /// bounded.
     pub fn notify(&self) {
         let _ = self.notifier.notify();
     }
@@ -43,7 +43,7 @@ impl<M: Carried> Sender<M> {
         }
     }
 
-    /// Sends a message and rings; says to how many. Never waits.
+    /// Sends a message and notifies; returns the number of receivers. Never waits.
     pub fn send(&self, message: &M) -> Result<usize, SendFailure> {
         let receivers = self
             .publisher
@@ -56,11 +56,11 @@ impl<M: Carried> Sender<M> {
         Ok(receivers)
     }
 
-    /// Gives receivers that came since the last message what the service keeps for
-    /// them; iceoryx2 does so only when its publisher acts. To be called a few times
-    /// a second where messages are rare.
+    /// Sends the history of the service to receivers that have joined since the last message;
+    /// iceoryx2 does so only when its publisher acts. Call it a few times per second if messages
+    /// are rare.
     pub fn update_connections(&self) {
-        // Who could not be reached is reached by the next message, or is gone.
+        // A receiver that can't be reached gets the next message, or is gone.
         let _ = self.publisher.update_connections();
     }
 }
@@ -76,14 +76,14 @@ impl<M: Carried> Receiver<M> {
         Self { subscriber }
     }
 
-    /// The next message, in place; `None` when there is none now.
+    /// The next message, in place; `None` if none has arrived.
     pub fn receive(&self) -> Result<Option<Sample<ipc::Service, M, ()>>, ReceiveError> {
         self.subscriber.receive()
     }
 
-    /// What waits now, in order of each publisher. Ends after as many as can wait, so
-    /// that who sends without end keeps nobody from its work; what can't be read now is
-    /// there for the next call.
+    /// The waiting messages, in the order of each publisher. Ends after a full buffer, so that a
+    /// flood of messages can't block the receiver; what can't be read now is left for the next
+    /// call.
     pub fn waiting(&self) -> impl Iterator<Item = Sample<ipc::Service, M, ()>> {
         let most = M::QUALITY.buffer * M::QUALITY.publishers;
         (0..most).map_while(|_| self.receive().ok().flatten())
@@ -108,11 +108,10 @@ impl FramesOut {
         }
     }
 
-    /// Publishes a frame that is written where its readers will find it; says to how
-    /// many.
+    /// Publishes a frame that is written in place, where its readers read it; returns their number.
     ///
-    /// * `bytes`: of the image, seven a pixel: see [`CameraFrame`]
-    /// * `write`: is given the image's place, with what an earlier frame has left there;
+    /// * `bytes`: size of the image, seven bytes per pixel: see [`CameraFrame`]
+    /// * `write`: writes the image into the given memory, which still holds an earlier frame;
     ///   clearing it would take as long as writing it
     pub fn send(
         &self,
@@ -147,7 +146,7 @@ impl Frames {
         Self { subscriber }
     }
 
-    /// The latest frame, in place; `None` when there is none that was not received.
+    /// The latest frame, in place; `None` if there is no new one.
     pub fn receive(&self) -> Result<Option<Sample<ipc::Service, [u8], CameraFrame>>, ReceiveError> {
         self.subscriber.receive()
     }

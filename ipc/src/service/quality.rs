@@ -4,36 +4,36 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::message::{Feedback, Heartbeat, Message, PlanReply, PlanRequest, SceneMessage, SubGoal};
 
-/// What a publish-subscribe service promises.
+/// The guarantees of a publish-subscribe service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quality {
-    /// How many messages wait for a subscriber at most.
+    /// The greatest number of messages that wait for a subscriber.
     pub buffer: usize,
-    /// How many of the last ones a late subscriber gets.
+    /// How many of the last messages a late subscriber gets.
     pub history: usize,
-    /// Whether a full buffer loses its oldest message; otherwise sending fails.
+    /// Whether a full buffer drops its oldest message; otherwise sending fails.
     pub overflow: bool,
-    /// How many may publish.
+    /// The greatest number of publishers.
     pub publishers: usize,
-    /// How many may subscribe.
+    /// The greatest number of subscribers.
     pub subscribers: usize,
 }
 
-/// Over how many hosts a robot's processes are spread.
+/// Whether a robot's processes run on one host or several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Hosts {
-    /// All are in one machine.
+    /// All run on one machine.
     #[default]
     One,
-    /// A tunnel on each host carries what goes through the services. It has a publisher and a
-    /// subscriber of its own at each, and makes those anew that only the other host has, all
-    /// with the same promises: nothing for who comes late, and the oldest is lost, not the
-    /// newest. A command that is lost so is not accepted, which its sender sees.
+    /// A tunnel on each host forwards the services. It has its own publisher and subscriber at
+    /// each, and creates those that only the other host has, all with the same guarantees: no
+    /// history for late subscribers, and a full buffer drops the oldest message, not the newest. A
+    /// command that is lost in this way is not accepted, which its sender detects.
     Several,
 }
 
 impl Quality {
-    /// What can be promised over so many hosts.
+    /// The guarantees that are possible with these hosts.
     pub const fn with_hosts(self, hosts: Hosts) -> Self {
         match hosts {
             Hosts::One => self,
@@ -48,21 +48,21 @@ impl Quality {
     }
 }
 
-/// A message that has a publish-subscribe service of its own.
+/// A message with its own publish-subscribe service.
 pub trait Carried: Message + ZeroCopySend + Debug + 'static {
-    /// The end of the service's name.
+    /// The last part of the service's name.
     const SERVICE: &'static str;
-    /// What it promises.
+    /// Its guarantees.
     const QUALITY: Quality;
 }
 
-/// How many may look on, beside those that a robot needs.
+/// The greatest number of observers, besides the processes that a robot needs.
 pub const ONLOOKERS: usize = 16;
-/// Bytes of shared memory that must be left for a process to begin. All of a robot's
-/// processes together were seen to take less than half of it, beside frames.
+/// Bytes of shared memory that must be free when a process starts. All of a robot's processes
+/// together were observed to take less than half of it, besides frames.
 pub const ROOM: u64 = 1 << 20;
-/// Frames that have memory at once with one reader: the one being written, the one that is
-/// kept for who comes late, one that waits and one that is read.
+/// Frames in memory at once with one reader: the one being written, the history for late readers,
+/// one that waits and one that is read.
 pub const FRAMES_AT_ONCE: u64 = 4;
 
 impl Carried for SceneMessage {
@@ -133,7 +133,7 @@ impl Carried for PlanReply {
 
 /// The service of frames.
 pub const CAMERA: &str = "camera";
-/// What it promises; as [`Carried::QUALITY`], but a frame is a slice with a header.
+/// Its guarantees; as [`Carried::QUALITY`], but a frame is a slice with a header.
 pub const CAMERA_QUALITY: Quality = Quality {
     buffer: 1,
     history: 1,
@@ -144,10 +144,10 @@ pub const CAMERA_QUALITY: Quality = Quality {
 
 /// The service of requests and replies.
 pub const PLAN: &str = "plan";
-/// How many may ask at once; one is answered, the others are told that it is busy. Each has
-/// a heartbeat, beside those of the robot's own nodes.
+/// The greatest number of clients; one is served, the others are told that the planner is busy.
+/// Each has a heartbeat, besides those of the robot's own nodes.
 pub const CLIENTS: usize = 8;
-/// How many replies wait for a client at most. Eight steps without a retry have 33 at most,
-/// and each retry five more for each step that it goes back; who takes none of 160 does
-/// not listen.
+/// The greatest number of replies that wait for a client. Eight steps without a retry have 33 at
+/// most, and each retry five more for each step that it goes back; a client that reads none of 160
+/// does not listen.
 pub(super) const REPLIES: usize = 160;

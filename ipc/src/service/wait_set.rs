@@ -7,10 +7,10 @@ use iceoryx2::prelude::{FileDescriptorBased as _, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-/// Is woken by what rings at some services.
+/// A wait set: sleeps until one of several services notifies.
 ///
-/// iceoryx2's own ways of waiting empty the bells' sockets by two to four calls of the system
-/// before they return, and who was woken looks for its message behind them. Here that is left
+/// iceoryx2's own wait functions drain the sockets of the notifiers by two to four system calls
+/// before they return, and the woken process gets its message only after that. Here this is left
 /// for the next wait.
 #[derive(Debug)]
 pub struct WaitSet<const N: usize> {
@@ -22,18 +22,17 @@ impl<const N: usize> WaitSet<N> {
         Self { listeners }
     }
 
-    /// Sleeps until something rings, a signal comes or this time has passed; whether there may
-    /// be something to look for.
+    /// Sleeps until a notification or a signal arrives or the time has passed; returns whether
+    /// something may have arrived.
     ///
-    /// The first call behind one that something has woken hears its bell out and returns at
-    /// once: what came meanwhile may have found it still ringing.
+    /// The first call after one that was woken drains its socket and returns at once: a message
+    /// that arrived meanwhile may have found the notification still pending.
     ///
-    /// Cost: two calls of the system for each service before it sleeps, none behind it.
-    /// Errors: [`ListenerWaitError::InternalFailure`] if the system lets nobody wait; a signal
-    /// is none.
+    /// Cost: two system calls for each service before it sleeps, none after. Errors:
+    /// [`ListenerWaitError::InternalFailure`] if the system can't wait; a signal is no error.
     pub fn wait(&self, longest: Duration) -> Result<bool, ListenerWaitError> {
-        // All of them and each time: one that rings just while it is heard out may lose its
-        // sound, and iceoryx2 would take it for one that still rings.
+        // All of them and each time: a notification that arrives while its socket is drained may be
+        // lost, and iceoryx2 would take it for one that is still pending.
         if self.try_wait()? {
             return Ok(true);
         }
@@ -44,7 +43,7 @@ impl<const N: usize> WaitSet<N> {
             PollFd::from_borrowed_fd(notifier, PollFlags::IN)
         });
         let mut notifiers: Vec<_, N> = notifiers.collect();
-        // What is too long for it is for ever.
+        // A time that is too long counts as for ever.
         let longest = Timespec::try_from(longest).ok();
         match poll(&mut notifiers, longest.as_ref()) {
             Ok(how_many) => Ok(how_many > 0),
@@ -53,8 +52,8 @@ impl<const N: usize> WaitSet<N> {
         }
     }
 
-    /// Whether something has rung since this was asked last, or heard out. Never waits.
-    /// Errors: as [`WaitSet::wait`].
+    /// Whether a notification has arrived since the last call, or was drained. Never waits. Errors:
+    /// as [`WaitSet::wait`].
     pub fn try_wait(&self) -> Result<bool, ListenerWaitError> {
         let mut any = false;
         for listener in &self.listeners {

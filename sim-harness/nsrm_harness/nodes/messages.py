@@ -1,4 +1,4 @@
-"""The messages that cross processes.
+"""The messages between processes.
 
 Written by `cargo run -p nsrm-ipc --bin nsrm-bindings`; do not edit.
 """
@@ -46,52 +46,52 @@ REASONS = (
     "parsed_by_other_model",
     "other",
 )
-"""Why a request is not followed: `PlanReply.reason` is a place in here, counted from 1."""
+"""Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""
 
 
 class Purpose(IntEnum):
-    """Numbers of `PlanRequest.purpose`."""
+    """Values of `PlanRequest.purpose`."""
 
-    # To say what would be done.
+    # Plan only.
     PLAN_ONLY = 1
-    # To do it, and look after each step.
+    # Execute, and observe the scene after each step.
     CLOSED_LOOP = 2
-    # To do it without looking.
+    # Execute without observing.
     OPEN_LOOP = 3
-    # To cancel the request of this number.
+    # Cancel the request with this number.
     CANCEL = 4
 
 
 class Status(IntEnum):
-    """Numbers of `PlanReply.status`."""
+    """Values of `PlanReply.status`."""
 
-    # It was understood and grounded; again before each step that is grounded anew.
+    # It was parsed and grounded; repeated before each step that is grounded again.
     PLANNED = 1
     # A step was sent to the controller.
     COMMANDED = 2
-    # A step did what it should.
+    # A step succeeded.
     REACHED = 3
-    # A step did not, and is tried again.
+    # A step failed and is retried.
     AGAIN = 4
-    # All is done. The last reply.
+    # The sentence is done. The last reply.
     DONE = 5
-    # It won't be followed, or not further. The last reply.
+    # The request was refused or has failed. The last reply.
     FAILED = 6
-    # Before a step's object is carried, something else is moved out of its way.
+    # Other objects are moved aside before a step's object is moved.
     CLEARING = 7
 
 
 class Kind(IntEnum):
-    """Numbers of `SubGoal.kind`."""
+    """Values of `SubGoal.kind`."""
 
-    # To bring the object there.
+    # Move the object to its sub-goal.
     MOVE = 1
-    # To stop.
+    # Stop.
     STOP = 2
 
 
 class Outcome(IntEnum):
-    """Numbers of `Feedback.outcome`."""
+    """Values of `Feedback.outcome`."""
 
     # It will be executed; another outcome follows.
     ACCEPTED = 1
@@ -132,37 +132,37 @@ class Outcome(IntEnum):
 
 
 class Role(IntEnum):
-    """Numbers of `Heartbeat.role`."""
+    """Values of `Heartbeat.role`."""
 
     # Publishes camera frames.
     CAMERA = 1
-    # Makes scenes of them.
+    # Turns frames into scenes.
     PERCEPTION = 2
     # Answers sentences with plans.
     PLANNER = 3
-    # Carries sub-goals out.
+    # Executes sub-goals.
     CONTROLLER = 4
-    # Asks for sentences to be followed.
+    # Sends sentences to the planner.
     CLIENT = 5
-    # Looks on.
+    # Observes.
     WATCHER = 6
 
 
 class State(IntEnum):
-    """Numbers of `Heartbeat.state`."""
+    """Values of `Heartbeat.state`."""
 
     # Not yet ready.
     STARTING = 1
-    # Ready, with nothing to do.
+    # Ready and idle.
     IDLE = 2
-    # At work.
+    # Working.
     BUSY = 3
-    # Alive, but unable to work; a person must look.
+    # Alive, but unable to work; needs a person.
     FAILED = 4
 
 
 class Quality(NamedTuple):
-    """What a publish-subscribe service promises."""
+    """The guarantees of a publish-subscribe service."""
 
     buffer: int
     history: int
@@ -178,15 +178,15 @@ QUALITIES = {
     "feedback": Quality(64, 0, True, 1, 16),
     "heartbeat": Quality(16, 0, True, 16, 16),
 }
-"""By the end of the service's name."""
+"""By the last part of the service's name."""
 ONLOOKERS = 16
-"""How many may look on, beside those that a robot needs."""
+"""The greatest number of observers, besides the processes that a robot needs."""
 ROOM = 1048576
-"""Bytes of shared memory that must be left for a process to begin."""
+"""Bytes of shared memory that must be free when a process starts."""
 FRAMES_AT_ONCE = 4
-"""Frames that have memory at once with one reader."""
+"""Frames in memory at once with one reader."""
 MAX_STEPS = 8
-"""A plan has no more steps."""
+"""The greatest number of steps of a plan."""
 
 
 class CameraMessage(ctypes.Structure):
@@ -202,9 +202,9 @@ class CameraMessage(ctypes.Structure):
         ("fx", ctypes.c_float),
         # Focal length along y in pixels.
         ("fy", ctypes.c_float),
-        # Principal point's x in pixels, from the image's left edge.
+        # x of the principal point in pixels, from the image's left edge.
         ("cx", ctypes.c_float),
-        # Principal point's y in pixels, from the image's upper edge.
+        # y of the principal point in pixels, from the image's upper edge.
         ("cy", ctypes.c_float),
         # Origin of the optical frame in the world's frame, metres.
         ("position", ctypes.c_float * 3),
@@ -212,7 +212,7 @@ class CameraMessage(ctypes.Structure):
         ("orientation", ctypes.c_float * 4),
     ]
     LAYOUT: ClassVar = (52, 4)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "width": 0,
         "height": 4,
@@ -223,68 +223,67 @@ class CameraMessage(ctypes.Structure):
         "position": 24,
         "orientation": 36,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.CameraMessage.8b20698258a5e70e"
 
 
 class DetectedBox(ctypes.Structure):
-    """An object that a detector has found in the image."""
+    """An object that a detector has found in an image."""
 
     _fields_: ClassVar = [
-        # Who it is across frames; not zero.
+        # Id of the object, the same in all frames; not zero.
         ("id", ctypes.c_uint32),
-        # 0 where all of it is seen, 1 where others are known to hide a part of it, 2 where they
-        # hide all of it: its look is then that of before, and without one it is left out.
+        # 0 if it is completely visible, 1 if others are known to hide part of it, 2 if they hide
+        # all of it: it then keeps its earlier appearance, and without one it is left out.
         ("covered", ctypes.c_uint32),
-        # Corners x1, y1, x2, y2 of the box around what is seen of it, as fractions of the
-        # image's width and height.
+        # Corners x1, y1, x2, y2 of the box around its visible part, as fractions of the image's
+        # width and height.
         ("visible", ctypes.c_float * 4),
-        # Corners of the box around all of it, also of what is hidden behind others as
-        # far as that is known, then the mean depth of its pixels along the optical
-        # axis, metres.
+        # Corners of the box around the whole object, including hidden parts as far as they are
+        # known, then the mean depth of its pixels along the optical axis, metres.
         ("location", ctypes.c_float * 5),
     ]
     LAYOUT: ClassVar = (44, 4)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "id": 0,
         "covered": 4,
         "visible": 8,
         "location": 24,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.DetectedBox.a804d86f803d6e69"
 
 
 class CameraFrame(ctypes.Structure):
-    """Header of a frame (service `camera`); the bytes of the image follow as a
-    slice: RGB rows first, depth rows behind them, both without gaps.
+    """Header of a frame (service `camera`); the bytes of the image follow as a slice: first the
+    RGB rows, then the depth rows, both without gaps.
 
-    RGB: three bytes a pixel. Depth: one little-endian `f32` a pixel, metres
-    along the optical axis, 0 where nothing was measured."""
+    RGB: three bytes per pixel. Depth: one little-endian `f32` per pixel, metres along the
+    optical axis, 0 for no measurement."""
 
     _fields_: ClassVar = [
-        # Counts up with each frame of one publisher.
+        # Sequence number: increases with each frame of one publisher.
         ("sequence", ctypes.c_uint64),
         # When the image was taken, nanoseconds on the publisher's clock.
         ("timestamp_ns", ctypes.c_uint64),
         # The camera.
         ("camera", CameraMessage),
-        # How many of `boxes` are there.
+        # The number of valid entries in `boxes`.
         ("count", ctypes.c_uint32),
-        # What the detector found.
+        # The detections.
         ("boxes", DetectedBox * 16),
     ]
     LAYOUT: ClassVar = (776, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "sequence": 0,
         "timestamp_ns": 8,
@@ -292,65 +291,65 @@ class CameraFrame(ctypes.Structure):
         "count": 68,
         "boxes": 72,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.CameraFrame.5791200141f197a9"
 
 
 class ObjectMessage(ctypes.Structure):
-    """An object as the camera sees it."""
+    """An object in the camera's view."""
 
     _fields_: ClassVar = [
-        # Who it is across scenes; not zero.
+        # Id of the object, the same in all scenes; not zero.
         ("id", ctypes.c_uint32),
         # Box corners x1, y1, x2, y2 as fractions of the image's width and
         # height, then mean depth in metres.
         ("location", ctypes.c_float * 5),
-        # What the crop encoder made of it.
+        # The crop encoder's embedding.
         ("embedding", ctypes.c_float * 64),
     ]
     LAYOUT: ClassVar = (280, 4)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "id": 0,
         "location": 4,
         "embedding": 24,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.ObjectMessage.74f496911c7af3de"
 
 
 class SceneMessage(ctypes.Structure):
-    """The latest scene (service `scene`). The bytes are those of core's
-    `RawScene`; `SceneMessage::to_scene` checks them."""
+    """The latest scene (service `scene`). Has the same bytes as core's `RawScene`;
+    `SceneMessage::to_scene` checks them."""
 
     _fields_: ClassVar = [
         # Version of this layout: `nsrm_core::scene::SCENE_SCHEMA`.
         ("schema", ctypes.c_uint32),
         # Frame of reference of the camera's pose.
         ("frame", ctypes.c_uint32),
-        # Tag of the model whose encoder made the embeddings.
+        # Tag of the model whose encoder computed the embeddings.
         ("model_tag", ctypes.c_uint64),
-        # Counts up with each scene of one publisher.
+        # Sequence number: increases with each scene of one publisher.
         ("sequence", ctypes.c_uint64),
         # When the image was taken, nanoseconds on the publisher's clock.
         ("timestamp_ns", ctypes.c_uint64),
-        # The camera that saw it.
+        # The camera.
         ("camera", CameraMessage),
-        # How many of `objects` are there.
+        # The number of valid entries in `objects`.
         ("count", ctypes.c_uint32),
         # The objects.
         ("objects", ObjectMessage * 16),
     ]
     LAYOUT: ClassVar = (4568, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "schema": 0,
         "frame": 4,
@@ -361,24 +360,23 @@ class SceneMessage(ctypes.Structure):
         "count": 84,
         "objects": 88,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.SceneMessage.44a4c1a31d84fbc0"
 
 
 class PlanRequest(ctypes.Structure):
-    """Asks for a sentence to be followed."""
+    """A request to execute a sentence, or to cancel one."""
 
     _fields_: ClassVar = [
-        # Who asks: a number that no other has.
+        # The client: a unique number.
         ("client", ctypes.c_uint64),
         # Number of the request, the client's own.
         ("sequence", ctypes.c_uint64),
-        # How far it is to be followed, or that it no longer is: the number of a
-        # `Purpose`.
+        # What is requested: the number of a `Purpose`.
         ("purpose", ctypes.c_uint32),
         # Bytes of the sentence; 0 to cancel.
         ("sentence_length", ctypes.c_uint32),
@@ -386,7 +384,7 @@ class PlanRequest(ctypes.Structure):
         ("sentence", ctypes.c_uint8 * 4096),
     ]
     LAYOUT: ClassVar = (4120, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
         "sequence": 8,
@@ -394,30 +392,30 @@ class PlanRequest(ctypes.Structure):
         "sentence_length": 20,
         "sentence": 24,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.PlanRequest.912596fd2fc37f48"
 
 
 class StepMessage(ctypes.Structure):
-    """A step as understood and, where it is still to be done, as grounded."""
+    """A step as parsed and, if it is still to be done, as grounded."""
 
     _fields_: ClassVar = [
         # Index of the action in the model.
         ("action", ctypes.c_uint32),
-        # How many concepts describe the object to be moved.
+        # How many concepts describe the object to move.
         ("object_count", ctypes.c_uint32),
-        # Those concepts, by their index in the model; 0 behind the last.
+        # Those concepts: indices in the model; 0 after the last.
         ("object", ctypes.c_uint8 * 4),
         # How many concepts describe the reference.
         ("reference_count", ctypes.c_uint32),
         # Those concepts.
         ("reference", ctypes.c_uint8 * 4),
-        # Id of the object to be moved; 0 where the step is not grounded, and
-        # then all below is 0.
+        # Id of the object to move; 0 if the step is not grounded, and then all fields below are
+        # 0.
         ("object_id", ctypes.c_uint32),
         # Id of the reference.
         ("reference_id", ctypes.c_uint32),
@@ -428,16 +426,16 @@ class StepMessage(ctypes.Structure):
         # Probability of each choice: split, action, words of the object, words
         # of the reference, object, reference.
         ("confidence", ctypes.c_float * 6),
-        # Where the object's centre is to be: world frame, metres.
+        # Sub-goal position of the object's centre: world frame, metres.
         ("position", ctypes.c_float * 3),
-        # How it is to be turned, world frame: x, y, z, w.
+        # Sub-goal orientation, world frame: x, y, z, w.
         ("orientation", ctypes.c_float * 4),
-        # Where the camera will see it, as predicted: x1, y1, x2, y2 as
-        # fractions of the image, mean depth in metres.
+        # Predicted location in the image: x1, y1, x2, y2 as fractions of the image, mean depth in
+        # metres.
         ("location", ctypes.c_float * 5),
     ]
     LAYOUT: ClassVar = (108, 4)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
         "object_count": 4,
@@ -453,48 +451,48 @@ class StepMessage(ctypes.Structure):
         "orientation": 72,
         "location": 88,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.StepMessage.9da5fff08c49f54d"
 
 
 class PlanReply(ctypes.Structure):
-    """What has become of a `PlanRequest`."""
+    """An event in the execution of a `PlanRequest`."""
 
     _fields_: ClassVar = [
-        # Who asked.
+        # The client.
         ("client", ctypes.c_uint64),
         # Number of the request.
         ("request", ctypes.c_uint64),
         # Number of the plan; 0 if there is none.
         ("plan", ctypes.c_uint64),
-        # Counts the replies to a request from 1: a gap is a loss.
+        # Number of the reply to its request, from 1: a gap is a loss.
         ("number", ctypes.c_uint32),
-        # What has happened: the number of a `Status`.
+        # The event: the number of a `Status`.
         ("status", ctypes.c_uint32),
         # Which step it is about, from 0.
         ("step", ctypes.c_uint32),
-        # How many steps the program has; from 1 when planned, else 0.
+        # How many steps the program has; at least 1 with `Status::Planned`, else 0.
         ("count", ctypes.c_uint32),
-        # Why not: place in `REASONS` from 1; 0 where all is well.
+        # Why it failed: place in `REASONS` from 1; 0 if it did not fail.
         ("reason", ctypes.c_uint32),
-        # How far from its sub-goal an object was seen, metres.
+        # How far from its sub-goal an object was observed, metres.
         ("off_m", ctypes.c_float),
         # Bytes of the message.
         ("message_length", ctypes.c_uint32),
         # Always 0.
         ("reserved", ctypes.c_uint32),
-        # For a person, in UTF-8: the program in the paper's notation when
-        # planned, else why not.
+        # Text for a person, UTF-8: the program in the paper's notation with `Status::Planned`,
+        # else the reason.
         ("message", ctypes.c_uint8 * 1024),
-        # The program's steps when planned.
+        # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
     LAYOUT: ClassVar = (1944, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
         "request": 8,
@@ -510,60 +508,61 @@ class PlanReply(ctypes.Structure):
         "message": 56,
         "steps": 1080,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.PlanReply.a56839637ffd4920"
 
 
 class SubGoal(ctypes.Structure):
-    """A command (service `sub_goal`): bring an object to its sub-goal, or stop
-    doing so. Each is acknowledged by a `crate::message::Feedback`; one that
-    comes again is answered again and not carried out again.
+    """A command (service `sub_goal`): move an object to its sub-goal, or stop doing so. Each is
+    acknowledged by a `crate::message::Feedback`; a repeated command gets the same answer and
+    is not executed again.
 
-    A controller may have been held up, and find commands that nobody wants any
-    more: of all that wait it obeys stops first, and it answers without a move what
-    is read after `until_ns` or comes before a command that it has had (of a smaller
-    plan, or of the same one with a smaller number)."""
+    A delayed controller may read commands that are obsolete. Of all waiting commands it obeys
+    stops first. It answers, but does not execute, a command that it reads after `until_ns`, or
+    that is older than one it has received (with a smaller plan number, or with the same one and
+    a smaller command number)."""
 
     _fields_: ClassVar = [
-        # Number of the plan; a later plan has a greater one.
+        # Number of the plan; a later plan has a greater number.
         ("plan", ctypes.c_uint64),
-        # Until when it may be begun, nanoseconds on the clock that the robot's processes go
-        # by: the machine's monotonic one, or the wall clock over several hosts. Then the
-        # planner gives it up. 0 for a stop, which is never too late.
+        # The deadline for starting it, nanoseconds on the clock of the robot's processes: the
+        # machine's monotonic clock, or the wall clock on several hosts. Then the planner abandons
+        # it. 0 for a stop, which is never too late.
         ("until_ns", ctypes.c_uint64),
-        # Counts the plan's commands from 1; a stop has that of what it stops.
+        # Number of the command within its plan, from 1; a stop has the number of the command that
+        # it stops.
         ("command", ctypes.c_uint32),
-        # The number of a `Kind`; of a stop all below is 0.
+        # The number of a `Kind`; in a stop all fields below are 0.
         ("kind", ctypes.c_uint32),
-        # Place in the plan, from 0.
+        # Number of the step, from 0.
         ("step", ctypes.c_uint32),
-        # Steps of the plan.
+        # Number of steps in the program.
         ("steps", ctypes.c_uint32),
         # Index of the action in the model.
         ("action", ctypes.c_uint32),
-        # The object to be moved.
+        # Id of the object to move.
         ("object_id", ctypes.c_uint32),
-        # The object in relation to which it is moved.
+        # Id of the reference object.
         ("reference_id", ctypes.c_uint32),
         # Product of the step's probabilities, 0 to 1.
         ("confidence", ctypes.c_float),
-        # Where the object's centre is to be: world frame, metres.
+        # Sub-goal position of the object's centre: world frame, metres.
         ("position", ctypes.c_float * 3),
-        # How it is to be turned, world frame: x, y, z, w.
+        # Sub-goal orientation, world frame: x, y, z, w.
         ("orientation", ctypes.c_float * 4),
-        # Where the camera will see it, as predicted: x1, y1, x2, y2 as
-        # fractions of the image, mean depth in metres.
+        # Predicted location in the image: x1, y1, x2, y2 as fractions of the image, mean depth in
+        # metres.
         ("location", ctypes.c_float * 5),
-        # Ids of what is to stay where it is besides the reference: what the steps that are done
-        # have put somewhere, and what they have put it beside or on; 0 for none.
+        # Ids of objects that must stay where they are, besides the reference: the objects and
+        # references of completed steps; 0 for none.
         ("keep", ctypes.c_uint32 * 16),
     ]
     LAYOUT: ClassVar = (160, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "plan": 0,
         "until_ns": 8,
@@ -580,11 +579,11 @@ class SubGoal(ctypes.Structure):
         "location": 76,
         "keep": 96,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.SubGoal.027c01d730571850"
 
 
@@ -607,7 +606,7 @@ class Feedback(ctypes.Structure):
         ("objects", ctypes.c_uint32 * 2),
     ]
     LAYOUT: ClassVar = (40, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "plan": 0,
         "sequence": 8,
@@ -616,34 +615,33 @@ class Feedback(ctypes.Structure):
         "outcome": 28,
         "objects": 32,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.Feedback.343e85d0c8daab6b"
 
 
 class Heartbeat(ctypes.Structure):
-    """A sign of life."""
+    """A heartbeat (service `heartbeat`)."""
 
     _fields_: ClassVar = [
-        # Counts up with each heartbeat of one node.
+        # Sequence number: increases with each heartbeat of one node.
         ("sequence", ctypes.c_uint64),
         # When it was sent, nanoseconds on the sender's clock.
         ("timestamp_ns", ctypes.c_uint64),
-        # When the node was started: tells it from one started in its place.
+        # When the node was started: distinguishes it from a later one in its place.
         ("started_ns", ctypes.c_uint64),
-        # How many messages it has received and passed over since then, because they
-        # made no sense or came too late.
+        # How many messages it has rejected since then, because they were invalid or too late.
         ("rejected", ctypes.c_uint64),
-        # Who sends: the number of a `Role`.
+        # The sender's role: the number of a `Role`.
         ("role", ctypes.c_uint32),
-        # What it does: the number of a `State`.
+        # The sender's state: the number of a `State`.
         ("state", ctypes.c_uint32),
     ]
     LAYOUT: ClassVar = (40, 8)
-    """Size and alignment in bytes, as Rust has them."""
+    """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "sequence": 0,
         "timestamp_ns": 8,
@@ -652,9 +650,9 @@ class Heartbeat(ctypes.Structure):
         "role": 32,
         "state": 36,
     }
-    """Bytes before each field, as Rust has them."""
+    """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
-        """What iceoryx2 compares between peers."""
+        """The type name that iceoryx2 compares between peers."""
         return "nsrm.v1.Heartbeat.6f9d992f9581fe82"
