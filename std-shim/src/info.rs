@@ -1,4 +1,4 @@
-//! What a model is and what it takes, for a person or as JSON.
+//! A description of a model, as text or as JSON: domain, dimensions, memory and metrics.
 
 use std::fmt::Write as _;
 
@@ -37,7 +37,7 @@ const CAPACITIES: [(&str, usize); 6] = [
     ("descriptions_a_step", MAX_GROUPS),
 ];
 
-/// Sizes and bounds of the work that are constants of the build, by name.
+/// Sizes and work bounds that are constants of the build, by name.
 const BOUNDS: [(&str, usize); 5] = [
     ("scratch_bytes", TASK_BYTES),
     ("plan_bytes", PLAN_BYTES),
@@ -87,7 +87,7 @@ pub fn info_json(any: &AnyModel) -> Value {
     })
 }
 
-/// The same for a person.
+/// The same as text.
 pub fn info_text(any: &AnyModel) -> String {
     let model = any.model();
     let header = &model.header;

@@ -19,11 +19,10 @@ pub fn program(model: &Model<'_>, program: &Program) -> Value {
 }
 
 /// The planned steps, each with `step` (its place in the program; a plan of the rest of a program
-/// begins behind 0), `object_id`, `reference_id`, `confidence` (all
-/// parts multiplied), `confidences` (the parts), `sub_goal` (`position` in metres
-/// and `orientation` x, y, z, w, both in the world's frame), `location` (predicted
-/// box and depth) and `explanation`; the program in the paper's `notation`; and the
-/// whole plan's `confidence`.
+/// starts after 0), `object_id`, `reference_id`, `confidence` (all parts multiplied), `confidences`
+/// (the parts), `sub_goal` (`position` in metres and `orientation` x, y, z, w, both in the world's
+/// frame), `location` (predicted box and depth) and `explanation`; the program in the paper's
+/// `notation`; and the whole plan's `confidence`.
 pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
     let steps: Vec<Value> = plan
         .numbered()
@@ -58,7 +57,7 @@ pub fn error(message: &str) -> Value {
     json!({"error": {"message": message}})
 }
 
-/// What a refusal's variant carries, by name, in words where it can be.
+/// The details of a refusal, by name, in words where possible.
 pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Map<String, Value> {
     let words =
         |span: &Span| json!({"text": span.of(sentence), "start": span.start, "end": span.end});
@@ -154,7 +153,7 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
                 "got": format!("{got:016x}"),
             })
         }
-        // A kind that this version doesn't know the details of.
+        // A kind whose details this version doesn't know.
         _ => json!({}),
     };
     match details {
@@ -163,7 +162,7 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
     }
 }
 
-/// The names of a description's concepts, in the order in which they were said.
+/// The names of a description's concepts, in the order of the sentence.
 pub fn names<'a>(model: &Model<'a>, description: &Description) -> Vec<&'a str> {
     let concepts = description.concepts().iter();
     concepts
@@ -172,7 +171,7 @@ pub fn names<'a>(model: &Model<'a>, description: &Description) -> Vec<&'a str> {
         .collect()
 }
 
-/// The name of an action; `"?"` where the model has none of that index.
+/// The name of an action; `"?"` if the model has no such index.
 pub fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
     let action = model.actions.get(usize::from(action));
     action.map_or("?", |action| action.name)

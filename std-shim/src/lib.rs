@@ -1,6 +1,6 @@
-//! What of nsrm needs an operating system: models loaded at run time, scenes read
-//! from JSON and images, plans and refusals as JSON. The command `nsrm` is made of
-//! these; `nsrm_core` does the thinking.
+//! The parts of NSRM that need an operating system: models loaded at run time, scenes read from
+//! JSON and images, plans and refusals as JSON. The command `nsrm` is built on them; `nsrm_core`
+//! does the planning.
 //!
 //! ```no_run
 //! use nsrm::{AnyModel, read_scene};

@@ -1,4 +1,4 @@
-//! The model that is built in, or one loaded at run time.
+//! The built-in model, or one loaded at run time.
 
 use std::fmt;
 use std::io;
@@ -8,11 +8,11 @@ use nsrm_codegen::{ModelError, OwnedModel};
 use nsrm_core::model::Model;
 use nsrm_tabletop::{TABLETOP, TABLETOP_ABOUT};
 
-/// A model that the planner can use, wherever it comes from.
+/// A model for the planner, built in or loaded.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum AnyModel {
-    /// The static arrays that are built in: the domain `tabletop`.
+    /// The built-in static arrays: the domain `tabletop`.
     Pretrained,
     /// Loaded from a model file.
     Loaded(Box<OwnedModel>),
@@ -22,14 +22,14 @@ pub enum AnyModel {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// It can't be read.
+    /// The file can't be read.
     Read {
         /// Its path.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Its content is refused.
+    /// Its content is invalid.
     Model {
         /// Its path.
         path: PathBuf,
@@ -61,7 +61,7 @@ impl std::error::Error for LoadError {
 /// Reads, checks and folds a model file (safetensors).
 ///
 /// # Errors
-/// [`LoadError`] when it can't be read or its content is refused.
+/// [`LoadError`] if it can't be read or its content is invalid.
 pub fn load_model(path: impl AsRef<Path>) -> Result<OwnedModel, LoadError> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|source| LoadError::Read {
@@ -78,7 +78,7 @@ impl AnyModel {
     /// [`load_model`].
     ///
     /// # Errors
-    /// [`LoadError`] when it can't be read or its content is refused.
+    /// [`LoadError`] if it can't be read or its content is invalid.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, LoadError> {
         Ok(Self::Loaded(Box::new(load_model(path)?)))
     }
@@ -91,8 +91,8 @@ impl AnyModel {
         }
     }
 
-    /// How it was trained and what it reached, as the trainer wrote it: an object
-    /// with `training` and `metrics`.
+    /// Its training and its metrics, as written by the trainer: an object with `training` and
+    /// `metrics`.
     pub fn about(&self) -> serde_json::Value {
         match self {
             // Written by the code generator, which took it from JSON.

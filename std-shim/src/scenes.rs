@@ -1,5 +1,4 @@
-//! Scenes from files: a JSON file with camera and boxes, and the image or crops
-//! that it belongs to.
+//! Scenes from files: a JSON file with camera and boxes, and its image or crops.
 
 use std::fmt;
 use std::fs::File;
@@ -13,7 +12,7 @@ use nsrm_core::vision::{self, Crop, Detection, ObservationTask, RgbImage, Stamp}
 use nsrm_core::{Camera, MAX_OBJECTS, RawScene, Scene, SceneError};
 use serde::Deserialize;
 
-/// Version of the scene file's form.
+/// Schema version of the scene file.
 const SCHEMA: u32 = 1;
 
 /// Why a scene file can't be used.
@@ -24,21 +23,21 @@ pub enum SceneFileError {
     Read {
         /// Its path.
         path: PathBuf,
-        /// What the operating system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The scene file is no JSON, or JSON of another form.
+    /// The scene file is not JSON, or has the wrong structure.
     Json {
         /// Its path.
         path: PathBuf,
         /// Where and why.
         source: serde_json::Error,
     },
-    /// The scene file has another schema version.
+    /// The scene file has an unsupported schema version.
     Schema {
         /// Its path.
         path: PathBuf,
-        /// What it says.
+        /// The version of the file.
         got: u32,
     },
     /// The scene file names no image, and no folder of crops was given.
@@ -53,14 +52,14 @@ pub enum SceneFileError {
         /// Why.
         source: Box<ImageError>,
     },
-    /// A decoded image can't be looked at as one.
+    /// A decoded image has an invalid size.
     Pixels {
         /// Its path.
         path: PathBuf,
         /// Why.
         source: vision::ImageError,
     },
-    /// What the files say makes no scene.
+    /// The scene is invalid.
     Scene {
         /// Path of the scene file.
         path: PathBuf,
@@ -168,9 +167,8 @@ impl ObjectEntry {
 /// [x, y, z], "orientation": [x, y, z, w]}, "image": "initial.png", "objects":
 /// [{"id": 1, "box": [x1, y1, x2, y2], "depth": 0.93}]}`.
 ///
-/// * `crops`: a folder with a file `<id>.png` for each object, cut at its box, of
-///   any size; without it, the boxes are cut out of `image`, whose path is
-///   relative to the scene file
+/// * `crops`: a folder with a file `<id>.png` for each object, cut out at its box, of any size;
+///   without it, the boxes are cut out of `image`, whose path is relative to the scene file
 ///
 /// # Errors
 /// [`SceneFileError`] for files that can't be read or decoded and for scenes that
@@ -210,19 +208,19 @@ pub fn read_scene(
     }
 }
 
-/// What a scene file says, without its image.
+/// The content of a scene file, without its image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneText {
     /// The camera.
     pub camera: Camera,
-    /// The image as the file names it, if it names one.
+    /// The image's path in the file, if it has one.
     pub image: Option<PathBuf>,
     /// The objects: ids and boxes.
     pub detections: Vec<Detection>,
 }
 
-/// Reads the text of a scene file and checks all that can be checked before an image
-/// is decoded; touches no file.
+/// Reads the text of a scene file and checks everything that can be checked without the image;
+/// opens no file.
 ///
 /// * `path`: where the bytes come from, for errors
 ///
@@ -256,12 +254,12 @@ pub fn read_scene_text(
     })
 }
 
-/// Everything that can be checked without looking at the objects.
+/// Everything that can be checked without the image.
 fn check(detections: &[Detection], camera: Camera, model: &Model<'_>) -> Result<(), SceneError> {
     blank(detections, camera, model)?.check(model)
 }
 
-/// The scene with embeddings that are zero.
+/// The scene with zero embeddings.
 fn blank(
     detections: &[Detection],
     camera: Camera,

@@ -1,4 +1,4 @@
-//! The domain as it travels in the model file, and what must hold of it.
+//! The domain in the model file, and its checks.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,11 +13,11 @@ pub const MAX_NAMES: usize = 256;
 /// Greatest number of words outside the lexicon: their index is a `u16`.
 pub const MAX_WORDS: usize = 65_536;
 
-/// What stands in for a group of concept words, row 0 of the vocabulary.
+/// The token for a group of concept words, row 0 of the vocabulary.
 pub const GROUP_TOKEN: &str = "[[X]]";
 
-/// The domain file, as far as the language, the names and the objects' sizes go; what
-/// the simulation alone reads (colours, studs, placements) is left out.
+/// The parts of the domain file for language, names and object sizes; what only the simulation
+/// reads (colours, studs, placements) is left out.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Domain {
     /// Its name.
@@ -26,8 +26,8 @@ pub struct Domain {
     pub attribute: Vec<Attribute>,
     /// Actions (Table I).
     pub action: Vec<Action>,
-    /// How a command is said: lists of phrases and of patterns with
-    /// `{placeholders}`, an empty string where a phrase may be left out.
+    /// The wording of commands: lists of phrases and of patterns with `{placeholders}`; an empty
+    /// string if a phrase is optional.
     pub grammar: BTreeMap<String, Vec<String>>,
 }
 
@@ -36,19 +36,19 @@ pub struct Domain {
 pub struct Attribute {
     /// Its name.
     pub name: String,
-    /// What of a crop its operator sees.
+    /// The part of a crop that its operator sees.
     pub view: View,
     /// Its values: the concepts.
     pub values: Vec<Value>,
 }
 
-/// What of a crop an attribute operator sees.
+/// The part of a crop that an attribute operator sees.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum View {
     /// Red, green and blue.
     Color,
-    /// Brightness alone.
+    /// Brightness only.
     Brightness,
 }
 
@@ -59,8 +59,8 @@ pub struct Value {
     pub name: String,
     /// The words that name it: the lexicon.
     pub words: Vec<String>,
-    /// Edge lengths along x, y and z of the objects that have this value, metres: given
-    /// for all values of one attribute type.
+    /// Edge lengths along x, y and z of objects with this value, metres: given for all values of
+    /// one attribute type.
     pub edges_m: Option<[f32; 3]>,
 }
 
@@ -69,13 +69,13 @@ pub struct Value {
 pub struct Action {
     /// Its name.
     pub name: String,
-    /// How it is said; the first is used in explanations.
+    /// Its phrases; the first is used in explanations.
     pub phrases: Vec<String>,
 }
 
 impl Domain {
-    /// Every word a sentence of the grammar can have apart from the lexicon,
-    /// sorted: the vocabulary without the group token.
+    /// Every word of the grammar outside the lexicon, sorted: the vocabulary without the group
+    /// token.
     pub fn words(&self) -> BTreeSet<String> {
         let phrases = self.action.iter().map(|action| &action.phrases);
         self.grammar
@@ -103,8 +103,8 @@ impl Domain {
             .flat_map(|(index, attribute)| attribute.values.iter().map(move |value| (index, value)))
     }
 
-    /// Checks what core relies on: nothing empty, nothing twice, indices that
-    /// fit, words that a sentence can contain.
+    /// Checks what core relies on: no empty lists, no duplicates, indices that fit, words that can
+    /// occur in a sentence.
     pub(crate) fn check(&self) -> Result<(), ModelError> {
         not_empty("the list of attribute types", self.attribute.len())?;
         not_empty("the list of actions", self.action.len())?;
@@ -146,8 +146,8 @@ impl Domain {
         }
     }
 
-    /// Checks that one attribute type says how large the objects are, all its values do,
-    /// and edges have a length.
+    /// Checks that one attribute type gives the sizes of objects for all its values, and that edges
+    /// have a length.
     fn check_edges(&self) -> Result<(), ModelError> {
         let sized = |attribute: &&Attribute| {
             let mut values = attribute.values.iter();
@@ -199,8 +199,8 @@ impl Domain {
     }
 }
 
-/// The tokens of a phrase or of a command's pattern; `{placeholders}` are none,
-/// a comma is a token of its own.
+/// The tokens of a phrase or of a command's pattern; `{placeholders}` are not tokens, a comma is a
+/// separate token.
 fn words_of(text: &str) -> Vec<String> {
     text.replace(',', " , ")
         .split_whitespace()

@@ -1,4 +1,4 @@
-//! Rust source for a model: one static for each part that core refers to.
+//! Rust source of a model: one static for each part that core refers to.
 
 use std::fmt::Write as _;
 
@@ -13,8 +13,8 @@ use crate::tree::Node;
 const WIDTH: usize = 100;
 const INDENT: usize = 4;
 
-/// Arrays of at most this many numbers stand on one line; none is longer than
-/// [`WIDTH`] then, at the depths that a model has.
+/// Arrays of at most this many numbers are written on one line, which then fits in [`WIDTH`] at the
+/// depths of a model.
 const SHORT: usize = 4;
 
 const IMPORTS: &str = "\
@@ -28,13 +28,13 @@ use nsrm_core::nn::{Conv, Gru, Linear};
 
 ";
 
-/// How the source is written.
+/// Options for the source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     name: String,
 }
 
-/// A name that is no Rust static's.
+/// An invalid name for a Rust static.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InvalidName {
     /// The name.
@@ -72,10 +72,9 @@ impl Options {
 /// Writes the model as Rust source: `pub static NAME: Model<'static>` and
 /// `pub static NAME_ABOUT: &str`, a JSON object with `training` and `metrics`.
 ///
-/// The text depends on the model file's bytes, the options and this crate's
-/// version alone. Each number is the shortest that reads back as the same bits;
-/// an array of equal elements is written `[value; length]`. It refers to
-/// `nsrm_core` by that name and can be a module or included.
+/// The text depends only on the model file's bytes, the options and this crate's version. Each
+/// number is the shortest that reads back as the same bits; an array of equal elements is written
+/// `[value; length]`. It refers to `nsrm_core` by that name and can be a module or included.
 pub fn rust_source(model: &OwnedModel, options: &Options) -> String {
     let name = &options.name;
     let lent = model.as_model();
@@ -107,7 +106,7 @@ pub fn rust_source(model: &OwnedModel, options: &Options) -> String {
     {
         item(&mut out, "", name, &kind, &node);
     }
-    // One line feed at the end, as every text file.
+    // One line feed at the end, as in every text file.
     out.truncate(out.trim_end().len());
     out.push('\n');
     out
@@ -124,8 +123,8 @@ fn header(model: &OwnedModel, lent: &Model<'_>) -> String {
     )
 }
 
-/// One static. rustfmt would put every number on a line of its own; a weight may
-/// happen to look like a mathematical constant.
+/// One static. rustfmt would put every number on its own line; a weight may look like a
+/// mathematical constant by chance.
 fn item(out: &mut String, visibility: &str, name: &str, kind: &str, node: &Node) {
     out.push_str("#[rustfmt::skip]\n#[allow(clippy::approx_constant)]\n");
     let _ = write!(out, "{visibility}static {name}: {kind} = ");
@@ -133,7 +132,7 @@ fn item(out: &mut String, visibility: &str, name: &str, kind: &str, node: &Node)
     out.push_str(";\n\n");
 }
 
-/// Writes a value; the cursor stands behind what introduces it.
+/// Writes a value at the cursor.
 fn value(out: &mut String, node: &Node, depth: usize) {
     match node {
         Node::Scalar { text, .. } => out.push_str(text),
@@ -191,7 +190,7 @@ fn array(out: &mut String, elements: &[Node], depth: usize) {
     out.push(']');
 }
 
-/// Whether the value is numbers all through, and so may be repeated.
+/// Whether the value consists only of numbers, and can be written as a repetition.
 fn numbers_only(node: &Node) -> bool {
     match node {
         Node::Scalar { .. } => true,
@@ -200,7 +199,7 @@ fn numbers_only(node: &Node) -> bool {
     }
 }
 
-/// Writes numbers, as many a line as fit.
+/// Writes numbers, as many per line as fit.
 fn wrapped(out: &mut String, texts: &[&str], depth: usize) {
     let mut column = 0;
     for text in texts {

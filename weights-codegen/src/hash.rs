@@ -1,8 +1,7 @@
-//! The two hashes of a model file: over all that it says, and over what its results
-//! depend on.
+//! The two hashes of a model file: over its whole content, and over what its results depend on.
 //!
-//! The rule stands in `docs/decisions/core.md`; the exporter's is
-//! `nsrm_harness/learning/hashes.py`, and `tests/golden/hash.json` has an example for both.
+//! The rule is in `docs/decisions/core.md`; the exporter's is `nsrm_harness/learning/hashes.py`,
+//! and `tests/golden/hash.json` has an example for both.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -14,10 +13,10 @@ use crate::hexadecimal;
 
 /// The metadata entry that holds the file's hash.
 pub(crate) const HASH: &str = "hash";
-/// Entries that tell how the model came about and what it reached; no plan depends on them.
+/// Entries about training and metrics; no plan depends on them.
 const TOLD: [&str; 2] = ["training", "metrics"];
 
-/// Refuses a file that does not have the hash that it names.
+/// Refuses a file whose content does not match its hash.
 pub(crate) fn verify(
     file: &SafeTensors<'_>,
     metadata: &HashMap<String, String>,
@@ -37,12 +36,12 @@ pub(crate) fn verify(
     Ok(())
 }
 
-/// Over all that the file says, but for the hash itself.
+/// The hash of the whole content, except the hash itself.
 fn of_all(file: &SafeTensors<'_>, metadata: &HashMap<String, String>) -> [u8; 32] {
     digest(file, metadata, &[HASH])
 }
 
-/// Over what the model's results depend on: the same whatever is told of it.
+/// The hash of what the model's results depend on; independent of its description.
 pub(crate) fn identity(file: &SafeTensors<'_>, metadata: &HashMap<String, String>) -> [u8; 32] {
     let [training, metrics] = TOLD;
     digest(file, metadata, &[HASH, training, metrics])
@@ -80,7 +79,7 @@ fn number(hasher: &mut Sha256, number: usize) {
     hasher.update((number as u64).to_le_bytes());
 }
 
-/// Its length first: where one text ends and the next begins counts too.
+/// Its length first, so that the boundary between two texts counts, too.
 fn text(hasher: &mut Sha256, text: &str) {
     number(hasher, text.len());
     hasher.update(text);

@@ -1,13 +1,13 @@
-//! From a trained model file to what `nsrm_core` reads.
+//! Converts a trained model file to the model that `nsrm_core` reads.
 //!
-//! A model file (safetensors, written by the trainer) becomes an [`OwnedModel`]:
-//! the SHA-256 over all of it verified, every tensor's name, shape, element type and
-//! finiteness checked, the metadata checked against the domain that travels in it, matrices
-//! transposed, and products that depend on the model alone folded. From there
+//! A model file (safetensors, written by the trainer) becomes an [`OwnedModel`]: its SHA-256 is
+//! verified, every tensor's name, shape, element type and finiteness checked, the metadata checked
+//! against the domain in the file, matrices transposed, and products that depend only on the model
+//! folded. From there
 //!
-//! * [`OwnedModel::as_model`] lends it as the type that the static arrays have;
-//! * [`rust_source`] writes it as those static arrays, for `build.rs` or a commit;
-//! * [`memory_report`] says how much read-only memory they take.
+//! * [`OwnedModel::as_model`] borrows it as the type that the static arrays have;
+//! * [`rust_source`] generates those static arrays, for `build.rs` or a commit;
+//! * [`memory_report`] lists their read-only memory.
 //!
 //! The command `nsrm-codegen` does the same from a shell.
 //!
@@ -41,7 +41,7 @@ pub use error::ModelError;
 pub use owned::OwnedModel;
 pub use report::{ArraySize, MemoryReport, memory_report};
 
-/// Two lower-case digits a byte.
+/// Two lower-case digits per byte.
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

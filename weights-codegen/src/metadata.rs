@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use crate::domain::Domain;
 use crate::error::ModelError;
 
-/// The metadata, checked.
+/// The checked metadata.
 #[derive(Debug)]
 pub(crate) struct Metadata {
     pub(crate) domain: Domain,
@@ -35,7 +35,7 @@ struct WorkSpaceText {
     max: [f32; 3],
 }
 
-/// The architecture's dimensions under the names that the exporter gives them.
+/// The architecture's dimensions, by the exporter's names.
 const DIMENSIONS: [(&str, usize); 11] = [
     ("word", model::WORD),
     ("encoder_hidden", model::ENCODER_HIDDEN),
@@ -82,7 +82,7 @@ impl Metadata {
     }
 }
 
-/// Refuses another schema, whose hash and entries mean something else.
+/// Refuses other schemas, whose hash and entries have other meanings.
 pub(crate) fn check_schema(map: &HashMap<String, String>) -> Result<(), ModelError> {
     let schema = text(map, "schema")?;
     if schema == model::SCHEMA.to_string() {
@@ -137,7 +137,7 @@ fn work_space(text: WorkSpaceText) -> Result<WorkSpace, ModelError> {
 
 fn orientation(quaternion: [f32; 4]) -> Result<[f32; 4], ModelError> {
     let square = quaternion.iter().map(|x| x * x).sum::<f32>();
-    // As `Model::check` has it; NaN and infinity fail too.
+    // As in `Model::check`; NaN and infinity fail, too.
     if (square - 1.0).abs() <= LENGTH_TOLERANCE {
         return Ok(quaternion);
     }

@@ -17,8 +17,8 @@ use crate::tensors::Tensors;
 
 /// A model read from a safetensors file, checked and folded.
 ///
-/// It holds the same values as the statics that [`crate::rust_source`] writes
-/// from that file, and lends them as the same type.
+/// It has the same values as the statics that [`crate::rust_source`] writes from that file, and
+/// borrows them as the same type.
 pub struct OwnedModel {
     parts: OwnedParts,
     source_hash: [u8; 32],
@@ -26,7 +26,7 @@ pub struct OwnedModel {
     metrics: serde_json::Value,
 }
 
-/// The texts and parameters that the structs with names borrow from.
+/// The texts and parameters that the named structs borrow from.
 struct Owner {
     domain: Domain,
     vocabulary: Vec<String>,
@@ -34,7 +34,7 @@ struct Owner {
     identity: [u8; 32],
 }
 
-/// What core reads as slices: parameters next to the names they belong to.
+/// What core reads as slices: parameters next to their names.
 struct Parts<'a> {
     header: Header<'a>,
     words: Vec<Word<'a>>,
@@ -59,8 +59,8 @@ impl OwnedModel {
     /// Reads, checks and folds a model file.
     ///
     /// # Errors
-    /// A [`ModelError`] for whatever does not fit the architecture, the domain
-    /// in the file or the metadata's hash. No bytes make it panic.
+    /// A [`ModelError`] if anything does not match the architecture, the domain in the file or the
+    /// metadata's hash. It never panics.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
         let not_safetensors = |error: safetensors::SafeTensorError| ModelError::NotSafetensors {
             reason: error.to_string(),
@@ -69,7 +69,7 @@ impl OwnedModel {
         let file = SafeTensors::deserialize(bytes).map_err(not_safetensors)?;
         let entries = header.metadata().clone().unwrap_or_default();
         metadata::check_schema(&entries)?;
-        // Before anything is made of what may have been changed.
+        // First, before possibly modified content is used.
         hash::verify(&file, &entries)?;
         let metadata = Metadata::read(&entries)?;
         let folded = Folded::read(Tensors::read(&file)?, &metadata)?;
@@ -138,7 +138,7 @@ impl OwnedModel {
             .with_camera(&folded.camera)
     }
 
-    /// The domain that it was trained on.
+    /// The domain of its training.
     pub fn domain(&self) -> &Domain {
         &self.parts.borrow_owner().domain
     }
@@ -148,12 +148,12 @@ impl OwnedModel {
         self.source_hash
     }
 
-    /// How it was trained, as the trainer wrote it.
+    /// Its training, as written by the trainer.
     pub fn training(&self) -> &serde_json::Value {
         &self.training
     }
 
-    /// What it reached on test data, as the trainer wrote it.
+    /// Its metrics on test data, as written by the trainer.
     pub fn metrics(&self) -> &serde_json::Value {
         &self.metrics
     }
@@ -236,7 +236,7 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// An index as core stores it; [`Domain`]'s check has bounded it.
+/// An index as core stores it, bounded by [`Domain`]'s check.
 fn index(what: &'static str, value: usize) -> Result<u8, ModelError> {
     u8::try_from(value).map_err(|_| ModelError::TooMany {
         what,

@@ -1,4 +1,4 @@
-//! How much read-only memory a model takes, and what takes it.
+//! The read-only memory of a model, by array.
 
 use std::fmt;
 
@@ -15,12 +15,12 @@ pub struct MemoryReport {
     pub arrays: Vec<ArraySize>,
     /// Text of words and names, in bytes.
     pub texts: usize,
-    /// References, lengths and padding on this machine's architecture, in bytes;
-    /// about half of it where pointers have 32 bits.
+    /// References, lengths and padding on this machine's architecture, in bytes; about half with
+    /// 32-bit pointers.
     pub tables: usize,
 }
 
-/// Read-only memory of one array, or of that field in all entries of a table.
+/// Read-only memory of one array, or of one field in all entries of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ArraySize {
@@ -33,7 +33,7 @@ pub struct ArraySize {
 }
 
 impl MemoryReport {
-    /// All of it, in bytes.
+    /// The total, in bytes.
     pub fn total(&self) -> usize {
         self.arrays.iter().map(|array| array.bytes).sum::<usize>() + self.texts + self.tables
     }

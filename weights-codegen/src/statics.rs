@@ -1,4 +1,4 @@
-//! The statics that a model is made of, in the order in which they are written.
+//! The statics of a model, in the order in which they are written.
 
 use nsrm_core::model::{
     Action, Attribute, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LexiconEntry, Model,
@@ -13,7 +13,7 @@ pub(crate) struct Static {
     pub(crate) name: &'static str,
     /// Its type in the source.
     pub(crate) kind: String,
-    /// Where it stands in [`Model`].
+    /// Its path in [`Model`].
     pub(crate) path: &'static str,
     pub(crate) node: Node,
     /// `size_of` on this machine, pointers and padding included.

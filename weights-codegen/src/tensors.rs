@@ -1,4 +1,4 @@
-//! The model file's tensors: read, checked, and handed out by name and shape.
+//! The model file's tensors: read, checked, and taken by name and shape.
 
 use std::collections::BTreeMap;
 
@@ -8,8 +8,8 @@ use crate::error::ModelError;
 
 /// Tensors not yet taken. Each is `f32` and finite.
 ///
-/// Every layer takes its own by name and shape; what is left at the end is one
-/// that the architecture does not have.
+/// Every layer takes its own by name and shape; any tensor left at the end is not part of the
+/// architecture.
 pub(crate) struct Tensors {
     entries: BTreeMap<String, Tensor>,
 }
@@ -95,7 +95,7 @@ impl Tensors {
         }))
     }
 
-    /// Refuses what nothing has taken.
+    /// Refuses tensors that nothing has taken.
     pub(crate) fn finish(self) -> Result<(), ModelError> {
         match self.entries.into_keys().next() {
             Some(name) => Err(ModelError::ExtraTensor { name }),

@@ -6,7 +6,7 @@ use nsrm_core::model::View;
 /// A value of the static model.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
-    /// A number, an enum's variant or a few numbers that may be none: the Rust text and the
+    /// A number, an enum's variant or an optional array of a few numbers: the Rust text and the
     /// size in bytes.
     Scalar { text: String, bytes: usize },
     /// A string.
@@ -15,8 +15,8 @@ pub(crate) enum Node {
     Reference(&'static str),
     /// A fixed array.
     Array(Vec<Node>),
-    /// A struct that is put together by `new` and a `with_` method for each field: its name and
-    /// its fields in the order of their declaration.
+    /// A struct that is built with `new` and a `with_` method for each field: its name, and its
+    /// fields in the order of declaration.
     Record(&'static str, Vec<(&'static str, Node)>),
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct FoldedLanguage {
 }
 
 impl FoldedLanguage {
-    /// * `words`: length of the vocabulary, the group token included
+    /// * `words`: length of the vocabulary, including the group token
     pub(crate) fn read(tensors: &mut Tensors, words: usize) -> Result<Self, ModelError> {
         let embeddings = tensors.rows::<WORD>("language.embedding.weight", words)?;
         let (forward_gates, forward) =
@@ -69,7 +69,7 @@ impl FoldedLanguage {
     }
 }
 
-/// What is multiplied into each word's embeddings.
+/// The parameters that are folded into each word's embeddings.
 struct Folding<'a> {
     forward: &'a Gates,
     backward: &'a Gates,

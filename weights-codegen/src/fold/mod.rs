@@ -1,5 +1,5 @@
-//! From tensors to the parameters that core reads: transposed, with every
-//! product that depends on the model alone carried out once, in `f64`.
+//! Converts tensors to the parameters that core reads: transposed, with every product that depends
+//! only on the model computed once, in `f64`.
 
 mod language;
 mod simulator;
@@ -26,7 +26,7 @@ pub(crate) struct Folded {
 }
 
 impl Folded {
-    /// Takes every tensor; refuses one left over.
+    /// Takes every tensor; refuses any left over.
     pub(crate) fn read(mut tensors: Tensors, metadata: &Metadata) -> Result<Self, ModelError> {
         let domain = &metadata.domain;
         let language = FoldedLanguage::read(&mut tensors, metadata.vocabulary.len())?;

@@ -56,7 +56,7 @@ fn view<const CHANNELS: usize>(
     tensors: &mut Tensors,
     name: &str,
 ) -> Result<Box<ViewEncoder<CHANNELS>>, ModelError> {
-    // Set in its place: it takes 85 kB, and a thread may have 2 MB of stack.
+    // Built in place: it takes 85 kB, and a thread may have 2 MB of stack.
     let mut view = Box::new(ViewEncoder::new());
     view.patch = conv(tensors, &format!("{name}.patch"))?;
     view.merge = conv(tensors, &format!("{name}.merge"))?;

@@ -4,7 +4,7 @@ use crate::error::ModelError;
 use crate::tensors::Tensors;
 use crate::tree::{Describe, Node};
 
-/// The input's part of a GRU cell, to be folded into each word.
+/// The input part of a GRU cell, which is folded into each word.
 pub(crate) struct Gates {
     /// `[3·HIDDEN, INPUT]`, row-major; gates ordered reset, update, new.
     weight_ih: Vec<f32>,

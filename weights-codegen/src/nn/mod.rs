@@ -1,5 +1,5 @@
-//! The layers of `nsrm_core::nn`, one a file: read from row-major tensors, and
-//! described for the emitter.
+//! The layers of `nsrm_core::nn`, one per file: read from row-major tensors, and described for the
+//! emitter.
 
 mod conv;
 mod gru;
