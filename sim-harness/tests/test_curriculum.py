@@ -138,7 +138,7 @@ def test_a_run_does_not_go_on_without_what_its_stage_began_with(
     with pytest.raises(KeyboardInterrupt):
         train(domain, few, FEW_STEPS, 7, tmp_path, quiet=True, after_epoch=stop)
     (tmp_path / "begun-0-0.eqx").unlink()
-    with pytest.raises(CheckpointError, match=r"begun-0-0\.eqx: not there"):
+    with pytest.raises(CheckpointError, match=r"begun-0-0\.eqx: missing, so the run cannot resume"):
         train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True)
 
 
@@ -422,17 +422,17 @@ def test_config_file_refuses_what_it_does_not_know(tmp_path: Path) -> None:
         ("residual = 1", "residual: expected true or false, got 1"),
         ('action_gradient = "soft"', "action_gradient: expected 'exact' or 'gumbel', got 'soft'"),
         ("joint = 3", "joint: expected a table, got 3"),
-        ("temperature = -1", "temperature: should be at least 1e-09, got -1"),
+        ("temperature = -1", "temperature: must be at least 1e-09, got -1"),
         ("temperature = nan", "temperature: should be a finite number, got nan"),
         ("[joint]\nlearning_rate = inf", "joint.learning_rate: should be a finite number, got inf"),
-        ("split_samples = 1", "split_samples: should be at least 2, got 1"),
+        ("split_samples = 1", "split_samples: must be at least 2, got 1"),
         ("temperature = true", "temperature: should be a valid number, got True"),
         ("temperature = '1'", "temperature: should be a valid number, got '1'"),
         ("[joint]\nepochs = true", "joint.epochs: should be a valid integer, got True"),
         ("[joint]\nepochs = 2.0", "joint.epochs: should be a valid integer, got 2.0"),
-        ("[joint]\nbatch = 0", "joint.batch: should be at least 1, got 0"),
+        ("[joint]\nbatch = 0", "joint.batch: must be at least 1, got 0"),
         ("[joint]\nepoch = 1", "joint.epoch: unknown key; expected some of: batch, epochs, "),
-        ("[loss]\nsquare = -1", "loss.square: should be at least 0, got -1"),
+        ("[loss]\nsquare = -1", "loss.square: must be at least 0, got -1"),
         ("split_gradient = 'best'", "split_gradient: expected 'exact' or 'reinforce', got 'best'"),
     ):
         path.write_text(text)

@@ -155,7 +155,7 @@ def test_a_block_that_the_camera_does_not_see_is_left_out(
         seen = segmented_image(frame)
         return replace(seen, ids=seen.ids[:-1]) if calls <= 2 else seen
 
-    monkeypatch.setattr(module, "observation", observe_less)
+    monkeypatch.setattr(module, "segmented_image", observe_less)
     assert make(demonstrator, 6).rejected["hidden"] == 2
 
 

@@ -252,7 +252,7 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
         ("robot = ", "Invalid value"),
         (
             'arms = 2\nrobot = "left"',
-            "arms: unknown key; expected some of: hosts, limits, line, model, ",
+            "arms: unknown key; expected some of: hosts, limits, model, ",
         ),
         ("robot = 5", "robot: should be a valid string, got 5"),
         ('hosts = "two"', "hosts: expected 'one' or 'several', got 'two'"),
@@ -279,7 +279,7 @@ def test_a_configuration_says_what_is_wrong_with_it(tmp_path: Path) -> None:
 def test_a_configuration_is_that_of_nsrm(tmp_path: Path) -> None:
     file = tmp_path / "robot.toml"
     file.write_text(
-        'robot = "left"\nmodel = "m"\nline = "broadcast"\nhosts = "several"\n'
+        'robot = "left"\nmodel = "m"\ntransport = "broadcast"\nhosts = "several"\n'
         "[limits]\nretries = 1\n[shared_memory]\nroot = '/tmp/here'\nprefix = 'mine_'\n"
     )
     config = read_config(file)

@@ -55,10 +55,10 @@ def test_what_went_wrong_is_told(planned: JudgedPlans) -> None:
     assert what_went_wrong(planned).startswith("Understood; errors along x, y, z: step 1 by ")
     step = planned.truth.steps[0].step
     for changes, words in (
-        ({"step": Step("Throw", step.object, step.reference)}, "in place of Throw."),
+        ({"step": Step("Throw", step.object, step.reference)}, "instead of Throw."),
         ({"object_id": 9}, "Step 1: moves block"),
         ({"reference_id": 9}, "Step 1: refers to block"),
-        ({"step": Step(step.action, ("lead",), step.reference)}, "meant was lead."),
+        ({"step": Step(step.action, ("lead",), step.reference)}, "instead of lead."),
     ):
         assert words in what_went_wrong(meant(planned, **changes))
     shorter = replace(planned, truth=replace(planned.truth, steps=()))

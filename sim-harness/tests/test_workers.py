@@ -45,7 +45,7 @@ def test_an_error_on_the_cluster_is_told_as_if_it_were_here(tmp_path: Path) -> N
     excluded = [option for kind in product(*values) for option in ("--exclude", ",".join(kind))]
     ran = episodes("--out", tmp_path / "never.h5", "--ray", "local", *excluded)
     assert ran.returncode == 2
-    problem = "almost every combination of attribute values is excluded"
+    problem = "almost every combination of attribute values is excluded: exclude fewer"
     assert ran.stderr.splitlines()[-1] == f"harness: {problem}"
 
 

@@ -182,7 +182,7 @@ def test_one_configuration_serves_all_processes(tmp_path_factory: pytest.TempPat
     prefix = f"nsrm-test-{os.getpid()}_"
     told = ["--config", str(tmp_path / "robot.toml")]
     (tmp_path / "robot.toml").write_text(
-        'robot = "left"\nhosts = "several"\nline = "broadcast"\n'
+        'robot = "left"\nhosts = "several"\ntransport = "broadcast"\n'
         f'[shared_memory]\nroot = "{tmp_path / "m"}"\nprefix = "{prefix}"\n{LIMITS}'
     )
     with ProcessGroup() as processes:

@@ -67,8 +67,8 @@ class _File:
 
     robot: Text = ROBOT
     model: Any = None
-    """Like `line` and `limits`, read only by the planner and its clients."""
-    line: Any = None
+    """Like `transport` and `limits`, read only by the planner and its clients."""
+    transport: Any = None
     hosts: Literal["one", "several"] = "one"
     limits: Any = None
     shared_memory: _SharedMemory = _SharedMemory()
