@@ -1,5 +1,5 @@
-//! The action simulator (section IV-D, Table II last row): where the moved object
-//! will be seen after an action.
+//! The action simulator (section IV-D, Table II last row): where the moved object will be observed
+//! after an action.
 
 use crate::model::{Action, LOCATION, Simulator};
 use crate::nn::tanh_all;
@@ -9,9 +9,8 @@ use crate::nn::tanh_all;
 ///
 /// * `object`, `reference`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
 ///
-/// The result has the same form. It may lie outside the image; a model that was
-/// not trained may even give a box without area.
-/// Cost: `64·(10 + 64 + 5)` multiply-adds and 128 hyperbolic tangents.
+/// The result has the same form. It may lie outside the image; an untrained model may even give a
+/// box without area. Cost: `64·(10 + 64 + 5)` multiply-adds and 128 hyperbolic tangents.
 ///
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
@@ -55,7 +54,7 @@ pub fn simulate(
     .to_corners()
 }
 
-/// A location as the simulator's network sees it.
+/// A location as input of the simulator's network.
 struct Centred {
     centre_x: f32,
     centre_y: f32,

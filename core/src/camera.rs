@@ -11,8 +11,8 @@ use thiserror::Error;
 use crate::model::{LOCATION, PixelToCamera};
 use crate::nn::{dot, is_unit};
 
-/// Intrinsics and pose of the camera. Plain data: the same bytes serve in shared
-/// memory; [`Camera::check`] says whether they make sense.
+/// Intrinsics and pose of the camera. Plain data, with the same bytes in shared memory;
+/// [`Camera::check`] tells whether it is valid.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Camera {
@@ -24,9 +24,9 @@ pub struct Camera {
     pub fx: f32,
     /// Focal length along y in pixels.
     pub fy: f32,
-    /// Principal point's x in pixels, from the image's left edge.
+    /// x of the principal point in pixels, from the image's left edge.
     pub cx: f32,
-    /// Principal point's y in pixels, from the image's upper edge.
+    /// y of the principal point in pixels, from the image's upper edge.
     pub cy: f32,
     /// Origin of the optical frame in the world's frame, metres.
     pub position: [f32; 3],
@@ -34,7 +34,7 @@ pub struct Camera {
     pub orientation: [f32; 4],
 }
 
-/// Why a camera is not one; the first fault found.
+/// Why a camera is invalid; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CameraError {
@@ -50,7 +50,8 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// Finite, positive where it must be, the orientation of length 1.
+    /// Checks that all numbers are finite, sizes and focal lengths positive, and the orientation of
+    /// length 1.
     ///
     /// ```
     /// use nsrm_core::Camera;
@@ -105,7 +106,7 @@ impl Camera {
         Ok(())
     }
 
-    /// Takes a point of the optical frame to the world's frame.
+    /// Transforms a point from the optical frame to the world frame.
     ///
     /// ```
     /// use nsrm_core::Camera;
@@ -125,11 +126,10 @@ impl Camera {
         Isometry3::from_parts(Translation3::new(x, y, z), rotation(&self.orientation))
     }
 
-    /// The centre of the object seen at `location`, in the world's frame, metres.
+    /// The centre of the object at `location`: world frame, metres.
     ///
-    /// The box's centre and size are deprojected at the mean depth; the learned
-    /// linear map goes from there to the object's centre, which lies behind the
-    /// surface that the camera sees.
+    /// The box's centre and size are deprojected at the mean depth; a learned linear map then gives
+    /// the object's centre, which lies behind the visible surface.
     ///
     /// * `location`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
     ///
@@ -170,14 +170,14 @@ impl Camera {
         Point3::new(x, y, z)
     }
 
-    /// How wide the box at `location` is at its mean depth, metres.
+    /// The width of the box at `location` at its mean depth, metres.
     pub(crate) fn width_m(&self, location: &[f32; LOCATION]) -> f32 {
         let [x1, _, x2, _, depth] = *location;
         (x2 - x1) * self.width as f32 / self.fx * depth
     }
 }
 
-/// The rotation of a quaternion (x, y, z, w) of length about 1, made exact.
+/// The rotation of a quaternion (x, y, z, w) of length about 1, normalised.
 pub(crate) fn rotation(quaternion: &[f32; 4]) -> UnitQuaternion<f32> {
     let [x, y, z, w] = *quaternion;
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))

@@ -1,4 +1,4 @@
-//! The capacities, each in one place. Full is a typed refusal, never a panic.
+//! The capacities, each defined once. Exceeding one is a typed refusal, never a panic.
 
 /// Objects in a scene.
 pub const MAX_OBJECTS: usize = 16;
@@ -10,8 +10,8 @@ pub const MAX_TOKENS: usize = 128;
 pub const MAX_SENTENCE_BYTES: usize = 4096;
 /// Concepts that describe one object: `Filter`s in front of one `Unique`.
 pub const MAX_FILTERS: usize = 4;
-/// Groups of concept words in one step: what is moved, and where to. A third would say what
-/// no program has.
+/// Groups of concept words in one step: the object to move and the reference. No program has a
+/// third.
 pub const MAX_GROUPS: usize = 2;
 /// Candidates that an ambiguous description lists, the best first.
 pub const MAX_CANDIDATES: usize = 8;

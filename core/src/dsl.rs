@@ -12,18 +12,18 @@ use heapless::Vec;
 use crate::capacity::{MAX_FILTERS, MAX_STEPS};
 use crate::model::Model;
 
-/// Which of an action's two arguments.
+/// One of an action's two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Argument {
     /// The object that is moved, the paper's `o_1`.
     Object,
-    /// The object in relation to which it is moved, the paper's `o_2`.
+    /// The reference object, the paper's `o_2`.
     Reference,
 }
 
 impl Argument {
-    /// The name in snake case, as it stands in JSON.
+    /// The name in snake case, as in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Object => "object",
@@ -38,8 +38,8 @@ impl fmt::Display for Argument {
     }
 }
 
-/// The concepts that describe one object, in the order in which they were said:
-/// indices into [`Model::concepts`]. At most [`MAX_FILTERS`].
+/// The concepts that describe one object, in the order of the sentence: indices into
+/// [`Model::concepts`]. At most [`MAX_FILTERS`].
 // Invariant: entries from `count` on are zero, so that equality may compare all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Description {
@@ -48,7 +48,7 @@ pub struct Description {
 }
 
 impl Description {
-    /// A description that names no concept: every object fits it.
+    /// A description without concepts: every object fits it.
     pub const fn new() -> Self {
         Self {
             concepts: [0; MAX_FILTERS],
@@ -56,7 +56,7 @@ impl Description {
         }
     }
 
-    /// Adds a concept; gives it back when the description is full.
+    /// Adds a concept; returns it if the description is full.
     ///
     /// ```
     /// use nsrm_core::{MAX_FILTERS, dsl::Description};
@@ -76,14 +76,14 @@ impl Description {
         Ok(())
     }
 
-    /// The concepts, first said first.
+    /// The concepts, in the order of the sentence.
     pub fn concepts(&self) -> &[u8] {
         self.concepts
             .get(..usize::from(self.count))
             .unwrap_or_default()
     }
 
-    /// The concepts' names, parted by blanks: `small green`.
+    /// The concepts' names, separated by spaces: `small green`.
     pub fn words<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         Words {
             description: self,
@@ -92,15 +92,15 @@ impl Description {
     }
 }
 
-/// One step of a program: an action and what its two arguments are said to be.
+/// One step of a program: an action and the descriptions of its two arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Step {
     /// Index into [`Model::actions`].
     pub action: u8,
-    /// The object to be moved.
+    /// The object to move.
     pub object: Description,
-    /// The object in relation to which it is moved.
+    /// The reference object.
     pub reference: Description,
 }
 
@@ -119,7 +119,7 @@ impl Step {
     }
 }
 
-/// What a sentence says is to be done, step by step; at most [`MAX_STEPS`].
+/// The steps of a sentence; at most [`MAX_STEPS`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Program {
     steps: Vec<Step, MAX_STEPS, u8>,
@@ -131,18 +131,18 @@ impl Program {
         Self { steps: Vec::new() }
     }
 
-    /// Adds a step; gives it back when the program is full.
+    /// Adds a step; returns it if the program is full.
     pub fn push(&mut self, step: Step) -> Result<(), Step> {
         self.steps.push(step)
     }
 
-    /// The steps, in the order in which they are carried out.
+    /// The steps, in the order of execution.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// The program in the paper's notation, a step a line:
-    /// `Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))`.
+    /// The program in the paper's notation, one step per line: `Action(MoveOn, Unique(Filter(red,
+    /// Scene())), Unique(Filter(blue, Scene())))`.
     ///
     /// ```
     /// use nsrm_core::Planner;
@@ -163,7 +163,7 @@ impl Program {
     }
 }
 
-/// The name of a concept in the domain file; "?" for an index that the model does not have.
+/// The name of a concept in the domain file; "?" for an invalid index.
 pub(crate) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
     model
         .concepts

@@ -15,24 +15,23 @@ use crate::model::{Model, OBJECT_EMBEDDING};
 use crate::nn::Choice;
 use crate::vision;
 
-/// What scores are multiplied with before `Unique`'s softmax, as in training.
+/// The factor on scores before `Unique`'s softmax, as in training.
 pub const UNIQUE_SHARPNESS: f32 = 10.0;
 
-/// Why a description has no score on an object.
+/// Why a description gives no score for an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ScoreError {
-    /// The description names a concept or the concept an attribute type that the
-    /// model doesn't have; can't be where [`Model::check`] passed.
+    /// The model has no such concept or attribute type; impossible if [`Model::check`] has passed.
     #[error("the description names a concept that the model does not have")]
     UnknownConcept,
-    /// A cosine is not a number.
+    /// A cosine is NaN.
     #[error("the score is not a finite number; the model does not fit this object")]
     NotFinite,
 }
 
-/// How well an object fits a description: all its filters over `Scene()`.
-/// 1 when nothing is said, else the least cosine.
+/// How well an object fits a description: all its filters over `Scene()`. 1 for an empty
+/// description, else the smallest cosine.
 ///
 /// Cost: one [`vision::similarity`] for each concept, at most `MAX_FILTERS`.
 ///
@@ -101,7 +100,7 @@ impl Scores {
         }
     }
 
-    /// Adds the score of the next object; gives it back when all places are taken.
+    /// Adds the score of the next object; returns it if all places are taken.
     pub fn push(&mut self, score: f32) -> Result<(), f32> {
         let place = self.values.get_mut(self.count).ok_or(score)?;
         *place = score;
@@ -114,8 +113,8 @@ impl Scores {
         self.values.get(..self.count).unwrap_or_default()
     }
 
-    /// The object with the greatest score, of equal ones the first; `None` without
-    /// objects or when a score is not finite.
+    /// The object with the greatest score, the first one of a tie; `None` without objects or if a
+    /// score is not finite.
     pub fn unique(&self) -> Option<Chosen> {
         let mut choice = Choice::new();
         for score in self.values() {

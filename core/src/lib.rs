@@ -1,20 +1,18 @@
-//! Neuro-symbolic robot manipulation: a sentence and a scene in, the program
-//! understood and the sub-goals out. `no_std`, no allocation, bounded time.
+//! Neuro-symbolic robot manipulation: plans a sentence in a scene, as a program with grounded
+//! sub-goals. `no_std`, no allocation, bounded time.
 //!
 //! The modules follow the paper (*Learning Robot Manipulation Programs: A
 //! Neuro-symbolic Approach*):
 //!
-//! 1. [`dsl`]: programs over actions and concepts (section IV-A, Table I)
-//! 2. [`language`]: a sentence to a program (section IV-B)
-//! 3. [`vision`]: crops to embeddings, embeddings to concepts (section IV-C)
-//! 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
-//! 5. [`action`]: the action simulator (section IV-D)
-//! 6. [`camera`]: from the image to the world (section III); [`calibration`]: whether
-//!    what is seen agrees with it
-//! 7. [`planner`]: all of it, at once or in bounded pieces; [`refusal`] and
-//!    [`explain`] say why not and what
+//! 1. [`dsl`]: programs over actions and concepts (section IV-A, Table I) 2. [`language`]: a
+//! sentence to a program (section IV-B) 3. [`vision`]: crops to embeddings, embeddings to concepts
+//! (section IV-C) 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
+//! 5. [`action`]: the action simulator (section IV-D) 6. [`camera`]: from the image to the world
+//! (section III); [`calibration`]: whether the scene agrees with it 7. [`planner`]: the whole
+//! pipeline, at once or in bounded steps; [`refusal`]: why there is no plan; [`explain`]: plans and
+//! refusals in words
 //!
-//! Below them [`model`], the trained parameters by reference, and [`nn`], the layers.
+//! Below them are [`model`], the trained parameters by reference, and [`nn`], the layers.
 //!
 //! ```
 //! # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
@@ -34,8 +32,8 @@
 //! # }
 //! ```
 //!
-//! Nothing here panics, allocates or contains unsafe code; every capacity that can
-//! be exceeded is a typed refusal. All numbers are `f32`; lengths are in metres.
+//! Nothing here panics, allocates or contains unsafe code; exceeding a capacity is a typed refusal.
+//! All numbers are `f32`; lengths are in metres.
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -68,8 +66,8 @@ pub mod refusal;
 pub mod scene;
 pub mod vision;
 
-/// Re-exported in the version used here: a task that outlives the call that began it keeps its
-/// sentence in a [`heapless::String`].
+/// Re-exported in the version used here: a task that owns its sentence keeps it in a
+/// [`heapless::String`].
 pub use heapless;
 /// Re-exported in the version used here: poses are [`nalgebra::Isometry3`].
 pub use nalgebra;

@@ -1,19 +1,17 @@
-//! The trained model by reference: parameters as fixed arrays, the domain and
-//! the thresholds that travel with them.
+//! The trained model by reference: parameters as fixed arrays, with their domain and thresholds.
 //!
-//! What belongs to a word, a concept, an attribute type or an action stands in
-//! one struct with its parameters, so that the number of rows of a matrix can't
-//! disagree with the number of words. The hidden sizes below are those of the
-//! architecture; everything that depends on the domain is a slice.
+//! A word, a concept, an attribute type or an action is one struct with its parameters, so that the
+//! number of rows of a matrix always matches the number of words. The hidden sizes below are those
+//! of the architecture; everything that depends on the domain is a slice.
 //!
 //! Matrices are column-major here (`[[f32; ROWS]; COLUMNS]`), so that
 //! `W·x = Σ_j x[j]·W[j]` runs over contiguous memory; the model file's are
 //! row-major, and the code generator transposes them.
 //!
-//! None of the structs can be written as a literal elsewhere. Each has `new`, in which nothing is
-//! set, and a `with_` method for each field, in constants and statics too: parts are added in
-//! later versions, and what was written before goes on compiling. Parameters that are not set are
-//! NaN, so that a model in which one was forgotten refuses.
+//! The structs are not constructed as literals outside this crate. Each has `new`, which sets
+//! nothing, and a `with_` method for each field, also for constants and statics: later versions can
+//! add fields, and existing code still compiles. Unset parameters are NaN, so that an incomplete
+//! model refuses.
 
 mod builder;
 mod check;
@@ -40,7 +38,7 @@ pub const PATCH_CHANNELS: usize = 24;
 pub const MERGE_CHANNELS: usize = 32;
 /// Values after the second convolution: `MERGE_CHANNELS` maps of 4×4.
 pub const MERGED: usize = MERGE_CHANNELS * 16;
-/// Length of what one view of a crop (colour, brightness) is encoded to.
+/// Length of the embedding of one view of a crop (colour, brightness).
 pub const VIEW_EMBEDDING: usize = 32;
 /// Length of an object's embedding: the colour view, then the brightness view.
 pub const OBJECT_EMBEDDING: usize = 2 * VIEW_EMBEDDING;
@@ -57,15 +55,15 @@ pub const LOCATION: usize = 5;
 /// others are refused.
 pub const SCHEMA: u32 = 3;
 
-/// A trained model: what [`crate::Planner`] reads and never writes.
+/// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Model<'a> {
-    /// What the model file says of itself.
+    /// The header of the model file.
     pub header: Header<'a>,
     /// Words outside the lexicon, with their folded parameters; sorted by text.
     pub words: &'a [Word<'a>],
-    /// What stands in for a group of concept words, `[[X]]` in the paper.
+    /// The token for a group of concept words, `[[X]]` in the paper.
     pub group: &'a WordParameters,
     /// Words that name a concept (the paper's only lexicon); sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
@@ -85,31 +83,30 @@ pub struct Model<'a> {
     pub camera: &'a PixelToCamera,
 }
 
-/// What the model file says of itself.
+/// The header of the model file.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Header<'a> {
     /// Name of the domain file that it was trained on.
     pub domain: &'a str,
-    /// SHA-256 of what results depend on: the tensors, and all metadata but `training` and
-    /// `metrics`.
+    /// SHA-256 of everything that results depend on: the tensors, and all metadata except
+    /// `training` and `metrics`.
     pub identity: [u8; 32],
     /// When to refuse; calibrated on validation data.
     pub thresholds: Thresholds,
     /// Where sub-goals may lie.
     pub work_space: WorkSpace,
-    /// Orientation in which the demonstrator sets objects down: x, y, z, w.
+    /// Orientation in which the demonstrator places objects: x, y, z, w.
     pub placed_orientation: [f32; 4],
 }
 
-/// When to refuse rather than guess; probabilities and cosines.
+/// When to refuse instead of guessing; probabilities and cosines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Thresholds {
-    /// An object matches a description when its filtered score, a cosine, is at
-    /// least this.
+    /// An object matches a description if its filtered score, a cosine, is at least this.
     pub match_score: f32,
-    /// Least probability of a split, an action or an argument that is acted on.
+    /// The smallest accepted probability of a split, an action or an argument.
     pub decision: f32,
 }
 
@@ -117,7 +114,7 @@ pub struct Thresholds {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct WorkSpace {
-    /// Least x, y, z of an object's centre.
+    /// Smallest x, y, z of an object's centre.
     pub min: [f32; 3],
     /// Greatest x, y, z of an object's centre.
     pub max: [f32; 3],
@@ -133,7 +130,7 @@ pub struct Word<'a> {
     pub parameters: WordParameters,
 }
 
-/// A word's embeddings with the products that depend on nothing else folded in.
+/// A word's embeddings, with the products that depend only on the word folded in.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct WordParameters {
@@ -159,13 +156,13 @@ pub struct LexiconEntry<'a> {
     pub concept: u8,
 }
 
-/// What of a crop an attribute operator sees.
+/// The part of a crop that an attribute operator sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum View {
     /// Red, green and blue.
     Color,
-    /// Brightness alone, standardised over the crop.
+    /// Brightness only, standardised over the crop.
     Brightness,
 }
 
@@ -235,7 +232,7 @@ pub struct Language<'a> {
     pub hazard: &'a Linear<SPLITTER_HIDDEN, 1>,
 }
 
-/// The crop encoder: one small convolutional network a view.
+/// The crop encoder: one small convolutional network per view.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Vision<'a> {

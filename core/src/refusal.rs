@@ -1,6 +1,5 @@
-//! Why a sentence is not obeyed: refuse, don't guess. Each variant carries what
-//! the caller needs to say so, to ask back or to choose; [`Refusal::in_context`]
-//! writes it for a person.
+//! Why a sentence is refused: refuse, don't guess. Each variant has what the caller needs to report
+//! it, to ask back or to choose; [`Refusal::in_context`] explains it to a person.
 
 use crate::calibration::CalibrationFault;
 use crate::capacity::MAX_CANDIDATES;
@@ -10,104 +9,103 @@ use crate::model::WorkSpace;
 
 /// Why there is no program or no plan; the first reason found. Steps count from 0.
 ///
-/// Later versions may refuse for more reasons: whoever matches takes one that it doesn't know for
-/// what it is, a refusal, and has [`Refusal::kind`] and the message to tell it by.
+/// Later versions may add reasons: treat an unknown variant as a refusal, and report it by
+/// [`Refusal::kind`] and its message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Refusal {
     /// The sentence has no words.
     NoWords,
-    /// A word that the model was not trained on; [`Refusal::suggestion`] may know
-    /// which one was meant.
+    /// A word that the model was not trained on; [`Refusal::suggestion`] may give the intended one.
     UnknownWord {
-        /// Where it stands.
+        /// Its place in the sentence.
         span: Span,
     },
-    /// More of a sentence than is read.
+    /// The sentence is too long.
     SentenceTooLong {
-        /// The most that is read.
+        /// The greatest length.
         limit: u16,
-        /// Of what.
+        /// The unit of the limit.
         unit: LengthUnit,
     },
-    /// More concept words next to each other than one description holds.
+    /// Too many adjacent concept words for one description.
     TooManyConcepts {
-        /// Where they stand.
+        /// Their place in the sentence.
         span: Span,
-        /// The most that one description holds.
+        /// The greatest number in one description.
         limit: u8,
     },
-    /// Two values of one attribute, such as two colours, next to each other.
+    /// Two adjacent values of one attribute, such as two colours.
     ConflictingValues {
-        /// Where the description stands.
+        /// The description's place in the sentence.
         span: Span,
-        /// The value that was said first: index into [`crate::Model::concepts`].
+        /// The first value: index into [`crate::Model::concepts`].
         first: u8,
         /// The other value.
         second: u8,
     },
-    /// More steps than a program holds.
+    /// Too many steps for a program.
     TooManySteps {
-        /// The most that a program holds.
+        /// The greatest number in a program.
         limit: u8,
     },
-    /// More groups of concept words than the two that one step holds, as in "the red and blue
+    /// More than the two groups of concept words that a step can have, as in "the red and blue
     /// block", "the block that is red and small", or a relation inside a description.
     TooManyReferences {
         /// Which step.
         step: u8,
-        /// Where it stands.
+        /// Its place in the sentence.
         span: Span,
-        /// The most that one step holds.
+        /// The greatest number in one step.
         limit: u8,
     },
-    /// A step that doesn't name both what to move and where to.
+    /// A step that doesn't describe both the object and the reference.
     IncompleteStep {
         /// Which step.
         step: u8,
         /// How many objects it describes; two are needed.
         references: u8,
-        /// Where it stands.
+        /// Its place in the sentence.
         span: Span,
     },
     /// The same words were taken for both arguments.
     SameReference {
         /// Which step.
         step: u8,
-        /// Where these words stand.
+        /// The words' place in the sentence.
         span: Span,
     },
     /// The parser is not sure enough.
     Unsure {
         /// Which step.
         step: u8,
-        /// Of what it is not sure.
+        /// The uncertain decision.
         decision: Decision,
-        /// How sure it is.
+        /// Its probability.
         probability: f32,
-        /// How sure it must be.
+        /// The required probability.
         threshold: f32,
     },
     /// No object fits a description.
     NoSuchObject {
         /// Which step.
         step: u8,
-        /// Which of its arguments.
+        /// Which argument.
         argument: Argument,
-        /// What was said.
+        /// The description.
         description: Description,
         /// The object that fits best, if there is any.
         best: Option<Candidate>,
-        /// The least score that will do.
+        /// The required score.
         threshold: f32,
     },
     /// Several objects fit a description.
     Ambiguous {
         /// Which step.
         step: u8,
-        /// Which of its arguments.
+        /// Which argument.
         argument: Argument,
-        /// What was said.
+        /// The description.
         description: Description,
         /// The objects that fit.
         candidates: Candidates,
@@ -119,25 +117,25 @@ pub enum Refusal {
         /// Id of the object.
         object: u32,
     },
-    /// A network's result is infinite or not a number.
+    /// A network's result is infinite or NaN.
     NotFinite {
         /// Which step.
         step: u8,
         /// Which result.
         quantity: Quantity,
     },
-    /// A sub-goal lies where it may not.
+    /// A sub-goal is outside the work space.
     OutsideWorkSpace {
         /// Which step.
         step: u8,
-        /// Id of the object that is to be moved there.
+        /// Id of the object to move.
         object: u32,
         /// Where its centre would be: world frame, metres.
         position: [f32; 3],
-        /// Where it may be.
+        /// The work space.
         bounds: WorkSpace,
     },
-    /// The scene's embeddings were made by another model than the planner's.
+    /// The scene's embeddings were computed by another model than the planner's.
     OtherModel {
         /// Tag of the planner's model.
         expected: u64,
@@ -151,30 +149,30 @@ pub enum Refusal {
         /// Tag of the model that parsed it.
         got: u64,
     },
-    /// What is seen disagrees with the camera's calibration: sub-goals would be off.
+    /// The scene disagrees with the camera's calibration: sub-goals would be wrong.
     Calibration(CalibrationFault),
-    /// An index in the model points at nothing, or it lacks the objects' sizes; can't be
-    /// where [`crate::Model::check`] passed.
+    /// The model has an invalid index, or lacks the objects' sizes; impossible if
+    /// [`crate::Model::check`] has passed.
     InvalidModel,
 }
 
-/// What a sentence's length is counted in.
+/// The unit of a sentence's length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LengthUnit {
     /// Bytes of UTF-8.
     Bytes,
-    /// Words and commas, a group of concept words counted as one.
+    /// Words and commas; a group of concept words counts as one.
     Tokens,
 }
 
-/// What the parser decides.
+/// A decision of the parser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Decision {
     /// Where the step ends.
     Split,
-    /// What is to be done.
+    /// The action.
     Action,
     /// Which words describe this argument.
     Argument(Argument),
@@ -199,7 +197,7 @@ pub enum Quantity {
 }
 
 impl LengthUnit {
-    /// The name in snake case, as it stands in JSON.
+    /// The name in snake case, as in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bytes => "bytes",
@@ -209,7 +207,7 @@ impl LengthUnit {
 }
 
 impl Decision {
-    /// The name in snake case, as it stands in JSON.
+    /// The name in snake case, as in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Split => "split",
@@ -220,7 +218,7 @@ impl Decision {
 }
 
 impl Quantity {
-    /// The name in snake case, as it stands in JSON.
+    /// The name in snake case, as in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Split => "split",
@@ -234,7 +232,7 @@ impl Quantity {
     }
 }
 
-/// An object that fits a description, and how well.
+/// An object that fits a description, with its score.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Candidate {
@@ -252,7 +250,7 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Takes an object into account; of equal scores the first stays in front.
+    /// Adds an object; of equal scores the first stays in front.
     pub(crate) fn add(&mut self, candidate: Candidate) {
         let listed = usize::from(self.count).min(MAX_CANDIDATES);
         let mut carried = candidate;
@@ -270,7 +268,7 @@ impl Candidates {
         self.count = self.count.saturating_add(1);
     }
 
-    /// The best of them, best first.
+    /// The listed candidates, best first.
     pub fn listed(&self) -> &[Candidate] {
         let listed = usize::from(self.count).min(MAX_CANDIDATES);
         self.listed.get(..listed).unwrap_or_default()
@@ -286,10 +284,10 @@ impl Candidates {
 macro_rules! kinds {
     ($($variant:pat => $kind:literal,)*) => {
         impl Refusal {
-            /// All that [`Refusal::kind`] may give, the kinds of later versions at the end.
+            /// All values of [`Refusal::kind`]; later versions append theirs.
             pub const KINDS: &[&str] = &[$($kind),*];
 
-            /// The variant's name in snake case, as it stands in JSON.
+            /// The variant's name in snake case, as in JSON.
             pub const fn kind(&self) -> &'static str {
                 match self {
                     $($variant => $kind,)*

@@ -3,7 +3,7 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 use crate::camera::Camera;
 use crate::scene::Scene;
 
-/// A unit or convention other than ours in which a scene seems to be given.
+/// A unit or convention other than ours that a scene seems to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cause {
@@ -13,8 +13,8 @@ pub enum Cause {
     PositionInMillimetres,
     /// Both are.
     LengthsInMillimetres,
-    /// The camera's orientation is w, x, y, z. Not found where this, read as x, y, z, w, lets the
-    /// camera look down on the table as well: so it is with some that look straight down.
+    /// The camera's orientation is w, x, y, z. Not detected if the camera also looks down on the
+    /// table when this is read as x, y, z, w, as with some cameras that look straight down.
     OrientationWxyz,
     /// The camera's pose takes the world's frame to the camera's.
     PoseInverted,
@@ -22,16 +22,16 @@ pub enum Cause {
     AxesOfOpenGl,
 }
 
-/// How the numbers of a scene are understood.
+/// An interpretation of a scene's numbers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
     pub(super) camera: Camera,
-    /// What depths are multiplied with.
+    /// The factor on depths.
     pub(super) depth_scale: f32,
 }
 
 impl Reading {
-    /// By our units and conventions.
+    /// Our units and conventions.
     pub(super) const fn as_given(camera: &Camera) -> Self {
         Self {
             camera: *camera,
@@ -41,7 +41,7 @@ impl Reading {
 }
 
 impl Cause {
-    /// All of them, the likelier before those that change more.
+    /// All of them, the likelier ones first.
     pub(crate) const ALL: [Self; 6] = [
         Self::DepthsInMillimetres,
         Self::PositionInMillimetres,
@@ -51,7 +51,7 @@ impl Cause {
         Self::AxesOfOpenGl,
     ];
 
-    /// The name in snake case, as it stands in JSON.
+    /// The name in snake case, as in JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::DepthsInMillimetres => "depths_in_millimetres",
@@ -63,8 +63,8 @@ impl Cause {
         }
     }
 
-    /// Whether it can be: no camera of a robot is so far from its objects, or its robot, that
-    /// millimetres would look like metres.
+    /// Whether it is plausible: millimetres only if a length exceeds [`FAR_M`], which no distance
+    /// of a camera from its objects or its robot does in metres.
     pub(super) fn is_possible(self, scene: &Scene) -> bool {
         let far = |length: f32| length.abs() > FAR_M;
         let depths = || scene.objects().iter().any(|object| far(object.depth_m()));
@@ -77,7 +77,7 @@ impl Cause {
         }
     }
 
-    /// What a scene with this camera would say by our units and conventions.
+    /// The scene with this camera in our units and conventions.
     pub(super) fn reading(self, camera: &Camera) -> Reading {
         let mut reading = Reading::as_given(camera);
         let camera = &mut reading.camera;
@@ -103,7 +103,7 @@ impl Cause {
     }
 }
 
-/// Metres that are a unit's mistake.
+/// Lengths above this are not in metres.
 const FAR_M: f32 = 10.0;
 /// A millimetre in metres.
 const METRES: f32 = 0.001;

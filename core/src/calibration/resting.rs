@@ -18,13 +18,13 @@ const ASIDE: f32 = 0.75;
 /// Pixels between two boxes that don't overlap.
 const APART_PX: f32 = 2.0;
 
-/// Where the objects of a scene are seen, and what each rests on.
+/// Where the objects of a scene are, and what each rests on.
 #[derive(Debug, Clone)]
 pub(super) struct Arrangement {
     objects: Vec<Seen, MAX_OBJECTS>,
 }
 
-/// An object as it is seen.
+/// An observed object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub(super) id: u32,
@@ -35,7 +35,7 @@ pub(super) struct Seen {
     pub(super) width_m: f32,
     /// No nearer object overlaps it in the image.
     is_whole: bool,
-    /// None until what is lower has its own.
+    /// `None` until lower objects have theirs.
     rest: Option<Rest>,
 }
 
@@ -48,16 +48,16 @@ pub(super) struct Rest {
     top_m: f32,
     /// On the table, not on another object.
     pub(super) is_on_table: bool,
-    /// Whether the object is as wide as this size can look.
+    /// Whether the object's width is possible for this size.
     pub(super) fits: bool,
     /// Shorter edge of the base, metres.
     narrow_m: f32,
-    /// How far above it the object is seen, metres.
+    /// How far above it the object is observed, metres.
     pub(super) off_m: f32,
 }
 
 impl Arrangement {
-    /// The objects of a scene by this reading of its numbers.
+    /// The objects of a scene in this interpretation of its numbers.
     pub(super) fn new(model: &Model<'_>, scene: &Scene, reading: &Reading) -> Self {
         let mut objects = Vec::new();
         for object in scene.objects() {
@@ -74,7 +74,7 @@ impl Arrangement {
         arrangement
     }
 
-    /// Finds out on what the lowest object rests of those of which it isn't known.
+    /// Determines what the lowest undetermined object rests on.
     fn settle_lowest(&mut self, model: &Model<'_>, bounds: &Bounds) {
         let unsettled = self.objects.iter().enumerate();
         let lowest = unsettled
@@ -89,7 +89,7 @@ impl Arrangement {
         }
     }
 
-    /// What the object stands on: the highest of those below it; none for the table.
+    /// What the object stands on: the highest object below it; `None` for the table.
     fn support(&self, seen: &Seen, bounds: &Bounds) -> Option<Rest> {
         let [x, y, z] = seen.position;
         let below = self.objects.iter().filter(|other| {
@@ -103,7 +103,7 @@ impl Arrangement {
             .and_then(|support| support.rest)
     }
 
-    /// The objects that are seen whole, and where each rests.
+    /// The whole objects, and where each rests.
     pub(super) fn whole(&self) -> impl Iterator<Item = (&Seen, &Rest)> {
         let whole = self.objects.iter().filter(|seen| seen.is_whole);
         whole.filter_map(|seen| Some((seen, seen.rest.as_ref()?)))
@@ -132,8 +132,7 @@ impl Seen {
         height_m
     }
 
-    /// Where it rests, by the size that it has most likely; none only if the model has no
-    /// sizes.
+    /// Where it rests with its likeliest size; `None` only if the model has no sizes.
     fn rest_on(&self, support: Option<Rest>, model: &Model<'_>) -> Option<Rest> {
         let base_m = support.map_or(0.0, |support| support.top_m);
         let mut likeliest: Option<Rest> = None;

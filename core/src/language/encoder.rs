@@ -11,7 +11,7 @@ pub struct Encoder {
     backward: [f32; ENCODER_HIDDEN],
     /// State at each group: forward half, backward half.
     groups: Vec<[f32; INSTRUCTION], MAX_GROUPS, u8>,
-    /// Groups that the backward cell has not come to.
+    /// Groups that the backward cell has not reached.
     groups_ahead: usize,
 }
 
@@ -34,8 +34,8 @@ impl Encoder {
         self.groups_ahead = 0;
     }
 
-    /// The forward cell takes in the next token, from the first to the last; false
-    /// when it is a group and [`MAX_GROUPS`] have been seen.
+    /// Feeds the next token to the forward cell, from the first to the last; false if it is a group
+    /// and [`MAX_GROUPS`] have been fed.
     ///
     /// Cost: `3·48²` multiply-adds, 96 sigmoids and 48 hyperbolic tangents.
     pub fn forward(
@@ -55,8 +55,8 @@ impl Encoder {
         true
     }
 
-    /// The backward cell takes in the token before, from the last to the first.
-    /// Cost: as [`Encoder::forward`].
+    /// Feeds the previous token to the backward cell, from the last to the first. Cost: as
+    /// [`Encoder::forward`].
     pub fn backward(&mut self, language: &Language<'_>, token: &WordParameters, group: bool) {
         self.backward = language
             .backward
@@ -72,14 +72,13 @@ impl Encoder {
         }
     }
 
-    /// The instruction's embedding `emb(Λ)`: the forward cell's last state and the
-    /// backward cell's, once both have seen all tokens.
+    /// The instruction's embedding `emb(Λ)`: the forward cell's last state and the backward cell's,
+    /// once both have been fed all tokens.
     pub fn instruction(&self) -> [f32; INSTRUCTION] {
         join(&self.forward, &self.backward)
     }
 
-    /// State at each group, in the order of the sentence, once both cells have
-    /// seen all tokens.
+    /// State at each group, in the order of the sentence, once both cells have been fed all tokens.
     pub fn groups(&self) -> &[[f32; INSTRUCTION]] {
         &self.groups
     }

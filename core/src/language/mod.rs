@@ -1,8 +1,8 @@
-//! From a sentence to a program (section IV-B): words to tokens, where the steps
-//! part, a GRU encoder for each step, and decoders for its action and arguments.
+//! From a sentence to a program (section IV-B): words to tokens, a splitter into steps, a GRU
+//! encoder for each step, and decoders for its action and arguments.
 //!
-//! All of it is learned but one thing: which words name attribute values is given,
-//! as in the paper. Such words next to each other become one token.
+//! Everything is learned except the words that name attribute values, which are given, as in the
+//! paper. Adjacent words of this kind become one token.
 
 mod decoders;
 mod encoder;

@@ -1,4 +1,4 @@
-//! The known word nearest to one that is not known.
+//! The known word nearest to an unknown one.
 
 use heapless::Vec;
 
@@ -8,15 +8,14 @@ use crate::model::Model;
 const MAX_LETTERS: usize = 24;
 
 type Letters = Vec<char, MAX_LETTERS, u8>;
-/// Distances between a beginning of one word and every beginning of another.
+/// Distances between a prefix of one word and every prefix of another.
 type Row = [u8; MAX_LETTERS + 1];
 
-/// The word of the model that `word` is likely to be a misspelling of: the nearest
-/// concept word or, where none is nearer, other word; of equally near ones the
-/// first. `None` where nothing is near: two words are near if one letter left out,
-/// added, changed or swapped with its neighbour makes one the other, or two where
-/// both have more than five letters. Words of one or two letters, and of more than
-/// 24, are near nothing.
+/// The word of the model that `word` is likely to be a misspelling of: the nearest concept word or,
+/// where none is nearer, other word; of equally near ones the first. `None` if none is near: two
+/// words are near if one letter omitted, added, changed or swapped with its neighbour turns one
+/// into the other, or two such edits if both have more than five letters. Words of one or two
+/// letters, and of more than 24, have no near word.
 ///
 /// Cost: at most 24² steps for each word of the model, of a few comparisons each.
 /// No allocation.
@@ -52,7 +51,7 @@ pub fn nearest_word<'a>(model: &Model<'a>, word: &str) -> Option<&'a str> {
 /// The most that [`edits_allowed`] gives.
 const MOST_EDITS: usize = 2;
 
-/// How far apart near words may be, by the letters of the shorter one.
+/// The greatest distance of near words, by the length of the shorter one.
 const fn edits_allowed(letters: usize) -> u8 {
     match letters {
         0..=2 => 0,
@@ -70,8 +69,8 @@ fn letters(word: &str) -> Option<Letters> {
     Some(letters)
 }
 
-/// Least number of letters left out, added, changed or swapped with their
-/// neighbour, none touched twice (optimal string alignment).
+/// The smallest number of letters omitted, added, changed or swapped with their neighbour, none
+/// edited twice (optimal string alignment).
 fn distance(left: &[char], right: &[char]) -> u8 {
     // `above[j]`: from the letters of `left` so far to the first j of `right`.
     let mut above: Row = core::array::from_fn(|column| column as u8);
@@ -101,7 +100,7 @@ fn distance(left: &[char], right: &[char]) -> u8 {
     at(&above, right.len())
 }
 
-/// An entry; what is not there is far.
+/// An entry; a missing one is far.
 fn at(row: &Row, column: usize) -> u8 {
     row.get(column).copied().unwrap_or(u8::MAX)
 }

@@ -13,7 +13,7 @@ pub(super) struct Segments {
     segments: Vec<Segment, MAX_STEPS, u8>,
 }
 
-/// The tokens of one step: from the end of the one before it to `end`.
+/// The tokens of one step: from the end of the previous step to `end`.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
     end: usize,
@@ -42,7 +42,7 @@ impl Segments {
         self.segments.len()
     }
 
-    /// That the step ends where it does; `None` behind the last step.
+    /// The probability that the step ends there; `None` after the last step.
     pub(super) fn probability(&self, step: usize) -> Option<f32> {
         self.segments.get(step).map(|segment| segment.probability)
     }
@@ -53,7 +53,7 @@ impl Segments {
         step.checked_sub(1).map_or(0, end_of)..end_of(step)
     }
 
-    /// Where in the sentence the step stands.
+    /// The step's place in the sentence.
     ///
     /// * `sentence`: all tokens
     pub(super) fn span(&self, step: usize, sentence: &[Token]) -> Span {
@@ -64,7 +64,7 @@ impl Segments {
         }
     }
 
-    /// The step's groups of concept words, and where they stand.
+    /// The step's groups of concept words, and their places.
     ///
     /// * `sentence`: all tokens
     pub(super) fn groups<'t>(

@@ -4,7 +4,7 @@ use crate::nn::{sigmoid, tanh_all};
 /// A hazard above this ends the step. Below 1 − h > h: not splitting is likelier.
 pub const SPLIT_HAZARD: f32 = 0.5;
 
-/// Finds where the first step of what remains of a sentence ends (section IV-B).
+/// Finds the end of the first step in the rest of a sentence (section IV-B).
 ///
 /// `h_t = σ(hazard(tanh(hidden(GRU state at t, the next token, the one after))))`
 /// is the probability that the step ends at token t, given that it has not ended
@@ -18,7 +18,7 @@ pub struct Splitter {
 }
 
 impl Splitter {
-    /// Before the first token of what remains.
+    /// The state before the first token of the rest.
     pub const fn new() -> Self {
         Self {
             hidden: [0.0; SPLITTER_HIDDEN],
@@ -26,9 +26,9 @@ impl Splitter {
         }
     }
 
-    /// Takes in a token that others follow; its hazard.
+    /// Feeds a token that is not the last; returns its hazard.
     ///
-    /// * `after_next`: `None` past the end of the sentence, where zeros stand
+    /// * `after_next`: `None` after the end of the sentence, for which zeros are used
     ///
     /// Cost: `4·32² + 32` multiply-adds, 65 sigmoids and 64 hyperbolic tangents.
     pub fn hazard(
@@ -49,8 +49,8 @@ impl Splitter {
         sigmoid(logit)
     }
 
-    /// Whether the step ends at a token with this hazard: its probability, or
-    /// `None` where it goes on.
+    /// Whether the step ends at a token with this hazard: its probability, or `None` if it
+    /// continues.
     pub fn decide(&mut self, hazard: f32) -> Option<f32> {
         if hazard > SPLIT_HAZARD {
             Some(self.survival * hazard)

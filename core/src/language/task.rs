@@ -9,27 +9,27 @@ use crate::model::{INSTRUCTION, Model, WordParameters};
 use crate::nn::{Choice, Linear};
 use crate::refusal::{Decision, Quantity, Refusal};
 
-/// How sure the parser was of a step; probabilities.
+/// The parser's confidence in a step; probabilities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct StepDecisions {
-    /// Where in the sentence the step stands.
+    /// The step's place in the sentence.
     pub span: Span,
-    /// That the step ends where it was ended.
+    /// That the step ends where it was split.
     pub split: f32,
-    /// Of its action.
+    /// That its action is right.
     pub action: f32,
-    /// That the words chosen describe the object to be moved.
+    /// That the chosen words describe the object to move.
     pub object: f32,
-    /// That the words chosen describe the reference.
+    /// That the chosen words describe the reference.
     pub reference: f32,
 }
 
-/// A program as a model understood it, and how sure the parser was of each step.
+/// A program parsed by a model, with the parser's confidence in each step.
 ///
-/// Beside an empty one, only a [`ParsingTask`] that is done gives one: its actions and concepts
-/// are that model's, and it has decisions for each step. So grounding it with that model, which
-/// [`crate::Planner::begin_grounding`] checks, looks for none of them in vain.
+/// Apart from an empty one, only a completed [`ParsingTask`] creates one: its actions and concepts
+/// exist in that model, and it has decisions for each step. So grounding it with that model, which
+/// [`crate::Planner::begin_grounding`] checks, always finds them.
 ///
 /// ```compile_fail
 /// use nsrm_core::{Program, language::Parsed};
@@ -45,7 +45,7 @@ pub struct Parsed {
 }
 
 impl Parsed {
-    /// Of no steps, as before a sentence is parsed.
+    /// Without steps, as before a sentence is parsed.
     pub const fn empty(model: &Model<'_>) -> Self {
         Self {
             model_tag: model.tag(),
@@ -54,7 +54,7 @@ impl Parsed {
         }
     }
 
-    /// [`Model::tag`] of the model that understood it so.
+    /// [`Model::tag`] of the model that parsed it.
     pub const fn model_tag(&self) -> u64 {
         self.model_tag
     }
@@ -64,15 +64,15 @@ impl Parsed {
         &self.program
     }
 
-    /// How sure the parser was, for each step of the program.
+    /// The parser's confidence in each step of the program.
     pub fn decisions(&self) -> &[StepDecisions] {
         &self.decisions
     }
 }
 
-/// A sentence being parsed, a bounded piece of work a [`ParsingTask::poll`]: one
-/// word read, one token through the splitter or through one direction of the
-/// encoder, or one decoder. All scratch memory is in here.
+/// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
+/// one token to the splitter or to one direction of the encoder, or runs one decoder. All scratch
+/// memory is in here.
 ///
 /// `T` is the sentence: borrowed (`&str`), or owned, such as a
 /// [`heapless::String`], where the task outlives the call that began it.
@@ -104,8 +104,7 @@ pub struct ParsingTask<'m, T> {
     stage: Stage,
 }
 
-/// Where a parsing task stands. Tokens are counted over the whole sentence, steps
-/// from 0.
+/// The state of a parsing task. Tokens are counted over the whole sentence, steps from 0.
 #[derive(Debug, Clone, Copy)]
 enum Stage {
     Read,

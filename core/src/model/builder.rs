@@ -1,5 +1,5 @@
-//! Models are put together by name, one part after the other, so that a part that is added
-//! later breaks nobody: what nsrm-codegen wrote before goes on compiling.
+//! Builders: models are built field by field, by name, so that a new field breaks nothing: earlier
+//! output of nsrm-codegen still compiles.
 
 use super::{
     Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LOCATION, Language,
@@ -9,20 +9,20 @@ use super::{
 };
 use crate::nn::{Conv, Gru, Linear};
 
-/// No number: what a parameter is until it is set. Results that depend on it are refused.
+/// The value of an unset parameter. Results that depend on it are refused.
 const UNSET: f32 = f32::NAN;
 
-/// Index of nothing, until it is set: [`Model::check`] finds no such place.
+/// The value of an unset index, which [`Model::check`] refuses.
 const NOWHERE: u8 = u8::MAX;
 
-/// Gives a type `new`, in which nothing is set, and a method for each of its fields.
+/// Defines `new`, which sets nothing, and a `with_` method for each field.
 macro_rules! builder {
     ($([$($parameter:tt)*] $type:ty { $($field:ident, $with:ident: $kind:ty = $unset:expr;)* })*) => {$(
         impl<$($parameter)*> $type {
             const UNSET: Self = Self { $($field: $unset),* };
 
-            /// Nothing is set: texts and lists are empty, numbers are NaN, so that a model in
-            /// which one was forgotten refuses.
+            /// Sets nothing: texts and lists are empty, numbers are NaN, so that an incomplete
+            /// model refuses.
             #[allow(clippy::new_without_default, reason = "unset is no value to go on with")]
             pub const fn new() -> Self {
                 Self::UNSET

@@ -3,9 +3,9 @@ use thiserror::Error;
 use super::{Model, WorkSpace};
 use crate::nn::is_unit;
 
-/// Concepts, attribute types and actions that an index of one byte reaches.
+/// The number of concepts, attribute types or actions that a one-byte index can address.
 const MAX_INDEXED: usize = 256;
-/// Words that an index of two bytes reaches.
+/// The number of words that a two-byte index can address.
 const MAX_WORDS: usize = 65_536;
 
 /// Why a model can't be used; the first fault found.
@@ -15,34 +15,34 @@ pub enum ModelFault<'a> {
     /// A list is empty; its name.
     #[error("the model has no {0}")]
     Empty(&'static str),
-    /// A list is longer than its indices reach; its name.
+    /// A list is longer than its index can address; its name.
     #[error("the model has too many {0}")]
     TooLong(&'static str),
-    /// Words must be sorted and all different; the one out of order.
+    /// Words are not sorted and unique; the word out of order.
     #[error("word \"{0}\" is out of order or repeated")]
     WordOrder(&'a str),
-    /// Lexicon words must be sorted and all different; the one out of order.
+    /// Lexicon words are not sorted and unique; the word out of order.
     #[error("lexicon word \"{0}\" is out of order or repeated")]
     LexiconOrder(&'a str),
-    /// A word stands both among the words and in the lexicon.
+    /// A word is both among the words and in the lexicon.
     #[error("word \"{0}\" stands in the lexicon too")]
     WordInLexicon(&'a str),
-    /// A lexicon word names a concept that isn't there.
+    /// A lexicon word has an invalid concept index.
     #[error("lexicon word \"{0}\" names a concept that isn't there")]
     LexiconConcept(&'a str),
-    /// A concept is of an attribute type that isn't there; its name.
+    /// A concept has an invalid attribute type; its name.
     #[error("concept {0} has an attribute type that isn't there")]
     ConceptAttribute(&'a str),
-    /// A concept's embedding has not length 1; its name.
+    /// A concept's embedding does not have length 1; its name.
     #[error("the embedding of concept {0} has not length 1")]
     ConceptLength(&'a str),
     /// An edge length of a concept is not finite, or not greater than 0; its name.
     #[error("an edge of concept {0} is not longer than 0 and finite")]
     ConceptEdges(&'a str),
-    /// No concept has edge lengths: how large the objects are is not known.
+    /// No concept has edge lengths: the sizes of objects are unknown.
     #[error("no concept of the model has edge lengths")]
     NoEdges,
-    /// A threshold is not from 0 to 1.
+    /// A threshold is outside 0 to 1.
     #[error("a threshold is not from 0 to 1")]
     Threshold,
     /// The work space is not finite or has its bounds in the wrong order.
@@ -54,21 +54,21 @@ pub enum ModelFault<'a> {
 }
 
 impl<'a> Model<'a> {
-    /// The first eight bytes of the identity: what ties a scene's embeddings to the
-    /// model that made them.
+    /// The first eight bytes of the identity: ties a scene's embeddings to the model that computed
+    /// them.
     ///
-    /// Another for other weights, thresholds, work space or domain; the same after the
-    /// model's metrics were written anew.
+    /// It differs for other weights, thresholds, work spaces or domains, and does not depend on the
+    /// model's metrics.
     pub const fn tag(&self) -> u64 {
         let [a, b, c, d, e, f, g, h, ..] = self.header.identity;
         u64::from_le_bytes([a, b, c, d, e, f, g, h])
     }
 
-    /// Whether every index points at something, every list is in its order and the
-    /// header makes sense. What passes never gives [`crate::Refusal::InvalidModel`].
+    /// Checks that every index is valid, every list is sorted and the header is valid. A model that
+    /// passes never causes [`crate::Refusal::InvalidModel`].
     ///
-    /// Parameters are not looked at: the code generator and the loader check the
-    /// tensors, and what is not finite is refused where it shows.
+    /// Parameters are not checked: the code generator and the loader check the tensors, and results
+    /// that are not finite are refused.
     ///
     /// ```
     /// use nsrm_core::model::{Model, ModelFault};
@@ -98,7 +98,7 @@ impl<'a> Model<'a> {
         self.check_header()
     }
 
-    /// Whether it is known how large the objects are.
+    /// Whether the sizes of objects are known.
     pub(crate) fn has_edges(&self) -> bool {
         self.concepts
             .iter()
@@ -170,7 +170,7 @@ impl<'a> Model<'a> {
 }
 
 impl WorkSpace {
-    /// Whether a point lies inside; the bounds do.
+    /// Whether a point is inside, bounds included.
     ///
     /// * `position`: world frame, metres
     pub fn contains(&self, position: &[f32; 3]) -> bool {

@@ -15,10 +15,10 @@ use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
 use crate::scene::Scene;
 
-/// A parsed sentence being grounded in a scene (sections IV-C and IV-D), from any
-/// step on, so that what is left of a program can be planned anew in each scene
-/// observed. A [`GroundingTask::poll`] is one look at where all objects are, one object's
-/// score, one choice of an object, or one action. All scratch memory is in here.
+/// Grounds a parsed sentence in a scene (sections IV-C and IV-D), from any step on, so that the
+/// rest of a program can be planned again in each observed scene. Each [`GroundingTask::poll`] does
+/// one of: the calibration check, one object's score, one choice of an object, or one action. All
+/// scratch memory is in here.
 ///
 /// `S` is the scene and `P` the parsed sentence: borrowed, or owned where the task
 /// outlives the call that began it.
@@ -34,10 +34,10 @@ pub struct GroundingTask<'m, S, P> {
     stage: Stage,
 }
 
-/// Where a grounding task stands. Steps count from 0.
+/// The state of a grounding task. Steps count from 0.
 #[derive(Debug, Clone, Copy)]
 enum Stage {
-    /// What is seen is compared with the camera's calibration.
+    /// The scene is compared with the camera's calibration.
     Check {
         step: usize,
     },
@@ -46,7 +46,7 @@ enum Stage {
         fault: CalibrationFault,
         cause: usize,
     },
-    /// The next object is compared with the description of the object to be moved.
+    /// The next object is compared with the description of the object to move.
     ScoreObject {
         step: usize,
     },
@@ -101,13 +101,13 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         self.scene.borrow()
     }
 
-    /// Whether there will be no plan.
+    /// Whether grounding has failed.
     pub(super) const fn is_refused(&self) -> bool {
         matches!(self.stage, Stage::Done(Some(_)))
     }
 
-    /// Does one piece of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is
-    /// done, every further call gives the same result again.
+    /// Does one unit of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is done, every further
+    /// call returns the same result.
     pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {
         self.stage = match self.advance(self.stage) {
             Ok(stage) => stage,
@@ -184,7 +184,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         }
     }
 
-    /// Where there is nothing to do, nothing is checked.
+    /// If there is nothing to do, nothing is checked.
     fn begin_program(&self, first: usize) -> Stage {
         if first < self.plan.program().steps().len() {
             Stage::Check { step: first }
@@ -202,7 +202,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         }
     }
 
-    /// Compares the next object with a description; false when none is left.
+    /// Compares the next object with a description; false if none is left.
     fn score(&mut self, step: usize, argument: Argument) -> Result<bool, Refusal> {
         let Some(object) = self.scene().objects().get(self.scores.values().len()) else {
             return Ok(false);
@@ -225,7 +225,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         Ok(true)
     }
 
-    /// The object that a description means: the one that fits, if only one does.
+    /// The object that a description refers to: the one that fits, if only one does.
     fn choose(&self, step: usize, argument: Argument) -> Result<Grounding, Refusal> {
         let threshold = self.model.header.thresholds.match_score;
         let description = *self.symbols(step)?.description(argument);
@@ -271,7 +271,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         Ok(best)
     }
 
-    /// Predicts where the object will be, and moves it there for the steps to come.
+    /// Predicts where the object will be, and moves it there for the following steps.
     fn act(&mut self, step: usize, object: Grounding, reference: Grounding) -> Result<(), Refusal> {
         let not_finite = |quantity| Refusal::NotFinite {
             step: step as u8,
@@ -355,7 +355,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 }
 
 impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
-    /// All of this is to be grounded instead, in a task that has done nothing yet.
+    /// Starts with this sentence instead, in a task that has not started yet.
     pub(super) fn begin(&mut self, parsed: Parsed) {
         self.plan = Plan::new(parsed.program().clone(), 0);
         self.parsed = parsed;
@@ -363,7 +363,7 @@ impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
     }
 }
 
-/// Whether a scene's embeddings are this model's, and whether it knows the objects' sizes.
+/// Whether a scene's embeddings are from this model, and the model knows the objects' sizes.
 pub(super) fn check_model(model: &Model<'_>, scene: &Scene) -> Result<(), Refusal> {
     let (expected, got) = (model.tag(), scene.header().model_tag);
     if expected != got {

@@ -1,5 +1,4 @@
-//! The public face: a sentence and a scene to a plan, at once or in bounded
-//! pieces.
+//! The public interface: plans a sentence in a scene, at once or in bounded units of work.
 //!
 //! A plan is the grounded program `P_g` and the sub-goals
 //! `G = [(o_1, p_1), …]` of section IV-D, with every probability and cosine that
@@ -29,8 +28,8 @@ use crate::model::{
 use crate::refusal::Refusal;
 use crate::scene::Scene;
 
-/// Scratch memory of planning, the plan included; all of it is in the task, which
-/// here borrows scene and sentence.
+/// Scratch memory of planning, including the plan; all of it is in the task, which here borrows
+/// scene and sentence.
 pub const TASK_BYTES: usize = size_of::<PlanningTask<'_, &Scene, &str>>();
 /// Memory of a plan.
 pub const PLAN_BYTES: usize = size_of::<Plan>();
@@ -41,9 +40,8 @@ pub const SCENE_BYTES: usize = size_of::<Scene>();
 const _: () = assert!(TASK_BYTES <= 10 * 1024 && PLAN_BYTES <= 1024);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
-/// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to
-/// [`UNIT_ACTIONS`] actions. Beside them a call takes at most 192 scalar
-/// functions, or one pass over a word.
+/// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
+/// actions. Besides these, a call takes at most 192 scalar functions, or one pass over a word.
 pub const UNIT_MULTIPLY_ADDS: usize = {
     let units = [
         // One token through the splitter.
@@ -81,7 +79,7 @@ pub const UNIT_SIZES: usize = 64;
 pub const MAX_POLLS: usize =
     (MAX_FILTERS + 3) * MAX_TOKENS + 1 + Cause::ALL.len() + MAX_STEPS * (2 * MAX_OBJECTS + 7) + 3;
 
-/// Reads sentences and scenes with one model. Holds nothing but the model.
+/// Plans with one model. Holds only a reference to the model.
 ///
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
@@ -105,8 +103,8 @@ pub struct Planner<'m> {
 }
 
 impl<'m> Planner<'m> {
-    /// A planner on a model that passed [`Model::check`], as all that the code
-    /// generator and the loader make have.
+    /// A planner for a model that has passed [`Model::check`], as all models of the code generator
+    /// and the loader have.
     pub const fn new(model: &'m Model<'m>) -> Self {
         Self { model }
     }
@@ -116,8 +114,7 @@ impl<'m> Planner<'m> {
         self.model
     }
 
-    /// What a sentence says is to be done, whatever the scene: [`ParsingTask`]
-    /// polled to its end.
+    /// The program of a sentence, independent of a scene: [`ParsingTask`] polled to its end.
     ///
     /// ```
     /// use nsrm_core::{Planner, Refusal};
@@ -139,8 +136,8 @@ impl<'m> Planner<'m> {
         }
     }
 
-    /// Whether what is seen in a scene agrees with the camera's calibration, as planning
-    /// in it asks first: to be told as soon as a camera is set up.
+    /// Checks that a scene agrees with the camera's calibration, as planning does first; use it
+    /// when a camera is set up.
     ///
     /// ```
     /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
@@ -201,8 +198,8 @@ impl<'m> Planner<'m> {
         }
     }
 
-    /// Begins a plan that is worked out call by call, so that a control loop may
-    /// spread it over its ticks.
+    /// Starts a plan that is computed call by call, so that a control loop can spread it over its
+    /// ticks.
     ///
     /// ```
     /// use core::task::Poll;
@@ -243,9 +240,9 @@ impl<'m> Planner<'m> {
         PlanningTask::new(self.model, scene, sentence)
     }
 
-    /// Begins to ground a parsed sentence in a scene, from step `first` on (from 0):
-    /// a plan for what is left to do, in the scene as it is now. Refusals count
-    /// steps as in the whole sentence. What another model has parsed is refused.
+    /// Starts to ground a parsed sentence in a scene, from step `first` on (from 0): a plan for the
+    /// remaining steps in the current scene. Refusals count steps as in the whole sentence. A
+    /// sentence parsed by another model is refused.
     ///
     /// ```
     /// use core::task::Poll;

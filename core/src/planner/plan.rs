@@ -5,7 +5,7 @@ use crate::capacity::MAX_STEPS;
 use crate::dsl::{Program, Step};
 use crate::model::LOCATION;
 
-/// Where an object is to be moved: the paper's `(o_t, p_t)`.
+/// A sub-goal, where to move an object: the paper's `(o_t, p_t)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SubGoal {
@@ -15,7 +15,7 @@ pub struct SubGoal {
     pub pose: Isometry3<f32>,
 }
 
-/// The object that a description was found to mean.
+/// The object that a description refers to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Grounding {
@@ -23,27 +23,27 @@ pub struct Grounding {
     pub object: u32,
     /// Its place in the scene.
     pub index: u8,
-    /// How well it fits: the least cosine of the description's concepts.
+    /// How well it fits: the smallest cosine of the description's concepts.
     pub score: f32,
     /// Its share in the softmax of `Unique`.
     pub probability: f32,
 }
 
-/// How sure a step is, part by part; probabilities.
+/// The confidence of a step, part by part; probabilities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Confidence {
     /// That the step ends where the sentence was split.
     pub split: f32,
-    /// Of the action.
+    /// That the action is right.
     pub action: f32,
-    /// That these words describe the object to be moved.
+    /// That these words describe the object to move.
     pub object: f32,
     /// That these words describe the reference.
     pub reference: f32,
-    /// That this object is meant by its words.
+    /// That the description refers to this object.
     pub object_unique: f32,
-    /// That this reference is meant by its words.
+    /// That the description refers to this reference.
     pub reference_unique: f32,
 }
 
@@ -60,7 +60,7 @@ impl Confidence {
     }
 }
 
-/// A step of a plan: its objects, where the moved one will be, and how sure this is.
+/// A step of a plan: its objects, where the moved one will be, and the confidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PlannedStep {
@@ -68,18 +68,18 @@ pub struct PlannedStep {
     pub action: u8,
     /// The object that is moved.
     pub object: Grounding,
-    /// The object in relation to which it is moved.
+    /// The reference object.
     pub reference: Grounding,
-    /// Where the moved object will be seen: box corners x1, y1, x2, y2 as
-    /// fractions of the image, mean depth in metres. May lie outside the image.
+    /// Where the moved object will be observed: box corners x1, y1, x2, y2 as fractions of the
+    /// image, mean depth in metres. May lie outside the image.
     pub location: [f32; LOCATION],
-    /// Where it will stand in the world.
+    /// Its pose in the world.
     pub sub_goal: SubGoal,
-    /// How sure the step is.
+    /// The step's confidence.
     pub confidence: Confidence,
 }
 
-/// What is to be done in a scene; at most [`MAX_STEPS`] steps.
+/// A plan in a scene; at most [`MAX_STEPS`] steps.
 // Invariant: a planned step for each step of the program from `first` on, in the
 // same order.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -90,26 +90,25 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The program as understood.
+    /// The parsed program.
     pub const fn program(&self) -> &Program {
         &self.program
     }
 
-    /// Which step of the program [`Plan::steps`] begins with, from 0: 0 but where
-    /// only what was left of a program was grounded.
+    /// The step of the program at which [`Plan::steps`] starts, from 0: 0 unless only the rest of a
+    /// program was grounded.
     pub const fn first(&self) -> usize {
         self.first as usize
     }
 
-    /// The steps, in the order in which they are carried out; one for each of the
-    /// program's from [`Plan::first`] on.
+    /// The steps, in the order of execution; one for each step of the program from [`Plan::first`]
+    /// on.
     pub fn steps(&self) -> &[PlannedStep] {
         &self.steps
     }
 
-    /// The steps with what was understood of each, and with its number: its place in the
-    /// program, from 0. Where only the rest of a program was grounded, the first number is
-    /// [`Plan::first`].
+    /// The planned steps, each with its number in the program, from 0, and its parsed step. If only
+    /// the rest of a program was grounded, the first number is [`Plan::first`].
     pub fn numbered(&self) -> impl Iterator<Item = (usize, &Step, &PlannedStep)> {
         let understood = self.program.steps().iter().enumerate().skip(self.first());
         understood
@@ -117,9 +116,9 @@ impl Plan {
             .map(|((number, understood), planned)| (number, understood, planned))
     }
 
-    /// The probability that every choice of the plan is right, as far as the model
-    /// can tell: [`Confidence::joint`] of all steps multiplied. It says nothing
-    /// about what was never a choice, such as a sentence of another subject.
+    /// The probability that every choice of the plan is right, as far as the model can tell:
+    /// [`Confidence::joint`] of all steps multiplied. It says nothing about anything that was not a
+    /// choice, such as a sentence on another subject.
     pub fn confidence(&self) -> f32 {
         self.steps
             .iter()
@@ -127,7 +126,7 @@ impl Plan {
             .product()
     }
 
-    /// What a motion planner is to carry out, in order.
+    /// The sub-goals for a motion planner, in order.
     pub fn sub_goals(&self) -> impl ExactSizeIterator<Item = &SubGoal> {
         self.steps.iter().map(|step| &step.sub_goal)
     }

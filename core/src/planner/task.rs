@@ -8,17 +8,17 @@ use crate::model::Model;
 use crate::refusal::Refusal;
 use crate::scene::Scene;
 
-/// A plan being worked out, a bounded piece of work a [`PlanningTask::poll`]: a
-/// [`ParsingTask`], then a [`GroundingTask`]. All scratch memory is in here.
+/// A plan in progress; each [`PlanningTask::poll`] does a bounded unit of work: a [`ParsingTask`],
+/// then a [`GroundingTask`]. All scratch memory is in here.
 ///
 /// `S` is the scene and `T` the sentence: borrowed, or owned where the task
 /// outlives the call that began it.
 #[derive(Debug, Clone)]
 pub struct PlanningTask<'m, S, T> {
     parsing: ParsingTask<'m, T>,
-    /// Of no steps until the sentence is parsed.
+    /// Without steps until the sentence is parsed.
     grounding: GroundingTask<'m, S, Parsed>,
-    /// Whether the sentence is parsed, or need not be.
+    /// Whether the sentence is parsed, or the scene was refused before parsing.
     is_parsed: bool,
 }
 
@@ -27,14 +27,14 @@ impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
         let grounding = GroundingTask::new(model, scene, Parsed::empty(model), 0);
         Self {
             parsing: ParsingTask::new(model, sentence),
-            // In a scene of another model no sentence can be obeyed.
+            // A scene of another model is refused whatever the sentence.
             is_parsed: grounding.is_refused(),
             grounding,
         }
     }
 
-    /// Does one piece of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is
-    /// done, every further call gives the same result again.
+    /// Does one unit of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is done, every further
+    /// call returns the same result.
     pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {
         if self.is_parsed {
             return self.grounding.poll();

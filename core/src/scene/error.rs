@@ -4,7 +4,7 @@ use super::{FRAME_WORLD, SCENE_SCHEMA};
 use crate::camera::CameraError;
 use crate::capacity::MAX_OBJECTS;
 
-/// What of an object is wrong.
+/// What is wrong with an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ObjectFault {
@@ -14,10 +14,10 @@ pub enum ObjectFault {
     /// An object before it has the same id.
     #[error("id is already taken by an object before it")]
     RepeatedId,
-    /// A number of its location is infinite or not a number.
+    /// A number of its location is infinite or NaN.
     #[error("box or depth is not a finite number")]
     LocationNotFinite,
-    /// A number of its embedding is infinite or not a number.
+    /// A number of its embedding is infinite or NaN.
     #[error("embedding is not finite")]
     EmbeddingNotFinite,
     /// Not x1 < x2 and y1 < y2.
@@ -31,43 +31,43 @@ pub enum ObjectFault {
     DepthNotPositive,
 }
 
-/// Why a scene is refused; the first fault found.
+/// Why a scene is invalid; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// Another layout than [`SCENE_SCHEMA`].
+    /// A layout other than [`SCENE_SCHEMA`].
     #[error("scene: schema {got}, but {SCENE_SCHEMA} is what is read")]
     Schema {
-        /// What the scene says.
+        /// The value in the scene.
         got: u32,
     },
-    /// Another frame of reference than [`FRAME_WORLD`].
+    /// A frame of reference other than [`FRAME_WORLD`].
     #[error("scene: frame of reference {got}, but only {FRAME_WORLD} (world) is known")]
     Frame {
-        /// What the scene says.
+        /// The value in the scene.
         got: u32,
     },
-    /// The embeddings were made by another model.
+    /// The embeddings were computed by another model.
     #[error(
         "scene: embeddings of model {got:016x}, but the planner's is {expected:016x}; \
          encode the crops with the same model"
     )]
     ModelTag {
-        /// Tag of the model that is to read the scene.
+        /// Tag of the model that reads the scene.
         expected: u64,
-        /// What the scene says.
+        /// The value in the scene.
         got: u64,
     },
-    /// The camera is not one.
+    /// The camera is invalid.
     #[error("{0}")]
     Camera(#[from] CameraError),
     /// More than [`MAX_OBJECTS`].
     #[error("scene: {count} objects, at most {MAX_OBJECTS} are read")]
     TooManyObjects {
-        /// How many were given.
+        /// The number given.
         count: u32,
     },
-    /// An object is not one.
+    /// An object is invalid.
     #[error("scene: object {id} (place {index}): {fault}")]
     Object {
         /// Its place in the scene, from 0.
@@ -77,13 +77,13 @@ pub enum SceneError {
         /// What is wrong with it.
         fault: ObjectFault,
     },
-    /// The image has another size than the camera says.
+    /// The size of the image differs from the camera's.
     #[error(
         "scene: the image is {}×{} pixels, but the camera says {}×{}",
         got[0], got[1], expected[0], expected[1]
     )]
     ImageSize {
-        /// Width and height that the camera says, in pixels.
+        /// Width and height of the camera, in pixels.
         expected: [u32; 2],
         /// Width and height of the image, in pixels.
         got: [u32; 2],

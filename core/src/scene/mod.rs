@@ -1,9 +1,9 @@
-//! What is observed: objects with their locations and embeddings, and the camera
-//! (`S_I` of the paper), in the layout that shared memory and the C interface use.
+//! The observed scene: objects with their locations and embeddings, and the camera (`S_I` of the
+//! paper), in the layout of shared memory and the C interface.
 //!
-//! [`RawScene`] is bytes that anyone may have written. [`Scene`] is one that was
-//! checked; from then on every number in it is finite, every box is ordered and
-//! inside the image, every depth positive, every id non-zero and its own.
+//! [`RawScene`] is unchecked data from any source. [`Scene`] is checked: every number in it is
+//! finite, every box is ordered and inside the image, every depth positive, every id non-zero and
+//! unique.
 
 mod error;
 
@@ -21,7 +21,7 @@ pub const SCENE_SCHEMA: u32 = 1;
 /// only one of schema 1.
 pub const FRAME_WORLD: u32 = 0;
 
-/// What a scene says of itself.
+/// The header of a scene.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SceneHeader {
@@ -29,29 +29,29 @@ pub struct SceneHeader {
     pub schema: u32,
     /// Frame of reference of the camera's pose: [`FRAME_WORLD`].
     pub frame: u32,
-    /// [`Model::tag`] of the model whose encoder made the embeddings.
+    /// [`Model::tag`] of the model whose encoder computed the embeddings.
     pub model_tag: u64,
-    /// Counts up with each scene of one publisher.
+    /// Sequence number: increases with each scene of one publisher.
     pub sequence: u64,
     /// When the image was taken, nanoseconds on the publisher's clock.
     pub timestamp_ns: u64,
 }
 
-/// An object as the camera sees it.
+/// An object in the camera's view.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedObject {
-    /// Who it is across scenes; not zero.
+    /// Id of the object, the same in all scenes; not zero.
     pub id: u32,
     /// Box corners x1, y1, x2, y2 as fractions of the image's width and height,
     /// then the mean depth of its visible pixels in metres.
     pub location: [f32; LOCATION],
-    /// What the crop encoder made of it; see [`crate::vision::encode`].
+    /// The crop encoder's embedding; see [`crate::vision::encode`].
     pub embedding: [f32; OBJECT_EMBEDDING],
 }
 
 impl ObservedObject {
-    /// All zero: what stands in the unused places of a scene.
+    /// All zero, as in the unused places of a scene.
     pub const EMPTY: Self = Self {
         id: 0,
         location: [0.0; LOCATION],
@@ -65,18 +65,18 @@ impl ObservedObject {
     }
 }
 
-/// A scene as it comes from outside: fixed size, no pointers, no padding.
-/// Anything may stand in it until [`Scene::new`] has checked it.
+/// A scene from outside: fixed size, no pointers, no padding. It may contain anything until
+/// [`Scene::new`] has checked it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RawScene {
-    /// What the scene says of itself.
+    /// The header.
     pub header: SceneHeader,
-    /// The camera that saw it.
+    /// The camera.
     pub camera: Camera,
-    /// How many of `objects` are there.
+    /// The number of valid entries in `objects`.
     pub count: u32,
-    /// The objects; what stands behind the first `count` is not looked at.
+    /// The objects; entries after the first `count` are ignored.
     pub objects: [ObservedObject; MAX_OBJECTS],
 }
 
@@ -142,8 +142,7 @@ impl RawScene {
         }
     }
 
-    /// Puts an object behind those that are there; gives it back when the scene
-    /// is full. What the object says is checked by [`Scene::new`].
+    /// Appends an object; returns it if the scene is full. [`Scene::new`] checks its values.
     // An object handed back is as big as it is.
     #[allow(clippy::result_large_err)]
     pub fn push(&mut self, object: ObservedObject) -> Result<(), ObservedObject> {
@@ -158,7 +157,7 @@ impl RawScene {
         Ok(())
     }
 
-    /// Whether this is a scene that a planner on `model` can read.
+    /// Checks that a planner with `model` can read the scene.
     ///
     /// Cost: one pass over the numbers and `count²/2` comparisons of ids.
     pub fn check(&self, model: &Model<'_>) -> Result<(), SceneError> {
@@ -239,12 +238,12 @@ impl Scene {
             .unwrap_or_default()
     }
 
-    /// The camera that saw them.
+    /// The camera.
     pub const fn camera(&self) -> &Camera {
         &self.raw.camera
     }
 
-    /// What the scene says of itself.
+    /// The header.
     pub const fn header(&self) -> &SceneHeader {
         &self.raw.header
     }
@@ -255,7 +254,7 @@ impl Scene {
     }
 }
 
-/// What is wrong with a location, if anything is.
+/// What is wrong with a location, if anything.
 pub(crate) fn location_fault(location: &[f32; LOCATION]) -> Option<ObjectFault> {
     let [x1, y1, x2, y2, depth] = *location;
     if !location.iter().all(|number| number.is_finite()) {

@@ -1,7 +1,7 @@
 use crate::model::{Attribute, CONCEPT, Model, OBJECT_EMBEDDING, VIEW_EMBEDDING, View};
 use crate::nn::{dot, relu_all};
 
-/// The least length that a vector is divided by, as in training.
+/// The smallest length by which a vector is divided, as in training.
 const LEAST_NORM: f32 = 1e-6;
 
 /// An attribute type's operator `f_u`: the object's embedding to concept space.
@@ -21,9 +21,8 @@ pub fn operate(attribute: &Attribute<'_>, embedding: &[f32; OBJECT_EMBEDDING]) -
     attribute.output.apply(&hidden)
 }
 
-/// `cos(f_u(emb(o)), emb(val))` for the concept `val` and its attribute type `u`
-/// (Table II); `None` when the model has no such concept or type, not a number when
-/// the operator's result is too long to be measured.
+/// `cos(f_u(emb(o)), emb(val))` for the concept `val` and its attribute type `u` (Table II); `None`
+/// if the model has no such concept or type, NaN if the length of the operator's result overflows.
 ///
 /// Cost: one [`operate`], 32 multiply-adds, a root and a division.
 ///

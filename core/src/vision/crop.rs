@@ -15,7 +15,7 @@ pub struct RgbImage<'a> {
     stride: usize,
 }
 
-/// Why bytes are not an image.
+/// Why bytes are not a valid image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ImageError {
@@ -27,18 +27,18 @@ pub enum ImageError {
         /// In pixels.
         height: u32,
     },
-    /// Rows overlap: the stride is less than three bytes a pixel.
+    /// Rows overlap: the stride is less than three bytes per pixel.
     #[error("image: a stride of {got} bytes, but a row takes {expected}")]
     Stride {
-        /// The least that will do, in bytes.
+        /// The smallest valid stride, in bytes.
         expected: usize,
         /// Bytes from one row to the next.
         got: usize,
     },
-    /// Fewer bytes than the size says.
+    /// Fewer bytes than the size needs.
     #[error("image: {got} bytes, but its size takes {expected}")]
     Length {
-        /// The least that will do.
+        /// The number needed.
         expected: usize,
         /// Bytes given.
         got: usize,
@@ -46,9 +46,9 @@ pub enum ImageError {
 }
 
 impl<'a> RgbImage<'a> {
-    /// Looks at `pixels` as an image.
+    /// An image in `pixels`.
     ///
-    /// * `stride`: bytes from the beginning of one row to the next, `3·width` or more
+    /// * `stride`: bytes from the start of one row to the next, at least `3·width`
     ///
     /// ```
     /// use nsrm_core::vision::{ImageError, RgbImage};
@@ -118,7 +118,7 @@ impl<'a> RgbImage<'a> {
     }
 }
 
-/// What the encoder sees of an object: its box resampled to 32×32 pixels.
+/// The encoder's input for an object: its box resampled to 32×32 pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crop {
     /// Red, green and blue from 0 to 1, by channel, row, column.
@@ -156,7 +156,7 @@ impl Crop {
         Ok(crop)
     }
 
-    /// [`Crop::from_rgb`] into memory that is there already.
+    /// [`Crop::from_rgb`] into existing memory.
     pub fn fill(&mut self, image: &RgbImage<'_>, bounds: &[f32; 4]) -> Result<(), ObjectFault> {
         let [x1, y1, x2, y2] = *bounds;
         if let Some(fault) = location_fault(&[x1, y1, x2, y2, 1.0]) {

@@ -15,8 +15,8 @@ pub const ENCODE_MULTIPLY_ADDS: usize = CROP * CROP * 4 * PATCH_CHANNELS
     + 2 * (64 * PATCH_CHANNELS * MERGE_CHANNELS)
     + 2 * MERGED * VIEW_EMBEDDING;
 
-/// An object's embedding `emb(o)` (section IV-C): what the colour view is encoded
-/// to, then what the brightness view is. Never negative.
+/// An object's embedding `emb(o)` (section IV-C): the embedding of the colour view, then that of
+/// the brightness view. Never negative.
 ///
 /// * colour view: red, green and blue less 0.5
 /// * brightness view: `(y − mean) / (deviation + 0.02)` over the crop, where y is the
@@ -41,7 +41,7 @@ pub fn encode(model: &Model<'_>, crop: &Crop) -> [f32; OBJECT_EMBEDDING] {
     encode_in_place(model, &mut crop.clone())
 }
 
-/// [`encode`] without a copy of the crop, whose colours are worthless afterwards.
+/// [`encode`] without a copy of the crop, whose content is overwritten.
 #[inline(never)]
 pub fn encode_in_place(model: &Model<'_>, crop: &mut Crop) -> [f32; OBJECT_EMBEDDING] {
     let light = encode_brightness(model, crop);
@@ -101,7 +101,7 @@ fn brightness(crop: &Crop, view: &mut [[f32; CROP]; CROP]) {
     }
 }
 
-/// Mean over all pixels, row by row, so that rounding does not pile up.
+/// Mean over all pixels, row by row, so that rounding errors do not accumulate.
 fn mean(view: &[[f32; CROP]; CROP], of: impl Fn(f32) -> f32) -> f32 {
     let rows = view
         .iter()

@@ -5,21 +5,21 @@ use crate::model::{LOCATION, Model};
 use crate::scene::{ObservedObject, RawScene, Scene, SceneError};
 use core::task::Poll;
 
-/// What a detector says of an object.
+/// A detected object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detection {
-    /// Who it is across scenes; not zero.
+    /// Id of the object, the same in all scenes; not zero.
     pub id: u32,
-    /// Corners x1, y1, x2, y2, as fractions of the image, of the box around what is
-    /// seen of it: its crop.
+    /// Corners x1, y1, x2, y2, as fractions of the image, of the box around its visible part: its
+    /// crop.
     pub visible: [f32; 4],
-    /// Corners of the box around all of it, also of what is hidden behind others as far
-    /// as that is known, then the mean depth of its pixels in metres: where it is.
+    /// Corners of the box around the whole object, including hidden parts as far as they are known,
+    /// then the mean depth of its pixels in metres: its location.
     pub location: [f32; LOCATION],
 }
 
 impl Detection {
-    /// One of which nothing is hidden, or nobody knows what.
+    /// A detection of an object that is completely visible as far as is known.
     pub const fn whole(id: u32, location: [f32; LOCATION]) -> Self {
         let [x1, y1, x2, y2, _] = location;
         Self {
@@ -30,17 +30,17 @@ impl Detection {
     }
 }
 
-/// Which image of its publisher a scene is made from.
+/// The image that a scene is made from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stamp {
-    /// Counts up with each scene.
+    /// Sequence number: increases with each scene.
     pub sequence: u64,
     /// When the image was taken, nanoseconds on the publisher's clock.
     pub timestamp_ns: u64,
 }
 
-/// A scene being made from an image, one crop encoded a [`ObservationTask::poll`].
-/// All that outlives a call is in here; one call needs about 16 KiB of stack.
+/// Makes a scene from an image; each [`ObservationTask::poll`] encodes one crop. All state between
+/// calls is in here; one call needs about 16 KiB of stack.
 ///
 /// ```
 /// use core::task::Poll;
@@ -72,8 +72,8 @@ pub struct ObservationTask<'a> {
 }
 
 impl<'a> ObservationTask<'a> {
-    /// Nothing encoded yet; refuses an image of another size than the camera's and
-    /// more than [`MAX_OBJECTS`] detections.
+    /// Starts a task; refuses an image of another size than the camera's and more than
+    /// [`MAX_OBJECTS`] detections.
     pub fn new(
         model: &'a Model<'a>,
         image: RgbImage<'a>,
@@ -105,8 +105,8 @@ impl<'a> ObservationTask<'a> {
         })
     }
 
-    /// Encodes the next object's crop, or checks the whole scene when none is left.
-    /// Once it is done, every further call gives the same result again.
+    /// Encodes the next object's crop, or checks the whole scene when none is left. Once it is
+    /// done, every further call returns the same result.
     ///
     /// Cost: one crop and [`super::ENCODE_MULTIPLY_ADDS`], or one [`RawScene::check`].
     pub fn poll(&mut self) -> Poll<Result<Scene, SceneError>> {
