@@ -1,14 +1,13 @@
 //! A model whose weights were set by hand.
 //!
-//! It reads `put the small red block on the blue block then …`: `then` ends a
-//! step, `on` and `beside` are the actions, the description in front of them is
-//! the object's and that behind them the reference's. With both behind (`on the
-//! blue block put the red block`) it is in two minds, as it is without `on` or
-//! `beside`, and at `maybe`, which ends a step with a probability of 0.57. `it`
-//! makes it take the next description for both arguments.
+//! It reads `put the small red block on the blue block then …`: `then` ends a step, `on` and
+//! `beside` are the actions, the description before them is the object's and the one after them the
+//! reference's. It is unsure if both come after them (`on the blue block put the red block`),
+//! without `on` or `beside`, and at `maybe`, which ends a step with a probability of 0.57. After
+//! `it`, it takes the next description for both arguments.
 //!
-//! An object's embedding has a 1 for its colour and a 1 for its size; an action
-//! predicts the moved object at the reference's place.
+//! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
+//! object at the reference's location.
 
 use nsrm_core::model::{
     Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LOCATION, Language,
@@ -24,18 +23,17 @@ use crate::picture;
 
 /// Edge lengths of all blocks, metres.
 pub const EDGES_M: [f32; 3] = [0.04, 0.015, 0.05];
-/// At which [`picture::camera`] sees the centre of a block on the table, metres.
+/// The depth at which [`picture::camera`] sees the centre of a block on the table, metres.
 pub const DEPTH_M: f32 = 0.975;
 /// See [`Vision::color`]; all zero.
 static COLOR: ViewEncoder<3> = view_encoder();
 /// See [`Vision::brightness`]; all zero.
 static BRIGHTNESS: ViewEncoder<1> = view_encoder();
-/// A gate or logit that is saturated.
+/// A saturated gate or logit.
 const SURE: f32 = 20.0;
-/// Unit of the forward encoder that says that `on` was read; the next one is
-/// `beside`'s.
+/// The unit of the forward encoder for `on`; the next one is for `beside`.
 const ACTION_UNIT: usize = 0;
-/// Unit of the forward encoder that says that `it` was read.
+/// The unit of the forward encoder for `it`.
 const IT_UNIT: usize = 20;
 
 /// The parts of the model; a test may spoil one before it takes [`Parts::model`].
@@ -130,8 +128,8 @@ impl Parts {
             );
         }
         parts.lexicon.sort_by_key(|entry| entry.text);
-        // A step ends in front of a word whose share in the hazard's first hidden
-        // unit outweighs the bias.
+        // A step ends before a word whose share in the hazard's first hidden unit outweighs the
+        // bias.
         parts.hazard.weight[0] = [2.0 * SURE];
         parts.hazard.bias = [-SURE];
         parts
@@ -303,8 +301,8 @@ fn action(name: &'static str, phrase: &'static str, index: usize) -> Action<'sta
         .with_simulator_bias([0.0; SIMULATOR_HIDDEN])
 }
 
-/// A decoder that seeks, or shuns, descriptions behind `on` and `beside`, and
-/// seeks those behind `it` more than anything.
+/// A decoder that prefers, or avoids, descriptions after `on` and `beside`, and prefers those after
+/// `it` most.
 fn pointer(behind_action: f32) -> Linear<INSTRUCTION, INSTRUCTION> {
     let mut decoder = zero::<INSTRUCTION, INSTRUCTION>();
     decoder.bias[ACTION_UNIT] = behind_action;

@@ -1,5 +1,4 @@
-//! A controller over shared memory that does in no time what it is told, by the rules
-//! that [`SubGoal`] states.
+//! A controller over shared memory that executes commands instantly, by the rules of [`SubGoal`].
 
 use iceoryx2::config::Config;
 use nsrm_ipc::message::{Feedback, Heartbeat, Order, Outcome, Role, State, SubGoal, SubGoalError};
@@ -10,28 +9,28 @@ use crate::isolated_memory::join;
 /// A robot's controller.
 #[derive(Debug)]
 pub struct Controller {
-    /// When it says that it was started: another time, another controller.
+    /// Its start time: another time means another controller.
     pub started_ns: u64,
-    /// Whether it carries out what it accepts.
+    /// Whether it executes the commands that it accepts.
     pub works: bool,
-    /// Commands that were carried out.
+    /// Executed commands.
     pub done: Vec<SubGoal>,
-    /// How many commands came, whatever became of them.
+    /// How many commands arrived, executed or not.
     pub taken: u32,
-    /// How many made no sense, or came too late.
+    /// How many were invalid or too late.
     pub rejected: u64,
     commands: Receiver<SubGoal>,
     feedback: Sender<Feedback>,
     heartbeats: Sender<Heartbeat>,
     beats: u64,
     said: u64,
-    /// The newest command, and what was said of it last.
+    /// The latest command, and the last outcome reported for it.
     last: Option<(SubGoal, Outcome)>,
     _robot: Robot,
 }
 
 impl Controller {
-    /// Takes the controller's place at a robot.
+    /// Joins a robot as its controller.
     pub fn new(robot: &str, config: &Config) -> Self {
         let robot = join(robot, Role::Controller, config);
         Self {
@@ -50,14 +49,14 @@ impl Controller {
         }
     }
 
-    /// What it has said of the newest command.
+    /// The last outcome reported for the latest command.
     pub fn outcome(&self) -> Option<Outcome> {
         self.last.map(|(_, outcome)| outcome)
     }
 
-    /// Lives, and does what it is told.
+    /// Sends heartbeats and executes commands.
     ///
-    /// * `carry_out`: brings a command's object to its place
+    /// * `carry_out`: moves a command's object to its sub-goal
     pub fn turn(&mut self, now_ns: u64, mut carry_out: impl FnMut(&SubGoal)) {
         self.beats += 1;
         let heartbeat = Heartbeat {
@@ -85,7 +84,7 @@ impl Controller {
         }
     }
 
-    /// Obeys an order; none is a move that comes too late.
+    /// Obeys an order; `None` is a move that is too late.
     fn obey(
         &mut self,
         command: &SubGoal,

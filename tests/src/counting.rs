@@ -1,10 +1,10 @@
-//! An allocator that counts, for tests of what must not allocate.
+//! A counting allocator, for tests that something does not allocate.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 thread_local! {
-    /// Calls of the allocator on this thread; const, so that reading it makes none.
+    /// Allocator calls on this thread; const, so that reading it allocates nothing.
     static CALLS: Cell<u64> = const { Cell::new(0) };
 }
 
@@ -27,8 +27,8 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// What `work` returns, and how often this thread called the allocator meanwhile;
-/// counts where [`Counting`] is the global one.
+/// Runs `work`; returns its result and how often this thread called the allocator meanwhile. Counts
+/// if [`Counting`] is the global allocator.
 pub fn counted<T>(work: impl FnOnce() -> T) -> (T, u64) {
     let before = CALLS.get();
     let result = work();

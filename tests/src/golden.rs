@@ -1,5 +1,5 @@
-//! The trainer's golden vectors, `tests/golden`: arrays by name, and the cases that
-//! refer to them. `tests/golden/README.md` says what is in them.
+//! The trainer's golden vectors, `tests/golden`: arrays by name, and the cases that refer to them.
+//! `tests/golden/README.md` describes them.
 
 use std::path::PathBuf;
 
@@ -26,10 +26,10 @@ pub struct Array {
 }
 
 impl Golden {
-    /// What is committed.
+    /// The committed vectors.
     ///
     /// # Panics
-    /// Where it is missing: a test without its vectors must not pass.
+    /// If they are missing: a test without its vectors must not pass.
     pub fn read() -> Self {
         let read = |name: &str| {
             let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -52,7 +52,7 @@ impl Golden {
     /// An array, by name; integers become `f32`, which holds these exactly.
     ///
     /// # Panics
-    /// Where there is none of that name.
+    /// If there is none of that name.
     pub fn array(&self, name: &str) -> Array {
         let tensors = SafeTensors::deserialize(&self.bytes).expect("golden.safetensors");
         let tensor = tensors
@@ -102,7 +102,7 @@ impl Array {
         (0..count).map(move |row| &self.values[row * length..(row + 1) * length])
     }
 
-    /// Row-major `[ROWS, COLUMNS]` as the columns that core's layers hold.
+    /// Converts row-major `[ROWS, COLUMNS]` to columns, as in core's layers.
     ///
     /// # Panics
     /// If it has another shape.
@@ -133,7 +133,7 @@ pub fn fixed<const LENGTH: usize>(values: &[f32]) -> [f32; LENGTH] {
 /// A camera of `cases.json`.
 ///
 /// # Panics
-/// If it is none.
+/// If it is invalid.
 pub fn camera(case: &Value) -> Camera {
     let number = |name: &str| case[name].as_f64().expect(name) as f32;
     let list = |name: &str| -> Vec<f32> {
@@ -155,7 +155,7 @@ pub fn camera(case: &Value) -> Camera {
 /// A list of numbers of `cases.json`.
 ///
 /// # Panics
-/// If it is none.
+/// If it is invalid.
 pub fn numbers(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("a list").iter();
     values

@@ -1,4 +1,4 @@
-//! A corner of the machine's shared memory that no other test or robot uses.
+//! Isolated shared memory, which no other test or robot uses.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -8,16 +8,16 @@ use iceoryx2::prelude::{FileName, Path, SemanticString};
 use nsrm_ipc::message::Role;
 use nsrm_ipc::service::Robot;
 
-/// A process's place at a robot.
+/// A process as a member of a robot.
 pub fn join(robot: &str, role: Role, config: &Config) -> Robot {
     let name = robot.parse().expect("a robot's name");
     Robot::join(name, role, config).expect("a place to meet")
 }
 
-/// For nodes that are to meet under this folder, with names that begin so.
+/// The configuration of nodes that share this folder and this prefix of names.
 ///
 /// # Panics
-/// Where they are too long for iceoryx2.
+/// If they are too long for iceoryx2.
 pub fn config(root: &str, prefix: &str) -> Config {
     let mut config = Config::default();
     let path = Path::new(root.as_bytes()).expect("a path of moderate length");
@@ -26,21 +26,21 @@ pub fn config(root: &str, prefix: &str) -> Config {
     config
 }
 
-/// What a test's nodes share; what they leave behind is removed with it. To be made
-/// before them, so that it goes after them.
+/// The shared memory of a test's nodes; removes what they leave behind when it is dropped. Create
+/// it before them, so that it is dropped after them.
 #[derive(Debug)]
 pub struct IsolatedMemory {
-    /// For nodes that are to meet here.
+    /// The configuration of its nodes.
     pub config: Config,
     root: PathBuf,
     prefix: String,
 }
 
 impl IsolatedMemory {
-    /// A corner of this name, of this process alone.
+    /// Isolated memory with this name, only for this process.
     pub fn new(test: &str) -> Self {
-        // The folder's path and the prefix stand in paths of sockets, of 107 bytes at most: the
-        // name of the test is in one of them.
+        // The folder's path and the prefix are part of the paths of sockets, which have at most 107
+        // bytes: only one of them contains the name of the test.
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let process = std::process::id();
@@ -58,19 +58,19 @@ impl IsolatedMemory {
         &self.root
     }
 
-    /// What its names in shared memory begin with.
+    /// The prefix of its names in shared memory.
     pub fn prefix(&self) -> &str {
         &self.prefix
     }
 
-    /// What tells another process where to meet: the folder, and what names in shared
-    /// memory begin with; for [`config`].
+    /// The arguments of [`config`] for another process: the folder, and the prefix of names in
+    /// shared memory.
     pub fn arguments(&self) -> [&str; 2] {
         let root = self.root.to_str().expect("a path in UTF-8");
         [root, &self.prefix]
     }
 
-    /// The lines of a configuration file by which a command meets here.
+    /// The lines of a configuration file that make a command use it.
     pub fn as_toml(&self) -> String {
         let root = self.root.to_str().expect("a path in UTF-8");
         format!(
@@ -79,8 +79,8 @@ impl IsolatedMemory {
         )
     }
 
-    /// What lies in shared memory and in files under its name, apart from the one segment
-    /// that iceoryx2 keeps for all nodes to come.
+    /// The shared memory and files under its name, except the one segment that iceoryx2 keeps for
+    /// all future nodes.
     pub fn left_behind(&self) -> Vec<String> {
         let entries = std::fs::read_dir("/dev/shm").expect("shared memory");
         let mut left: Vec<String> = entries
@@ -89,7 +89,7 @@ impl IsolatedMemory {
             .collect();
         let mut folders = vec![self.root.clone()];
         while let Some(folder) = folders.pop() {
-            // What is gone was not left.
+            // A file that is gone was not left behind.
             for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
                 if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
                     folders.push(entry.path());
@@ -103,7 +103,7 @@ impl IsolatedMemory {
 }
 
 impl IsolatedMemory {
-    /// Removes what lies under its name.
+    /// Removes everything under its name.
     pub fn clear(&self) {
         let shared = std::fs::read_dir("/dev/shm").expect("shared memory");
         for entry in shared.flatten() {
@@ -120,7 +120,7 @@ impl Drop for IsolatedMemory {
     fn drop(&mut self) {
         let left = self.left_behind();
         self.clear();
-        // A test that fails has told enough.
+        // A failing test has reported enough.
         assert!(
             std::thread::panicking() || left.is_empty(),
             "left behind: {left:?}"

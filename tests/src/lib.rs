@@ -1,14 +1,14 @@
-//! What the tests across crates share.
+//! Helpers for the tests across crates.
 //!
-//! * [`by_hand`]: a model whose weights were set by hand, so that what it does
-//!   with a sentence is known without training;
-//! * [`controller`] and [`world`]: what stands around a planner;
-//! * [`isolated_memory`]: shared memory of one test, and what was left behind in it;
-//! * [`counting`]: an allocator that counts;
-//! * [`fuzz`]: what is done with bytes from anywhere, by the fuzz targets and by a test;
-//! * [`golden`]: what the trainer computed, for everything to agree with;
-//! * [`picture`]: a picture of coloured squares, for what must run on any image;
-//! * [`plans`]: what holds of every plan.
+//! * [`by_hand`]: a model whose weights were set by hand, so that its results are known without
+//!   training;
+//! * [`controller`] and [`world`]: the surroundings of a planner;
+//! * [`isolated_memory`]: isolated shared memory of a test, and what was left behind in it;
+//! * [`counting`]: a counting allocator;
+//! * [`fuzz`]: the fuzz targets' functions, which a test runs, too;
+//! * [`golden`]: the trainer's results, with which everything must agree;
+//! * [`picture`]: an image of coloured squares, for properties that hold for any image;
+//! * [`plans`]: properties of every plan.
 
 pub mod by_hand;
 pub mod controller;

@@ -1,5 +1,5 @@
-//! A picture of coloured squares with its boxes. The pretrained model was never
-//! shown one: it is for properties that hold on any image.
+//! An image of coloured squares with its boxes, unlike any image in training: for properties that
+//! hold for any image.
 
 use nsrm_core::Camera;
 use nsrm_core::vision::Detection;
@@ -17,11 +17,11 @@ const COLORS: [[u8; 3]; 5] = [
     [230, 204, 20],
 ];
 
-/// Side of a square in pixels, and how far it is away, metres: every second one is a small
-/// block, the others are lego blocks, all on the table by the pretrained model's account.
+/// Side of a square in pixels, and its depth, metres: every second one is a small block, the others
+/// are lego blocks, all on the table according to the pretrained model.
 const SIDES: [(u32, f32); 2] = [(40, 0.96), (28, 0.97)];
 
-/// A picture with what a detector would say of it.
+/// An image with a detector's boxes.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// `[height][width][3]`.
@@ -31,7 +31,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// What a camera's process says of it.
+    /// The camera's message for it.
     pub fn frame(&self) -> CameraFrame {
         let mut frame = CameraFrame {
             sequence: 4,

@@ -1,10 +1,9 @@
-//! What holds of every plan, whatever it was made from; and models that go on where
-//! they would refuse.
+//! Properties of every plan, from any input; and models that continue where others refuse.
 
 use nsrm_core::model::Thresholds;
 use nsrm_core::{Model, Plan, Scene};
 
-/// A model that is never unsure, and for which objects match from this score on.
+/// A model that is never unsure, and for which objects match from this score upwards.
 pub fn reckless(model: Model<'_>, match_score: f32) -> Model<'_> {
     let mut model = model;
     model.header.thresholds = Thresholds::new()
@@ -13,7 +12,7 @@ pub fn reckless(model: Model<'_>, match_score: f32) -> Model<'_> {
     model
 }
 
-/// What holds of every plan.
+/// Checks the properties of every plan.
 pub fn check(model: &Model<'_>, plan: &Plan) {
     assert!(!plan.steps().is_empty());
     let steps = plan.program().steps().len();
@@ -38,7 +37,7 @@ pub fn check(model: &Model<'_>, plan: &Plan) {
     assert!(!plan.program().notation(model).to_string().is_empty());
 }
 
-/// What holds of every plan made in this scene.
+/// Checks the properties of every plan made in this scene.
 pub fn check_in(model: &Model<'_>, scene: &Scene, plan: &Plan) {
     check(model, plan);
     for step in plan.steps() {

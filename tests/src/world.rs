@@ -1,5 +1,5 @@
-//! What stands around a planner, in the hand-made domain: scenes, a controller that
-//! changes them, and a person who asks.
+//! The surroundings of a planner, in the hand-made domain: scenes, a controller that changes them,
+//! and a client.
 
 use iceoryx2::config::Config;
 use iceoryx2::pending_response::PendingResponse;
@@ -14,20 +14,20 @@ use crate::by_hand::{Block, block, raw_scene};
 use crate::controller::Controller;
 use crate::isolated_memory::join;
 
-/// What stands on the table unless a test has it otherwise, with ids from 1.
+/// The default blocks on the table, with ids from 1.
 pub const BLOCKS: [Block; 3] = [
     block("small", "red"),
     block("lego", "blue"),
     block("lego", "green"),
 ];
-/// Two steps that can be carried out with [`BLOCKS`].
+/// Two steps that can be executed with [`BLOCKS`].
 pub const SENTENCE: &str = "put the small red block on the blue block then put the green block on \
                             the small red block";
 
 /// An hour: longer than any test, on however busy a machine.
 pub const HOUR_NS: u64 = 3_600_000_000_000;
 
-/// Limits with which nothing is about time.
+/// Limits without effective timeouts.
 pub fn patient() -> Limits {
     Limits {
         scene_age_ns: HOUR_NS,
@@ -42,16 +42,16 @@ pub fn patient() -> Limits {
 /// A request by connection, until its last reply.
 pub type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
-/// What stands around a planner.
+/// The surroundings of a planner.
 #[derive(Debug)]
 pub struct World {
-    /// What the next scene shows.
+    /// The content of the next scene.
     pub scene: RawScene,
     /// The controller.
     pub controller: Controller,
-    /// Where scenes go.
+    /// The port for scenes.
     pub scenes: Sender<SceneMessage>,
-    /// A person's end.
+    /// The client.
     pub client: PlanClient,
 }
 
@@ -68,7 +68,7 @@ impl World {
         }
     }
 
-    /// Shows the scene as it is now, and lets the controller do what it is told.
+    /// Publishes the current scene, and lets the controller execute its commands.
     pub fn turn(&mut self, now_ns: u64) {
         let Self {
             scene,
@@ -88,14 +88,14 @@ impl World {
         });
     }
 
-    /// Asks for a sentence to be carried out.
+    /// Sends a sentence.
     pub fn ask(&self, sequence: u64, sentence: &str) -> Pending {
         let request = PlanRequest::new(3, sequence, Mode::ClosedLoop, sentence);
         let request = request.expect("a sentence of moderate length");
         self.client.send_copy(request).expect("a planner")
     }
 
-    /// All replies until the planner has no more to say.
+    /// All replies until the planner sends no more.
     ///
     /// * `clock`: gives the time
     pub fn follow(
@@ -108,7 +108,7 @@ impl World {
         loop {
             self.turn(clock());
             planner.poll(clock());
-            // Asked first, since replies may come in between.
+            // Checked first, since replies may arrive in between.
             let goes_on = pending.is_connected();
             while let Some(reply) = pending.receive().expect("nothing is lost") {
                 replies.push(*reply);
@@ -120,7 +120,7 @@ impl World {
     }
 }
 
-/// Why a sentence was not carried out; none if it was.
+/// Why a sentence was not executed; `None` if it was.
 pub fn last_reason(replies: &[PlanReply]) -> Option<&'static str> {
     let last = replies.last().expect("a last word");
     match last.read().expect("a reply that makes sense") {

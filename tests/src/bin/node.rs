@@ -1,5 +1,5 @@
-//! A node of robot `left` as a process of its own, for tests that stop or kill it:
-//! `node ROLE FOLDER PREFIX`. Says on stdout when it is at work, and ends with its stdin.
+//! A node of robot `left` as a process of its own, for tests that stop or kill it: `node ROLE
+//! FOLDER PREFIX`. Reports on stdout when it works, and ends with its stdin.
 
 use std::io::Read as _;
 use std::sync::atomic::AtomicBool;
@@ -26,7 +26,7 @@ fn main() {
     match role.as_str() {
         "controller" => {
             let mut controller = Controller::new("left", &config);
-            // It accepts, and is at it until it is stopped.
+            // It accepts, and is busy until it is stopped.
             controller.works = false;
             println!("at work");
             loop {
@@ -38,7 +38,7 @@ fn main() {
             let parts = Parts::new();
             let model = parts.model();
             let robot = join("left", Role::Planner, &config);
-            // No scene comes, and the test takes its time.
+            // No scene arrives, and the test may take long.
             let node = PlannerNode::begin(robot, &model, patient());
             let mut node = node.expect("a planner's place");
             println!("at work");

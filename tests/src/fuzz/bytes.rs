@@ -2,8 +2,7 @@
 
 use nsrm_ipc::message::Message;
 
-/// A message of these bytes; zeros where they end too early. Whatever is behind its
-/// size is given back.
+/// A message of these bytes; zeros where they end too early. Returns the rest.
 pub(super) fn message<T: Message>(bytes: &[u8]) -> (T, &[u8]) {
     let (own, rest) = bytes.split_at(bytes.len().min(size_of::<T>()));
     let mut filled = vec![0; size_of::<T>()];
@@ -23,7 +22,7 @@ pub(super) fn bytes_of<T: Message>(message: &T) -> &[u8] {
     unsafe { std::slice::from_raw_parts(start, size_of::<T>()) }
 }
 
-/// Bytes read from the front; zeros behind the last.
+/// Bytes read from the front; zeros after the last.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Script<'a>(&'a [u8]);
 
@@ -36,7 +35,7 @@ impl<'a> Script<'a> {
         self.0.is_empty()
     }
 
-    /// The next so many bytes, fewer at the end.
+    /// The next `count` bytes, fewer at the end.
     pub(super) fn take(&mut self, length: usize) -> &'a [u8] {
         let (taken, rest) = self.0.split_at(self.0.len().min(length));
         self.0 = rest;

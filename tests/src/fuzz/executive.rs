@@ -1,8 +1,7 @@
-//! The loop between the messages, in a world that does whatever the bytes say: scenes
-//! late, old, broken or missing, a controller that obeys, fails, lies or is silent.
+//! The closed loop in a world driven by bytes: scenes that are late, old, broken or missing, a
+//! controller that obeys, fails, lies or is silent.
 //!
-//! `watched` is a second account of what the loop may do, written by hand; the two must
-//! agree.
+//! `watched` is an independent specification of what the loop may do; the two must agree.
 
 mod watched;
 
@@ -22,7 +21,7 @@ use crate::by_hand::{Parts, block, raw_scene};
 
 const MS: u64 = 1_000_000;
 
-/// What may be asked for with a byte; a greater one says that the sentence follows.
+/// The sentences that one byte selects; a greater byte means that the sentence follows.
 pub(super) const SENTENCES: [&str; 7] = [
     "put the small red block on the blue block then put the green block on the small red block",
     "put the red block on the blue block",
@@ -34,7 +33,7 @@ pub(super) const SENTENCES: [&str; 7] = [
     "move the red block to the left of the green block, then put the yellow block on the red one",
 ];
 
-/// What a byte of the script, modulo [`Op::ALL`], makes happen. Further bytes say how.
+/// The operation of a byte of the script, modulo [`Op::ALL`]. Its parameters follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Op {
@@ -42,7 +41,7 @@ pub(super) enum Op {
     Ask,
     /// So many polls.
     Poll,
-    /// Polls until there is nothing to do now, or something to send.
+    /// Polls until there is nothing to do, or something to send.
     PollOn,
     /// Milliseconds.
     Wait,
@@ -60,13 +59,13 @@ pub(super) enum Op {
     Move,
     /// The controller accepts the last command.
     Accept,
-    /// It does what it was told, and says so.
+    /// It executes the command, and reports it.
     Obey,
-    /// It says something of the last command, at some time.
+    /// It reports some outcome of the last command, at some time.
     Say,
-    /// It says anything.
+    /// It sends any feedback.
     Babble,
-    /// The sentence is no longer wanted.
+    /// The sentence is cancelled.
     Cancel,
     /// The controller is lost, or could not be reached.
     Lose,
@@ -93,8 +92,8 @@ impl Op {
     ];
 }
 
-/// First byte of a script: the model by hand in place of the pretrained one, a
-/// controller that obeys once the script is at its end, and the number of retries.
+/// First byte of a script: the hand-made model instead of the pretrained one, a controller that
+/// obeys once the script is at its end, and the number of retries.
 pub(super) const BY_HAND: u8 = 1;
 pub(super) const OBEDIENT: u8 = 2;
 const RETRIES: u8 = 3;
@@ -102,13 +101,13 @@ const RETRIES: u8 = 3;
 static PARTS: LazyLock<Parts> = LazyLock::new(Parts::new);
 static MODEL: LazyLock<Model<'static>> = LazyLock::new(|| PARTS.model());
 
-/// A script of what happens; behind its end the sentence that is on its way must end, in a
-/// world that goes on well or in one that is silent.
+/// A script of operations; after its end the current sentence must end, in a world that works or in
+/// one that is silent.
 pub fn executive(bytes: &[u8]) {
     play(bytes);
 }
 
-/// How each sentence of the script has ended: `done`, or the failure's kind.
+/// Runs a script; returns how each sentence has ended: `done`, or the failure's kind.
 fn play(bytes: &[u8]) -> Vec<&'static str> {
     let mut script = Script::new(bytes);
     let settings = script.byte();
@@ -298,7 +297,7 @@ impl World {
         }
     }
 
-    /// The controller says this of the last command.
+    /// The controller reports this outcome of the last command.
     fn say(&mut self, outcome: u32, timestamp_ns: u64) {
         let id = self.command.map(|command| command.id);
         let CommandId { plan, command } = id.unwrap_or_default();
@@ -320,7 +319,7 @@ impl World {
         }
     }
 
-    /// The controller does what it was told.
+    /// The controller executes the last command.
     fn obey(&mut self) {
         let Some(command) = self.command else {
             return;
@@ -345,14 +344,14 @@ impl World {
         panic!("no end of work: {:?}", self.watched);
     }
 
-    /// Until the sentence has ended, which it must.
+    /// Runs until the sentence has ended, which it must.
     fn end(&mut self, is_obedient: bool) {
         for tick in 0..200_000 {
             if self.executive.plan().is_none() {
                 assert_eq!(self.executive.poll(self.now_ns), Event::Waiting);
                 return;
             }
-            // Time comes to its end, too.
+            // Time ends, too.
             let is_over = self.now_ns > u64::MAX / 2;
             if is_over {
                 return;
@@ -403,7 +402,7 @@ mod tests {
     use super::play;
     use crate::fuzz::seeds;
 
-    /// All that is asserted above would hold of a loop that never does anything.
+    /// All assertions above would hold for a loop that never does anything.
     #[test]
     fn the_seeds_end_in_many_ways() {
         let mut ends: Vec<_> = seeds::of("executive")

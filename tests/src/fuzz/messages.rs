@@ -1,4 +1,4 @@
-//! Each message from any bytes: read, checked, and carried on to where it goes.
+//! Each message from any bytes: read, checked, and passed to its consumers.
 
 use nsrm_core::{MAX_FILTERS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS};
 use nsrm_core::{Planner, Scene};
@@ -15,20 +15,20 @@ use super::text::follow;
 use crate::picture;
 use crate::plans::{check_in, reckless};
 
-/// Sides up to this have the pictures that are made for a frame.
+/// The greatest side of the images that are made for a frame.
 const SIDE: u32 = 24;
-/// What is asked in every scene.
+/// The sentence for every scene.
 const SENTENCES: [&str; 2] = [
     "put the red block on the small blue block",
     "put the green block to the left of the lego block then put the red one on it",
 ];
 
-/// A camera frame and its image: as they are, then with an image that fits, then with a
-/// camera that is one.
+/// A camera frame and its image: as they are, then with an image that fits, then with a valid
+/// camera.
 pub fn camera_frame(bytes: &[u8]) {
     let (mut frame, image): (CameraFrame, _) = message(bytes);
     look_at(&frame, image);
-    // Bytes seldom have the length that a camera asks for.
+    // Random bytes seldom have the length that a camera needs.
     let camera = &mut frame.camera;
     (camera.width, camera.height) = (1 + camera.width % SIDE, 1 + camera.height % SIDE);
     let pixels = (camera.width * camera.height) as usize;
@@ -67,7 +67,7 @@ fn look_at(frame: &CameraFrame, image: &[u8]) {
     }
 }
 
-/// A scene: as it is, then with a header that is right and a count that may be.
+/// A scene: as it is, then with a valid header and a possible count.
 pub fn scene(bytes: &[u8]) {
     let (mut raw, _): (SceneMessage, _) = message(bytes);
     let mut view = View::default();
@@ -102,7 +102,7 @@ fn take_scene(message: &SceneMessage) {
     }
 }
 
-/// What the documentation of `nsrm_core::scene` promises of a checked scene.
+/// The guarantees for a checked scene in the documentation of `nsrm_core::scene`.
 pub(super) fn check_scene(scene: &Scene) {
     assert_eq!(scene.camera().check(), Ok(()));
     let objects = scene.objects();
@@ -196,7 +196,7 @@ fn is_unit(quaternion: &[f32; 4]) -> bool {
 /// A command as a controller reads it.
 pub fn sub_goal(bytes: &[u8]) {
     let (sub_goal, _): (SubGoal, _) = message(bytes);
-    // As late as it may be begun.
+    // As late as it may be started.
     match sub_goal.read(sub_goal.until_ns) {
         Ok(Order::Move { object, pose }) => {
             assert!(object != 0 && object == sub_goal.object_id);
@@ -222,7 +222,7 @@ pub fn sub_goal(bytes: &[u8]) {
     assert!(sub_goal.id().command > 0);
 }
 
-/// One feedback behind the other, as a planner and an onlooker read them.
+/// A sequence of feedback, as a planner and an observer read it.
 pub fn feedback(bytes: &[u8]) {
     let mut view = View::default();
     for bytes in bytes.chunks(size_of::<Feedback>()) {
@@ -245,7 +245,7 @@ fn assert_flow(flow: &nsrm_ipc::node::Flow) {
     assert!(flow.rate_hz.is_finite() && flow.rate_hz >= 0.0, "{flow:?}");
 }
 
-/// One heartbeat behind the other, as a peer and an onlooker read them.
+/// A sequence of heartbeats, as a peer and an observer read it.
 pub fn heartbeat(bytes: &[u8]) {
     let mut view = View::default();
     let mut peer = Peer::default();

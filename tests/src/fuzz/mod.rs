@@ -1,9 +1,8 @@
-//! What is done with bytes from anywhere at each border of the library, and what must
-//! hold of what comes out.
+//! The fuzz targets: for each untrusted input of the library, what is done with the bytes and what
+//! must hold for the results.
 //!
-//! `tests/fuzz` hands these functions to libFuzzer; `tests/corpora.rs` runs them on the
-//! inputs that are committed, on any toolchain. None of them may panic, whatever the
-//! bytes; a panic is a find.
+//! `tests/fuzz` passes these functions to libFuzzer; `tests/corpora.rs` runs them on the committed
+//! inputs, on any toolchain. None of them may panic for any bytes; a panic is a finding.
 
 mod bytes;
 mod executive;
@@ -15,7 +14,7 @@ pub use executive::executive;
 pub use messages::{camera_frame, feedback, heartbeat, plan_reply, plan_request, scene, sub_goal};
 pub use text::{model_file, scene_file, sentence};
 
-/// A border, and what is done there.
+/// An untrusted input, and its function.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
     /// Its name: that of the program in `tests/fuzz/fuzz_targets` and of the folder in
@@ -25,8 +24,8 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-/// All borders: the messages in the order in which data flows, the loop between them,
-/// then what people and files say.
+/// All untrusted inputs: the messages in the order in which data flows, the closed loop, then text
+/// and files.
 pub const TARGETS: [Target; 11] = [
     Target {
         name: "camera_frame",
@@ -74,7 +73,7 @@ pub const TARGETS: [Target; 11] = [
     },
 ];
 
-/// An error or a refusal says something, in one line or several but never in none.
+/// Checks that an error or a refusal has a message, of one line or more.
 fn says(error: &impl std::fmt::Display) {
     assert!(!error.to_string().trim().is_empty());
 }

@@ -1,5 +1,5 @@
-//! What the targets start from: messages, sentences and files as they should be, and
-//! the words that libFuzzer may put together.
+//! The seeds of the targets: valid messages, sentences and files, and the words that libFuzzer may
+//! combine.
 
 use nsrm_core::{Planner, Refusal};
 use nsrm_ipc::executive::{Command, CommandId, Event, Failure, Mode};
@@ -15,7 +15,7 @@ use super::executive::{BY_HAND, OBEDIENT, Op, SENTENCES};
 use super::text::{MODEL, SQUARES, header_of};
 use crate::picture;
 
-/// The inputs that a target of this name starts from; none where there is no target.
+/// The seeds of the target with this name; none if there is no such target.
 pub fn of(target: &str) -> Vec<Vec<u8>> {
     match target {
         "camera_frame" => camera_frames(),
@@ -149,14 +149,14 @@ fn plan_requests() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// The bytes up to the last that is not 0: the others are filled in again.
+/// The bytes up to the last that is not 0; the reader fills in the others.
 fn without_zeros<T: Message>(message: &T) -> Vec<u8> {
     let bytes = bytes_of(message);
     let end = bytes.iter().rposition(|byte| *byte != 0);
     bytes[..end.map_or(0, |end| end + 1)].to_vec()
 }
 
-/// What is said of a sentence of two steps, and of one that is refused.
+/// The replies to a sentence of two steps, and to one that is refused.
 fn events() -> Vec<Event> {
     let sentence = "put the red block on the blue block then put the yellow block on the red block";
     let plan = Planner::new(&TABLETOP).plan(&SQUARES, sentence);
@@ -262,7 +262,7 @@ fn heartbeats() -> Vec<Vec<u8>> {
     [each, vec![together]].concat()
 }
 
-/// A sentence that goes well, and ways in which one goes wrong.
+/// A sentence that succeeds, and some that fail in various ways.
 fn scripts() -> Vec<Vec<u8>> {
     use Op::{
         Accept, Ask, Babble, Cancel, Leap, Lose, Move, Obey, Poll, PollOn, Say, See, SeeBroken,
@@ -366,7 +366,7 @@ fn scripts() -> Vec<Vec<u8>> {
     ];
     let mut scripts = Vec::new();
     for settings in [0, BY_HAND, OBEDIENT, BY_HAND | OBEDIENT, BY_HAND | 3 << 6] {
-        // Asked and seen, planned, commanded.
+        // Sentence and scene, plan, command.
         let which = 1 - (settings & BY_HAND);
         let begun = [Ask as u8, 0, which, PollOn as u8, See as u8, PollOn as u8];
         for rest in goes_on {
@@ -406,7 +406,7 @@ fn model_files() -> Vec<Vec<u8>> {
     let length = (header.len() as u64).to_le_bytes();
     // One that ends early.
     let whole = [&[0][..], &length, header, &tensors[..64]].concat();
-    // What makes a small file: a tensor, and a map of strings.
+    // The content of a small file: a tensor, and a map of strings.
     let small =
         br#"{"__metadata__":{"schema":"3"},"a":{"dtype":"F32","shape":[1],"data_offsets":[0,4]}}"#;
     let small_length = (small.len() as u64).to_le_bytes();

@@ -1,4 +1,4 @@
-//! What people and files say: sentences, scene files, model files.
+//! Text and files: sentences, scene files, model files.
 
 use core::task::Poll;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn squares_by(model: &Model<'_>) -> Scene {
     task.and_then(ObservationTask::finish).expect("a scene")
 }
 
-/// A sentence: what is no UTF-8 in it is replaced.
+/// A sentence; bytes that are not UTF-8 are replaced.
 pub fn sentence(bytes: &[u8]) {
     follow(&String::from_utf8_lossy(bytes));
 }
@@ -82,10 +82,10 @@ fn plan_counting(planner: &Planner<'_>, scene: &Scene, sentence: &str) -> Result
     panic!("not done after {MAX_POLLS} polls: {sentence:?}");
 }
 
-/// Sides up to this have the pictures that are made for a scene file.
+/// The greatest side of the images that are made for a scene file.
 const SIDE: u32 = 24;
 
-/// The text of a scene file; then, with a picture that is small, the scene in it.
+/// The text of a scene file; then, with a small image, the scene in it.
 pub fn scene_file(bytes: &[u8]) {
     let path = Path::new("scene.json");
     let text = match read_scene_text(path, bytes, &TABLETOP) {
@@ -115,7 +115,7 @@ pub fn scene_file(bytes: &[u8]) {
     }
 }
 
-/// The model that is in the repository.
+/// The model in the repository.
 pub(super) const MODEL: &[u8] =
     include_bytes!("../../../weights-codegen/tabletop/tabletop.safetensors");
 
@@ -126,21 +126,21 @@ pub(super) fn header_of(file: &[u8]) -> (&[u8], &[u8]) {
     rest.split_at(length)
 }
 
-/// The file with another hash in the place of the one that it names.
+/// The file with its hash replaced.
 fn with_hash(mut file: Vec<u8>, named: &str, other: &str) -> Vec<u8> {
     let at = file
         .windows(named.len())
         .position(|window| window == named.as_bytes());
-    // Not there where the header has it with escapes.
+    // Not found if the header has it with escapes.
     if let Some(at) = at {
         file[at..at + other.len()].copy_from_slice(other.as_bytes());
     }
     file
 }
 
-/// A model file. The first byte says what the others are: the whole file, or a header for
-/// the tensors of the pretrained model. What the hash alone keeps out is tried again with
-/// the right one.
+/// A model file. The first byte says what the others are: the whole file, or a header for the
+/// tensors of the pretrained model. A file that only the hash rules out is tried again with the
+/// right one.
 pub fn model_file(bytes: &[u8]) {
     let mut script = Script::new(bytes);
     let is_whole = script.byte().is_multiple_of(2);

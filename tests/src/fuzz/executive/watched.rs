@@ -1,4 +1,4 @@
-//! The second account of what the loop may do: a sentence on its way, as seen from outside.
+//! The independent specification of what the loop may do: a running sentence, as seen from outside.
 
 use nsrm_core::{MAX_STEPS, Model};
 use nsrm_ipc::executive::{Command, CommandId, Event, Failure, Limits, Mode, Sentence};
@@ -7,7 +7,7 @@ use nsrm_ipc::message::{Order, Outcome, PlanReply, Reply, ReplyTo, Report, SubGo
 use crate::fuzz::says;
 use crate::plans::check;
 
-/// A sentence on its way, as seen from outside.
+/// A running sentence, as seen from outside.
 #[derive(Debug)]
 pub(super) struct Watched {
     plan: u64,
@@ -18,25 +18,24 @@ pub(super) struct Watched {
     commands: u32,
     retries: u8,
     reached: [bool; MAX_STEPS],
-    /// The command that the controller was given last, when, and the first thing that
-    /// it said of its end.
+    /// The last command sent to the controller, when, and the first end reported for it.
     last: Option<(Command, u64)>,
     ended: Option<Outcome>,
-    /// When it first said that it had accepted it.
+    /// When it first reported that it had accepted it.
     accepted_ns: Option<u64>,
     is_lost: bool,
-    /// Whether the last command could not be sent, and nothing has shown otherwise.
+    /// Whether the last command could not be delivered, as far as is known.
     is_missed: bool,
     is_stopping: bool,
     cancelled_ns: Option<u64>,
-    /// When the scene of the last plan had been taken, at the latest; none once a command of it
-    /// was given.
+    /// The latest time at which the scene of the last plan was taken; `None` after a command of it
+    /// was sent.
     planned_ns: Option<u64>,
     /// How many commands each step has taken.
     attempts: [u8; MAX_STEPS],
 }
 
-/// What is known outside when an event is told.
+/// What is known outside when an event occurs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Now<'a> {
     pub(super) model: &'a Model<'a>,
@@ -72,7 +71,7 @@ impl Watched {
         self.plan
     }
 
-    /// The controller says this; of another command it means nothing.
+    /// The controller reports this outcome; for another command it is ignored.
     pub(super) fn hear(&mut self, report: &Report, now_ns: u64) {
         if !self.last.is_some_and(|(last, _)| last.id == report.id) {
             return;
@@ -98,12 +97,12 @@ impl Watched {
         self.is_missed |= self.last.is_some() && is_unheard;
     }
 
-    /// Whether the controller may accept the last command yet, or is at it.
+    /// Whether the controller may still accept the last command, or is executing it.
     fn may_go_on(&self) -> bool {
         self.last.is_some() && self.ended.is_none() && !self.is_missed
     }
 
-    /// The loop tells of this: may it?
+    /// Checks that this event is allowed.
     pub(super) fn follow(&mut self, event: &Event, now: Now<'_>) {
         self.reply(event, now.model);
         match event {
@@ -111,7 +110,7 @@ impl Watched {
             Event::Waiting => self.wait(now.limits, now.now_ns),
             Event::Planned(plan) => {
                 check(now.model, plan);
-                // In a scene of after the last command, and not too old.
+                // In a scene taken after the last command, and not too old.
                 let age_ns = now.now_ns.saturating_sub(now.seen_ns);
                 assert!(age_ns <= now.limits.scene_age_ns, "{self:?}");
                 assert!(now.seen_ns > self.sent_ns(), "{self:?}");
@@ -121,7 +120,7 @@ impl Watched {
             Event::Command(command) => self.command(command, &now),
             &Event::Stop(id) => self.stop(id),
             &Event::Clearing { step, object, .. } => {
-                // Of what it is at, and not before it was told to the loop.
+                // For the current command, and not before the loop was told.
                 let (command, _) = self.last.expect("something is carried out");
                 assert_eq!(
                     (command.step, command.planned.object.object),
@@ -149,12 +148,12 @@ impl Watched {
         }
     }
 
-    /// When the last command was given; 0 before the first.
+    /// When the last command was sent; 0 before the first.
     fn sent_ns(&self) -> u64 {
         self.last.map_or(0, |(_, sent_ns)| sent_ns)
     }
 
-    /// What is told of the event can be read by who has asked.
+    /// Checks that the client can read the reply for the event.
     fn reply(&self, event: &Event, model: &Model<'_>) {
         let to = ReplyTo {
             client: 1,
@@ -203,8 +202,8 @@ impl Watched {
         let Some((_, sent_ns)) = self.last else {
             return;
         };
-        // A command is waited for no longer than it may take, however often the
-        // controller says that it has accepted it.
+        // The loop waits for a command no longer than it may take, however often the controller
+        // reports that it has accepted it.
         if self.ended.is_none() && self.mode != Mode::PlanOnly && !self.is_stopping {
             let (since_ns, most_ns) = match self.accepted_ns {
                 Some(accepted_ns) => (accepted_ns, limits.move_wait_ns),
@@ -218,15 +217,15 @@ impl Watched {
         let (limits, now_ns) = (now.limits, now.now_ns);
         assert!(self.mode != Mode::PlanOnly && !self.is_stopping);
         assert_eq!(self.cancelled_ns, None);
-        // Whoever polls may be held up behind the plan.
+        // The caller may be delayed after the plan.
         if self.mode == Mode::ClosedLoop {
-            // What is put back where it was is not planned, but looked for.
+            // An object that is put back to its old place is not planned, but observed.
             let seen_ns = self.planned_ns.take().unwrap_or(now.seen_ns);
             assert!(seen_ns > self.sent_ns(), "{self:?}");
             let age_ns = now_ns.saturating_sub(seen_ns);
             assert!(age_ns <= limits.scene_age_ns, "{self:?}");
         }
-        // No two at once, and none has the number of another.
+        // Never two at once, and never the same number twice.
         assert!(self.last.is_none() || self.ended.is_some(), "{self:?}");
         let id = CommandId {
             plan: self.plan,
@@ -270,7 +269,7 @@ impl Watched {
         self.reached[usize::from(step)] = true;
     }
 
-    /// What the controller said first is what counts.
+    /// The controller's first report counts.
     fn blame(&self, why: &Failure) {
         says(why);
         if matches!(why, Failure::NotAccepted { .. }) {
@@ -284,7 +283,7 @@ impl Watched {
     }
 
     fn end(&self, result: &Result<(), Failure>) {
-        // Whatever ends it, and whatever came in the same turn.
+        // However it ends, and whatever arrived in the same turn.
         assert!(self.is_stopping || !self.may_go_on(), "{self:?}");
         match result {
             Ok(()) if self.mode == Mode::PlanOnly => assert_eq!(self.commands, 0),
