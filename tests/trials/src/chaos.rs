@@ -1,5 +1,5 @@
-//! Kills and stops processes at random moments under load, and starts them anew. What
-//! came of it stands in the journal; who reads it judges.
+//! Kills and suspends processes at random times under load, and restarts them. The journal records
+//! what happens; its reader judges it.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -19,54 +19,54 @@ use crate::process_group::{PARTS, PATIENCE_NS, ProcessGroup};
 use crate::world::SENTENCES;
 
 const MS: u64 = 1_000_000;
-/// Between two looks of who looks on.
+/// Between two polls of the observer.
 const NAP: Duration = Duration::from_millis(1);
 /// Time from one kill to the next, milliseconds.
 const BETWEEN_MS: std::ops::Range<u64> = 30..500;
-/// Time from a kill to the next start of the same, milliseconds.
+/// Time from a kill to the restart of the same process, milliseconds.
 const GONE_MS: std::ops::Range<u64> = 0..700;
-/// How long a process hangs, milliseconds.
+/// How long a process is suspended, milliseconds.
 const HANG_MS: std::ops::Range<u64> = 600..1000;
-/// One of so many is stopped for a while in place of being killed.
+/// One in this many is suspended for a while instead of killed.
 const HANGS_OF: u64 = 6;
-/// How many ask at once; all but one are told that the planner is busy.
+/// How many clients send requests at once; all but one are told that the planner is busy.
 const CLIENTS: u64 = 2;
 
-/// What is told on the command line.
+/// The command line.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     /// The command `nsrm`.
     #[arg(long)]
     nsrm: PathBuf,
-    /// Folder for the journal and what processes print.
+    /// Folder for the journal and the logs of processes.
     #[arg(long)]
     out: PathBuf,
     /// How often a process is killed.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
-    /// Of all that is random.
+    /// Seed of all random choices.
     #[arg(long, default_value_t = 0)]
     seed: u64,
 }
 
-/// What a part of the cast is doing.
+/// What a process of the group is doing.
 #[derive(Debug, Clone, Copy)]
 enum Fate {
     Lives,
-    /// To be started anew at that time, nanoseconds.
+    /// Restarted at that time, nanoseconds.
     Gone(u64),
-    /// To go on at that time, nanoseconds.
+    /// Continued at that time, nanoseconds.
     Hangs(u64),
 }
 
-/// A death or a hang that was not noticed yet.
+/// A death or a hang that was not detected yet.
 #[derive(Debug, Clone, Copy)]
 struct Unnoticed {
     process: u32,
     since_ns: u64,
-    /// When it had been started, as its heartbeats say.
+    /// When it was started, according to its heartbeats.
     started_ns: u64,
-    /// How long who looks on was kept from looking since, nanoseconds.
+    /// How long the observer has been delayed since, nanoseconds.
     kept_ns: u64,
 }
 
@@ -137,7 +137,7 @@ struct Chaos {
 }
 
 impl Chaos {
-    /// Notes which deaths and hangs can be known by now from heartbeats alone.
+    /// Records which deaths and hangs are detectable by now from heartbeats only.
     fn look(&mut self) -> Result<()> {
         let now_ns = now_ns();
         let kept_ns = (now_ns - self.looked_ns).saturating_sub(5 * MS);
@@ -172,7 +172,7 @@ impl Chaos {
         Ok(())
     }
 
-    /// Starts anew and lets go on what it is time for, and what ended by itself.
+    /// Restarts and continues processes that are due, and restarts those that ended on their own.
     fn go_on(&mut self) -> Result<()> {
         for (role, _) in self.group.ended()? {
             let (place, _) = place(role);
@@ -181,8 +181,8 @@ impl Chaos {
         for (place, role) in PARTS.into_iter().enumerate() {
             match self.fates[place] {
                 Fate::Gone(until_ns) if now_ns() >= until_ns => self.group.start(role)?,
-                // Not before its silence was noticed: on a busy machine who looks on may have
-                // been kept from looking for all that time, and it would never be.
+                // Not before its silence was detected: on a busy machine the observer may have been
+                // delayed for all that time, and would never detect it.
                 Fate::Hangs(until_ns)
                     if now_ns() >= until_ns && self.unnoticed[place].is_none() =>
                 {
@@ -196,7 +196,7 @@ impl Chaos {
         Ok(())
     }
 
-    /// Kills or stops one of those that live; whether it was a kill.
+    /// Kills or suspends a live process; returns whether it was a kill.
     fn strike(&mut self, clients: &[Client]) -> Result<bool> {
         let choice = self.rng.usize(..PARTS.len() + clients.len());
         if let Some(client) = choice.checked_sub(PARTS.len()) {
@@ -217,8 +217,8 @@ impl Chaos {
             let until_ns = now_ns + self.rng.u64(HANG_MS) * MS;
             self.fates[choice] = Fate::Hangs(until_ns);
         }
-        // Who was not heard yet is nobody whom others could miss; nor is one who was
-        // missed already.
+        // Others can't detect the loss of a process that they have not received yet, or whose loss
+        // they have already detected.
         let view = self.watcher.look(now_ns);
         let silence_ns = Limits::default().silence_ns;
         self.unnoticed[choice] = seen(&view.nodes, role)
@@ -245,7 +245,7 @@ impl Chaos {
         self.group.journal().write(what, more)
     }
 
-    /// Lets all live.
+    /// Lets all processes run.
     fn recover(&mut self) -> Result<()> {
         while self.fates.iter().any(|fate| !matches!(fate, Fate::Lives))
             || self.unnoticed.iter().any(Option::is_some)

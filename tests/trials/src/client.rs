@@ -1,4 +1,4 @@
-//! Those who ask, one sentence after the other, each by a process of its own.
+//! Clients, which send one sentence after the other, each with its own process.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
@@ -14,17 +14,17 @@ use crate::journal::Journal;
 use crate::process_group::ProcessGroup;
 use crate::world::{REFUSED, SENTENCES};
 
-/// Between two looks whether a process has ended.
+/// Between two checks whether a process has ended.
 const NAP: Duration = Duration::from_millis(1);
 /// Between two sentences.
 const PAUSE_MS: std::ops::Range<u64> = 1..40;
-/// One of so many sentences is refused.
+/// One in this many sentences is refused.
 const REFUSED_OF: usize = 8;
 
-/// Numbers of sentences, over all who ask.
+/// Numbers of sentences, across all clients.
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
-/// Asks until it is told to stop, in a thread.
+/// A client in a thread, which sends sentences until it is stopped.
 #[derive(Debug)]
 pub(crate) struct Client {
     current: Arc<Mutex<Option<Child>>>,
@@ -33,7 +33,7 @@ pub(crate) struct Client {
 }
 
 impl Client {
-    /// Begins.
+    /// Starts.
     pub(crate) fn begin(group: &ProcessGroup, seed: u64) -> Result<Self> {
         let current = Arc::new(Mutex::new(None));
         let stop = Arc::new(AtomicBool::new(false));
@@ -60,7 +60,7 @@ impl Client {
         })
     }
 
-    /// Kills the process that asks now; which it was, if there is one.
+    /// Kills the current process of the client; returns it, if there is one.
     pub(crate) fn kill(&self, note: impl FnOnce(u32) -> Result<()>) -> Result<bool> {
         let mut current = self.current.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(child) = current.as_mut() else {
@@ -71,7 +71,7 @@ impl Client {
         Ok(true)
     }
 
-    /// Lets it end its sentence.
+    /// Lets its sentence end.
     pub(crate) fn end(self) -> Result<()> {
         self.stop.store(true, Ordering::Relaxed);
         let ended = self.thread.join();
@@ -79,7 +79,7 @@ impl Client {
     }
 }
 
-/// Has a sentence carried out and notes what becomes of it; whether it was done.
+/// Sends a sentence and records its events; returns whether it was done.
 pub(crate) fn ask_once(group: &ProcessGroup, sentence: &str) -> Result<bool> {
     let journal = group.journal().also("client")?;
     let say = group.nsrm(&["say", "--json"]);
@@ -109,7 +109,7 @@ fn ask(
     *lock() = Some(child);
     for line in said.lines() {
         let line = line?;
-        // Who is killed may have written half of its last line.
+        // A killed process may have written half of its last line.
         if let Ok(event) = serde_json::from_str::<Value>(&line) {
             journal.write("said", json!({"ask": number, "event": event}))?;
         }
@@ -117,7 +117,7 @@ fn ask(
     let mut message = String::new();
     errors.read_to_string(&mut message)?;
     let status = loop {
-        // Under the lock: who is waited for can't be killed any more.
+        // Under the lock: a process that is waited for can't be killed any more.
         let mut current = lock();
         let ended = match current.as_mut() {
             Some(child) => child.try_wait()?,

@@ -1,8 +1,8 @@
-//! What happened, a line of JSON each, by all processes into one file.
+//! The journal: events of all processes in one file, one line of JSON each.
 //!
-//! A line is written by one call to a file that is opened for appending: a process that
-//! is killed has written it or has not, and lines of several don't mix. It is the
-//! simulated world, too: a block stands where the last line about it says.
+//! A line is written by one call to a file opened for appending: a killed process has written it or
+//! not, and lines of several processes don't mix. It also is the simulated world: a block is where
+//! the last line about it says.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -12,7 +12,7 @@ use anyhow::{Context as _, Result};
 use nsrm_ipc::clock::now_ns;
 use serde_json::{Value, json};
 
-/// Writes as one of the processes.
+/// Writes as one process.
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,
@@ -21,7 +21,7 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Goes on with a file, or begins it.
+    /// Opens a file for appending, or creates it.
     pub(crate) fn open(path: &Path, who: &'static str) -> Result<Self> {
         let file = File::options().append(true).create(true).open(path);
         Ok(Self {
@@ -31,7 +31,7 @@ impl Journal {
         })
     }
 
-    /// The same file, by another hand.
+    /// The same file, for another writer.
     pub(crate) fn also(&self, who: &'static str) -> Result<Self> {
         Self::open(&self.path, who)
     }
@@ -54,16 +54,16 @@ impl Journal {
     }
 }
 
-/// Reads what is moved, as it is written.
+/// Reads moves as they are written.
 #[derive(Debug)]
 pub(crate) struct Moves {
     reader: BufReader<File>,
-    /// A line of which the end is not there yet.
+    /// An incomplete line.
     begun: String,
 }
 
 impl Moves {
-    /// From the beginning.
+    /// Reads from the start.
     pub(crate) fn of(path: &Path) -> Result<Self> {
         let file = File::open(path).with_context(|| path.display().to_string())?;
         Ok(Self {
@@ -72,7 +72,7 @@ impl Moves {
         })
     }
 
-    /// The next block that was moved, and where the camera sees it since.
+    /// The next block that was moved, and its new location in the image.
     pub(crate) fn next(&mut self) -> Result<Option<(u32, [f32; 5])>> {
         while self.reader.read_line(&mut self.begun)? > 0 && self.begun.ends_with('\n') {
             let line: Value = serde_json::from_str(&self.begun).context("the journal")?;

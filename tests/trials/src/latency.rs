@@ -1,10 +1,10 @@
-//! How long it takes from a sentence to its first sub-goal and from a frame to its scene,
-//! through shared memory and to another process, and what of it is computation.
+//! Measures latencies between processes through shared memory, from a sentence to its first
+//! sub-goal and from a frame to its scene, and the share of computation.
 //!
-//! What is measured beside it, in turn with it and on the same core, since none is equally
-//! fast all the time: the computation alone, and what waking another process and being woken
-//! by it costs on this machine, by a pipe. Where who answers spins, it computes alone itself;
-//! where it waits, another process does that a pipe has woken. The cores are changed by turns.
+//! Measured alternately with it and on the same core, since no core is equally fast all the time:
+//! the computation alone, and the cost on this machine of waking another process and being woken by
+//! it, by a pipe. If the answering process spins, it also does the computation alone; if it waits,
+//! another process does, woken by a pipe. The cores are swapped in turn.
 
 mod alone;
 mod answering;
@@ -34,33 +34,32 @@ use crate::world::World;
 
 /// The longest wait for an answer.
 const PATIENCE_NS: u64 = 120_000_000_000;
-/// How often the planner may not be there yet, or have no scene or no word of a controller
-/// on a machine with other work.
+/// How often the planner may be missing, or without a scene or a controller, on a busy machine.
 const WARM: u32 = 1000;
-/// How often something is measured at most before the two processes change cores.
+/// How many measurements are made at most before the two processes swap cores.
 const TURN: u32 = 1000;
-/// How often before it counts: who answers has just begun.
+/// Measurements that do not count, since the answering process has just started.
 const UNCOUNTED: u32 = 20;
-/// Between two questions: who waits is asleep again.
+/// Between two requests, so that a waiting process is asleep again.
 const REST: Duration = Duration::from_micros(300);
-/// Images of a frame whose hand-over is measured, pixels.
+/// Sizes of images whose hand-over is measured, pixels.
 const SIZES: [(u32, u32); 2] = [(640, 480), (3840, 2160)];
 
-/// What is told on the command line.
+/// The command line.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     /// The command `nsrm`; not needed, as its nodes run here.
     #[arg(long, hide = true)]
     nsrm: Option<PathBuf>,
-    /// Folder for what was measured.
+    /// Folder for the results.
     #[arg(long)]
     out: PathBuf,
-    /// How often each is measured.
+    /// The number of measurements of each.
     #[arg(long, default_value_t = 20_000)]
     samples: u32,
 }
 
-/// Measures all, and writes `latency.jsonl`: a line for each thing that was measured.
+/// Measures everything, and writes `latency.jsonl`, one line per measured quantity.
 pub(crate) fn run(options: &Options) -> Result<()> {
     std::fs::create_dir_all(&options.out).with_context(|| options.out.display().to_string())?;
     let path = options.out.join("latency.jsonl");
@@ -99,26 +98,26 @@ pub(crate) fn run(options: &Options) -> Result<()> {
 /// Nanoseconds.
 type Times = Vec<i64>;
 
-/// What goes through shared memory, and what was measured beside it.
+/// A measurement through shared memory, and its baselines.
 #[derive(Debug, Default)]
 struct Measured {
-    /// A pipe's way there and back, where who answers waits.
+    /// The round trip through a pipe, if the answering process waits.
     pipe: Times,
     /// The computation alone.
     alone: Times,
-    /// All.
+    /// The total.
     through: Times,
-    /// All without the computation that was measured last before it.
+    /// The total without the computation measured just before it.
     above: Times,
 }
 
 impl Measured {
-    /// * `number`: from 1; the first ones don't count
+    /// * `number`: from 1; the first ones do not count
     fn record(&mut self, number: u64, pipe_ns: Option<u64>, alone_ns: u64, through_ns: u64) {
         if number <= UNCOUNTED.into() {
             return;
         }
-        // None reaches centuries.
+        // None lasts for centuries.
         let (alone_ns, through_ns) = (alone_ns as i64, through_ns as i64);
         self.pipe.extend(pipe_ns.map(|pipe_ns| pipe_ns as i64));
         self.alone.push(alone_ns);
@@ -127,14 +126,14 @@ impl Measured {
     }
 }
 
-/// Measures; gets how who answers looks for what comes, how often it is to be measured, and
-/// the core of who answers.
+/// Measures, given how the answering process receives, the number of measurements, and the core of
+/// the answering process.
 type Measure = fn(Looks, u32, usize, &mut Measured) -> Result<()>;
 
-/// Measures half on one core and half on the other, with who answers on the one that is left,
-/// by turns: neither is as fast all the time.
+/// Measures half on one core and half on the other in turn, with the answering process on the other
+/// one: no core is equally fast all the time.
 ///
-/// * `measure`: is given how often, and the core of who answers
+/// * `measure`: gets the number of measurements and the core of the answering process
 fn on_both_cores(samples: u32, mut measure: impl FnMut(u32, usize) -> Result<()>) -> Result<()> {
     let turns = samples.div_ceil(TURN).next_multiple_of(2);
     for turn in 0..turns {
@@ -145,7 +144,7 @@ fn on_both_cores(samples: u32, mut measure: impl FnMut(u32, usize) -> Result<()>
     Ok(())
 }
 
-/// Writes down what was measured.
+/// Writes the results.
 struct Book {
     file: File,
 }
@@ -162,7 +161,7 @@ impl Book {
     }
 }
 
-/// Waits until `take` has something: spinning, or woken by what it hears.
+/// Waits until `take` returns something: spinning, or woken by a notification.
 fn until<T>(
     looks: Looks,
     wait_set: &WaitSet<1>,
@@ -184,7 +183,7 @@ fn until<T>(
     }
 }
 
-/// A process that a pipe wakes to no purpose, where who answers waits.
+/// A process that a pipe wakes and that does nothing, if the answering process waits.
 struct Way(Option<ByPipe>);
 
 impl Way {
@@ -195,7 +194,7 @@ impl Way {
         }))
     }
 
-    /// Rests, and measures the way once, nanoseconds.
+    /// Sleeps, then measures one round trip, nanoseconds.
     fn take(&mut self) -> Result<Option<u64>> {
         std::thread::sleep(REST);
         let Some(idle) = &mut self.0 else {
@@ -239,7 +238,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
         let pending = client.send_copy(request)?;
         notifier.notify();
         if pending.number_of_server_connections() == 0 {
-            // The planner has not begun yet.
+            // The planner has not started yet.
             not_yet += 1;
             ensure!(not_yet < WARM, "no planner was started");
             std::thread::sleep(Duration::from_millis(5));
@@ -249,7 +248,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
         let command = until(looks, &wait_set, || {
             let command = commands.receive()?.map(|command| *command);
             if command.is_none() {
-                // A planner that has just begun has no scene yet.
+                // A planner that has just started has no scene yet.
                 while let Some(reply) = pending.receive()? {
                     if let Ok(Reply::Failed { message, .. }) = reply.read() {
                         ended = Some(message.to_owned());
@@ -261,7 +260,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
         let taken_ns = now_ns() - begun_ns;
         let Some(command) = command else {
             refused += 1;
-            ensure!(refused < WARM, "the planner refuses what can be done");
+            ensure!(refused < WARM, "the planner refuses a valid sentence");
             continue;
         };
         measured.record(number, pipe_ns, computed_ns, taken_ns);
@@ -294,7 +293,7 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
         let sent = frames.send(CameraFrame::default(), world.bytes(), |_| {})?;
         Ok((sent > 0).then_some(()))
     })?;
-    // Gives when it stood there.
+    // Returns when it was there.
     let send = |frames: &FramesOut, number| -> Result<u64> {
         let mut painted_ns = 0;
         frames.send(world.header(number, now_ns()), world.bytes(), |place| {
@@ -323,9 +322,9 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
     peer.end()
 }
 
-/// From a frame that stands there to its being in another process's hands, and back by a
-/// small message. Nothing is written into it meanwhile: that would leave nothing else in the
-/// caches, the more the larger it is.
+/// From a complete frame to its arrival in another process, and back by a small message. Nothing is
+/// written to the frame meanwhile: that would evict everything else from the caches, the more the
+/// larger it is.
 fn hand_over(
     looks: Looks,
     (width, height): (u32, u32),

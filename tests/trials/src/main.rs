@@ -1,6 +1,5 @@
-//! A robot's processes under load: `nsrm-trials chaos | soak | latency`. What they
-//! measure and write down is judged and drawn by the harness: `cargo chaos`,
-//! `cargo soak`, `cargo latency`.
+//! A robot's processes under load: `nsrm-trials chaos | soak | latency`. The harness judges and
+//! plots their records: `cargo chaos`, `cargo soak`, `cargo latency`.
 
 mod chaos;
 mod client;
@@ -19,17 +18,17 @@ use iceoryx2::prelude::{LogLevel, set_log_level};
 
 use parts::Place;
 
-/// A robot's processes under load.
+/// Run a robot's processes under load.
 #[derive(Parser)]
 #[command(name = "nsrm-trials", version)]
 enum Trial {
-    /// Kill processes at random moments and write down what happens.
+    /// Kill processes at random times and record what happens.
     Chaos(chaos::Options),
-    /// Let processes work for hours and write down what they hold.
+    /// Run processes for hours and record their resources.
     Soak(soak::Options),
-    /// Measure how fast processes answer.
+    /// Measure the latency of processes.
     Latency(latency::Options),
-    /// Be who answers.
+    /// Run an answering process.
     #[command(hide = true)]
     Answer {
         #[command(flatten)]
@@ -38,14 +37,14 @@ enum Trial {
         peer: latency::Peer,
         #[arg(long)]
         looks: latency::Looks,
-        /// The core that it stays on.
+        /// The core to run on.
         #[arg(long)]
         core: usize,
     },
-    /// Be the camera of a trial.
+    /// Run the camera of a trial.
     #[command(hide = true)]
     Camera(Place),
-    /// Be the controller of a trial.
+    /// Run the controller of a trial.
     #[command(hide = true)]
     Controller {
         #[command(flatten)]

@@ -20,27 +20,27 @@ use crate::world::World;
 
 /// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
-/// The longest time between two looks at what came.
+/// The longest time between two polls.
 const NAP: Duration = Duration::from_millis(5);
 /// How long a move takes, in milliseconds.
 const MOVE_MS: std::ops::Range<u64> = 20..200;
 
-/// Where a process takes part.
+/// The robot that a process belongs to.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct Place {
-    /// Which robot.
+    /// The robot's name.
     #[arg(long)]
     robot: RobotName,
-    /// Folder of what the processes share.
+    /// The shared-memory folder.
     #[arg(long)]
     root: String,
-    /// What names in shared memory begin with.
+    /// The prefix of names in shared memory.
     #[arg(long)]
     prefix: String,
     /// The journal.
     #[arg(long)]
     journal: PathBuf,
-    /// The robot's other processes are on another host.
+    /// Whether the robot's other processes run on another host.
     #[arg(long)]
     several_hosts: bool,
 }
@@ -50,7 +50,7 @@ impl Place {
         self.join_other(&self.robot, role)
     }
 
-    /// Joins another robot's processes in the same place.
+    /// Joins another robot in the same shared memory.
     pub(crate) fn join_other(&self, robot: &RobotName, role: Role) -> Result<Robot> {
         let config = isolated_memory::config(&self.root, &self.prefix);
         set_global_config(&config)?;
@@ -67,7 +67,7 @@ impl Place {
     }
 }
 
-/// Is set by SIGINT and SIGTERM.
+/// A flag that SIGINT and SIGTERM set.
 pub(crate) fn stop_on_signals() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
@@ -76,7 +76,7 @@ pub(crate) fn stop_on_signals() -> Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
-/// Buries the dead now and then, as every node does.
+/// Cleans up dead nodes now and then, as every node does.
 #[derive(Debug, Default)]
 struct Cleanups {
     next_ns: u64,
@@ -91,7 +91,7 @@ impl Cleanups {
     }
 }
 
-/// Publishes a picture of the world thirty times a second.
+/// Publishes an image of the world thirty times a second.
 pub(crate) fn camera(place: &Place) -> Result<()> {
     let stop = stop_on_signals()?;
     let (mut world, mut moves) = World::of(place.journal())?;
@@ -105,7 +105,7 @@ pub(crate) fn camera(place: &Place) -> Result<()> {
         world.follow(&mut moves)?;
         sequence += 1;
         let header = world.header(sequence, taken_ns);
-        // Without a reader it is lost, as a camera's pictures are.
+        // Without a reader it is lost, as a camera's images are.
         let _ = frames.send(header, world.bytes(), |image| world.paint(image));
         let _ = heartbeats.beat(State::Idle, now_ns());
         let passed = Duration::from_nanos(now_ns() - taken_ns);
@@ -114,7 +114,7 @@ pub(crate) fn camera(place: &Place) -> Result<()> {
     Ok(())
 }
 
-/// Carries out what it is told, once: a block is where it is to be after some time.
+/// Executes each command once: after some time, the block is at its sub-goal.
 pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
     let stop = stop_on_signals()?;
     let journal = Journal::open(place.journal(), "controller")?;
@@ -141,7 +141,7 @@ pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
         };
         let _ = heartbeats.beat(state, now_ns());
         let mut commands: Vec<_> = controller.commands.waiting().map(|it| *it).collect();
-        // A stop before the move that it stops.
+        // A stop that arrives before its move.
         commands.sort_by_key(|command| command.read(now_ns()) != Ok(Order::Stop));
         for command in commands {
             controller.obey(&command)?;
@@ -157,12 +157,12 @@ struct Controller {
     commands: Receiver<SubGoal>,
     feedback: Sender<Feedback>,
     journal: Journal,
-    /// To know which blocks there are.
+    /// To know the existing blocks.
     world: World,
     rng: fastrand::Rng,
-    /// What it is doing, and until when.
+    /// The current command, and until when it runs.
     moving: Option<(SubGoal, u64)>,
-    /// What it did last, and what came of it.
+    /// The last command, and its outcome.
     last: Option<(CommandId, Outcome)>,
     sequence: u64,
 }
@@ -172,7 +172,7 @@ impl Controller {
         let id = command.id();
         if let Some((last, outcome)) = self.last {
             if last == id {
-                // It came again, or is to be stopped too late.
+                // A repeated command, or a stop that is too late.
                 return self.say(id, outcome);
             }
             if (id.plan, id.command) < (last.plan, last.command) {
@@ -212,12 +212,12 @@ impl Controller {
         }
     }
 
-    /// Ends the move when it is time to.
+    /// Ends the move when it is due.
     fn move_on(&mut self) -> Result<()> {
         match self.moving {
             Some((command, end_ns)) if now_ns() >= end_ns => {
                 self.moving = None;
-                // From this line on it stands there.
+                // From this line on, the block is there.
                 self.note("moved", &command)?;
                 self.end(command.id(), Outcome::Reached)
             }

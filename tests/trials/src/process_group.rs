@@ -1,4 +1,4 @@
-//! The processes of one robot, started, killed and started anew.
+//! The processes of one robot: started, killed and restarted.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -20,15 +20,15 @@ use crate::journal::Journal;
 
 /// The robot of a trial.
 pub(crate) const ROBOT: &str = "trial";
-/// How long processes may take to be ready, or to end, in all: what takes longer hangs, on
-/// however busy a machine.
+/// How long all processes may take to be ready, or to end; one that takes longer hangs, even on a
+/// busy machine.
 pub(crate) const PATIENCE_NS: u64 = 300_000_000_000;
-/// Between two burials of the dead in the end.
+/// Between two clean-ups of dead nodes at the end.
 const BETWEEN_CLEANUPS: Duration = Duration::from_millis(100);
-/// Between two looks.
+/// Between two polls.
 const NAP: Duration = Duration::from_millis(2);
 
-/// Who is started.
+/// The processes that are started.
 pub(crate) const PARTS: [Role; 4] = [
     Role::Camera,
     Role::Perception,
@@ -36,12 +36,12 @@ pub(crate) const PARTS: [Role; 4] = [
     Role::Controller,
 ];
 
-/// Name of the file for what one has to say.
+/// Name of a process's log file.
 fn log(role: Role) -> String {
     format!("{}.log", role.word())
 }
 
-/// All processes of a robot but those that ask.
+/// All processes of a robot except the clients.
 #[derive(Debug)]
 pub(crate) struct ProcessGroup {
     folder: PathBuf,
@@ -53,9 +53,9 @@ pub(crate) struct ProcessGroup {
 }
 
 impl ProcessGroup {
-    /// Nobody yet.
+    /// A group without processes.
     ///
-    /// * `folder`: where the journal and the logs are written, in place of older ones
+    /// * `folder`: where the journal and the logs are written; older ones are replaced
     /// * `nsrm`: the command
     pub(crate) fn new(folder: &Path, nsrm: &Path, seed: u64) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
@@ -89,7 +89,7 @@ impl ProcessGroup {
         &self.journal
     }
 
-    /// Takes a place beside them.
+    /// Joins their robot.
     pub(crate) fn join(&self, role: Role) -> Result<Robot> {
         Ok(Robot::join(ROBOT.parse()?, role, &self.memory.config)?)
     }
@@ -117,7 +117,7 @@ impl ProcessGroup {
         Ok(command)
     }
 
-    /// Starts one; what it has to say goes into a file.
+    /// Starts a process; its log goes to a file.
     pub(crate) fn start(&mut self, role: Role) -> Result<()> {
         let name = role.word();
         let mut command = match role {
@@ -140,7 +140,7 @@ impl ProcessGroup {
         Ok(())
     }
 
-    /// Waits until all are heard.
+    /// Waits until heartbeats of all have arrived.
     pub(crate) fn ready(&mut self, watcher: &mut Watcher) -> Result<()> {
         let end_ns = now_ns() + PATIENCE_NS;
         loop {
@@ -154,26 +154,26 @@ impl ProcessGroup {
             }
             ensure!(
                 now_ns < end_ns,
-                "not all processes came to heartbeats: {view:?}"
+                "some processes sent no heartbeats: {view:?}"
             );
             if let Some((role, status)) = self.ended()?.first() {
-                bail!("{} ended before it began: {status}", role.word());
+                bail!("{} ended before it was ready: {status}", role.word());
             }
             std::thread::sleep(NAP);
         }
     }
 
-    /// The process of a part, if it runs.
+    /// The process with a role, if it runs.
     pub(crate) fn process(&self, role: Role) -> Option<u32> {
         let (_, child) = self.running.get(role.word())?;
         Some(child.id())
     }
 
-    /// Files that the processes share, in memory and in their folder, and the bytes of those
-    /// in memory.
+    /// The number of files that the processes share, in memory and in their folder, and the bytes
+    /// of those in memory.
     pub(crate) fn shared(&self) -> Result<(usize, u64)> {
         let names = self.memory.left_behind();
-        // What has gone meanwhile counts nothing.
+        // Files that disappear meanwhile do not count.
         let bytes = names
             .iter()
             .filter_map(|name| std::fs::metadata(Path::new("/dev/shm").join(name)).ok())
@@ -182,7 +182,7 @@ impl ProcessGroup {
         Ok((names.len(), bytes))
     }
 
-    /// Kills one; it has gone when this returns.
+    /// Kills a process, and waits until it has ended.
     pub(crate) fn kill(&mut self, role: Role) -> Result<()> {
         if let Some((_, mut child)) = self.running.remove(role.word()) {
             child.kill()?;
@@ -191,7 +191,7 @@ impl ProcessGroup {
         Ok(())
     }
 
-    /// Gives one a signal.
+    /// Sends a process a signal.
     pub(crate) fn signal(&self, role: Role, signal: Signal) -> Result<()> {
         if let Some((_, child)) = self.running.get(role.word()) {
             kill_process(Pid::from_child(child), signal)?;
@@ -199,7 +199,7 @@ impl ProcessGroup {
         Ok(())
     }
 
-    /// Those that have ended by themselves.
+    /// The processes that have ended on their own.
     pub(crate) fn ended(&mut self) -> Result<Vec<(Role, ExitStatus)>> {
         let mut ended = Vec::new();
         for (role, child) in self.running.values_mut() {
@@ -219,7 +219,7 @@ impl ProcessGroup {
         Ok(ended)
     }
 
-    /// Stops all, and tells what they have left behind.
+    /// Stops all processes; returns the files that they have left behind.
     pub(crate) fn stop(mut self) -> Result<()> {
         for (_, child) in self.running.values() {
             kill_process(Pid::from_child(child), Signal::TERM)?;
@@ -234,7 +234,7 @@ impl ProcessGroup {
             );
             std::thread::sleep(NAP);
         }
-        // Frees what the dead had, as each node does when it is started and ever after.
+        // Cleans up dead nodes, as each node does at its start and afterwards.
         let left = loop {
             drop(self.join(Role::Watcher)?);
             let left = self.memory.left_behind();
@@ -248,7 +248,7 @@ impl ProcessGroup {
 }
 
 impl Drop for ProcessGroup {
-    /// Nothing runs on when a trial breaks off, and nothing is left.
+    /// If a trial is aborted, no process keeps running and no file is left.
     fn drop(&mut self) {
         for (_, child) in self.running.values_mut() {
             let _ = child.kill();

@@ -1,4 +1,4 @@
-//! Lets a robot's processes work for hours and notes what they hold.
+//! Runs a robot's processes for hours and records their resources.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -14,20 +14,20 @@ use crate::client::Client;
 use crate::parts::stop_on_signals;
 use crate::process_group::{PARTS, ProcessGroup};
 
-/// Between two looks of who looks on.
+/// Between two polls of the observer.
 const NAP: Duration = Duration::from_millis(5);
 const SECOND: u64 = 1_000_000_000;
 
-/// What is told on the command line.
+/// The command line.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Options {
     /// The command `nsrm`.
     #[arg(long)]
     nsrm: PathBuf,
-    /// Folder for the journal and what processes print.
+    /// Folder for the journal and the logs of processes.
     #[arg(long)]
     out: PathBuf,
-    /// How long.
+    /// Duration, hours.
     #[arg(long, default_value_t = 1.0)]
     hours: f64,
     /// Seconds between two samples.
@@ -71,7 +71,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     group.stop()
 }
 
-/// What the processes hold, and what lies in shared memory.
+/// The resources of the processes, and the use of shared memory.
 fn sample(group: &ProcessGroup, view: &View) -> Result<Value> {
     let mut nodes = serde_json::Map::new();
     for role in PARTS {

@@ -1,4 +1,4 @@
-//! The world of the trials: four blocks of a picture, which are painted where they are put.
+//! The world of the trials: four blocks of an image, which are painted where they are placed.
 //!
 //! `scene/` was written by `cargo demo --seed 4`.
 
@@ -14,8 +14,8 @@ use crate::journal::Moves;
 const SCENE: &[u8] = include_bytes!("../scene/scene.json");
 const PICTURE: &[u8] = include_bytes!("../scene/camera.png");
 
-/// What can be said of it, whatever was said before. One block alone is moved, and beside
-/// others: nothing falls here, and what stands behind another is not seen to.
+/// Sentences that work whatever was said before. Only one block is moved, next to others: in this
+/// world nothing falls, and occlusion is not simulated.
 pub(crate) const SENTENCES: [&str; 5] = [
     "put the yellow block to the left of the red block",
     "put the yellow block to the right of the small red block",
@@ -26,7 +26,7 @@ pub(crate) const SENTENCES: [&str; 5] = [
      the green block then put the yellow block to the left of the red block",
 ];
 
-/// What is refused, whatever it looks like.
+/// Sentences that are refused in any state of the world.
 pub(crate) const REFUSED: [&str; 2] = [
     "put the purple block on the magenta block",
     "put the yellow block under the magenta block",
@@ -40,7 +40,7 @@ struct Block {
     columns: usize,
 }
 
-/// Blocks, and the camera that looks at them.
+/// The blocks and the camera.
 #[derive(Debug, Clone)]
 pub(crate) struct World {
     camera: CameraMessage,
@@ -50,7 +50,7 @@ pub(crate) struct World {
 }
 
 impl World {
-    /// As it is at first.
+    /// The initial world.
     pub(crate) fn new() -> Result<Self> {
         let scene = read_scene_text(Path::new("scene.json"), SCENE, &TABLETOP)?;
         let picture = image::load_from_memory(PICTURE).context("camera.png")?;
@@ -79,15 +79,14 @@ impl World {
         })
     }
 
-    /// As a journal says that it is; what happens from now on is read by
-    /// [`World::follow`].
+    /// The world according to a journal; [`World::follow`] reads later events.
     pub(crate) fn of(journal: &Path) -> Result<(Self, Moves)> {
         let (mut world, mut moves) = (Self::new()?, Moves::of(journal)?);
         world.follow(&mut moves)?;
         Ok((world, moves))
     }
 
-    /// Moves what was moved since.
+    /// Applies the moves since the last call.
     pub(crate) fn follow(&mut self, moves: &mut Moves) -> Result<()> {
         while let Some((object, location)) = moves.next()? {
             self.put(object, location);
@@ -95,7 +94,7 @@ impl World {
         Ok(())
     }
 
-    /// Moves a block to where the camera is to see it; whether there is such a block.
+    /// Moves a block to a location in the image; returns whether the block exists.
     pub(crate) fn put(&mut self, object: u32, location: [f32; 5]) -> bool {
         let mut blocks = self.blocks.iter_mut();
         let Some(block) = blocks.find(|block| block.found.id == object) else {
@@ -111,7 +110,7 @@ impl World {
         self.table.len() / 3 * 7
     }
 
-    /// What stands in front of a frame's image.
+    /// The header of a frame.
     pub(crate) fn header(&self, sequence: u64, timestamp_ns: u64) -> CameraFrame {
         let mut header = CameraFrame {
             sequence,
@@ -126,7 +125,7 @@ impl World {
         header
     }
 
-    /// Paints it; nothing has a depth but the boxes.
+    /// Paints the image; only the boxes have a depth.
     pub(crate) fn paint(&self, image: &mut [u8]) {
         let CameraMessage { width, height, .. } = self.camera;
         image[..self.table.len()].copy_from_slice(&self.table);
@@ -150,7 +149,7 @@ impl World {
     }
 }
 
-/// Left, top, right and bottom in pixels, inside the picture and not empty.
+/// Left, top, right and bottom in pixels, inside the image and not empty.
 fn depth_m(block: &Block) -> f32 {
     let [.., depth_m] = block.found.location;
     depth_m
@@ -159,7 +158,7 @@ fn depth_m(block: &Block) -> f32 {
 fn pixels(corners: &[f32; 4], width: u32, height: u32) -> [usize; 4] {
     let [x1, y1, x2, y2] = *corners;
     let span = |from: f32, to: f32, size: u32| {
-        // Not negative: `as` takes what is less than 0 as 0.
+        // Not negative: `as` converts negative values to 0.
         let from = ((from * size as f32).round() as usize).min(size as usize - 1);
         let to = ((to * size as f32).round() as usize).clamp(from + 1, size as usize);
         (from, to)

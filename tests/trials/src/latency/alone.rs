@@ -1,4 +1,4 @@
-//! The computations alone: what a process that answers does, and nothing else.
+//! The computations of the answering processes, without communication.
 
 use anyhow::{Context as _, Result, bail};
 use nsrm_ipc::clock::now_ns;
@@ -11,15 +11,15 @@ use nsrm_tabletop::TABLETOP;
 use super::PATIENCE_NS;
 use crate::world::{SENTENCES, World};
 
-/// What can be computed.
+/// A computation.
 pub(super) trait Alone {
-    /// Makes ready what will be computed.
+    /// Prepares a computation.
     fn prepare(&mut self) -> Result<()>;
-    /// Computes it; gives how long that took, nanoseconds.
+    /// Computes; returns its time, nanoseconds.
     fn take(&mut self) -> Result<u64>;
 }
 
-/// Nothing at all.
+/// No computation.
 pub(super) struct Nothing;
 
 impl Alone for Nothing {
@@ -42,7 +42,7 @@ pub(super) struct SentenceAlone {
 
 impl SentenceAlone {
     pub(super) fn new() -> Result<Self> {
-        // Who waits may be kept waiting.
+        // A waiting process may be delayed.
         let limits = Limits {
             scene_age_ns: PATIENCE_NS,
             ..Limits::default()
@@ -60,7 +60,7 @@ impl SentenceAlone {
 }
 
 impl Alone for SentenceAlone {
-    /// Sees a new scene, as a planner has that is asked.
+    /// Takes a new scene, as a planner has when a request arrives.
     fn prepare(&mut self) -> Result<()> {
         self.number += 1;
         let header = self.world.header(self.number, now_ns());
@@ -99,8 +99,8 @@ pub(super) fn sentence(number: u64) -> Result<PlanRequest> {
     Ok(request)
 }
 
-/// From a frame to its scene. Who measures has painted it where it lies: the computation
-/// begins with its pixels in another core's caches, whatever brings it.
+/// From a frame to its scene. The measuring process has painted it in place: the computation starts
+/// with its pixels in another core's caches, as always.
 pub(super) struct FrameAlone {
     frames: Frames,
 }

@@ -1,5 +1,5 @@
-//! The other process of a measurement, which answers: a planner, perception, who takes
-//! frames and says so, or who computes the same when a byte of a pipe wakes it.
+//! The answering process of a measurement: a planner, perception, a receiver that acknowledges
+//! frames, or the same computation woken by a byte in a pipe.
 
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,10 +22,10 @@ use super::beside::{Answers, BESIDE, answer_bytes};
 use crate::parts::{Place, stop_on_signals};
 use crate::process_group::ROBOT;
 
-/// Who answers.
+/// The kinds of answering processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Peer {
-    /// Whoever is woken by a pipe and does nothing.
+    /// Woken by a pipe, does nothing.
     Pipe,
     /// The planner's computation, woken by a pipe.
     SentenceByPipe,
@@ -35,16 +35,16 @@ pub(crate) enum Peer {
     Planner,
     /// Perception.
     Perception,
-    /// Whoever takes frames and says so.
+    /// A receiver that acknowledges frames.
     Frames,
 }
 
-/// How a process looks for what comes.
+/// How a process receives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Looks {
-    /// All the time.
+    /// By spinning.
     Spinning,
-    /// When it is woken.
+    /// When it is woken up.
     Waiting,
 }
 
@@ -97,7 +97,7 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
     Ok(())
 }
 
-/// Takes frames where they lie and says which.
+/// Receives frames in place and acknowledges them.
 fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
     let robot = place.join(Role::Controller)?;
     let frames = robot.frames_in()?;
@@ -125,7 +125,7 @@ pub(super) fn feedback(plan: u64, command: u32, sequence: u64, outcome: Outcome)
     }
 }
 
-/// Another process that answers, until this is dropped.
+/// An answering process, stopped when this is dropped.
 pub(super) struct Answering {
     child: Child,
     memory: IsolatedMemory,
@@ -147,32 +147,32 @@ impl Answering {
         Ok(Self { child, memory })
     }
 
-    /// Joins a robot's processes where it is.
+    /// Joins a robot in its shared memory.
     pub(super) fn join(&self, robot: &str, role: Role) -> Result<Robot> {
         Ok(Robot::join(robot.parse()?, role, &self.memory.config)?)
     }
 
-    /// Its stdin and stdout, once.
+    /// Its stdin and stdout; only the first call returns them.
     pub(super) fn pipes(&mut self) -> Option<(ChildStdin, ChildStdout)> {
         self.child.stdin.take().zip(self.child.stdout.take())
     }
 
-    /// Stops it; what it shared is still there.
+    /// Stops it; its shared memory remains.
     pub(super) fn end(&mut self) -> Result<()> {
         kill_process(Pid::from_child(&self.child), Signal::TERM)?;
         self.wait()
     }
 
-    /// Waits until it has ended by itself.
+    /// Waits until it has ended on its own.
     pub(super) fn wait(&mut self) -> Result<()> {
         let status = self.child.wait()?;
-        ensure!(status.success(), "who answers ended: {status}");
+        ensure!(status.success(), "the answering process ended: {status}");
         Ok(())
     }
 }
 
 impl Drop for Answering {
-    /// Nothing runs on and nothing is left when a measurement breaks off.
+    /// If a measurement is aborted, no process keeps running and no file is left.
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -180,15 +180,15 @@ impl Drop for Answering {
     }
 }
 
-/// Keeps this process on one core, the other one on another: how long waking takes depends
-/// on nothing so much.
+/// Pins this process to one core, so that the two run on different ones: nothing affects the time
+/// of waking more.
 pub(super) fn stay_on(core: usize) -> Result<()> {
     let mut cores = CpuSet::new();
     cores.set(core);
-    sched_setaffinity(None, &cores).with_context(|| format!("staying on core {core}"))
+    sched_setaffinity(None, &cores).with_context(|| format!("pinning to core {core}"))
 }
 
-/// A value of the command line, by its name there.
+/// The name of a value on the command line.
 trait ValueEnumName {
     fn name(&self) -> String;
 }

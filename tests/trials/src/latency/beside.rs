@@ -1,5 +1,5 @@
-//! Has a process on the other core compute alone: one that a pipe wakes, or the very one that
-//! answers where that spins, by words through shared memory.
+//! Runs the computation alone in a process on the other core: one that a pipe wakes or, if the
+//! answering process spins, that process, by messages through shared memory.
 
 use std::io::{Read, Write};
 use std::process::{ChildStdin, ChildStdout};
@@ -14,10 +14,10 @@ use super::alone::Alone;
 use super::answering::{Answering, Looks, Peer};
 use super::{PATIENCE_NS, REST};
 
-/// The robot of what goes on beside the one that is measured.
+/// The robot for the baseline, besides the measured one.
 pub(super) const BESIDE: &str = "beside";
 
-/// What is asked: to make ready, which nobody measures, or to compute.
+/// The request: prepare, which is not measured, or compute.
 const PREPARE: u8 = b'p';
 const COMPUTE: u8 = b'c';
 
@@ -28,7 +28,7 @@ fn answer(word: u32, alone: &mut impl Alone) -> Result<u64> {
     alone.prepare().map(|()| 0)
 }
 
-/// Answers each byte from stdin with how long its work has taken, until there are no more.
+/// Answers each byte from stdin with the time of its work, until stdin ends.
 pub(super) fn answer_bytes(alone: &mut impl Alone) -> Result<()> {
     let (mut input, mut output) = (std::io::stdin(), std::io::stdout());
     let mut byte = [0];
@@ -40,11 +40,11 @@ pub(super) fn answer_bytes(alone: &mut impl Alone) -> Result<()> {
     Ok(())
 }
 
-/// Who is asked.
+/// The process that computes.
 trait Asked {
-    /// Gives what is answered.
+    /// Returns the answer.
     fn ask(&mut self, byte: u8) -> Result<u64>;
-    /// There is no more work for it.
+    /// Ends its work.
     fn end(self: Box<Self>) -> Result<()>;
 }
 
@@ -66,14 +66,14 @@ impl ByPipe {
         })
     }
 
-    /// Wakes it; gives how long it takes until its word is here, nanoseconds.
+    /// Wakes it; returns the time until its answer arrives, nanoseconds.
     pub(super) fn way(&mut self) -> Result<u64> {
         let begun_ns = now_ns();
         self.ask(COMPUTE)?;
         Ok(now_ns() - begun_ns)
     }
 
-    /// Has no more work for it.
+    /// Ends its work.
     pub(super) fn end(mut self) -> Result<()> {
         drop(self.input);
         self.peer.wait()
@@ -93,7 +93,7 @@ impl Asked for ByPipe {
     }
 }
 
-/// Asks who spins.
+/// A spinning process, by shared memory.
 pub(super) struct ByMemory {
     words: Sender<SubGoal>,
     taken: Receiver<Feedback>,
@@ -118,7 +118,7 @@ impl Asked for ByMemory {
             command: byte.into(),
         };
         let end_ns = now_ns() + PATIENCE_NS;
-        // It may not have begun yet.
+        // It may not have started yet.
         while self.words.send(&SubGoal::stop(id))? == 0 && now_ns() < end_ns {
             std::thread::sleep(REST);
         }
@@ -136,7 +136,7 @@ impl Asked for ByMemory {
     }
 }
 
-/// Answers who asks by shared memory.
+/// Answers requests through shared memory.
 pub(super) struct Answers<A> {
     words: Receiver<SubGoal>,
     taken: Sender<Feedback>,
@@ -152,7 +152,7 @@ impl<A: Alone> Answers<A> {
         })
     }
 
-    /// Computes if it is asked to.
+    /// Computes if requested.
     pub(super) fn poll(&mut self) -> Result<()> {
         let Some(word) = self.words.receive()? else {
             return Ok(());
@@ -171,15 +171,15 @@ impl<A: Alone> Answers<A> {
     }
 }
 
-/// Whoever computes alone.
+/// The process that does the computation alone.
 pub(super) struct Beside {
     robot: Robot,
     asked: Box<dyn Asked>,
 }
 
 impl Beside {
-    /// * `computing`: who is to be woken, where one waits
-    /// * `peer`: who answers, and computes where it spins
+    /// * `computing`: the process to wake, if the answering process waits
+    /// * `peer`: the answering process, which computes if it spins
     pub(super) fn start(
         looks: Looks,
         computing: Peer,
@@ -201,22 +201,22 @@ impl Beside {
         Ok(Self { robot, asked })
     }
 
-    /// A robot whose frames it sees.
+    /// A robot whose frames it receives.
     pub(super) const fn robot(&self) -> &Robot {
         &self.robot
     }
 
-    /// Has it make ready what it will compute.
+    /// Lets it prepare a computation.
     pub(super) fn prepare(&mut self) -> Result<()> {
         self.asked.ask(PREPARE).map(|_| ())
     }
 
-    /// Has it compute; gives how long that took there, nanoseconds.
+    /// Lets it compute; returns the time there, nanoseconds.
     pub(super) fn take(&mut self) -> Result<u64> {
         self.asked.ask(COMPUTE)
     }
 
-    /// Has no more work for it.
+    /// Ends its work.
     pub(super) fn end(self) -> Result<()> {
         self.asked.end()
     }
