@@ -1,5 +1,5 @@
-//! A plan that is worked out beside other work: a control loop gives it a few bounded pieces of
-//! work a tick. Nothing here allocates; the task is the loop's, with its scene and its sentence.
+//! Planning beside other work: a control loop does a few bounded units of planning per tick.
+//! Nothing here allocates; the loop owns the task, with its scene and its sentence.
 //!
 //! ```sh
 //! cargo run -p nsrm-core --example control_loop
@@ -13,11 +13,11 @@ use nsrm_core::planner::{TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{MAX_SENTENCE_BYTES, Plan, Planner, PlanningTask, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
 
-/// Pieces of work a tick: as many as the time that is left allows. One takes at most
+/// Units of work per tick: as many as the remaining time allows. One takes at most
 /// [`UNIT_MULTIPLY_ADDS`].
 const PIECES: usize = 4;
 
-/// What a robot's loop keeps between two ticks.
+/// The state of a robot's loop between two ticks.
 struct Controller {
     planner: Planner<'static>,
     task: Option<PlanningTask<'static, Scene, String<MAX_SENTENCE_BYTES>>>,
@@ -31,7 +31,7 @@ impl Controller {
         }
     }
 
-    /// Begins with a sentence, unless it is too long to be kept; what was begun before is given up.
+    /// Starts a sentence, unless it is too long to be stored; an earlier one is abandoned.
     fn ask(
         &mut self,
         scene: Scene,

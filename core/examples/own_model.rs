@@ -1,5 +1,5 @@
-//! A model of one's own in place of the tabletop's. `nsrm-codegen` writes a trained model file as
-//! static arrays:
+//! Your own model instead of the tabletop's. `nsrm-codegen` writes a trained model file as static
+//! arrays:
 //!
 //! ```sh
 //! nsrm-codegen kitchen.safetensors --name KITCHEN --out src/kitchen.rs
@@ -7,8 +7,8 @@
 //!
 //! and `mod kitchen;` makes them `kitchen::KITCHEN`. A build script can do the same (see the
 //! documentation of `nsrm-codegen`), and the package `nsrm` loads the file at run time. All three
-//! give a [`Model`]; here it is the tabletop's with another header, for a robot whose arm reaches
-//! less far and that is to be surer of what it does.
+//! give a [`Model`]; here it is the tabletop's with another header, for a robot with a shorter
+//! reach and higher confidence thresholds.
 //!
 //! ```sh
 //! cargo run -p nsrm-core --example own_model
@@ -20,7 +20,7 @@ use nsrm_core::model::{Thresholds, WorkSpace};
 use nsrm_core::{Model, Planner};
 use nsrm_tabletop::TABLETOP;
 
-/// What is not named stays as it is; the compiler does all of it.
+/// Fields that are not named stay the same; all of it is evaluated at compile time.
 static CAREFUL: Model<'static> = TABLETOP.with_header(
     TABLETOP
         .header
@@ -33,7 +33,7 @@ static CAREFUL: Model<'static> = TABLETOP.with_header(
 );
 
 fn main() {
-    // What the generator and the loader write has passed this; what is made by hand has not.
+    // Models of the generator and the loader have passed this check; hand-made ones have not.
     CAREFUL.check().expect("a sound model");
     for (name, model) in [("tabletop", &TABLETOP), ("careful", &CAREFUL)] {
         let scene = observed::scene(model);

@@ -1,4 +1,4 @@
-//! Sentences in, programs and sub-goals out, or the reason why not.
+//! Plans sentences: prints programs and sub-goals, or the reason of a refusal.
 //!
 //! ```sh
 //! cargo run -p nsrm-core --example plan -- "put the red block to the right of the yellow block"

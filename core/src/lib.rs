@@ -4,13 +4,15 @@
 //! The modules follow the paper (*Learning Robot Manipulation Programs: A
 //! Neuro-symbolic Approach*):
 //!
-//! 1. [`dsl`]: programs over actions and concepts (section IV-A, Table I) 2. [`language`]: a
-//! sentence to a program (section IV-B) 3. [`vision`]: crops to embeddings, embeddings to concepts
-//! (section IV-C) 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
-//! 5. [`action`]: the action simulator (section IV-D) 6. [`camera`]: from the image to the world
-//! (section III); [`calibration`]: whether the scene agrees with it 7. [`planner`]: the whole
-//! pipeline, at once or in bounded steps; [`refusal`]: why there is no plan; [`explain`]: plans and
-//! refusals in words
+//! 1. [`dsl`]: programs over actions and concepts (section IV-A, Table I)
+//! 2. [`language`]: a sentence to a program (section IV-B)
+//! 3. [`vision`]: crops to embeddings, embeddings to concepts (section IV-C)
+//! 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
+//! 5. [`action`]: the action simulator (section IV-D)
+//! 6. [`camera`]: from the image to the world (section III); [`calibration`]: whether the scene
+//!    agrees with it
+//! 7. [`planner`]: the whole pipeline, at once or in bounded steps; [`refusal`]: why there is no
+//!    plan; [`explain`]: plans and refusals in words
 //!
 //! Below them are [`model`], the trained parameters by reference, and [`nn`], the layers.
 //!

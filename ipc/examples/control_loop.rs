@@ -1,4 +1,4 @@
-//! A planner inside a control loop of 1 kHz, in place of `nsrm serve`:
+//! A planner inside a 1 kHz control loop, instead of `nsrm serve`:
 //!
 //! ```sh
 //! cargo harness world --robot left --seed 4 &
@@ -7,14 +7,12 @@
 //! target/release/nsrm say --robot left "put the small red block on the magenta block"
 //! ```
 //!
-//! Each tick gives the planner a budget of time, in which it takes in what has come
-//! through shared memory and does pieces of work; what is left waits for the next
-//! tick. Nothing in a tick waits, and nothing but iceoryx2's sending allocates: once for
-//! each heartbeat, command and reply. A tick in which a process comes or goes may take
-//! longer than the budget: its memory is mapped or unmapped then. Beside it runs a loop
-//! that does nothing: what that one misses, the machine is to blame for. Ctrl-C ends both
-//! before their time. `--limits-s 60` has the planner wait so long for everything, on a machine
-//! with other work.
+//! Each tick gives the planner a time budget, in which it receives what has arrived through shared
+//! memory and does units of work; the rest waits for the next tick. Nothing in a tick blocks, and
+//! only iceoryx2's sending allocates: once for each heartbeat, command and reply. A tick in which a
+//! process joins or leaves may exceed the budget, since its memory is mapped or unmapped. An idle
+//! loop runs beside it: deadlines that it misses are the machine's. Ctrl-C ends both early.
+//! `--limits-s 60` sets all timeouts to 60 s, for a busy machine.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,10 +36,10 @@ use thread_priority::{
 
 /// Time between two ticks, nanoseconds.
 const PERIOD_NS: u64 = 1_000_000;
-/// What the planner may take of a tick; the last piece of work begun in it takes up
-/// to some tens of microseconds more.
+/// The planner's budget in a tick; the last unit of work takes up to some tens of microseconds
+/// more.
 const BUDGET_NS: u64 = 200_000;
-/// The longest that is counted, nanoseconds; what takes longer counts as this.
+/// The longest time that is counted, nanoseconds; longer ones count as this.
 const LONGEST_NS: u64 = 1_000_000_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -82,7 +80,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let ended = Arc::clone(&stop);
     let planning: JoinHandle<Result<_, String>> = std::thread::spawn(move || {
-        // Ports are made in the thread that uses them.
+        // Ports are created in the thread that uses them.
         let robot = Robot::join(robot, Role::Planner, Config::global_config());
         let node = robot.and_then(|robot| PlannerNode::begin(robot, &TABLETOP, limits));
         let mut node = node.map_err(|error| error.to_string())?;
@@ -118,7 +116,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Limits of so many seconds each.
+/// Limits with all timeouts set to this many seconds.
 fn all(seconds: u32) -> Limits {
     let ns = u64::from(seconds) * 1_000_000_000;
     Limits {
@@ -135,7 +133,7 @@ fn said(granted: bool) -> &'static str {
     if granted { "yes" } else { "not permitted" }
 }
 
-/// Asks for a place before all that is not real-time; whether it was granted.
+/// Requests real-time scheduling; returns whether it was granted.
 fn become_realtime() -> bool {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let priority =
@@ -143,8 +141,8 @@ fn become_realtime() -> bool {
     set_thread_priority_and_policy(thread_native_id(), priority, policy).is_ok()
 }
 
-/// A line for each power of two: how many ticks took up to so many microseconds, and longer
-/// than those of the line before; twice as many have a bar that is one sign longer.
+/// One line per power of two: how many ticks took up to this many microseconds, and more than in
+/// the previous line; twice as many have a bar that is one sign longer.
 fn print_bars(what: &str, histogram: &Histogram<u64>) {
     for line in histogram
         .iter_log(1000, 2.0)
@@ -158,15 +156,16 @@ fn print_bars(what: &str, histogram: &Histogram<u64>) {
     }
 }
 
-/// What a loop has seen of its ticks.
+/// The measured times of a loop.
 struct Ticks {
-    /// How long after its time each began, nanoseconds.
+    /// How late each tick started, nanoseconds.
     lateness: Histogram<u64>,
     /// How long its work took, nanoseconds.
     work: Histogram<u64>,
     /// Ticks whose work took longer than a period.
     overrun: u64,
-    /// Ticks that began more than a period late though the work before them did not.
+    /// Ticks that started more than a period late although the work before them did not take that
+    /// long.
     late: u64,
     next_ns: u64,
 }
@@ -189,7 +188,7 @@ impl Ticks {
             tv_sec: (self.next_ns / 1_000_000_000).cast_signed(),
             tv_nsec: (self.next_ns % 1_000_000_000).cast_signed(),
         };
-        // A signal that wakes it early makes the tick early by so much.
+        // A signal that wakes it early makes the tick early.
         let _ = clock_nanosleep_absolute(ClockId::Monotonic, &wake);
         let begun_ns = now_ns();
         work();
@@ -201,7 +200,7 @@ impl Ticks {
         self.late += u64::from(late_ns > PERIOD_NS);
         self.next_ns += PERIOD_NS;
         if ended_ns > self.next_ns {
-            // Ticks that have gone by are not made up for.
+            // Missed ticks are skipped.
             self.next_ns = ended_ns + PERIOD_NS - (ended_ns - self.next_ns) % PERIOD_NS;
         }
     }

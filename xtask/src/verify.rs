@@ -153,7 +153,8 @@ impl Run {
             let beside = scope.spawn(|| waiting.into_iter().try_for_each(|check| self.one(check)));
             for check in checks {
                 if check.waits {
-                    // It is heard to the end, but for an error of ours, which is told below.
+                    // The receiver stays until the end, except after an error of ours, which is
+                    // reported below.
                     let _ = queue.send(check);
                 } else {
                     self.one(check)?;
@@ -342,7 +343,7 @@ mod tests {
         context.logs().join("mark")
     }
 
-    /// Ends when what computes behind it has begun.
+    /// Ends when the computing check after it has started.
     const WAITING: Check = Check::new("waiting", "", "", |context| {
         let script = "until [ -e \"$0\" ]; do sleep 0.01; done";
         Ok(vec![

@@ -5,15 +5,15 @@
 //! or on each other, and each has one of the domain's sizes.
 //!
 //! 1. A *whole* object is one that no nearer object overlaps in the image. Boxes and depths of the
-//! others are too inaccurate; they count only as supports of whole ones. 2. From the lowest object
-//! upwards, each rests on the highest of those below it, or on the table. A whole one disagrees if
-//! it is seen more than [`TOLERANCE_M`] above or below where it would rest, or if it is too narrow
-//! or too wide for all sizes of the domain. 3. The scene is refused if more than a third of the
-//! whole objects disagree: one object may be held, lean, or be covered by something undetected. An
-//! object that is too high or low on another object counts only if there are no others: its tower
-//! may stand on a hidden object. 4. A camera that is rolled or turned makes the table rise from one
-//! side of the image to the other: refused if a line through the objects' heights rises by more
-//! than [`TOLERANCE_M`].
+//!    others are too inaccurate; they count only as supports of whole ones.
+//! 2. From the lowest object upwards, each rests on the highest of those below it, or on the table.
+//!    A whole one disagrees if it is seen more than [`TOLERANCE_M`] above or below where it would
+//!    rest, or if it is too narrow or too wide for all sizes of the domain.
+//! 3. The scene is refused if more than a third of the whole objects disagree: one object may be
+//!    held, lean, or be covered by something undetected. An object that is too high or low on
+//!    another object counts only if there are no others: its tower may stand on a hidden object.
+//! 4. A camera that is rolled or turned makes the table rise from one side of the image to the
+//!    other: refused if a line through the objects' heights rises by more than [`TOLERANCE_M`].
 //!
 //! `docs/decisions/core.md` has the figures: how often calibrated scenes are refused, and how often
 //! each fault is detected. A fault that shifts all objects along the table, such as a wrong

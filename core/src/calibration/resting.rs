@@ -6,14 +6,15 @@ use crate::capacity::MAX_OBJECTS;
 use crate::model::{LOCATION, Model};
 use crate::scene::{ObservedObject, Scene};
 
-/// Least share of the shorter edge of its base that an object seems wide, and greatest
-/// share of the base's diagonal: of whole objects 0.986 and 1.104 were seen.
+/// The smallest apparent width of an object as a share of the shorter edge of its base, and the
+/// greatest as a share of the base's diagonal: for whole objects 0.986 and 1.104 were observed.
 const NARROWEST: f32 = 0.96;
 const WIDEST: f32 = 1.15;
-/// What is seen higher than another object by this share of the least height may stand on it,
+/// An object that is higher than another one by this share of the smallest height may stand on it,
 const HIGHER: f32 = 0.25;
-/// if it is aside of it by less than this share of the longest edge: what is covered in part
-/// was seen up to 0.53 of it aside of what stands on it; neighbours are apart by 0.87 and more.
+/// if its horizontal distance is less than this share of the longest edge: partly covered objects
+/// were observed up to 0.53 of it away from those on top of them; neighbours are at least 0.87
+/// apart.
 const ASIDE: f32 = 0.75;
 /// Pixels between two boxes that don't overlap.
 const APART_PX: f32 = 2.0;

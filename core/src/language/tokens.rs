@@ -5,30 +5,29 @@ use crate::dsl::Description;
 use crate::model::{Model, WordParameters};
 use crate::refusal::Refusal;
 
-/// Where in a sentence: bytes `start..end`.
+/// A place in a sentence: bytes `start..end`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Span {
     /// First byte.
     pub start: u16,
-    /// Behind the last byte.
+    /// One after the last byte.
     pub end: u16,
 }
 
 impl Span {
-    /// The part of `sentence`; `None` when the span was made for another one and
-    /// does not fit.
+    /// The part of `sentence`; `None` if the span is of another sentence and does not fit.
     pub fn of<'a>(&self, sentence: &'a str) -> Option<&'a str> {
         sentence.get(usize::from(self.start)..usize::from(self.end))
     }
 }
 
-/// What stands in a place of a sentence.
+/// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TokenKind {
     /// A word outside the lexicon: index into [`Model::words`].
     Word(u16),
-    /// Concept words next to each other, `[[X]]` in the paper.
+    /// Adjacent concept words, `[[X]]` in the paper.
     Group(Description),
 }
 
@@ -36,9 +35,9 @@ pub enum TokenKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Token {
-    /// What it is.
+    /// Its kind.
     pub kind: TokenKind,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 
@@ -68,14 +67,14 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 
 /// Reads a sentence word by word.
 ///
-/// Words are parted by white space and compared in lower case, letter by letter
-/// ([`char::to_lowercase`]), whatever stands beside it: `Σ` is `σ` at the end of a
-/// word too, and `WEISS` is not `weiß`. `,` is a word of its own and `;` is read as
-/// one; the marks `. ! ? : " '` are cut off at both ends of a word and, being no
-/// words of the model, refused, except that `. ! ?` at the very end of the sentence
-/// are dropped.
+/// Words are separated by white space and compared in lower case, letter by letter
+/// ([`char::to_lowercase`]), independent of context: `Σ` is `σ` also at the end of a word, and
+/// `WEISS` is not `weiß`. `,` is a separate word and `;` is read as `,`; the marks `. ! ? : " '`
+/// are split off at both ends of a word and, since the model has no such words, refused, except
+/// that `. ! ?` at the very end of the sentence are dropped.
 ///
-/// It keeps no sentence, so that a task may own both: every call is given the same.
+/// It does not keep the sentence, so that a task can own both: pass the same sentence to every
+/// call.
 ///
 /// ```
 /// use nsrm_core::language::Reader;
@@ -98,8 +97,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// At the beginning of `sentence`; refuses one that is too long to be read
-    /// with bounded work.
+    /// Starts at the beginning of `sentence`; refuses one that is too long for bounded work.
     pub fn new(sentence: &str) -> Result<Self, Refusal> {
         if sentence.len() > MAX_SENTENCE_BYTES {
             return Err(Refusal::SentenceTooLong {
@@ -125,11 +123,10 @@ impl Reader {
         }
     }
 
-    /// Reads the next word of the sentence that it began with; false when there is
-    /// none left.
+    /// Reads the next word of the sentence; false if none is left.
     ///
-    /// Cost: one pass over the word and the blanks before it, and one binary
-    /// search in the lexicon and the words.
+    /// Cost: one pass over the word and the white space before it, and one binary search in the
+    /// lexicon and the words.
     pub fn advance(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         let words = sentence.get(..self.end).unwrap_or_default();
         let Some((text, span)) = next_word(words, self.rest_from) else {
@@ -153,8 +150,8 @@ impl Reader {
         &self.tokens
     }
 
-    /// A concept word joins the group before it or begins one. Values of one attribute exclude
-    /// each other, so that no object has two.
+    /// A concept word joins the group before it or starts one. Values of one attribute exclude each
+    /// other, so that no object has two.
     fn add_concept(&mut self, model: &Model<'_>, concept: u8, span: Span) -> Result<(), Refusal> {
         if let Some(Token {
             kind: TokenKind::Group(description),
@@ -210,7 +207,7 @@ const fn is_comma(c: char) -> bool {
     matches!(c, ',' | ';')
 }
 
-/// The first word at or behind byte `from`, not empty, and where it stands.
+/// The first non-empty word at or after byte `from`, and its place.
 fn next_word(sentence: &str, from: usize) -> Option<(&str, Span)> {
     let rest = sentence.get(from..)?;
     let word = rest.trim_start();

@@ -14,7 +14,7 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    /// A check that has no tests of its own.
+    /// A check without tests.
     pub(super) fn one(passed: bool) -> Self {
         Self {
             passed: u32::from(passed),
