@@ -30,10 +30,10 @@ MAX_CANDIDATES: Final[int]
 """Candidates that an ambiguous description lists, the best first."""
 
 class NsrmError(ValueError):
-    """What this module raises; its subclasses say what was wrong."""
+    """The base of this module's exceptions; its subclasses say what was wrong."""
 
 class Refused(NsrmError):
-    """The sentence is not obeyed: refused rather than guessed. `str()` says why, for a person."""
+    """The sentence was refused instead of guessed. `str()` explains why to a person."""
 
     kind: str
     """Why, in snake case: "unknown_word", "ambiguous", "calibration", ..."""
@@ -46,7 +46,7 @@ class ModelError(NsrmError):
     """A model file can't be used."""
 
 class SceneError(NsrmError):
-    """What is observed makes no scene."""
+    """The observed scene is invalid."""
 
 @final
 class Camera:
@@ -221,7 +221,7 @@ class Model:
     ) -> Scene:
         """A scene from an image [H, W, 3] and a detector's boxes [N, 4] and mean depths [N].
 
-        Raises SceneError for what makes no scene, NsrmError or TypeError for wrong arrays.
+        Raises SceneError for an invalid scene, NsrmError or TypeError for wrong arrays.
         """
 
     def scene_from_embeddings(
@@ -239,8 +239,8 @@ class Model:
     ) -> list[Plan | Refused]:
         """A plan or a refusal, not raised, for each sentence in the observation beside it.
 
-        Works on all processors. Raises `SceneError`, with the index of the observation, where one
-        makes no scene.
+        Works on all processors. Raises `SceneError`, with the index of the observation, if one is
+        invalid.
         """
 
     def encode_crop(self, crop: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -259,9 +259,9 @@ class Model:
 
 @final
 class Limits:
-    """How long the closed loop waits, how exact a step must be, how often it is tried again.
+    """Limits of the closed loop: timeouts, tolerances and retries.
 
-    What is left out is as `nsrm serve` has it where its configuration says nothing.
+    The defaults are those of `nsrm serve`.
     """
 
     def __init__(
@@ -278,20 +278,20 @@ class Limits:
         attempts: int | None = None,
         retries: int | None = None,
     ) -> None:
-        """Raises NsrmError for a limit that would let nothing happen, or everything."""
+        """Raises NsrmError for an invalid limit: one that would allow nothing, or everything."""
 
     @property
     def scene_age_ns(self) -> int:
-        """The oldest scene that is acted upon, nanoseconds since its image was taken."""
+        """The greatest age of a scene that is used, nanoseconds since its image was taken."""
     @property
     def scene_wait_ns(self) -> int:
-        """How long a scene that may be acted upon is waited for."""
+        """How long to wait for a usable scene."""
     @property
     def accept_wait_ns(self) -> int:
         """How long the controller may take to accept a command, or a stop."""
     @property
     def move_wait_ns(self) -> int:
-        """How long it may take to carry one out."""
+        """How long it may take to execute a command."""
     @property
     def silence_ns(self) -> int:
         """How long another node may be silent before it is considered dead."""
@@ -300,20 +300,20 @@ class Limits:
         """How far from its sub-goal an object may be observed."""
     @property
     def moved_m(self) -> float:
-        """Farther than that from where it was observed before, an object has moved."""
+        """How far apart two observations of an unmoved object may be."""
     @property
     def covered_m(self) -> float:
-        """The same for an object that another one covers in part."""
+        """The same for an object that is partly covered by another one."""
     @property
     def attempts(self) -> int:
-        """How many commands a step may take."""
+        """The greatest number of commands for one step."""
     @property
     def retries(self) -> int:
-        """How often anything is tried again, counted over the whole sentence."""
+        """The greatest number of retries in a whole sentence."""
 
 @final
 class Failure:
-    """Why a sentence was not carried out, or a step is tried again. `str()` is for a person."""
+    """Why a sentence was not executed, or a step is retried. `str()` gives text for a person."""
 
     @property
     def kind(self) -> str:
@@ -322,54 +322,54 @@ class Failure:
     def message(self) -> str: ...
     @property
     def step(self) -> int | None:
-        """Which step, from 0, where there is one."""
+        """Which step, from 0, if there is one."""
     @property
     def object_id(self) -> int | None:
         """The object that is elsewhere ("not_there") or not observed ("not_seen")."""
     @property
     def off_m(self) -> float | None:
-        """How far it is from where it should be ("not_there")."""
+        """Its distance from where it should be, metres ("not_there")."""
     @property
     def outcome(self) -> int | None:
-        """What the controller said ("unsuccessful"): a number of the messages' `Outcome`."""
+        """The reported outcome ("unsuccessful"): a number of the messages' `Outcome`."""
     @property
     def objects(self) -> tuple[int, int]:
-        """Objects in the way, as the controller said; 0 for none."""
+        """Objects in the way, as reported by the controller; 0 for none."""
     @property
     def refusal(self) -> Refused | None:
         """The refusal, not raised."""
 
 @final
 class Waiting:
-    """Nothing can be done until something arrives or time goes by."""
+    """Nothing to do until something arrives or time passes."""
 
 @final
 class Working:
-    """A piece of work was done; more is left."""
+    """Some work was done; more is left."""
 
 @final
 class Planned:
-    """The sentence was understood and, from the step that is next on, grounded."""
+    """The sentence was parsed, and its steps grounded from the next one on."""
 
     @property
     def plan(self) -> Plan: ...
     @property
     def first(self) -> int:
-        """Which step of the program the plan's steps begin with, from 0."""
+        """The step of the program at which the plan's steps start, from 0."""
 
 @final
 class Command:
-    """To be carried out by the controller."""
+    """A command for the controller."""
 
     @property
     def plan(self) -> int:
-        """Number of the plan; plans of later executives have greater ones."""
+        """Number of the plan; plans of later executives have greater numbers."""
     @property
     def command(self) -> int:
-        """Counts the plan's commands from 1; a step tried again has another."""
+        """Number of the command within its plan, from 1; a retry is a new command."""
     @property
     def until_ns(self) -> int:
-        """Until when it may be begun: then it is given up, and a `Stop` follows."""
+        """The deadline for starting it, nanoseconds; then it is abandoned, and a `Stop` follows."""
     @property
     def step(self) -> int:
         """Which step of the program, from 0."""
@@ -385,20 +385,20 @@ class Command:
     def confidence(self) -> float: ...
     @property
     def position(self) -> tuple[float, float, float]:
-        """Where the object's centre is to be, world frame, metres."""
+        """Sub-goal position of the object's centre: world frame, metres."""
     @property
     def orientation(self) -> tuple[float, float, float, float]:
-        """How it is to be turned in the world's frame: x, y, z, w."""
+        """Sub-goal orientation, world frame: x, y, z, w."""
     @property
     def location(self) -> NDArray[np.float32]:
-        """Where it will be seen: float32 [5]"""
+        """Predicted location in the image: float32 [5]"""
     @property
     def keep(self) -> list[int]:
-        """What is to stay where it is besides the reference, by what is done so far."""
+        """Objects that must stay in place, besides the reference: those of completed steps."""
 
 @final
 class Stop:
-    """To be told to the controller: this command is no longer wanted."""
+    """Send the controller a stop of this command."""
 
     @property
     def plan(self) -> int: ...
@@ -407,7 +407,7 @@ class Stop:
 
 @final
 class Clearing:
-    """Before a step's object is carried to its sub-goal, something else is."""
+    """Other objects are moved aside before a step's object is moved."""
 
     @property
     def step(self) -> int: ...
@@ -415,21 +415,21 @@ class Clearing:
     def object_id(self) -> int: ...
     @property
     def first(self) -> tuple[int, int]:
-        """What is moved aside first, or the object itself, set down on the way; 0 for none."""
+        """Objects that are moved aside, or the object itself if it is regrasped; 0 for none."""
 
 @final
 class Reached:
-    """A step did what it should."""
+    """A step succeeded."""
 
     @property
     def step(self) -> int: ...
     @property
     def off_m(self) -> float:
-        """How far from its sub-goal the object was observed; not a number with the loop open."""
+        """How far from its sub-goal the object was observed, metres; NaN in open loop."""
 
 @final
 class Again:
-    """A step will be done again."""
+    """A step will be retried."""
 
     @property
     def step(self) -> int: ...
@@ -438,41 +438,41 @@ class Again:
 
 @final
 class Ended:
-    """The sentence was carried out, or why not."""
+    """The sentence was executed, or why not."""
 
     @property
     def why(self) -> Failure | None: ...
 
 Event: TypeAlias = Waiting | Working | Planned | Command | Stop | Clearing | Reached | Again | Ended
-"""What a call of `Executive.poll` has come to; a name for type checkers alone."""
+"""The result of `Executive.poll`; a name for type checkers only."""
 
 @final
 class Executive:
-    """The closed loop: carries out one sentence at a time between scenes and a controller.
+    """The closed loop: executes one sentence at a time, with scenes and a controller.
 
-    It knows no process and no clock: it is told scenes, feedback and the time, and says what is to
-    be done. `nsrm serve` is the same with services around it.
+    It knows neither processes nor clocks: pass in scenes, feedback and the time, and `poll` returns
+    what to do. `nsrm serve` is the same with services around it.
     """
 
     def __init__(self, model: Model, limits: Limits | None = None, first_plan: int = 1) -> None:
-        """`first_plan`: number of its first plan, above those that the controller has heard of."""
+        """`first_plan`: number of its first plan, above those that the controller has received."""
 
     @property
     def plan(self) -> int | None:
-        """Number of the plan that is being carried out."""
+        """Number of the plan that is being executed."""
 
     def ask(
         self,
         sentence: str,
         mode: Literal["closed_loop", "open_loop", "plan_only"] = "closed_loop",
     ) -> int:
-        """Begins with a sentence; gives the number of its plan.
+        """Starts a sentence; returns the number of its plan.
 
-        Raises Refused for a sentence that is too long, NsrmError while another one is carried out.
+        Raises Refused for a sentence that is too long, NsrmError while another one is executed.
         """
 
     def on_scene(self, scene: Scene, taken_ns: int, now_ns: int) -> str | None:
-        """A scene has arrived; says why it won't be acted upon, if so.
+        """Takes a scene that has arrived; returns why it is rejected, if it is.
 
         `taken_ns`: when its image was taken.
         """
@@ -487,24 +487,24 @@ class Executive:
         at_ns: int | None = None,
         objects: tuple[int, int] = (0, 0),
     ) -> None:
-        """The controller says how a command goes: a number of the messages' `Outcome`.
+        """Takes the outcome of a command: a number of the messages' `Outcome`.
 
-        `at_ns`: when it was so, now if it is left out; what came of the command is looked for in
-        scenes taken later. `objects`: in the way, or moved out of it; 0 for none. What is about no
-        command that is waited for changes nothing. Raises NsrmError for an unknown outcome.
+        `at_ns`: when it occurred, by default now; the result is observed in later scenes.
+        `objects`: those in the way, or moved aside; 0 for none. Feedback about any other than the
+        current command is ignored. Raises NsrmError for an unknown outcome.
         """
 
     def cancel(self) -> None:
-        """The sentence is no longer wanted: what moves is stopped, and "cancelled" ends it."""
+        """Cancels the sentence: a running motion is stopped, and it ends with "cancelled"."""
 
     def on_controller_lost(self) -> None:
-        """The controller died, hangs, or is another one than before."""
+        """The controller died, hangs, or was replaced."""
 
     def on_command_undelivered(self) -> None:
-        """The last command could not be sent."""
+        """The last command could not be delivered."""
 
     def poll(self, now_ns: int) -> Event:
-        """Does one bounded piece of work: what it has come to."""
+        """Does one bounded unit of work; returns its result."""
 
 def crop(image: NDArray[np.uint8], box: ArrayLike) -> NDArray[np.float32]:
     """What the encoder sees of a box [4] of an image [H, W, 3]: float32 [3, 32, 32], 0 to 1."""

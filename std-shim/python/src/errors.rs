@@ -14,20 +14,20 @@ create_exception!(
     nsrm,
     NsrmError,
     PyValueError,
-    "What this module raises; its subclasses say what was wrong."
+    "The base of this module's exceptions; its subclasses say what was wrong."
 );
 create_exception!(
     nsrm,
     Refused,
     NsrmError,
-    "The sentence is not obeyed; `kind` and `details` say why, `suggestion` what to say instead."
+    "The sentence was refused; `kind` and `details` say why, `suggestion` what to say instead."
 );
 create_exception!(nsrm, ModelError, NsrmError, "A model file can't be used.");
 create_exception!(
     nsrm,
     SceneError,
     NsrmError,
-    "What is observed makes no scene."
+    "The observed scene is invalid."
 );
 
 /// A wrong argument: its name, what was expected and what was given.

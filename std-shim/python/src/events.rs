@@ -10,22 +10,22 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::plan::Plan;
 
-/// Nothing can be done until something arrives or time goes by.
+/// Nothing to do until something arrives or time passes.
 #[pyclass(frozen, module = "nsrm")]
 pub(crate) struct Waiting;
 
-/// A piece of work was done; more is left.
+/// Some work was done; more is left.
 #[pyclass(frozen, module = "nsrm")]
 pub(crate) struct Working;
 
-/// The sentence was understood and, from the step that is next on, grounded.
+/// The sentence was parsed, and its steps grounded from the next one on.
 #[pyclass(frozen, get_all, module = "nsrm")]
 pub(crate) struct Planned {
     plan: Py<Plan>,
     first: usize,
 }
 
-/// To be carried out by the controller.
+/// A command for the controller.
 #[pyclass(frozen, get_all, module = "nsrm")]
 pub(crate) struct Command {
     plan: u64,
@@ -43,7 +43,7 @@ pub(crate) struct Command {
     keep: Vec<u32>,
 }
 
-/// This command is no longer wanted.
+/// Send the controller a stop of this command.
 #[pyclass(frozen, eq, get_all, module = "nsrm")]
 #[derive(PartialEq)]
 pub(crate) struct Stop {
@@ -51,7 +51,7 @@ pub(crate) struct Stop {
     command: u32,
 }
 
-/// Before a step's object is carried to its sub-goal, something else is.
+/// Other objects are moved aside before a step's object is moved.
 #[pyclass(frozen, eq, get_all, module = "nsrm")]
 #[derive(PartialEq)]
 pub(crate) struct Clearing {
@@ -60,7 +60,7 @@ pub(crate) struct Clearing {
     first: (u32, u32),
 }
 
-/// A step did what it should.
+/// A step succeeded.
 #[pyclass(frozen, eq, get_all, module = "nsrm")]
 #[derive(PartialEq)]
 pub(crate) struct Reached {
@@ -68,20 +68,20 @@ pub(crate) struct Reached {
     off_m: f32,
 }
 
-/// A step will be tried again.
+/// A step will be retried.
 #[pyclass(frozen, get_all, module = "nsrm")]
 pub(crate) struct Again {
     step: u8,
     why: Py<Failure>,
 }
 
-/// The sentence was carried out, or why not.
+/// The sentence was executed, or why not.
 #[pyclass(frozen, get_all, module = "nsrm")]
 pub(crate) struct Ended {
     why: Option<Py<Failure>>,
 }
 
-/// Why a sentence was not carried out, or a step is tried again.
+/// Why a sentence was not executed, or a step is retried.
 #[pyclass(frozen, get_all, module = "nsrm")]
 pub(crate) struct Failure {
     kind: String,

@@ -20,7 +20,7 @@ type CoreModel<'a> = nsrm_core::Model<'a>;
 type Loop<'a> = executive::Executive<'a>;
 
 self_cell!(
-    /// A model as core reads it, with what it is read from.
+    /// A model as core reads it, with the data that it borrows.
     struct Read {
         owner: Arc<AnyModel>,
         #[covariant]
@@ -37,11 +37,11 @@ self_cell!(
     }
 );
 
-/// Carries out one sentence at a time: says what is to be done, and is told what came of it.
+/// Executes one sentence at a time: returns what to do, and takes the results.
 #[pyclass(module = "nsrm")]
 pub(crate) struct Executive {
     cell: Cell,
-    /// The one that is carried out, for messages.
+    /// The current sentence, for messages.
     sentence: String,
 }
 
@@ -60,13 +60,13 @@ impl Executive {
         }
     }
 
-    /// Number of the plan that is being carried out.
+    /// Number of the plan that is being executed.
     #[getter]
     fn plan(&self) -> Option<u64> {
         self.cell.with_dependent(|_, executive| executive.plan())
     }
 
-    /// Begins with a sentence; gives the number of its plan.
+    /// Starts a sentence; returns the number of its plan.
     #[pyo3(signature = (sentence, mode = "closed_loop"))]
     fn ask(&mut self, py: Python<'_>, sentence: String, mode: &str) -> PyResult<u64> {
         let mode = match mode {
@@ -94,7 +94,7 @@ impl Executive {
         Ok(plan)
     }
 
-    /// A scene has arrived; says why it won't be acted upon, if so.
+    /// Takes a scene that has arrived; returns why it is rejected, if it is.
     fn on_scene(&mut self, scene: &Scene, taken_ns: u64, now_ns: u64) -> Option<String> {
         let message = SceneMessage {
             timestamp_ns: taken_ns,
@@ -106,7 +106,7 @@ impl Executive {
         seen.err().map(|fault| fault.to_string())
     }
 
-    /// The controller says how a command goes.
+    /// Takes the outcome of a command.
     #[pyo3(signature = (plan, command, outcome, now_ns, *, at_ns = None, objects = (0, 0)))]
     fn on_feedback(
         &mut self,
@@ -131,25 +131,25 @@ impl Executive {
         heard.map_err(|error| NsrmError::new_err(error.to_string()))
     }
 
-    /// The sentence is no longer wanted.
+    /// Cancels the sentence.
     fn cancel(&mut self) {
         self.cell
             .with_dependent_mut(|_, executive| executive.cancel());
     }
 
-    /// The controller died, hangs, or is another one than before.
+    /// The controller died, hangs, or was replaced.
     fn on_controller_lost(&mut self) {
         self.cell
             .with_dependent_mut(|_, executive| executive.on_controller_lost());
     }
 
-    /// The last command could not be sent.
+    /// The last command could not be delivered.
     fn on_command_undelivered(&mut self) {
         self.cell
             .with_dependent_mut(|_, executive| executive.on_command_undelivered());
     }
 
-    /// Does one piece of work: what it has come to.
+    /// Does one unit of work; returns its result.
     fn poll<'py>(&mut self, py: Python<'py>, now_ns: u64) -> PyResult<Bound<'py, PyAny>> {
         let sentence = &self.sentence;
         self.cell.with_dependent_mut(|read, executive| {

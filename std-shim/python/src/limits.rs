@@ -1,11 +1,11 @@
-//! How long the closed loop waits, how exact a step must be, how often it is tried again.
+//! Limits of the closed loop: timeouts, tolerances and retries.
 
 use nsrm_ipc::executive;
 use pyo3::prelude::*;
 
 use crate::errors::argument;
 
-/// The limits of the closed loop; what is left out is as usual.
+/// The limits of the closed loop, with defaults.
 #[pyclass(frozen, eq, get_all, module = "nsrm", from_py_object)]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Limits {
