@@ -73,7 +73,7 @@ def test_what_was_pushed_is_told_where_all_tries_fail(world: ArmWorld) -> None:
     three(world)
     body = Numb(world)
     with pytest.raises(
-        ManipulationError, match=r"; I stopped; 3 was pushed by 6\.\d mm$"
+        ManipulationError, match=r"; giving up; 3 was pushed by 6\.\d mm$"
     ) as caught:
         reach_sub_goal(
             body, PickAndPlacePlanner(), known(world), "1", BESIDE, pushing(world, "reached", 3)

@@ -310,8 +310,8 @@ def test_what_had_to_be_given_up_is_not_counted_as_done(tmp_path: Path) -> None:
     rows = [row for row in DISTURBED_ROWS if row.name == "grasp_fails_closed"]
     all_ended = [
         ended(rows[0].name, 0, "succeeded", GOOD),
-        replace(ended(rows[0].name, 1, "succeeded", GOOD), why="1 was tried 3 times; I stopped"),
-        replace(ended(rows[0].name, 2, "succeeded", GOOD), why="1 was tried 3 times; I stopped"),
+        replace(ended(rows[0].name, 1, "succeeded", GOOD), why="1 was tried 3 times; giving up"),
+        replace(ended(rows[0].name, 2, "succeeded", GOOD), why="1 was tried 3 times; giving up"),
         ended(rows[0].name, 3, "failed", GOOD),
     ]
     text = report.text(report.counted(rows, all_ended))

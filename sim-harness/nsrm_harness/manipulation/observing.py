@@ -38,5 +38,5 @@ def observe_with_timeout(
             return look()
         except PerceptionError as error:
             if now_s() - begun_s > PATIENCE_S:
-                raise NoObservationError(f"{error}; I stopped") from None
+                raise NoObservationError(f"{error}; giving up") from None
         wait(body, PAUSE_S)

@@ -247,7 +247,7 @@ class _Hands:
         if turned_rad > TURNED_RAD:
             where += f", turned by {math.degrees(turned_rad):.0f}°"
         times = "once" if self.tries == 1 else f"{self.tries} times"
-        why = f"{name} was tried {times} and is {where} ({done.value}); I stopped"
+        why = f"{name} was tried {times} and is {where} ({done.value}); giving up"
         raise self._failed(name, cleared, why, done)
 
     def _clear(

@@ -128,7 +128,7 @@ class ArmMover:
             now = {self._numbers[name]: cuboid for name, cuboid in objects.items()}
             if command.reference_id in moved_objects(before, now):
                 reference = self._name(command.reference_id)
-                raise ReferenceMovedError(f"{reference} is no longer where it was; I stopped")
+                raise ReferenceMovedError(f"{reference} is no longer where it was; giving up")
 
         try:
             performed = reach_sub_goal(

@@ -226,7 +226,7 @@ class ClosedLoop:
         latest = self._observe()
         if latest.seen.taken_s < begun_s:
             age_s = self.observer.now_s - latest.seen.taken_s
-            raise PerceptionError(f"the camera's picture is {age_s:.1f} s old")
+            raise PerceptionError(f"the camera's image is {age_s:.1f} s old")
         return latest.seen.cuboids
 
     def _carry_out(self, executive: nsrm.Executive, command: nsrm.Command) -> None:
@@ -278,7 +278,7 @@ class ClosedLoop:
         if why.refusal is not None:
             return why.refusal
         if why.kind == "no_scene":
-            return NoObservationError(f"{self._blind or why}; I stopped")
+            return NoObservationError(f"{self._blind or why}; giving up")
         result = self._mover.result
         if why.kind == "unsuccessful" and why.step is not None and isinstance(result, HarnessError):
             return self._after_others(why.step, result)

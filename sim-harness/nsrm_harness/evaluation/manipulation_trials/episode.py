@@ -34,7 +34,7 @@ class EpisodeResult:
     * `end`: "succeeded", "refused" (a sub-goal was, with a reason, before it moved anything) or
       "failed"
     * `why`: the reason, or what was not as said
-    * `kind`: of a refusal: the model's, or one of `arm.refused.Why`; empty otherwise
+    * `kind`: of a refusal: the model's, or one of `RefusalReason`; empty otherwise
     * `steps`: a verdict of each attempt at one
     * `corrected_m`, `tries`: of each sub-goal that was reached: see `SubGoalReached`
     """
