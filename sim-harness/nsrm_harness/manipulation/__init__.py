@@ -1,5 +1,5 @@
-"""The arm: what it can reach, how it moves, what it would touch, and how it grasps.
+"""Manipulation with the arm: grasps, paths, trajectories, collision checks, pick and place.
 
-Nothing here knows the simulator: what is known of the world comes from pictures, and what
-is known of the arm from its joints.
+Nothing here depends on the simulator: the state of the world comes from images, and that of the arm
+from its joints.
 """

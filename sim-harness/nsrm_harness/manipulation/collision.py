@@ -1,9 +1,9 @@
-"""What the arm would touch, by FCL: its links, the hand and what it holds against each other,
-the table and what stands on it.
+"""Collision and distance checks with FCL: the arm's links, the hand and the held block against each
+other, the table and the objects on it.
 
-A configuration is free when nothing comes nearer to anything than a margin. The steps at which
-a trajectory is looked at are so small that no point moves farther than the margins in
-between, so that what lies between two free configurations touches nothing.
+A configuration is free if no checked pair is closer than a margin. Trajectories are checked at
+steps so small that no point moves farther than the margins in between, so nothing is touched
+between two free configurations.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from nsrm_harness.manipulation.trajectory import Trajectory
 
 HELD = "held"
 MARGIN_M = 0.002
-"""That is kept from everything but what is to be touched."""
+"""Minimum distance between all pairs that are not allowed to touch."""
 
 ALLOWED_COLLISIONS: frozenset[frozenset[str]] = frozenset(
     frozenset(pair)
     for pair in (
-        # Hulls of neighbours overlap in every configuration, or nearly touch.
+        # Hulls of adjacent links overlap, or nearly touch, in every configuration.
         ("panda_link0", "panda_link1"),
         ("panda_link1", "panda_link2"),
         ("panda_link2", "panda_link3"),
@@ -49,28 +49,29 @@ ALLOWED_COLLISIONS: frozenset[frozenset[str]] = frozenset(
         ("panda_hand", "panda_rightfinger"),
         ("panda_link7", "panda_leftfinger"),
         ("panda_link7", "panda_rightfinger"),
-        # They hold, or close on nothing.
+        # The fingers hold a block, or close on each other.
         ("panda_leftfinger", "panda_rightfinger"),
         ("panda_leftfinger", HELD),
         ("panda_rightfinger", HELD),
-        # The arm is screwed to it.
+        # The arm is bolted to the table.
         ("panda_link0", TABLE),
     )
 )
-"""Pairs that are not looked at, with reasons."""
+"""The allowed collision matrix: pairs that are not checked, with the reason for each."""
 
 LOOK_S = 0.0002
-"""Between two moments of a trajectory that are considered: at all joints' highest speeds no point
-moves farther in it than 2.6 mm."""
+"""Sampling interval of a trajectory: at the maximum speed of all joints, no point moves more than
+2.6 mm within it."""
 FAR_M = 0.10
-"""How far apart two are that are farther apart is not asked: it would save no more."""
+"""Distances beyond this are not computed: they would not allow more steps to be skipped."""
 REACH_M = np.array([1.2, 1.2, 0.9, 0.9, 0.6, 0.5, 0.35])
-"""Bounds of how far from each joint's axis any point behind it is, what is held included."""
+"""Upper bounds of the distance from each joint's axis to any point it moves, the held block
+included."""
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The two that are nearest to each other, and how near; 0 where they touch."""
+    """The closest pair and its distance; 0 if the two touch."""
 
     pair: frozenset[str]
     distance_m: float
@@ -79,17 +80,17 @@ class Nearest:
         one, other = sorted(self.pair)
         if self.distance_m <= 0:
             return f"{one} would touch {other}"
-        # The first that is too near on a way is so by little.
+        # The first pair that is too close on a path is so by little.
         return f"{one} would come within {math.ceil(1000 * self.distance_m)} mm of {other}"
 
 
 class CollisionChecker:
-    """Looks at configurations among solids.
+    """Checks configurations of the arm against its surroundings and itself.
 
-    * `objects`: what stands there, by name; not what is held
-    * `held`: what is held, in the hand's frame
+    * `objects`: the objects around the arm, by name, without the held one
+    * `held`: the held block, in the hand's frame
     * `ignored`: pairs of names that may touch
-    * `alive`: is called for each configuration along a trajectory, as those are many
+    * `alive`: called for each configuration along a trajectory, because there are many
     """
 
     def __init__(
@@ -108,7 +109,7 @@ class CollisionChecker:
         self._held = held
         if held is not None:
             self._links[HELD] = fcl.CollisionObject(fcl.Box(*held.edges_m), fcl.Transform())
-        # The table last.
+        # The table must be the last one.
         still = {**objects, TABLE: _TABLE}
         bodies = [*self._links.values(), *(_standing(cuboid) for cuboid in still.values())]
         names = [*self._links, *still]
@@ -119,7 +120,7 @@ class CollisionChecker:
             if i < moving and frozenset((names[i], names[j])) not in self._ignored
         ]
         self._names, self._bodies = names, bodies
-        # A ball around each: what moves is where its frame is, what stands stays.
+        # Bounding spheres: those of the links move with their frames, the others stay.
         radii = [_ball(name, held)[1] for name in self._links]
         self._middles = np.array([_ball(name, held)[0] for name in self._links])
         self._centres = np.zeros((len(names), 3))
@@ -128,15 +129,15 @@ class CollisionChecker:
         first, second = np.array(self._pairs).T
         self._first, self._second = first, second
         self._reach = np.array(radii)[first] + np.array(radii)[second]
-        # The table's ball holds everything: its upper face is what counts.
+        # Everything lies within the table's sphere, so the height above its top is used instead.
         self._of_table = second == len(names) - 1
         self._radii = np.array(radii)
-        # How many of the two of a pair move, each by as much as any point does.
+        # How many bodies of each pair move, each of them at most as far as any point of the arm.
         self._movers = np.where(second < moving, 2, 1)
         self._request = fcl.DistanceRequest(enable_signed_distance=False)
 
     def nearest(self, joints: Joints, opening_m: float) -> Nearest:
-        """What is nearest to each other in a configuration."""
+        """The closest pair in a configuration."""
         self._place(joints, opening_m)
         least = self._at_least_m()
         nearest, found = np.inf, (0, 0)
@@ -151,7 +152,7 @@ class CollisionChecker:
     def touches(
         self, joints: Joints, opening_m: float, margin_m: float = MARGIN_M
     ) -> Nearest | None:
-        """A pair that comes nearer than the margin; None if none does."""
+        """A pair that is closer than the margin, or None."""
         self._place(joints, opening_m)
         for index in np.flatnonzero(self._at_least_m() < margin_m):
             i, j = self._pairs[index]
@@ -161,17 +162,17 @@ class CollisionChecker:
         return None
 
     def _at_least_m(self) -> NDArray[np.float64]:
-        """How far the two of each pair are apart at least, by the balls around them."""
+        """A lower bound of each pair's distance, from the bounding spheres."""
         between = self._centres[self._first] - self._centres[self._second]
         least = np.linalg.norm(between, axis=1) - self._reach
         above = self._centres[self._first, 2] - self._radii[self._first]
         return np.where(self._of_table, above, least)
 
     def along(self, trajectory: Trajectory, opening_m: float) -> Nearest | None:
-        """The first touch along a trajectory; None if it is free.
+        """The first contact along a trajectory; None if it is free.
 
-        What is farther apart than the margin stays so for a while: the steps are left out in which
-        no point can have moved so far.
+        A pair that is farther apart than the margin stays so for a while: steps at which no point
+        can have moved far enough to close the gap are skipped.
         """
         way = steps(trajectory, MARGIN_M)
         index = 0
@@ -182,16 +183,16 @@ class CollisionChecker:
                 touch = self.touches(way.joints[index], opening_m)
                 if touch is not None:
                     return touch
-                # As far apart as the margin, to the last bit: free, and looked at again at the
+                # The distance equals the margin to the last bit: free, and checked again at the
                 # very next step.
-            # All that any point has moved no farther than that is free too.
+            # All steps up to which no point has moved farther than that are free too.
             free = np.searchsorted(way.moved_m, way.moved_m[index] + free_m)
             index = max(index + 1, int(free))
         return None
 
     def free_m(self, joints: Joints, opening_m: float) -> float:
-        """How far, metres, any point of the arm may move at least until a pair is as near as the
-        margin; 0 or less if one is, at most `FAR_M`."""
+        """A lower bound, metres, of how far any point of the arm can move before a pair is as close
+        as the margin; 0 or less if one already is, `FAR_M` at most."""
         self._place(joints, opening_m)
         free_m = (self._at_least_m() - MARGIN_M) / self._movers
         least_m = FAR_M
@@ -213,7 +214,7 @@ class CollisionChecker:
 
     def _distance_m(self, i: int, j: int) -> float:
         a, b = self._bodies[i], self._bodies[j]
-        # Where they overlap it says -1.
+        # FCL returns -1 for overlapping bodies.
         return max(0.0, float(fcl.distance(a, b, self._request, fcl.DistanceResult())))
 
 
@@ -222,7 +223,7 @@ class Steps:
     """Configurations along a trajectory.
 
     * `joints`: `[n, 7]`, radians
-    * `moved_m`: `[n]`, how far any point of the arm has moved until there, at most
+    * `moved_m`: `[n]`, upper bound of the distance that any point of the arm has moved up to each
     """
 
     joints: NDArray[np.float64]
@@ -230,16 +231,16 @@ class Steps:
 
 
 def steps(trajectory: Trajectory, margin_m: float) -> Steps:
-    """Configurations of a trajectory, from its beginning to its end, between which no point moves
-    farther than twice the margin: half of it from either.
+    """Configurations from the beginning to the end of a trajectory. Between two of them, no point
+    moves farther than twice the margin, so it is within one margin of either.
 
-    * `margin_m`: at least 1.3 mm, half of what may move between two looks
+    * `margin_m`: at least 1.3 mm, half of the most that a point moves in `LOOK_S`
     """
     count = math.ceil(trajectory.duration_s / LOOK_S) + 1
     joints = trajectory.at(np.linspace(0.0, trajectory.duration_s, count)).joints
     moved_m = np.abs(np.diff(joints, axis=0)) @ REACH_M
     way_m = np.concatenate([[0.0], np.cumsum(moved_m)])
-    # The first one behind each stride lies up to one look farther.
+    # The first sample after each stride lies up to one sampling interval farther.
     stride_m = 2 * margin_m - float(moved_m.max(initial=0.0))
     marks = np.arange(0.0, way_m[-1], stride_m)
     looked = np.append(np.searchsorted(way_m, marks), count - 1)
@@ -255,7 +256,7 @@ def _standing(cuboid: Cuboid) -> fcl.CollisionObject:
 
 
 def _ball(name: str, held: Cuboid | None) -> tuple[NDArray[np.float64], float]:
-    """Middle in the frame that it moves with, and radius, of a ball around a body."""
+    """A body's bounding sphere: its centre, in the frame it moves with, and its radius."""
     if name == HELD and held is not None:
         return np.array(held.pose.position), float(np.linalg.norm(held.edges_m)) / 2
     vertices = _vertices()[name]
@@ -279,7 +280,7 @@ def _hulls() -> dict[str, fcl.Convex]:
 
 @lru_cache(maxsize=1)
 def link_convex_hulls() -> dict[str, trimesh.Trimesh]:
-    """Convex hull of each link's collision mesh, in the link's frame."""
+    """The convex hull of each link's collision mesh, in the link's frame."""
     meshes = {}
     for link in ElementTree.parse(panda.URDF).getroot().iter("link"):
         shape = link.find("collision/geometry/mesh")
@@ -288,7 +289,7 @@ def link_convex_hulls() -> dict[str, trimesh.Trimesh]:
         path = panda.URDF.parent / shape.attrib["filename"].removeprefix("package://")
         mesh = trimesh.load_mesh(path).convex_hull
         if link.find("collision/origin") is not None:
-            # The right finger is the left one, turned by half about z.
+            # The right finger is the left one, rotated by half a turn about z.
             mesh.apply_transform(np.diag([-1.0, -1.0, 1.0, 1.0]))
         meshes[link.attrib["name"]] = mesh
     return meshes

@@ -1,4 +1,4 @@
-"""What is pushed while something else is carried, in whichever try."""
+"""Tracks which other objects are displaced while one is carried, across all tries."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.stability import resting_on
 
 DISPLACED_M = 0.003
-"""Another block that is seen farther from where it was has been moved."""
+"""Another block that is seen farther than this from its previous pose has been displaced."""
 COVERED_M = 0.010
-"""So far off one may be seen that bears another, which hides a part of it, as long as that one has
-stayed where it was."""
+"""Tolerance for a block that supports another: the upper one hides a part of it, so it may be seen
+this far off, provided that the upper one has stayed where it was."""
 
 Displacements = tuple[tuple[str, float], ...]
-"""The names of what else was moved, and how far at most, metres; infinitely far if it is no
-longer seen."""
+"""The names of the other objects that were moved, and the largest displacement of each, metres;
+infinite if the object is no longer seen."""
 
 
 def moved_objects(before: Mapping[int, Cuboid], now: Mapping[int, Cuboid]) -> set[int]:
-    """The numbers of the objects that are seen elsewhere than before, or not at all."""
+    """The numbers of the objects that are seen at another place than before, or are no longer
+    seen."""
     shifts_m = {
         number: now[number].pose.distance_m(cuboid.pose) if number in now else math.inf
         for number, cuboid in before.items()
@@ -35,8 +36,9 @@ def moved_objects(before: Mapping[int, Cuboid], now: Mapping[int, Cuboid]) -> se
 
 
 class DisplacementTracker:
-    """How far each object is seen from where it stood at first, or from where it was put since:
-    from look to look a block may be pushed by less than is noticed."""
+    """Tracks how far each object is seen from where it was first seen, or from where it was last
+    put. Between two observations a block may be pushed by less than is noticed, so comparing
+    consecutive ones is not enough."""
 
     def __init__(self) -> None:
         self._stood: dict[str, Pose] = {}
@@ -44,9 +46,9 @@ class DisplacementTracker:
         self._unseen: set[str] = set()
 
     def see(self, objects: Mapping[str, Cuboid], carried: str | None = None) -> None:
-        """A look at all that is believed to stand there.
+        """Records an observation of all objects that are believed to be there.
 
-        * `carried`: what was to move since the look before
+        * `carried`: the object that was to move since the previous observation
         """
         if carried is not None:
             self._stood.pop(carried, None)
@@ -56,7 +58,7 @@ class DisplacementTracker:
         self._unseen = self._stood.keys() - objects.keys()
 
     def besides(self, name: str) -> Displacements:
-        """What else has moved than this."""
+        """The displacements of all objects except this one."""
         shifts = (
             (other, math.inf if other in self._unseen else shift_m)
             for other, shift_m in self._farthest_m.items()
@@ -66,7 +68,7 @@ class DisplacementTracker:
 
 
 def in_words(shifted: Displacements) -> str:
-    """Behind other words; empty if nothing has moved."""
+    """The displacements as text to append to a message; empty if nothing has moved."""
     return "".join(
         f"; {name} was pushed by {1000 * shift_m:.1f} mm"
         if math.isfinite(shift_m)

@@ -1,4 +1,4 @@
-"""Why the arm does not begin what it was told."""
+"""Errors for a pick and place that is refused before anything moves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from nsrm_harness.common.errors import HarnessError
 
 
 class RefusalReason(Enum):
-    """What stands in the way."""
+    """Why a pick and place is refused."""
 
     UNSEEN = "unseen"
     COVERED = "covered"
@@ -21,10 +21,11 @@ class RefusalReason(Enum):
 
 
 class RefusedError(HarnessError):
-    """Nothing has moved; the message says what would be touched, or would fall.
+    """A pick and place was refused and nothing has moved; the message says what would be touched,
+    or would fall.
 
-    * `in_the_way`: the names of the objects that leave no room or would be touched, without which
-      it might be done; the nearest to being far enough away first
+    * `in_the_way`: the names of the objects that leave no room or would be touched, and without
+      which it might be possible; first the one that is closest to being far enough away
     """
 
     def __init__(self, why: RefusalReason, message: str, in_the_way: tuple[str, ...] = ()) -> None:
