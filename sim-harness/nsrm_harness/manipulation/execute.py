@@ -1,5 +1,5 @@
-"""What was planned, carried out tick by tick: the joints follow, the fingers close, and what
-they hold is felt by how far they are open."""
+"""Executes a planned pick and place tick by tick, and monitors the joints' lag and the finger
+opening, which shows whether the block is held."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ from nsrm_harness.manipulation.stopping import (
 from nsrm_harness.manipulation.trajectory import Backwards, Moments, Trajectory
 
 WIDTH_M = 0.004
-"""The fingers hold a block when they are open as far as it is wide, within that."""
+"""Tolerance between finger opening and block width for a block to count as held."""
 SLIP_M = 0.002
-"""What they hold is lost when they close by more than that."""
+"""A block counts as lost if the fingers close further by more than this."""
 CALM_S = 0.1
-"""Before the fingers open, so that nothing swings."""
+"""Pause before the fingers open, so that nothing swings."""
 LAG_RAD = 0.02
-"""Joints that follow are behind by less than that: at full speed, 2.6 rad/s, that would be 8 ms."""
+"""Maximum lag of joints that follow: at full speed, 2.6 rad/s, it corresponds to 8 ms."""
 TOUCH_RAD = 0.0025
-"""While the hand or a block is lowered, slowly, they are behind by 0.001; by more than that, it has
-met something before it was to."""
+"""Maximum lag while the hand or a block is lowered slowly. Without contact, the lag is 0.001; more
+than this means contact before it was expected."""
 ARRIVED_RAD = 0.002
-"""Where the fingers are moved next they have stopped nearer than that. Not between two motions:
-what was met may push for a while yet."""
+"""Maximum lag at the end of a motion after which the fingers move. Not checked between two motions:
+an obstacle that was met may keep pushing for a while."""
 
 
 Mark = Callable[[str], None]
-"""Is told what has just been done."""
+"""Called with the name of each event as it happens."""
 
 
 def unmarked(event: str) -> None:
-    """Tells nobody."""
+    """Ignores all events."""
 
 
 class ExecutionResult(Enum):
-    """How a carrying ended, as far as the hand can feel."""
+    """How a pick and place ended, as far as the fingers can tell."""
 
     PLACED = "placed"
     NOT_GRASPED = "not grasped"
@@ -63,13 +63,13 @@ class ExecutionResult(Enum):
 def execute(
     body: RobotInterface, carry: PickAndPlace, mark: Mark = unmarked, stop: Stop = never_stopped
 ) -> ExecutionResult:
-    """Does all that was planned, and ends in the ready pose whatever happens to the block.
+    """Executes a planned pick and place, and ends in the ready pose whatever happens to the block.
 
-    Bounded: motions by their durations, fingers as in `open_fingers`. Raises `StuckError`, of the
-    fingers `GripperError`; `StoppedError` where it was told to stop.
+    Bounded: motions by their durations, the fingers as in `open_fingers`. Raises `StuckError`, or
+    `GripperError` for the fingers, and `StoppedError` if it was told to stop.
     """
     grasp = carry.grasp
-    # First, while the arm stands: what was looked at is the arm with its fingers so.
+    # Before the arm moves: the path was checked with the fingers this far open.
     begin = carry.reach[0].begin
     body.drive(begin, np.zeros_like(begin))
     open_fingers(body, grasp.opening_m)
@@ -114,7 +114,7 @@ def execute(
 
 
 def retreat(body: RobotInterface, back: RetreatPath, stop: Stop = never_stopped) -> None:
-    """What was held is put down where it was taken, and the arm goes to where it began.
+    """Puts a held block down where it was picked up, and moves the arm back to where it started.
 
     Raises `StuckError` and `StoppedError`, as `execute`.
     """
@@ -128,7 +128,7 @@ def retreat(body: RobotInterface, back: RetreatPath, stop: Stop = never_stopped)
 def _without_it(
     body: RobotInterface, grasp: Grasp, home: tuple[Trajectory, ...], mark: Mark, stop: Stop
 ) -> ExecutionResult:
-    """The block is lost: goes home high above the others and puts nothing down."""
+    """After the block is lost: moves home high above the others and puts nothing down."""
     open_fingers(body, grasp.opening_m)
     _follow(body, home, _Halt(stop, on_from, RetreatPath()))
     mark("slipped")
@@ -138,9 +138,9 @@ def _without_it(
 def _take_back(
     body: RobotInterface, carry: PickAndPlace, mark: Mark, stop: Stop
 ) -> ExecutionResult:
-    """What was to be lowered has met something: puts it down where it was.
+    """After contact while lowering: puts the block back where it was picked up.
 
-    Raises `StuckError` if it was no block that the joints have met.
+    Raises `StuckError` if what the joints have met was not a block.
     """
     away = RetreatPath(grasp=carry.grasp, home=(carry.lift, *carry.back))
     down = replace(away, ways=(Backwards(carry.lift),))
@@ -150,7 +150,7 @@ def _take_back(
     try:
         _follow(body, down.ways, _Halt(stop, on_from, away), lag_rad=TOUCH_RAD)
     except StuckError:
-        # What it has met may hang below it, and stands now.
+        # What the block met may hang below it, and has touched down now.
         up = back_along(body.joints(), down.ways[0])
         away = replace(away, home=(*up, *carry.back))
     retreat(body, away, stop)
@@ -160,8 +160,8 @@ def _take_back(
 
 @dataclass(frozen=True)
 class _Halt:
-    """When to stop, whether the way back begins with what is left or with what is behind it, and
-    what follows then."""
+    """When to stop, whether the retreat continues along the rest of the motion or goes back along
+    what was done, and what follows then."""
 
     stop: Stop
     way_back: Callable[[Sequence[Trajectory], int, float, RetreatPath], RetreatPath]
@@ -175,10 +175,10 @@ def _follow(
     least_m: float = 0.0,
     lag_rad: float = LAG_RAD,
 ) -> bool:
-    """Along all of them; whether the fingers stayed as far open all the time.
+    """Follows all trajectories; true if the fingers never closed below `least_m`.
 
-    Raises `StuckError` if the joints are behind by more than `lag_rad`, `StoppedError` once they
-    stand still because they were to stop.
+    Raises `StuckError` if the joints lag by more than `lag_rad`, and `StoppedError` once they have
+    come to rest after a stop.
     """
     holds = True
     for index, way in enumerate(ways):
@@ -206,7 +206,8 @@ def _brake(body: RobotInterface, braking: Braking) -> None:
 
 
 def _at_ticks(body: RobotInterface, way: Trajectory | Braking) -> Moments:
-    """Of those to come; at the last one it is at rest, at or behind its end."""
+    """The trajectory's states at the ticks to come; the last tick is at or after its end, where it
+    is at rest."""
     ticks = math.ceil(way.duration_s / body.tick_s)
     return way.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
 

@@ -1,4 +1,4 @@
-"""How the hand may hold a block: from above, its fingers on two opposite faces."""
+"""Candidate grasps of a block: from above, with the fingers on two opposite faces."""
 
 from __future__ import annotations
 
@@ -12,38 +12,39 @@ from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 
 HEIGHTS_M = (0.0, 0.006, 0.010, 0.014)
-"""Of the fingertips above the block's middle: the higher ones keep the palm off a neighbour
-that is taller."""
+"""Heights of the fingertips above the block's middle: the higher ones keep the palm off a taller
+neighbour."""
 UPRIGHT = (0.0,)
 LEANS_RAD = (*UPRIGHT, 0.35, -0.35, 0.6, -0.6)
-"""Of the hand along the faces that it holds: leaning keeps its upper part off a tower."""
+"""Tilts of the hand along the faces that it holds: a tilt keeps its upper part off a tower."""
 HELD_M = 0.010
-"""So much of the fingers is on the block, at least."""
+"""Minimum overlap of the fingers with the block, in height."""
 CLEAR_M = 0.003
-"""Between each finger and the block before they close."""
+"""Clearance between each finger and the block before the fingers close."""
 NARROW_M = 0.002
-"""The same between neighbours that leave no more: as far as fingers keep off those."""
+"""The same between neighbours that leave no more room: the margin that fingers keep from those."""
 MIDDLE = (0.0,)
 ASIDE = (1 / 6, -1 / 6, 1 / 4, -1 / 4)
-"""Where on the faces that it holds the hand is, from their middle, as shares of their width: aside
-where a neighbour stands before a part of a face alone."""
+"""Offsets of the hand from the middle of the faces that it holds, as fractions of their width: for
+a neighbour that stands in front of only a part of a face."""
 HOLDS = ((MIDDLE, CLEAR_M), (ASIDE, CLEAR_M), ((*MIDDLE, *ASIDE), NARROW_M))
-"""Places on the faces, and what is kept clear: one after the other, each with all other choices."""
+"""Offsets on the faces and clearances, tried in this order, each with all other choices."""
 WIDEST_M = panda.MAX_OPENING_M - CLEAR_M
-"""A block that is held is no wider: the hand has to open somewhat farther."""
+"""Maximum width of a block that can be grasped: the hand has to open slightly wider."""
 LOWEST_M = 2 * (min(HEIGHTS_M) + HELD_M)
-"""And no lower: the fingertips are at its middle, or above."""
+"""Minimum height of a block that can be grasped: the fingertips are at its middle or above."""
 
 
 @dataclass(frozen=True)
 class Grasp:
-    """One way to hold a block.
+    """One grasp of a block.
 
-    * `hand`: its frame in the world
-    * `width_m`: between the fingers when they hold it
-    * `lean_rad`: of the hand from pointing straight down
-    * `clear_m`: between each finger and the block before they close, and after they let go
-    * `opening_m`: between the fingers then
+    * `hand`: the hand's frame in the world
+    * `width_m`: opening of the fingers when they hold the block
+    * `lean_rad`: tilt of the hand from pointing straight down
+    * `clear_m`: clearance between each finger and the block before the fingers close, and after
+      they release it
+    * `opening_m`: opening of the fingers at that clearance
     """
 
     hand: Pose
@@ -57,8 +58,8 @@ class Grasp:
 
 
 def pointing_down(x: float, y: float, z: float, yaw_rad: float, lean_rad: float = 0.0) -> Pose:
-    """The hand with its fingertips there; it closes along y, turned by the yaw, and leans about
-    that line."""
+    """The hand's pose with its fingertips at this point. It closes along y, rotated by the yaw, and
+    is tilted about that line."""
     turn = (math.cos(yaw_rad / 2), math.sin(yaw_rad / 2), 0.0, 0.0)
     if lean_rad == 0.0:
         return Pose((x, y, z + panda.FINGERTIP_M), turn)
@@ -72,15 +73,15 @@ def grasps(
     places: Sequence[float] = MIDDLE,
     clear_m: float = CLEAR_M,
 ) -> list[Grasp]:
-    """Ways to hold a block: those leans, at those places on its faces, by each pair of them and at
-    each height."""
+    """All grasps of a block with these tilts and offsets, on each pair of faces and at each
+    height."""
     x, y, z = block.pose.position
     found = []
     for lean_rad, height_m in itertools.product(leans_rad, HEIGHTS_M):
         if block.edges_m[2] / 2 - height_m < HELD_M:
             continue
         for quarter, place in itertools.product(range(4), places):
-            # Turned as the block, the hand closes along its y.
+            # With the block's yaw, the hand closes along the block's y.
             width_m = block.edges_m[quarter % 2]
             if width_m > WIDEST_M:
                 continue
@@ -98,7 +99,7 @@ def grasps(
 
 
 def why_not_held(block: Cuboid) -> str:
-    """What of a block keeps the hand from holding it in any way; empty if nothing does."""
+    """Which dimensions of a block rule out every grasp; empty if none does."""
     why = []
     narrow_m, high_m = min(block.edges_m[:2]), block.edges_m[2]
     if narrow_m > WIDEST_M:

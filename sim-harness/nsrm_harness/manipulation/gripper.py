@@ -1,5 +1,4 @@
-"""The fingers on their way: told where to go, waited for until they have been there, or have met
-something."""
+"""Opens and closes the fingers, and waits until they have arrived or have met something."""
 
 from __future__ import annotations
 
@@ -9,29 +8,29 @@ from nsrm_harness.geometry.panda import GRIP_N
 from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError, wait
 
 LOOK_S = 0.02
-"""Between two looks at how far they are open."""
+"""Interval between two readings of the opening."""
 STILL_M = 1e-5
-"""They stand when they move less than that between two looks."""
+"""The fingers count as at rest if they move by less than this between two readings."""
 BEGUN_M = 1e-4
-"""They have begun to move when they have moved by that."""
+"""The fingers count as moving once they have moved by this."""
 BEGIN_S = 0.5
-"""They begin within that after they were told, or not at all: a gripper that is told by a network,
-and reads its width by one, may need tens of milliseconds."""
+"""Maximum time from a command to the first motion: a gripper that is commanded and read over a
+network may need tens of milliseconds."""
 MOVE_S = 1.5
-"""They stand again within that: from shut to wide open takes 0.8 s."""
+"""Maximum time until the fingers are at rest again: from shut to wide open takes 0.8 s."""
 THERE_M = 0.001
-"""They are where they were told to go within that."""
+"""Tolerance of the commanded opening."""
 
 
 class GripperError(StuckError):
-    """The fingers do not move as they are told to. The arm stays where it is, and they are told to
-    stay as they are: what they do later would surprise who stands there."""
+    """The fingers do not move as commanded. The arm stays where it is, and the fingers are told to
+    stay as they are: a late motion would surprise people nearby."""
 
 
 def open_fingers(body: RobotInterface, opening_m: float) -> None:
-    """To that opening, from a wider or a narrower one.
+    """Moves the fingers to this opening, from a wider or a narrower one.
 
-    Bounded by `BEGIN_S` and `MOVE_S`. Raises `GripperError` if they don't get there.
+    Bounded by `BEGIN_S` and `MOVE_S`. Raises `GripperError` if they do not reach it.
     """
     _move(body, opening_m)
     if abs(body.opening_m() - opening_m) > THERE_M:
@@ -39,9 +38,9 @@ def open_fingers(body: RobotInterface, opening_m: float) -> None:
 
 
 def close_fingers(body: RobotInterface) -> float:
-    """Until they meet something, or each other; gives how far they are open then.
+    """Closes the fingers until they meet something, or each other; returns their opening.
 
-    Bounded as `open_fingers`. Raises `GripperError` if they don't move, or don't come to a stand.
+    Bounded as `open_fingers`. Raises `GripperError` if they do not move, or do not come to rest.
     """
     _move(body, 0.0)
     return body.opening_m()
@@ -50,7 +49,7 @@ def close_fingers(body: RobotInterface) -> float:
 def _move(body: RobotInterface, opening_m: float) -> None:
     begin_m = body.opening_m()
     body.grip(opening_m, GRIP_N)
-    # Those that are there have nowhere to go.
+    # Fingers that are already there need not move.
     if abs(begin_m - opening_m) > THERE_M and not _has_begun(body, begin_m):
         raise _stuck(body, opening_m, f"did not move within {BEGIN_S} s")
     if not _stands(body):

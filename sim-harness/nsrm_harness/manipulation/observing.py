@@ -1,4 +1,4 @@
-"""A camera that shows nothing for a while is waited for, and not for ever."""
+"""Waits for a usable image of the camera, with a timeout."""
 
 from __future__ import annotations
 
@@ -12,23 +12,24 @@ from nsrm_harness.manipulation.robot_interface import RobotInterface, wait
 from nsrm_harness.perception.relief import PerceptionError
 
 PATIENCE_S, PAUSE_S = nsrm.Limits().scene_wait_ns / 1e9, 0.1
-"""So long a camera that shows nothing new is waited for, as by the executive, and so long between
-two looks."""
+"""Timeout for a camera that shows nothing new, the same as the executive's, and the pause between
+two observations."""
 
 Seen = TypeVar("Seen")
 
 
 class NoObservationError(ManipulationError):
-    """There is no new picture in which anything can be seen."""
+    """No new image in which anything can be seen arrived before the timeout."""
 
 
 def observe_with_timeout(
     body: RobotInterface, look: Callable[[], Seen], now_s: Callable[[], float]
 ) -> Seen:
-    """What is seen on the first picture on which anything is; the arm stands meanwhile.
+    """The observation from the first image in which anything can be seen; the arm stands still
+    meanwhile.
 
-    * `look`: takes a picture, and raises `PerceptionError` where nothing can be seen on it
-    * `now_s`: the time
+    * `look`: takes an image, and raises `PerceptionError` if nothing can be seen in it
+    * `now_s`: the current time
 
     Raises `NoObservationError` if there is none for `PATIENCE_S`.
     """

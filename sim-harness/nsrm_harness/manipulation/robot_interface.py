@@ -1,4 +1,4 @@
-"""What the motions ask of an arm and its hand."""
+"""The interface that motions need from an arm and its gripper."""
 
 from __future__ import annotations
 
@@ -9,32 +9,33 @@ from nsrm_harness.manipulation.kinematics import Joints
 
 
 class StuckError(HarnessError):
-    """The joints do not follow, or the fingers (`GripperError`). The arm is told to stay where it
-    is, with its fingers as they are: what they hold would fall."""
+    """The joints do not follow, or the fingers do not (`GripperError`). The arm is told to stay
+    where it is, with its fingers as they are: otherwise, what they hold would fall."""
 
 
 class RobotInterface(Protocol):
-    """An arm with a hand, as its controller has it: a simulated or a real one."""
+    """The controller of an arm with a gripper, simulated or real."""
 
     @property
     def tick_s(self) -> float:
-        """Between two ticks."""
+        """The time between two ticks."""
         ...
 
     def drive(self, joints: Joints, speeds: Joints) -> None:
-        """What the joints follow, rad and rad/s, from the next tick on."""
+        """Commands the joints, rad and rad/s, from the next tick on."""
         ...
 
     def grip(self, opening_m: float, force_n: float) -> None:
-        """Where the fingers go with at most this force, from the next tick on."""
+        """Commands the opening of the fingers, with at most this force, from the next tick on."""
         ...
 
     def joints(self) -> Joints:
-        """Where the joints are."""
+        """The measured angles of the joints."""
         ...
 
     def opening_m(self) -> float:
-        """Between the fingers: measured anew in each `fingers.LOOK_S`, if late."""
+        """The measured opening of the fingers: updated within each `gripper.LOOK_S`, possibly with
+        latency."""
         ...
 
     def tick(self) -> None:
@@ -43,6 +44,7 @@ class RobotInterface(Protocol):
 
 
 def wait(body: RobotInterface, time_s: float) -> None:
-    """Lets so much time go by, and a tick at least: else what is waited for would seem to stand."""
+    """Waits for this time, and for at least one tick: with none, whatever is waited for would seem
+    to stand still."""
     for _ in range(max(1, round(time_s / body.tick_s))):
         body.tick()
