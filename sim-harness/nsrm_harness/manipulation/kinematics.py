@@ -1,4 +1,4 @@
-"""From joint angles to the hand's pose and back, by Pinocchio."""
+"""Forward and inverse kinematics of the arm, with Pinocchio."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
 
-# Its names are made when it is loaded, unknown to a type checker.
+# Pinocchio creates its names at import; a type checker cannot know them.
 pinocchio: Any = untyped
 
 Joints = NDArray[np.float64]
@@ -22,29 +22,30 @@ Joints = NDArray[np.float64]
 
 POSITION_M = 1e-5
 ANGLE_RAD = 1e-4
-"""How near to what was asked for a solution is."""
+"""Tolerances of a solution, in position and in angle."""
 MAX_ROUNDS = 100
-"""Of the descent from one beginning."""
+"""Maximum number of iterations from one initial guess."""
 DAMPING = 1e-3
 EASE = 0.5
-"""How much of the way to the ready pose the elbow is turned in one round."""
+"""Fraction of the remaining motion to the ready pose by which the elbow moves in one iteration."""
 AT_EASE_RAD = 1e-4
-"""The elbow is there when what is left of its way would turn no joint by more."""
+"""The elbow has converged when its remaining motion would turn no joint by more than this."""
 EASED_ROUNDS = MAX_ROUNDS // 2
-"""After them the elbow's preference gives way to the hand's pose: near a joint's limit the two pull
-against each other, and the hand would never get there."""
+"""After this many iterations, the elbow's preference is dropped in favour of the hand's pose: near
+a joint limit the two work against each other, and the hand would never arrive."""
 LIMIT_MARGIN_RAD = 1e-3
-"""Kept from the maker's limits: the motion along a line is off the joints found here by as much
-(`ways.MAX_OFF_RAD`), and must not pass the limits either."""
+"""Distance kept from the maker's limits: the motion along a line deviates from the joints found
+here by as much (`paths.MAX_OFF_RAD`), and must not exceed the limits either."""
 MAX_TURN_RAD = 0.3
-"""Of any joint in one round: far from its goal the hand does not move on a line."""
+"""Maximum rotation of any joint in one iteration: far from its goal, the hand does not move along a
+line."""
 BEGINNINGS = 8
-"""How many are tried: the joints as they are, the ready pose, and then others around it."""
+"""Number of initial guesses: the joints as they are, the ready pose, and others around it."""
 SPREAD_RAD = 0.6
-"""How far around it."""
+"""Maximum offset of those from the ready pose."""
 REMEMBERED = 1 << 14
-"""Solutions: what one plan asks for, and asks for again for each way in which the block looks the
-same, for narrower fingers, and after a stopover. 12 MB."""
+"""Size of the cache, in solutions: a plan asks for the same ones again for each rotation after
+which the block looks the same, for a smaller finger clearance, and after a regrasp. 12 MB."""
 _DAMPED = DAMPING**2 * np.eye(6)
 _IDENTITY = np.eye(panda.JOINTS)
 _LOWEST_RAD = panda.LOWEST_RAD + LIMIT_MARGIN_RAD
@@ -52,7 +53,8 @@ _HIGHEST_RAD = panda.HIGHEST_RAD - LIMIT_MARGIN_RAD
 
 
 class Kinematics:
-    """Where the hand is. One for each thread: it has memory of its own for what it computes."""
+    """The arm's kinematics. Not thread-safe, because it holds buffers for its computations: use one
+    for each thread."""
 
     def __init__(self) -> None:
         whole = pinocchio.buildModelFromUrdf(str(panda.URDF))
@@ -66,7 +68,7 @@ class Kinematics:
         self._reach = _Reach(self._model, self._hand)
 
     def hand(self, joints: Joints) -> Pose:
-        """The hand's frame in the world."""
+        """The pose of the hand's frame in the world."""
         pinocchio.forwardKinematics(self._model, self._data, joints)
         frame = pinocchio.updateFramePlacement(self._model, self._data, self._hand)
         x, y, z = (float(value) for value in frame.translation)
@@ -88,16 +90,16 @@ class Kinematics:
         }
 
     def may_reach(self, hand: Pose) -> bool:
-        """Whether the stretched arm would reach that far, were it not for the joints' limits."""
+        """Whether the stretched arm would reach this pose if the joints had no limits."""
         return self._reach.includes(hand)
 
     def joints(self, hand: Pose, near: Joints) -> Joints | None:
-        """Joint angles, within the maker's limits, that put the hand there; the first that
-        are found from beginnings of which the first is `near`. None if there are none. Not to
-        be written to: who asks the same again gets the same array.
+        """Joint angles within the maker's limits for this pose of the hand: the first solution from
+        a series of initial guesses that begins with `near`. None if there is none. The array is
+        read-only, because it is cached and shared between callers.
 
-        Cost: 0.4 ms where it can be reached, 10 to 40 ms where joints' limits keep it from there,
-        microseconds beyond the stretched arm and for what has been asked for before.
+        Cost: 0.4 ms for a reachable pose, 10 to 40 ms where joint limits rule it out, microseconds
+        beyond the stretched arm and for cached poses.
         """
         return self._remembered(hand, near.astype(np.float64).tobytes())
 
@@ -113,21 +115,21 @@ class Kinematics:
         return None
 
     def _descend(self, goal: Any, joints: Joints) -> Joints | None:
-        """Damped least squares (Levenberg-Marquardt), held within the limits. The hand's pose
-        decides; the elbow comes as near to the ready pose as it gets without moving the hand."""
+        """Damped least squares (Levenberg-Marquardt), clamped to the limits. The hand's pose has
+        priority; in its null space, the elbow comes as close to the ready pose as possible."""
         found = None
         joints = np.clip(joints, _LOWEST_RAD, _HIGHEST_RAD)
         for number in range(MAX_ROUNDS):
             pinocchio.forwardKinematics(self._model, self._data, joints)
             at = pinocchio.updateFramePlacement(self._model, self._data, self._hand)
-            # In the hand's own frame: metres, then radians.
+            # In the hand's frame: metres, then radians.
             error = pinocchio.log6(at.actInv(goal)).vector
             jacobian = pinocchio.computeFrameJacobian(
                 self._model, self._data, joints, self._hand, pinocchio.ReferenceFrame.LOCAL
             )
             damped = jacobian @ jacobian.T + _DAMPED
             inverse = jacobian.T @ np.linalg.inv(damped)
-            # What moves the elbow and not the hand.
+            # Null-space projector: moves the elbow, but not the hand.
             free = _IDENTITY - inverse @ jacobian
             ease = free @ (panda.READY_RAD - joints)
             eases = number < EASED_ROUNDS
@@ -144,19 +146,20 @@ class Kinematics:
 
 
 class _Reach:
-    """Where the hand may be without the joints' limits; elsewhere no descent has to try.
+    """Where the hand could be if the joints had no limits; elsewhere inverse kinematics need not be
+    tried.
 
-    Shoulder (joints 1 and 2) and wrist (joints 5 and 6) are no further from each other than upper
-    arm and forearm are long. The wrist lies on a circle around the hand's axis.
+    The shoulder (joints 1 and 2) and the wrist (joints 5 and 6) are at most as far apart as upper
+    arm and forearm together are long. The wrist lies on a circle around the hand's axis.
     """
 
     def __init__(self, model: Any, hand: int) -> None:
-        # Of each joint in the frame of the one before it.
+        # The position of each joint in the frame of the one before it.
         place = {
             joint: model.jointPlacements[joint].translation for joint in range(1, panda.JOINTS + 1)
         }
         self._shoulder = np.array(place[1])
-        # Joint 3 turns about the upper arm, to which its offset to joint 4 is square.
+        # Joint 3 turns about the upper arm, and its offset to joint 4 is perpendicular to that.
         upper_m = math.hypot(*place[3], *place[4])
         self._aside_m = float(np.linalg.norm(place[7]))
         self._behind_m = float(model.frames[hand].placement.translation[2])
@@ -172,7 +175,7 @@ class _Reach:
 def _beginnings(near: Joints) -> Iterator[Joints]:
     yield near
     yield panda.READY_RAD
-    # The same ones in every process.
+    # A fixed seed: the same guesses in every process.
     rng = np.random.default_rng(0)
     for _ in range(BEGINNINGS - 2):
         yield panda.READY_RAD + rng.uniform(-SPREAD_RAD, SPREAD_RAD, panda.JOINTS)

@@ -1,5 +1,5 @@
-"""Ways of the arm that touch nothing: a line of the hand, a straight move of the joints, or
-where that would touch something, moves that a sampling planner finds."""
+"""Collision-free paths of the arm: straight lines of the hand, and joint moves, which are straight
+where free and otherwise found by a sampling-based planner."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from nsrm_harness.manipulation.kinematics import Joints, Kinematics
 from nsrm_harness.manipulation.trajectory import Along, Straight, Trajectory
 
 PLACES = 15
-"""Of a line, at which the joints are solved for."""
+"""Number of waypoints of a line for which the joints are solved."""
 MAX_OFF_RAD = 1e-3
-"""Of a joint from where a place of a line has it: no smooth motion leads through places between
-which the arm folds over, or its elbow swings aside."""
+"""Maximum deviation of a joint from a waypoint of a line: no smooth motion passes through waypoints
+between which the arm folds over or its elbow swings aside."""
 RANGE_RAD = 0.6
-"""The longest move that the planner tries at once (sum over joints, as the root of squares)."""
+"""The planner's longest single move (Euclidean norm over the joints)."""
 TURN_S = 0.05
-"""So often it is looked at how far the hand has turned: no joint turns by 0.14 rad in it."""
+"""Sampling interval for the hand's rotation: no joint turns by more than 0.14 rad within it."""
 MAX_LOOKS = 4000
-"""Of the planner at its own stopping condition: it ends by counting, not by time."""
+"""How often the planner may evaluate its termination condition: it ends by a count, not by time."""
 SEED = 1
 
 ompl.setLogLevel(ompl.LogLevel.LOG_NONE)
 
 
 def line(kinematics: Kinematics, begin: Pose, end: Pose, near: Joints, pace: float) -> Along | None:
-    """The hand on a straight line, not turning; None where the arm can't follow.
+    """Moves the hand along a straight line without rotating it; None if the arm cannot follow.
 
-    * `near`: joints that the first ones are to be near to
+    * `near`: initial guess for the first waypoint's joints
     """
     found: list[Joints] = []
     for share in np.linspace(0.0, 1.0, PLACES):
@@ -53,8 +53,8 @@ def line(kinematics: Kinematics, begin: Pose, end: Pose, near: Joints, pace: flo
 
 
 def turned_rad(kinematics: Kinematics, ways: Sequence[Trajectory]) -> float:
-    """How far the hand turns about the vertical on its way: between the two moments that are the
-    farthest apart, whole turns included."""
+    """How far the hand rotates about the vertical along its path: between the two moments that are
+    the farthest apart, full turns included."""
     yaws_rad = [
         kinematics.hand(joints).yaw_rad()
         for way in ways
@@ -66,8 +66,9 @@ def turned_rad(kinematics: Kinematics, ways: Sequence[Trajectory]) -> float:
 def free(
     guard: CollisionChecker, begin: Joints, end: Joints, opening_m: float, pace: float
 ) -> list[Trajectory] | Nearest:
-    """Moves from here to there that touch nothing; what the straight one touches if none is
-    found. The same ones each time."""
+    """A collision-free path between two configurations: the straight move of the joints, or else
+    moves that a sampling-based planner finds. If there is none, what the straight move touches, or
+    what `begin` or `end` does. Deterministic."""
     straight = Straight(begin, end, pace)
     touch = guard.along(straight, opening_m)
     if touch is None:
@@ -87,9 +88,9 @@ def free(
 
 
 def _sampled(guard: CollisionChecker, begin: Joints, end: Joints, opening_m: float) -> list[Joints]:
-    """Places of a free way, by RRT-Connect (Kuffner and LaValle, 2000); empty if none was found
-    in a bounded number of steps."""
-    # Otherwise it would depend on what was planned before.
+    """The waypoints of a free path, by RRT-Connect (Kuffner and LaValle, 2000); empty if none was
+    found in a bounded number of steps."""
+    # Without this, the result would depend on what was planned before.
     ompl.RNG.setSeed(SEED)
     space = base.RealVectorStateSpace(panda.JOINTS)
     bounds = base.RealVectorBounds(panda.JOINTS)
@@ -106,7 +107,7 @@ def _sampled(guard: CollisionChecker, begin: Joints, end: Joints, opening_m: flo
     planner = geometric.RRTConnect(information)
     planner.setRange(RANGE_RAD)
     setup.setPlanner(planner)
-    # The types that ompl comes with don't know its states' values.
+    # OMPL's type stubs lack the values of its states.
     states: list[Any] = [space.allocState(), space.allocState()]
     for state, joints in zip(states, (begin, end), strict=True):
         for joint in range(panda.JOINTS):

@@ -1,5 +1,5 @@
-"""A stop on the way: the arm brakes along the path that was looked at, so that nothing is nearer
-to it than was planned, and knows the way back."""
+"""Stops a motion: the arm brakes along its checked path, so that it comes no closer to anything
+than planned, and knows its retreat path."""
 
 from __future__ import annotations
 
@@ -25,37 +25,39 @@ from nsrm_harness.manipulation.trajectory import (
 )
 
 BRAKING = [12.0 * 0.85**number for number in range(22)]
-"""Deceleration of the pace along a trajectory, 1/s: the first of them by which no joint's
-acceleration is beyond its limit is taken. The last one stops it within 3 s; of what is planned at
-0.8 of the limits half stops within 0.15 s, and all within 1 s."""
+"""Decelerations of the pace along a trajectory, 1/s: the first one that exceeds no joint's
+acceleration limit is used. The last one stops the arm within 3 s; of motions planned at 0.8 of the
+limits, half stop within 0.15 s and all within 1 s."""
 BRAKING_JERK = 200.0
-"""1/s²; at the joints' full speed a tenth of their limits."""
+"""1/s²; at the joints' full speed, a tenth of their limits."""
 PACE, ACCELERATION, JERK = 0.3, 1.0, 10.0
-"""Along a trajectory, on the way back: of its own pace, 1/s and 1/s²."""
+"""Limits of pace, acceleration and jerk along a trajectory on the way back: a fraction of its own
+pace, 1/s and 1/s²."""
 LOOKED_S = 0.004
-"""Between two moments of a braking whose accelerations are looked at."""
+"""Sampling interval at which accelerations are checked while braking."""
 BACK_PACE = 0.2
-"""Share of the maker's limits with which the arm draws back from what it has met."""
+"""Fraction of the maker's limits with which the arm backs off from an obstacle."""
 BACK_RAD = 0.01
-"""So far back, by the joint that turns most, it comes onto its path again: the hand is some
-millimetres off what it has met then, and pushes no more."""
+"""How far back the arm rejoins its path, by the joint that turns most: there, the hand is some
+millimetres off the obstacle and no longer pushes it."""
 
 Stop = Callable[[], bool]
-"""Whether the arm is to stop; is asked at each tick."""
+"""Whether the arm must stop; called at each tick."""
 
 
 def never_stopped() -> bool:
-    """It is not."""
+    """Never stops."""
     return False
 
 
 @dataclass(frozen=True, eq=False)
 class RetreatPath:
-    """From where the arm was stopped to its ready pose, with what it holds put down.
+    """The path from where the arm was stopped to its ready pose, on which it puts down what it
+    holds.
 
-    * `ways`: first these, with the fingers as they are
-    * `grasp`: then they open as far as it says; None where they hold nothing
-    * `home`: then these
+    * `ways`: the first trajectories, with the fingers as they are
+    * `grasp`: then the fingers open as far as it says; None if they hold nothing
+    * `home`: the trajectories after that
     """
 
     ways: tuple[Trajectory, ...] = ()
@@ -72,7 +74,7 @@ class StoppedError(HarnessError):
 
 
 class Braking:
-    """A trajectory that is stopped: from a moment of it on, ever slower along its path."""
+    """Stops a trajectory: from one moment on, slows down along its path until it is at rest."""
 
     def __init__(self, way: Trajectory, since_s: float) -> None:
         self._way, self._since_s = way, since_s
@@ -88,18 +90,18 @@ class Braking:
 
     @property
     def stopped_s(self) -> float:
-        """The moment of the trajectory at which it comes to rest."""
+        """The moment of the trajectory at which the arm comes to rest."""
         gone_s = float(self._timed.at_time(self.duration_s)[0][0])
         return min(self._since_s + gone_s, self._way.duration_s)
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
-        """Moments of it."""
+        """Its states at these times."""
         gone_s, pace, change = moments_of(self._timed, times_s)
         return _at_pace(self._way, self._since_s + gone_s, pace, change)
 
 
 class PathPart:
-    """A trajectory from one of its moments to another, on or back, slowly and from rest to rest."""
+    """A part of a trajectory, forwards or backwards, slowly and from rest to rest."""
 
     def __init__(self, way: Trajectory, begin_s: float, end_s: float) -> None:
         self._way, self._begin_s, self._span_s = way, begin_s, end_s - begin_s
@@ -119,7 +121,8 @@ class PathPart:
 def back_from(
     ways: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
 ) -> RetreatPath:
-    """The way back from a moment of one of some ways: the same ones backwards, and `then`."""
+    """The retreat path from a moment of one of these trajectories: back along them, and then
+    `then`."""
     before = tuple(Backwards(way) for way in ways[:index][::-1])
     return replace(then, ways=(PathPart(ways[index], moment_s, 0.0), *before, *then.ways))
 
@@ -127,7 +130,7 @@ def back_from(
 def on_from(
     ways: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
 ) -> RetreatPath:
-    """What is left of some ways from a moment of one of them, and `then`."""
+    """The rest of these trajectories from a moment of one of them, and then `then`."""
     way = ways[index]
     return replace(
         then, ways=(PathPart(way, moment_s, way.duration_s), *ways[index + 1 :], *then.ways)
@@ -135,12 +138,12 @@ def on_from(
 
 
 def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]:
-    """Away from what was met on a trajectory: onto it again a little before, and along it to its
-    beginning. No way of its own, which FCL would have to look at once more: it has looked at the
-    trajectory, and on the short piece until there the arm is nowhere farther off it than it is
-    at first, where it was pushed to.
+    """Backs off from an obstacle that was met on a trajectory: rejoins the trajectory slightly
+    before the contact, and follows it back to its beginning. This needs no new path that FCL would
+    have to check: the trajectory has been checked, and on the short piece to it the arm is never
+    farther off it than at first, where it was pushed to.
 
-    * `joints`: where the arm is, less than some hundredths of a radian beside the trajectory
+    * `joints`: where the arm is, less than a few hundredths of a radian off the trajectory
     """
     times_s = np.arange(0.0, way.duration_s, LOOKED_S)
     path = way.at(times_s).joints
@@ -156,13 +159,14 @@ def _at_pace(
     pace: NDArray[np.float64],
     change: NDArray[np.float64],
 ) -> Moments:
-    """A trajectory at moments of it that go by at a pace `[n, 1]` that changes, 1/s."""
+    """The states of a trajectory at moments of it that pass at a pace `[n, 1]`, which changes,
+    1/s."""
     own = way.at(moments_s[:, 0])
     return Moments(own.joints, own.speeds * pace, own.accelerations * pace**2 + own.speeds * change)
 
 
 def _slowed(deceleration: float) -> Timed:
-    """Of a pace of 1 down to 0."""
+    """A pace that slows from 1 to 0."""
     wanted = InputParameter(1)
     wanted.control_interface = ControlInterface.Velocity
     wanted.current_velocity, wanted.target_velocity = [1.0], [0.0]

@@ -1,5 +1,5 @@
-"""When the joints are where, within the maker's limits of speed, acceleration and jerk: timed
-by Ruckig."""
+"""Time-parameterises paths within the maker's limits of speed, acceleration and jerk, with
+Ruckig."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ from nsrm_harness.geometry import panda
 from nsrm_harness.manipulation.kinematics import Joints
 
 SHARE = 0.95
-"""Of the limits that is used: what follows a trajectory is sometimes ahead of it."""
+"""Fraction of the limits that is used: a controller that follows a trajectory is sometimes ahead of
+it."""
 DEGREE = 7
-"""Of the polynomial through the joints along a line."""
+"""Degree of the polynomial through the joints along a line."""
 CHECKED = 200
-"""At so many places the speeds along a line are looked at."""
+"""Number of points at which the speeds along a line are checked."""
 
 
 @dataclass(frozen=True, eq=False)
 class Moments:
-    """Of a trajectory: angles, speeds and accelerations at each of n times, `[n, 7]` each, rad,
-    rad/s, rad/s²."""
+    """States of a trajectory: angles, speeds and accelerations at each of n times, `[n, 7]` each,
+    rad, rad/s, rad/s²."""
 
     joints: NDArray[np.float64]
     speeds: NDArray[np.float64]
@@ -36,36 +37,37 @@ class Moments:
 
 
 class Trajectory(Protocol):
-    """Joints against time; begins and ends at rest."""
+    """Joints over time, from rest to rest."""
 
     @property
     def duration_s(self) -> float:
-        """How long it takes."""
+        """Its duration."""
         ...
 
     @property
     def begin(self) -> Joints:
-        """Where it begins."""
+        """The joints at its beginning."""
         ...
 
     @property
     def end(self) -> Joints:
-        """Where it ends."""
+        """The joints at its end."""
         ...
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
-        """Moments of it; before and behind it, its ends."""
+        """Its states at these times; outside it, those at its ends."""
         ...
 
 
 class Straight:
-    """All joints at once, each from where it is to where it is to be, as fast as the slowest."""
+    """Moves all joints at once along a straight line in joint space, as fast as the slowest one
+    allows."""
 
     def __init__(self, begin: Joints, end: Joints, pace: float = 1.0) -> None:
-        """`pace`: share of the limits' speeds, accelerations and jerks."""
+        """`pace`: fraction of the limits of speed, acceleration and jerk"""
         self.begin, self.end = begin, end
         self._turn = end - begin
-        # The share of the way is timed: each joint with a profile of its own would leave the line.
+        # Only the position along the line is timed: joints with separate profiles would leave it.
         speed, acceleration, jerk = (_least(limits, np.abs(self._turn)) for limits in _limits(pace))
         self._timed = rest_to_rest(speed, acceleration, jerk)
 
@@ -96,10 +98,10 @@ class Backwards:
 
 
 class Along:
-    """Through joints that lie densely along a path, such as those of a straight line of the
-    hand: through the first and the last one, and near to those between.
+    """A smooth motion through joints that lie densely along a path, such as those for a straight
+    line of the hand: it passes through the first and the last of them, and close to the others.
 
-    * `off_rad`: how near: the most that a joint is off one of them
+    * `off_rad`: the largest deviation of a joint from any of them
     """
 
     def __init__(self, joints: Sequence[Joints], pace: float = 1.0) -> None:
@@ -107,11 +109,13 @@ class Along:
         self._joints, self._pace = joints, pace
         places = np.linspace(-1.0, 1.0, len(joints))
         path = chebyshev.chebfit(places, np.array(joints), min(DEGREE, len(joints) - 1))
-        # What comes before it ends there, and what follows begins there: no joint may leap.
+        # The preceding motion ends at the first of them, and the next one begins at the last: no
+        # joint may jump.
         off = np.array(joints) - chebyshev.chebval(places, path).T
         path[:2] += (off[-1] + off[0]) / 2, (off[-1] - off[0]) / 2
         self.off_rad = float(np.abs(np.array(joints) - chebyshev.chebval(places, path).T).max())
-        # By the share of the way, from 0 to 1, which is half of Chebyshev's range.
+        # Derivatives by the position along the path, from 0 to 1, which is half of Chebyshev's
+        # range.
         self._turns = [path] + [chebyshev.chebder(path, order, scl=2) for order in (1, 2, 3)]
         self._timed = self._slowest(pace)
 
@@ -125,21 +129,22 @@ class Along:
         return Moments(joints, first * speed, second * speed**2 + first * acceleration)
 
     def reversed(self) -> Along:
-        """The same way back."""
+        """The same path in reverse."""
         return Along(self._joints[::-1], self._pace)
 
     def _at_places(self, places: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-        """Joints and their derivatives `[n, 7]` at shares of the way."""
+        """The joints and their derivatives `[n, 7]` at these positions along the path."""
         values = (chebyshev.chebval(2 * places - 1, turn) for turn in self._turns)
         return [np.asarray(value, np.float64).T for value in values]
 
     def _slowest(self, pace: float) -> Timed:
-        """Time along the path, so slow that no joint is beyond its limits anywhere."""
+        """Timing along the path, so slow that no joint exceeds its limits anywhere."""
         _, first, second, third = (
             np.abs(turn).max(axis=0) for turn in self._at_places(np.linspace(0.0, 1.0, CHECKED))
         )
         speeds, accelerations, jerks = _limits(pace)
-        # Of each derivative's terms at their worst together, each gets an equal share.
+        # Assumes that all terms of a derivative are largest at once; each gets an equal share of
+        # the limit.
         speed = _least(speeds, first)
         speed = min(speed, math.sqrt(_least(accelerations / 2, second)))
         speed = min(speed, math.cbrt(_least(jerks / 3, third)))
@@ -150,16 +155,16 @@ class Along:
 
 
 def _least(limits: NDArray[np.float64], factors: NDArray[np.float64]) -> float:
-    """The largest number that, times each factor, is within its limit."""
+    """The largest number whose product with each factor is within that factor's limit."""
     return float((limits / np.maximum(factors, 1e-9)).min())
 
 
 def moments_of(timed: Timed, times_s: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Position, speed and acceleration of one axis, `[n, 1]` each, at each of n times; before and
-    behind it, its ends.
+    """Position, speed and acceleration of one axis, `[n, 1]` each, at each of n times; outside it,
+    those at its ends.
 
-    All at once, from its parts of constant jerk: to ask Ruckig time by time took 40 % of the
-    planning.
+    Computed at once, from its segments of constant jerk: calling Ruckig for each time took 40 % of
+    the planning.
     """
     ((profile,),) = timed.profiles
     ends_s = np.cumsum(profile.t)
@@ -177,7 +182,7 @@ def moments_of(timed: Timed, times_s: NDArray[np.float64]) -> list[NDArray[np.fl
 
 
 def _limits(pace: float) -> tuple[Joints, Joints, Joints]:
-    """Speeds, accelerations and jerks that are used."""
+    """The limits of speed, acceleration and jerk that are used."""
     share = pace * SHARE
     return (
         share * panda.MAX_SPEED_RAD_S,
@@ -187,7 +192,8 @@ def _limits(pace: float) -> tuple[Joints, Joints, Joints]:
 
 
 def rest_to_rest(speed: float, acceleration: float, jerk: float) -> Timed:
-    """The share of a way, from 0 to 1, within limits of its derivatives, from rest to rest."""
+    """Timing of the position along a path, from 0 to 1, within limits of its derivatives, from rest
+    to rest."""
     wanted = InputParameter(1)
     wanted.current_position, wanted.target_position = [0.0], [1.0]
     wanted.max_velocity, wanted.max_acceleration = [speed], [acceleration]
