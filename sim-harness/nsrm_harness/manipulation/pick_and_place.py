@@ -1,5 +1,5 @@
-"""A block from where it is seen to its sub-goal: all the arm's motions, planned and looked at
-before the first of them begins."""
+"""Plans the pick and place of a block, from where it is seen to its sub-goal: all motions are
+planned and checked before the first one starts."""
 
 from __future__ import annotations
 
@@ -22,28 +22,29 @@ from nsrm_harness.manipulation.stability import Placement, placement, resting_on
 from nsrm_harness.manipulation.trajectory import Along, Straight, Trajectory
 
 PACE = 0.8
-"""Share of the maker's limits of speed, acceleration and jerk."""
+"""Fraction of the maker's limits of speed, acceleration and jerk."""
 RISE_M = 0.08
-"""Of the hand above where it grasps and lets go, straight up."""
+"""Height of the vertical approach and retreat, above the hand's poses at grasp and release."""
 DROP_M = 0.0005
-"""Above what it is put on, a block is let go."""
+"""Height above its support at which a block is released."""
 SQUARE_M = 0.002
-"""A block is square if its edges differ by no more."""
+"""A block counts as square if its edges differ by no more than this."""
 MAX_TURN_RAD = math.radians(120.0)
-"""Of a held block on its way. No sub-goal needs more than 90°, and ways around something somewhat
-more; some joints that reach it take the long way round, 270° (docs/decisions/arm.md)."""
+"""Maximum rotation of a held block on its path. No sub-goal needs more than 90°, and paths around
+an obstacle need somewhat more; some joint solutions take the long way round, 270°
+(docs/decisions/arm.md)."""
 
 
 @dataclass(frozen=True, eq=False)
 class PickAndPlace:
-    """What the arm does, in this order.
+    """A planned pick and place, in the order in which it is executed.
 
     * the fingers open as far as the grasp says; `reach`: to above the block
     * `descend`; then the fingers close; `lift`
-    * `transfer`: to above where it is put
-    * `lower`; then they open; `retreat`
+    * `transfer`: to above the block's new place
+    * `lower`; then the fingers open; `retreat`
     * `home`: to the ready pose, out of the camera's view
-    * `back`: there from above the block, where it could not be held
+    * `back`: to the ready pose from above the block, if the grasp failed
     """
 
     grasp: Grasp
@@ -59,17 +60,18 @@ class PickAndPlace:
 
     @property
     def duration_s(self) -> float:
-        """Of its motions; the fingers need some time besides."""
+        """The duration of all motions; the fingers need additional time."""
         parts = (*self.reach, self.descend, self.lift, *self.transfer, self.lower, self.retreat)
         return sum(part.duration_s for part in (*parts, *self.home))
 
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is the same for all ways to hold a block.
+    """What all grasps of a block have in common.
 
-    * `put`: where it is put, turned in one of the ways in which it looks the same
-    * `before`, `after`: the look at an empty hand, the block where it stands and where it is put
+    * `put`: the block's target placement, in one of the rotations after which it looks the same
+    * `before`, `after`: collision checkers for the empty hand, with the block where it stands and
+      where it is put
     """
 
     name: str
@@ -81,13 +83,13 @@ class _Task:
     after: CollisionChecker
 
     def held_by(self, grasp: Grasp) -> tuple[Cuboid, Pose]:
-        """The block in the hand's frame, and where the hand lets it go."""
+        """The block in the hand's frame, and the hand's pose at release."""
         in_hand = Cuboid(grasp.hand.inverse() @ self.block.pose, self.block.edges_m)
         return in_hand, _above(self.put.cuboid.pose @ in_hand.pose.inverse(), DROP_M)
 
 
 class _OutOfReach(Enum):
-    """Where the arm can't lift the hand straight up with a hold."""
+    """At which end the arm cannot lift the hand straight up with a grasp."""
 
     BLOCK = "block"
     GOAL = "sub-goal"
@@ -95,9 +97,9 @@ class _OutOfReach(Enum):
 
 @dataclass(frozen=True)
 class _TurnsTooFar:
-    """All motions until the block is let go are free, but it would be turned too far on its way.
+    """All motions up to the release are free, but they would rotate the block too far.
 
-    * `around`: what it would touch on the straight way, if anything
+    * `around`: what it would touch on the straight path, if anything
     """
 
     turn_rad: float
@@ -112,7 +114,7 @@ class _TurnsTooFar:
 
 
 class _Failed(NamedTuple):
-    """A way to hold a block that does not do, and why."""
+    """A grasp that does not work, and why."""
 
     grasp: Grasp
     task: _Task
@@ -120,14 +122,14 @@ class _Failed(NamedTuple):
 
 
 class PickAndPlacePlanner:
-    """Plans how things are carried. One for each thread.
+    """Plans pick and place. Not thread-safe: use one for each thread.
 
-    * `alive`: is called every few milliseconds while it plans, which may take seconds
+    * `alive`: called every few milliseconds during planning, which may take seconds
     """
 
     def __init__(self, pace: float = PACE, alive: Callable[[], None] = lambda: None) -> None:
         self._kinematics, self._pace, self._alive = Kinematics(), pace, alive
-        # The arm's hulls are loaded now, not when something waits.
+        # Loads the arm's hulls now rather than during the first plan.
         self._guard({})
 
     def carry(
@@ -139,13 +141,13 @@ class PickAndPlacePlanner:
         *,
         leaning: bool = True,
     ) -> PickAndPlace:
-        """How a block is carried to its sub-goal.
+        """Plans the pick and place of a block to its sub-goal.
 
-        * `objects`: all that is seen, by name
-        * `goal`: of the block's centre, upright
-        * `begin`: the joints as they are
-        * `leaning`: whether hands that lean are tried, too, which takes five times as long where
-          nothing is found
+        * `objects`: all objects that are seen, by name
+        * `goal`: pose of the block's centre, upright
+        * `begin`: the current joints
+        * `leaning`: whether tilted hands are tried too, which takes five times as long if nothing
+          is found
 
         Raises `RefusedError`.
         """
@@ -192,11 +194,11 @@ class PickAndPlacePlanner:
         raise self._refusal(name, others, failed)
 
     def _by(self, grasp: Grasp, task: _Task) -> PickAndPlace | Nearest | _TurnsTooFar | _OutOfReach:
-        """All motions by one grasp, or what is against it."""
+        """Plans all motions with one grasp; returns the reason if that is impossible."""
         self._alive()
         opening, put = grasp.opening_m, task.put
         in_hand, let_go = task.held_by(grasp)
-        # Most ways fail where fingers are about to close, or have just opened.
+        # Most grasps fail where the fingers are about to close, or have just opened.
         touch = self._touch(task.before, grasp.hand, task.begin, opening)
         if touch is not None:
             return touch
@@ -256,15 +258,16 @@ class PickAndPlacePlanner:
     def _refusal(
         self, name: str, others: Mapping[str, Cuboid], failed: Sequence[_Failed]
     ) -> RefusedError:
-        """Why no way to hold a block will do, by the one that comes farthest: what only turns too
-        far touches nothing, and what touches something is within reach."""
+        """Why no grasp of a block works, by the one that comes closest to working: one that only
+        rotates the block too far touches nothing, and one that touches something is within
+        reach."""
         turns = [each.why for each in failed if isinstance(each.why, _TurnsTooFar)]
         turns.sort(key=lambda turn: turn.turn_rad)
         touches = [each.why for each in failed if isinstance(each.why, Nearest)]
         touches.sort(key=lambda touch: touch.distance_m, reverse=True)
         if turns or touches:
             around = [turn.around for turn in turns if turn.around is not None]
-            # Each once, in the order in which they come.
+            # Without duplicates, in the order in which they occur.
             touched = dict.fromkeys(
                 key for touch in (*around, *touches) for key in sorted(touch.pair)
             )
@@ -290,13 +293,14 @@ class PickAndPlacePlanner:
         )
 
     def _up_from(self, hand: Pose, near: Joints) -> Along | None:
-        """The line of the hand straight up from there; None if the arm can't follow it."""
+        """The vertical line of the hand upwards from this pose; None if the arm cannot follow
+        it."""
         return line(self._kinematics, hand, _above(hand, RISE_M), near, self._pace)
 
     def _touch(
         self, guard: CollisionChecker, hand: Pose, near: Joints, opening_m: float
     ) -> Nearest | None:
-        """What is touched with the hand there; None also where it does not reach."""
+        """What is touched with the hand at this pose; None also if the pose is out of reach."""
         joints = self._kinematics.joints(hand, near)
         return None if joints is None else guard.touches(joints, opening_m)
 
@@ -310,7 +314,7 @@ class PickAndPlacePlanner:
 
 
 def _fingers_and(name: str) -> list[tuple[str, str]]:
-    """What may touch when a block is taken or let go."""
+    """The pairs that may touch while a block is grasped or released."""
     return [(finger, name) for finger in panda.FINGERS]
 
 
@@ -320,9 +324,9 @@ def _above(hand: Pose, rise_m: float) -> Pose:
 
 
 def _looking_the_same(put: Cuboid, block: Cuboid) -> list[Cuboid]:
-    """The block where it is put, turned so that it looks the same there: as little turned from
-    how it stands as possible, and by a quarter more or less if it is square. Contacts that turn
-    with the hand hold the better the less they do."""
+    """The block at its target, in rotations after which it looks the same: rotated as little from
+    how it stands as possible, and a quarter turn more or less if it is square. Contacts that rotate
+    with the hand hold better the less they rotate."""
     turn = put.pose.yaw_rad() - block.pose.yaw_rad()
     turn = (turn + math.pi / 2) % math.pi - math.pi / 2
     turns = [turn]
@@ -336,11 +340,11 @@ def _looking_the_same(put: Cuboid, block: Cuboid) -> list[Cuboid]:
 
 
 def _least_turns_first(found: Sequence[Grasp]) -> list[Grasp]:
-    """Upright ones first, of them low ones, of those such that turn the hand least from how it is
-    when ready."""
+    """Sorts grasps: upright ones first, then low ones, then those that rotate the hand least from
+    its ready pose."""
 
     def order(grasp: Grasp) -> tuple[float, float, float]:
-        # Where the fingers close along.
+        # The direction in which the fingers close.
         x, y, _ = grasp.hand.rotation()[:, 1]
         turn_rad = math.atan2(x, -y)
         return abs(grasp.lean_rad), grasp.hand.position[2], round(abs(turn_rad), 6)

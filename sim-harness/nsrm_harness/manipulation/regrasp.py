@@ -1,5 +1,5 @@
-"""Where a block is set down on the way that can be held in one way only where it stands, and in
-another only where it goes. All of it is planned before anything moves."""
+"""Plans a regrasp: where a block is set down on the way if no single grasp works both where it
+stands and at its goal. All of it is planned before anything moves."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def plan_regrasp(
     begin: Joints,
     refusal: RefusedError,
 ) -> tuple[Relocation, ...]:
-    """Where a block is set down, so that it can be taken up again by other faces, or leaning
-    otherwise, and carried to its sub-goal; empty if that does not help. The place that is the
-    farthest from all else is tried alone: what fails there will hardly do elsewhere.
+    """Where a block is set down, so that it can be picked up again by other faces or with another
+    tilt, and carried to its sub-goal; empty if that does not help. Only the place that is farthest
+    from all other objects is tried: what fails there hardly ever works elsewhere.
 
     * `objects`, `begin`: see `PickAndPlacePlanner.carry`
-    * `refusal`: why it can't be carried at once
+    * `refusal`: why the block cannot be carried directly
     """
     if refusal.why is not RefusalReason.NO_WAY:
         return ()
@@ -49,6 +49,6 @@ def plan_regrasp(
 
 
 def _room_m(place: Pose, block: Cuboid, others: Collection[Cuboid]) -> float:
-    """Between a block there and what is the nearest to it."""
+    """The distance between a block at this place and the object nearest to it."""
     put = Cuboid(place, block.edges_m)
     return min((gap_m(put, other) for other in others), default=0.0)

@@ -1,5 +1,5 @@
-"""What is moved aside first where only blocks that stand too near are in a sub-goal's way: which
-ones, and where to. All of it is planned before anything moves."""
+"""Plans relocations: which blocks are moved aside, and where to, if only blocks that are too close
+prevent a sub-goal. All of it is planned before anything moves."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.stability import gap_m, resting_on, supporting
 
 MAX_BLOCKERS = 2
-"""Moved aside for one sub-goal."""
+"""Maximum number of blocks that are moved aside for one sub-goal."""
 MAX_PLACES = 6
-"""Of those with room, for which a blocker's motions are planned."""
+"""Maximum number of free places for which a blocker's motions are planned."""
 MAX_PLANS = 20
-"""Of a block's motions in one search: it ends by counting, not by time."""
+"""Maximum number of pick and place plans in one search: it ends by a count, not by time."""
 LOWEST_M, HIGHEST_M = (0.36, -0.24), (0.64, 0.24)
-"""Where a blocker's centre may come to, x and y: there the arm reaches it from above at any yaw
-and the camera sees it whole. The blocks stand there at the start."""
+"""Bounds of a blocker's new centre, x and y: there the arm reaches it from above at any yaw, and
+the camera sees it whole. The blocks start there."""
 STEP_M = 0.01
-"""Between two places that are considered."""
+"""Spacing of the candidate places."""
 FINGER_ROOM_M = 0.034
-"""Around a blocker in its new place: a finger is 26 mm thick, comes 3 mm beside the block and
-keeps 2 mm from the next one; the rest is for what is seen a little off."""
+"""Minimum room around a blocker in its new place: a finger is 26 mm thick, passes 3 mm from the
+block and keeps 2 mm from the next one; the rest is for perception errors."""
 
 Relocation = tuple[str, Pose]
-"""The name of what is carried first, and where its centre is put."""
+"""The name of the object that is carried first, and the pose at which its centre is put."""
 
 
 def plan_relocations(
@@ -43,16 +43,17 @@ def plan_relocations(
     refusal: RefusedError,
     keep: Collection[str] = (),
 ) -> tuple[Relocation, ...]:
-    """What is moved aside, in this order, so that a block can be carried to its sub-goal; empty if
-    nothing is found. As few blockers as possible, each to one of the nearest places. The same
-    ones each time.
+    """Which blocks are moved aside, in this order, so that a block can be carried to its sub-goal;
+    empty if nothing is found. As few blockers as possible, each to one of the nearest places.
+    Deterministic.
 
-    * `objects`: all that is seen, by name
-    * `begin`: the joints as they are
-    * `refusal`: why it can't be carried as things stand
-    * `keep`: the names of what must stay where it is, besides what the block is put on
+    * `objects`: all objects that are seen, by name
+    * `begin`: the current joints
+    * `refusal`: why the block cannot be carried as things stand
+    * `keep`: names of the objects that must stay where they are, besides those that the block is
+      put on
 
-    What carries something stays too. Bounded: at most `MAX_PLANS` times a block's motions.
+    An object that supports something stays too. Bounded: at most `MAX_PLANS` pick and place plans.
     """
     if refusal.why not in (RefusalReason.NO_ROOM, RefusalReason.NO_WAY):
         return ()
@@ -80,7 +81,7 @@ class _Search:
         self._plans = 0
 
     def asides(self, refusal: RefusedError) -> tuple[Relocation, ...]:
-        """First by one blocker, then by more."""
+        """The relocations: with one blocker first, then with more."""
         refusals: dict[tuple[str, ...], RefusedError] = {(): refusal}
         for _ in range(MAX_BLOCKERS):
             further: dict[tuple[str, ...], RefusedError] = {}
@@ -98,7 +99,7 @@ class _Search:
         return ()
 
     def _places(self, blockers: tuple[str, ...]) -> tuple[Relocation, ...]:
-        """Where each blocker in turn is put; empty if one of them has no place."""
+        """The new place of each blocker in turn; empty if one of them has none."""
         objects, begin = self._objects, self._begin
         found: list[Relocation] = []
         for number, blocker in enumerate(blockers, start=1):
@@ -113,8 +114,8 @@ class _Search:
     def _place(
         self, objects: Mapping[str, Cuboid], blocker: str, later: tuple[str, ...], begin: Joints
     ) -> Pose | None:
-        """The nearest one to which the blocker can be carried, and where it is out of the way of
-        the block, as soon as the later blockers are too."""
+        """The nearest place to which the blocker can be carried, and at which it no longer prevents
+        the block's sub-goal once the later blockers are moved too."""
         block = objects[blocker]
         others = [*_without(objects, blocker).values(), self._there]
         for place in islice(with_room(block, others), MAX_PLACES):
@@ -131,14 +132,15 @@ class _Search:
         return self._refusals[gone]
 
     def _refusal(self, objects: Mapping[str, Cuboid]) -> RefusedError | None:
-        """Why the block can't be carried to its sub-goal among these, the arm being ready."""
+        """Why the block cannot be carried to its sub-goal among these objects, from the ready
+        pose."""
         return self._plan(objects, self._name, self._goal, panda.READY_RAD)
 
     def _plan(
         self, objects: Mapping[str, Cuboid], name: str, goal: Pose, begin: Joints
     ) -> RefusedError | None:
         if self._plans == MAX_PLANS:
-            # With nothing in the way, so that nothing further is tried.
+            # Names nothing in the way, so the search ends.
             return RefusedError(RefusalReason.NO_WAY, "enough was planned")
         self._plans += 1
         try:
@@ -149,7 +151,7 @@ class _Search:
 
 
 def with_room(block: Cuboid, others: Collection[Cuboid]) -> Iterator[Pose]:
-    """Places of a block on the table with room for the fingers all around it, turned as it is; the
+    """Places of a block on the table with room for the fingers all around it, at its current yaw,
     nearest first."""
     x, y, _ = block.pose.position
     places = sorted(_grid(), key=lambda place: (math.dist(place, (x, y)), place))

@@ -1,6 +1,6 @@
-"""One sub-goal, whatever goes wrong on the way: carried out, looked at, and tried again a
-bounded number of times. What only stands too near is moved aside first, and a block that must be
-held otherwise is set down on the way."""
+"""Reaches one sub-goal despite failures: executes a pick and place, observes, and retries a bounded
+number of times. Blocks that are too close are moved aside first, and a block that needs another
+grasp is set down on the way."""
 
 from __future__ import annotations
 
@@ -24,38 +24,39 @@ from nsrm_harness.perception.cuboids import EDGE_M
 
 MAX_TRIES = 3
 PLACED_M = 0.005
-"""So far from where it was to be put a block may be seen afterwards."""
+"""Maximum distance between where a block was to be put and where it is seen afterwards."""
 TURNED_RAD = math.radians(8.0)
-"""And so much turned, where it is seen whole: 5° are as said, and a picture of a block that is
-partly covered and yet seems whole may be off by 3°. In 152 steps none was seen beyond 2.3°."""
+"""Maximum rotation of a block that is seen whole: 5° count as successful, and an image of a block
+that is partly covered but seems whole may be off by 3°. In 152 steps none was seen beyond 2.3°."""
 
 Look = Callable[[], Mapping[str, Cuboid]]
-"""Takes a picture; gives all that is believed to stand there, by name."""
+"""Takes an image; returns all objects that are believed to be there, by name."""
 Tell = Callable[[Sequence[str]], object]
-"""Is told the names of what is carried first, before it is: see `SubGoalReached.cleared`."""
+"""Called with the names of the objects that are carried first, before they are: see
+`SubGoalReached.cleared`."""
 
 
 def untold(names: Sequence[str]) -> None:
-    """Tells nobody."""
+    """Ignores the names."""
 
 
 Ready = Callable[[Mapping[str, Cuboid]], None]
-"""Is told what is seen right before the block itself is carried, and may raise
+"""Called with what is seen right before the block itself is carried; may raise
 `ManipulationError`."""
 
 
 def always_ready(objects: Mapping[str, Cuboid]) -> None:
-    """Has nothing against it."""
+    """Raises nothing."""
 
 
 class ManipulationError(HarnessError):
-    """Something has moved, but not as it was to; the arm is at rest in its ready pose.
+    """Something has moved, but not as intended; the arm is at rest in its ready pose.
 
     * `what`: what went wrong
-    * `done`: how the last carrying ended; None if nothing more can be done as it looks now
-    * `why`: why it can't, then
-    * `after`: how the carrying before that ended, if there was one
-    * `shifted`: what else has moved, in all tries
+    * `done`: how the last pick and place ended; None if no further one is possible as things stand
+    * `why`: why it is impossible, in that case
+    * `after`: how the pick and place before that ended, if there was one
+    * `shifted`: displacements of other objects, over all tries
     """
 
     def __init__(
@@ -75,12 +76,12 @@ class ManipulationError(HarnessError):
 class SubGoalReached:
     """How a sub-goal was reached, by what is seen afterwards.
 
-    * `corrected_m`: between the model's sub-goal and where the block was meant to go
-    * `miss_m`: between that and where it is
-    * `shifted`: what else has moved, in all tries
-    * `motion_s`: of the arm, in all tries
-    * `cleared`: what was moved aside before a try, or the block itself, and where it was put;
-      `tries` is without it
+    * `corrected_m`: distance between the model's sub-goal and where the block was meant to go
+    * `miss_m`: distance between that and where it is
+    * `shifted`: displacements of other objects, over all tries
+    * `motion_s`: duration of the arm's motions, over all tries
+    * `cleared`: what was moved aside before a try, or the block itself if it was set down on the
+      way, and where it was put; `tries` does not count these
     """
 
     name: str
@@ -93,7 +94,8 @@ class SubGoalReached:
 
     @property
     def aside(self) -> list[Pose]:
-        """Where other blocks were put before; not where this one was set down on the way."""
+        """Where other blocks were put beforehand, without the place where this one was set down on
+        the way."""
         return [place for other, place in dict(self.cleared).items() if other != self.name]
 
     def __str__(self) -> str:
@@ -109,7 +111,7 @@ class SubGoalReached:
         return text + in_words(self.shifted)
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs; None for how far something has moved that is no longer seen."""
+        """The same for programs; None as the displacement of an object that is no longer seen."""
         return {
             "tries": self.tries,
             "corrected_m": self.corrected_m,
@@ -139,15 +141,14 @@ def reach_sub_goal(
     tell: Tell = untold,
     ready: Ready = always_ready,
 ) -> SubGoalReached:
-    """Carries a block to its sub-goal; what only stands too near is moved aside first, or the block
-    itself is set down on the way.
+    """Carries a block to its sub-goal. Blocks that are too close are moved aside first, or the
+    block itself is set down on the way.
 
-    * `keep`: the names of what is not moved aside
-    * `tries`: of anything that is carried, at most; 1 or more
+    * `keep`: names of the objects that are not moved aside
+    * `tries`: maximum number of tries for each object that is carried; 1 or more
 
-    Raises `RefusedError` if it can't be done as it looks now, nothing having moved;
-    `ManipulationError` if it was tried and is not done; `StuckError` and `StoppedError` as
-    `execute`.
+    Raises `RefusedError` if it is impossible as things stand, and nothing has moved;
+    `ManipulationError` if it was tried and failed; `StuckError` and `StoppedError` as `execute`.
     """
     if tries < 1:
         raise ValueError(f"tries: expected 1 or more, got {tries}")
@@ -163,7 +164,8 @@ def reach_sub_goal(
 
 
 Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Relocation, ...]]
-"""What is carried first, so that what was refused among these objects can be done."""
+"""What is carried first, so that a pick and place that was refused among these objects becomes
+possible."""
 
 
 def _nothing(*_: object) -> tuple[Relocation, ...]:
@@ -172,7 +174,7 @@ def _nothing(*_: object) -> tuple[Relocation, ...]:
 
 @dataclass(frozen=True)
 class _Hands:
-    """What carries, as in `reach_sub_goal`."""
+    """Carries objects; its attributes are the arguments of `reach_sub_goal`."""
 
     body: RobotInterface
     planner: PickAndPlacePlanner
@@ -184,9 +186,9 @@ class _Hands:
     shifts: DisplacementTracker = field(default_factory=DisplacementTracker)
 
     def see(self, carried: str | None = None) -> Mapping[str, Cuboid]:
-        """All that is believed to stand there.
+        """Observes; returns all objects that are believed to be there.
 
-        * `carried`: what was to move since the look before
+        * `carried`: the object that was to move since the previous observation
         """
         objects = self.look()
         self.shifts.see(objects, carried)
@@ -200,8 +202,8 @@ class _Hands:
         before: Before = _nothing,
         ready: Ready = always_ready,
     ) -> SubGoalReached:
-        """Carries a block to its sub-goal as it looks, and again as it looks then; each time what
-        is to be carried first is. Raises as `reach_sub_goal`."""
+        """Carries a block to its sub-goal, and retries from each new observation; before each try,
+        carries what has to be moved first. Raises as `reach_sub_goal`."""
         first: list[SubGoalReached] = []
         cleared: tuple[Relocation, ...] = ()
         motion_s = 0.0
@@ -253,7 +255,7 @@ class _Hands:
     def _clear(
         self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Relocation, ...]
     ) -> list[SubGoalReached]:
-        """Carries away what stands in the way of a block. Raises `ManipulationError`."""
+        """Moves aside what prevents a block from being carried. Raises `ManipulationError`."""
         self.tell([blocker for blocker, _ in asides])
         self.mark("clearing")
         done = []
@@ -278,7 +280,8 @@ class _Hands:
     def _carry_after(
         self, cleared: tuple[Relocation, ...], objects: Mapping[str, Cuboid], name: str, goal: Pose
     ) -> PickAndPlace:
-        """What was refused before the last of these were moved. Raises `ManipulationError`."""
+        """Plans again what was refused before the last of these objects was moved. Raises
+        `ManipulationError`."""
         try:
             return self.planner.carry(objects, name, goal, self.body.joints())
         except RefusedError as refusal:
@@ -293,23 +296,24 @@ class _Hands:
         why: RefusalReason | None = None,
         after: ExecutionResult | None = None,
     ) -> ManipulationError:
-        """What went wrong, behind what was done before it, with what else has moved."""
+        """The error: what was moved aside first, what went wrong then, and which other objects have
+        moved."""
         what = f"{_first(name, asides)}; then: {what}" if asides else what
         return ManipulationError(what, done, why, self.shifts.besides(name), after)
 
 
 def seen_turned_rad(seen: Cuboid, put: Cuboid) -> float:
-    """How far a block is seen to be turned from how it was to be put, up to turns after which it
-    looks the same: a quarter if a picture can't tell its edges apart, otherwise a half. 0 where
-    it isn't seen whole: its yaw is that of a part of it.
+    """How far a block is seen rotated from how it was to be put, up to rotations after which it
+    looks the same: a quarter turn if an image cannot tell its edges apart, otherwise a half turn. 0
+    if it is not seen whole, because its yaw is then that of a part of it.
 
-    * `seen`: the box that is believed to be there
+    * `seen`: the cuboid that is believed to be there
     * `put`: the block where it was to be put, with the edges that it had
     """
     long, short = sorted(put.edges_m[:2], reverse=True)
     seen_long, seen_short = sorted(seen.edges_m[:2], reverse=True)
     if (seen_long, seen_short) == (long, short):
-        # To the last bit: they weren't measured, but kept, as a part of it is hidden.
+        # Equal to the last bit: they were not measured but kept, because a part of it is hidden.
         return 0.0
     if max(abs(seen_long - long), abs(seen_short - short)) > EDGE_M:
         return 0.0
@@ -320,13 +324,13 @@ def seen_turned_rad(seen: Cuboid, put: Cuboid) -> float:
 
 
 def _long_yaw_rad(cuboid: Cuboid) -> float:
-    """Where its longer edge points."""
+    """The direction of its longer edge."""
     a, b, _ = cuboid.edges_m
     return cuboid.pose.yaw_rad() + (math.pi / 2 if b > a else 0.0)
 
 
 def _first(name: str, asides: tuple[Relocation, ...]) -> str:
-    """What was done before a block was carried to its sub-goal."""
+    """What was done before a block was carried to its sub-goal, in words."""
     names = list(dict(asides))
     if names == [name]:
         return f"{name} was set down on the way, to be held otherwise"

@@ -1,5 +1,5 @@
-"""Whether a block can stand where it is to be put: what is under it, whether it has room
-there, and whether it would fall. By what is seen, before anything moves."""
+"""Checks whether a block can stand at its sub-goal: its support, its room and its stability. Uses
+what is seen, before anything moves."""
 
 from __future__ import annotations
 
@@ -24,15 +24,16 @@ K = TypeVar("K")
 TABLE = "table"
 
 LEVEL_M = 0.012
-"""A sub-goal's foot may be so much above or below what is seen under it: it is put right."""
+"""Maximum difference in height between a sub-goal's foot and the support that is seen below it; the
+sub-goal is corrected to that support."""
 CENTRED_M = 0.008
-"""A sub-goal on one block that is off its middle by no more than that is put right."""
+"""A sub-goal that is off the middle of a single block by no more than this is moved to it."""
 ROOM_M = 0.004
-"""Between a block where it is put and its neighbours, at least."""
+"""Minimum room between a block at its target and its neighbours."""
 STABLE_M = 0.003
-"""The centre of mass lies within the support by at least that."""
+"""Minimum distance of the centre of mass from the edge of the support."""
 TOUCH_M = 0.003
-"""Two faces, of which one is seen to lie above the other by no more than that, touch."""
+"""Two faces touch if one is seen above the other by no more than this."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,8 @@ class Placement:
     """Where a block is put.
 
     * `cuboid`: the block there
-    * `support`: the names of what it stands on
-    * `corrected_m`: how far that is from the sub-goal
+    * `support`: names of the objects that it stands on
+    * `corrected_m`: distance from the sub-goal
     """
 
     cuboid: Cuboid
@@ -50,12 +51,12 @@ class Placement:
 
 
 def placement(goal: Pose, block: Cuboid, others: Mapping[str, Cuboid]) -> Placement:
-    """The sub-goal, put right by millimetres where what is seen under it says so.
+    """The sub-goal, corrected by millimetres to match the support that is seen below it.
 
-    * `goal`: of the block's centre, upright
-    * `others`: all that stands there but the block, by name
+    * `goal`: pose of the block's centre, upright
+    * `others`: all other objects, by name
 
-    Raises `RefusedError` where it would fall, has nothing under it or has no room.
+    Raises `RefusedError` if the block would fall, or has no support or no room.
     """
     foot_m = goal.position[2] - block.edges_m[2] / 2
     wanted = Cuboid(goal, block.edges_m)
@@ -82,7 +83,7 @@ def placement(goal: Pose, block: Cuboid, others: Mapping[str, Cuboid]) -> Placem
 
 
 def supporting(wanted: Cuboid, others: Mapping[str, Cuboid]) -> dict[str, Cuboid]:
-    """What a block would be put on, if that is near enough to its foot."""
+    """The objects that a block would be put on, if they are close enough to its foot."""
     return {
         name: other
         for name, other in others.items()
@@ -91,7 +92,7 @@ def supporting(wanted: Cuboid, others: Mapping[str, Cuboid]) -> dict[str, Cuboid
 
 
 def resting_on(block: Cuboid, others: Mapping[K, Cuboid]) -> list[K]:
-    """The names of what stands on a block."""
+    """The names of the objects that stand on a block."""
     return [
         name
         for name, other in others.items()
@@ -100,7 +101,7 @@ def resting_on(block: Cuboid, others: Mapping[K, Cuboid]) -> list[K]:
 
 
 def standing_on(block: Cuboid, others: Mapping[str, Cuboid]) -> list[str]:
-    """The names of what a block stands on; the table if there is nothing else."""
+    """The names of the objects that a block stands on; the table if there are none."""
     under = [
         name
         for name, other in others.items()
@@ -110,7 +111,7 @@ def standing_on(block: Cuboid, others: Mapping[str, Cuboid]) -> list[str]:
 
 
 def gap_m(one: Cuboid, other: Cuboid) -> float:
-    """Between two, as seen from above."""
+    """The distance between two cuboids, as seen from above."""
     return _plan(one).distance(_plan(other))
 
 
@@ -133,15 +134,15 @@ def _check_room(placed: Cuboid, others: Mapping[str, Cuboid]) -> None:
 def _check_stability(
     placed: Cuboid, under: Mapping[str, Cuboid], others: Mapping[str, Cuboid]
 ) -> None:
-    """Of the block on what is under it, and then of what is under it, with all that it bears, on
-    each lower level. A block on the table stands whatever it bears."""
+    """Checks the block on its support, and then each lower level of the support with everything
+    that it carries. A block on the table stands whatever it carries."""
     tower, fast = {_PLACED: placed}, dict(under)
     while fast:
         whole = _with_loads(tower, others)
         stands = _stands(whole, under, others)
         if not stands and not _stands(_without_placed(whole), under, others):
-            # By what is seen the others would have fallen, though they stand: one of them is
-            # seen a little off. They are left out.
+            # By what is seen, the others would have fallen although they stand: one of them is seen
+            # slightly off. They are left out.
             stands = _stands(tower, under, others)
         if not stands:
             what = "it" if len(tower) == 1 else "the tower"
@@ -155,12 +156,12 @@ def _check_stability(
 
 
 _PLACED = ""
-"""Among the others' names: nothing is called so."""
+"""The placed block's name among the others: no object has it."""
 
 
 def _with_loads(tower: Mapping[str, Cuboid], others: Mapping[str, Cuboid]) -> dict[str, Cuboid]:
-    """These and all that stands on any of them but the block that is placed: by what is seen
-    nothing stands on that."""
+    """These blocks and everything that stands on any of them, except the placed block: nothing is
+    seen standing on that one."""
     whole = dict(tower)
     left = [name for name in tower if name != _PLACED]
     while left:
@@ -176,19 +177,18 @@ def _without_placed(blocks: Mapping[str, Cuboid]) -> dict[str, Cuboid]:
 
 
 def _feet(name: str, others: Mapping[str, Cuboid]) -> list[str]:
-    """The names of what one of the others stands on."""
+    """The names of the objects that one of the others stands on."""
     return standing_on(others[name], {key: other for key, other in others.items() if key != name})
 
 
 def _stands(
     blocks: Mapping[str, Cuboid], under: Mapping[str, Cuboid], others: Mapping[str, Cuboid]
 ) -> bool:
-    """Whether some blocks stand together if all else stands fast: whether there are forces, upward
-    and in places where one touches another, that bear each block's weight and what presses on
-    it without turning it over. Of one block on others: whether its centre of mass lies within
-    the support polygon.
+    """Whether these blocks stand together if everything else is fixed: whether there are upward
+    forces at the contacts that carry each block's weight and loads without tipping it over. For one
+    block on others, that means that the centre of mass lies within the support polygon.
 
-    * `under`: what the block that is placed stands on
+    * `under`: the support of the placed block
     """
     rows = {name: 3 * number for number, name in enumerate(blocks)}
     weights = np.zeros(3 * len(rows))
@@ -207,21 +207,23 @@ def _stands(
         return True
     if not forces:
         return False
-    # Shares of the whole weight, so that its tolerances mean the same for all blocks.
+    # As fractions of the total weight, so that the solver's tolerances mean the same for all
+    # blocks.
     shares = weights / sum(_volume(block) for block in blocks.values())
     found = linprog(np.zeros(len(forces)), A_eq=np.array(forces).T, b_eq=shares)
     return bool(found.status == 0)
 
 
 def _moment(x: float, y: float) -> NDArray[np.float64]:
-    """A force of 1 upward there, and how it turns about the axes; decimetres, so that all are
-    of one size."""
+    """A unit upward force at this point, and its moments about the axes, in decimetres, so that all
+    have a similar magnitude."""
     return np.array([1.0, 10 * x, 10 * y])
 
 
 def _bearing(block: Cuboid, feet: Mapping[str, Cuboid]) -> Iterator[tuple[str, float, float]]:
-    """Where a block is borne: by which of its feet, and x and y. The corners of where they touch,
-    drawn by `STABLE_M` into what lies between all of them. Without feet, the table's."""
+    """The points at which a block is supported: by which foot, x and y. They are the corners of the
+    contact areas, each moved to the nearest point of the convex hull of all areas, shrunk by
+    `STABLE_M`. Without feet, the block's corners on the table."""
     if not feet:
         for x, y in block.corners():
             yield TABLE, float(x), float(y)
