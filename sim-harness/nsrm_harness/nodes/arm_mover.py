@@ -1,4 +1,4 @@
-"""What moves blocks for a controller: the arm, by what a camera shows."""
+"""Moves objects for a controller with the arm, guided by camera images."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from nsrm_harness.nodes.controller import Answer, Tell
 from nsrm_harness.nodes.messages import Outcome, SubGoal
 
 TICKS = 20
-"""Of the arm, after which it is said that it still works."""
+"""Number of the arm's ticks between two signs of life."""
 
 _LOG = logging.getLogger(__name__)
 
@@ -30,8 +30,8 @@ FAILURES = {
     ExecutionResult.SLIPPED: Outcome.DROPPED,
     ExecutionResult.TAKEN_BACK: Outcome.MISPLACED,
 }
-"""What a controller says of a carrying that ended so, and the block is not seen where it was to
-go."""
+"""The controller's outcome for each result of a pick and place after which the block is not seen at
+its goal."""
 REFUSALS = {
     RefusalReason.UNSEEN: Outcome.IMPOSSIBLE,
     RefusalReason.COVERED: Outcome.COVERED,
@@ -42,16 +42,16 @@ REFUSALS = {
     RefusalReason.OUT_OF_REACH: Outcome.OUT_OF_REACH,
     RefusalReason.NO_WAY: Outcome.NO_PATH,
 }
-"""And of one that was not begun, or not begun again."""
+"""The outcome for a pick and place that was refused, at first or before a retry."""
 
 
 def numbered(number: int) -> str:
-    """What an object is called that has no other name."""
+    """The name of an object that has no other."""
     return f"object {number}"
 
 
 class ReferenceMovedError(ManipulationError):
-    """What a block was to go to is no longer where it was when the command was given."""
+    """The reference object is no longer where it was when the command was given."""
 
 
 def nothing() -> None:
@@ -59,20 +59,20 @@ def nothing() -> None:
 
 
 class ArmMover:
-    """The arm carries a block from where it is seen to its sub-goal, once; what only stands too
-    near is moved aside first.
+    """Carries an object from where it is seen to its sub-goal, with one try; blocks that are too
+    close are moved aside first.
 
-    * `look`: takes a picture; gives all that is believed to stand there, by number. Raises
-      `PerceptionError` where nothing can be seen on it, and is waited for then
-    * `now_s`: the time by which is waited
-    * `seen`: what was seen before the command; a reference that is elsewhere when the block is
-      about to be fetched has moved
-    * `planner`: of motions; one of its own if none is given
-    * `alive`: is called every few milliseconds while it plans and, if `tick` is called, moves
-    * `stop`: whether it is to stop, asked as often
-    * `name`: what an object is called in the log, by its number; no two the same
-    * `mark`: is told what has just been done
-    * `log`: where it says what it does and why not
+    * `look`: takes an image; returns all objects that are believed to be there, by number. Raises
+      `PerceptionError` if nothing can be seen in it, and is then called again until a timeout
+    * `now_s`: the clock for that timeout
+    * `seen`: returns the observation before the command; the command fails if the reference object
+      has moved since, by the time the block is about to be picked up
+    * `planner`: plans the motions; by default one of its own
+    * `alive`: called every few milliseconds during planning and, if `tick` is called, during motion
+    * `stop`: whether to stop, called as often
+    * `name`: the name of an object in the log, by its number; unique
+    * `mark`: called with each event as it happens
+    * `log`: receives what it does, and why something was not done
     """
 
     def __init__(
@@ -98,16 +98,18 @@ class ArmMover:
         self._stuck = ""
         self._carried: frozenset[int] = frozenset()
         self.result: SubGoalReached | HarnessError | None = None
-        """What came of the last command in the arm's own words; None if it was not begun."""
+        """The last command's result or error, in more detail than the outcome; None if it was not
+        started."""
 
     @property
     def held(self) -> frozenset[int]:
-        """The objects of which the hand may hold one: until what was stopped is put down, and
-        for ever where the joints don't follow."""
+        """The objects of which the hand may hold one: until it is put down after a stop, and
+        permanently if the joints do not follow."""
         return self._carried if self._stuck or self._back else frozenset()
 
     def __call__(self, command: SubGoal, tell: Tell) -> Answer:
-        """Moves an object; what is moved out of its way first, `tell` is told."""
+        """Moves the object of a command; `tell` is called with the objects that are moved out of
+        its way first."""
         self.tidy_up()
         if self._stuck:
             what = "not begun: %s; look at the arm and start its controller anew"
@@ -139,7 +141,7 @@ class ArmMover:
                 goal_of(command),
                 self._mark,
                 keep={self._name(number) for number in keep},
-                # Whether and how it is tried again is for who sends the commands.
+                # Retries are up to the sender of the commands.
                 tries=1,
                 stop=lambda: self._stop,
                 tell=clearing,
@@ -155,7 +157,7 @@ class ArmMover:
             if isinstance(failure, ReferenceMovedError):
                 return Answer(Outcome.REFERENCE_MOVED, (command.reference_id,))
             if failure.done is None:
-                # One that is not tried again has no other end without a reason.
+                # With a single try, the reason is missing only if nothing could be seen.
                 return Answer(REFUSALS[failure.why or RefusalReason.UNSEEN])
             return Answer(FAILURES[failure.done])
         except _StoppedPlanningError:
@@ -174,23 +176,23 @@ class ArmMover:
         return Answer(Outcome.REACHED)
 
     def _seen(self) -> Mapping[str, Cuboid]:
-        """All that is believed to stand there, by name."""
+        """All objects that are believed to be there, by name."""
         seen = observe_with_timeout(self._body, self._look, self._now_s)
         return {self._name(number): cuboid for number, cuboid in seen.items()}
 
     def _name(self, number: int) -> str:
-        """What the arm calls an object."""
+        """The name of an object, which is recorded."""
         name = self._spoken(number)
         self._numbers[name] = number
         return name
 
     def _numbers_of(self, names: Sequence[str]) -> tuple[int, ...]:
-        """Of objects that the arm speaks of: as they were given to it, whatever they are called."""
+        """The numbers under which these objects were given to the arm, whatever their names."""
         return tuple(self._numbers[name] for name in names)
 
     def tidy_up(self) -> None:
-        """After a stop that has been answered: puts what it holds down where it was taken, and
-        goes out of the camera's view, slowly."""
+        """After a stop that has been reported: puts what it holds down where it was picked up, and
+        moves out of the camera's view, slowly."""
         back, self._back = self._back, None
         if back is None:
             return
@@ -202,7 +204,7 @@ class ArmMover:
             self._stuck = str(error)
 
     def tick(self) -> None:
-        """To be called in each tick of the arm that is to be heard of, and may be stopped."""
+        """Call this in each tick of the arm, so that it gives signs of life and can be stopped."""
         self._ticks += 1
         if self._ticks % TICKS == 0:
             self._alive()
@@ -215,11 +217,11 @@ class ArmMover:
 
 
 class _StoppedPlanningError(Exception):
-    """Nothing has moved."""
+    """The arm was stopped during planning; nothing has moved."""
 
 
 def goal_of(command: SubGoal) -> Pose:
-    """Where a command wants the centre of its object."""
+    """The pose to which a command moves the centre of its object."""
     x, y, z = command.position
     i, j, k, w = command.orientation
     return Pose((x, y, z), (i, j, k, w))

@@ -31,7 +31,7 @@ from nsrm_harness.perception.relief import PerceptionError
 NS_PER_S = 1_000_000_000
 
 _LOG = logging.getLogger(__name__)
-# Failures are raised; who wants to see the retries as well configures this logger.
+# Failures are raised as exceptions; to see the retries too, configure this logger.
 _LOG.addHandler(logging.NullHandler())
 
 
@@ -44,7 +44,7 @@ class LoopMover(Protocol):
         ...
 
     def __call__(self, command: SubGoal, tell: Tell) -> Answer:
-        """Moves the object of a command to where it says."""
+        """Moves the object of a command to its goal."""
         ...
 
 
@@ -107,8 +107,8 @@ class ClosedLoop:
     """Executes sentences with one arm and one camera.
 
     * `planner`: plans the arm's motions
-    * `limits`: of the executive
-    * `name`: what an object is called, by its number
+    * `limits`: limits of the executive
+    * `name`: the name of an object, by its number
     * `looked`: called with each observation
     * `begin`, `end`: called with the index of a step before and after each command for it
     * `reached`: called with the index of a step and how its sub-goal was reached
@@ -233,7 +233,7 @@ class ClosedLoop:
         self._tries[command.step] += 1
         self.begin(command.step)
         try:
-            # Nobody polls meanwhile, so feedback in between takes effect at the end.
+            # The executive is not polled meanwhile, so feedback in between takes effect at the end.
             answer = self._mover(
                 _message(command), lambda told: self._hear(executive, command, told)
             )

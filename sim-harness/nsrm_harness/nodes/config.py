@@ -26,7 +26,7 @@ class RobotConfigError(HarnessError):
 
 
 def _as_iceoryx2_has_it(kind: str) -> AfterValidator:
-    """A check by the iceoryx2 type with this name."""
+    """Validates text by the iceoryx2 type with this name."""
 
     def check(text: str) -> str:
         try:

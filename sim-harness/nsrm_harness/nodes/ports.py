@@ -65,7 +65,7 @@ def go_by_wall_clock() -> None:
 
 
 class RobotServices:
-    """The node of a process of a robot, which opens its services."""
+    """A robot process's node, which opens the robot's services."""
 
     def __init__(self, config: RobotConfig, role: str) -> None:
         """Raises `PortError` for an invalid robot name, and if processes cannot meet."""

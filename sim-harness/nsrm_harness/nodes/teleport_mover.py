@@ -1,4 +1,4 @@
-"""What moves blocks for a controller without an arm: nothing but physics."""
+"""Moves objects for a controller without an arm: by physics alone."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from nsrm_harness.nodes.messages import Outcome, SubGoal
 from nsrm_harness.simulation.world import World
 
 GRASP_M = 0.03
-"""How far from where an object is seen a block's centre may be for it to be taken."""
+"""Maximum distance between where an object is seen and the centre of the block that is picked
+up."""
 MISPLACED_M = 0.02
-"""How far from its sub-goal a block may come to rest."""
+"""Maximum distance from its sub-goal at which a block may come to rest."""
 
 
 class TeleportMover:
-    """Without an arm: a block is taken from where it is seen and let go above its sub-goal.
+    """Moves objects without an arm: lifts a block from where it is seen and releases it above its
+    sub-goal.
 
     * `seen`: where an object is seen, world frame, metres; None if it never was
     """
@@ -26,7 +28,7 @@ class TeleportMover:
         self._world, self._seen = world, seen
 
     def __call__(self, command: SubGoal, tell: Tell) -> Answer:
-        """Moves an object; what it does besides, `tell` is told."""
+        """Moves the object of a command; never calls `tell`."""
         seen, goal = self._seen(command.object_id), goal_of(command)
         if seen is None:
             return Answer(Outcome.IMPOSSIBLE)
