@@ -1,5 +1,5 @@
-"""What comes of the sub-goals: the arm carries each block to its own, or physics alone does
-with blocks that are set down there."""
+"""Executes the sub-goals of the demonstration: the arm carries each block to its own, or without an
+arm, blocks are released at their sub-goals and physics decides."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from nsrm_harness.simulation.world import World
 from nsrm_harness.visualization.demo_listener import StepResult, Stopped
 
 Goal = tuple[int, Pose]
-"""The number of an object, and where its centre is to be."""
+"""The number of an object, and the pose to which its centre is moved."""
 
 
 Tell = Callable[[int, Any], None]
-"""Is told the index of a step and how it went."""
+"""Called with the index of a step and its result."""
 
 
 def untold(index: int, outcome: StepResult) -> None:
-    """Tells nobody."""
+    """Ignores the result."""
 
 
 @dataclass(frozen=True)
 class PhysicsPlacement:
-    """How one sub-goal went, without an arm.
+    """The result of one sub-goal without an arm.
 
-    * `miss_m`: between where the block rests and its sub-goal
-    * `shift_m`: the farthest that any other block was shifted
+    * `miss_m`: distance from the sub-goal to where the block comes to rest
+    * `shift_m`: largest displacement of any other block
     """
 
     object_id: int
@@ -60,10 +60,10 @@ class PhysicsPlacement:
 def set_down(
     world: World, sight: Observation, goals: Sequence[Goal], tell: Tell = untold
 ) -> list[PhysicsPlacement]:
-    """Puts each block, the one nearest to where the object is seen, in place, and settles after
-    each; the world is changed.
+    """Places the block nearest to where each object is seen at its sub-goal, and lets the world
+    settle after each; changes the world.
 
-    * `tell`: is told each outcome, when it has come
+    * `tell`: called with each result as it becomes known
     """
     blocks = {
         number: world.nearest(cuboid.pose.position)[0] for number, cuboid in sight.cuboids.items()
@@ -98,12 +98,12 @@ def carry(
     looked: Callable[[Observation], None],
     tell: Tell = untold,
 ) -> list[SubGoalReached | Stopped]:
-    """Has the arm follow a sentence, step by step, until all is done or a step can't be.
+    """Has the arm execute a sentence, step by step, until it is done or a step fails.
 
-    * `name`: what an object is called, by its number
-    * `looked`: is told what is seen, each time
-    * `tell`: is told each outcome, when it has come; of a step that was undone and done again the
-      last one counts
+    * `name`: the name of an object, by its number
+    * `looked`: called with each observation
+    * `tell`: called with each result as it becomes known; if a step was undone and done again, the
+      last result counts
 
     Raises `nsrm.Refused` if there is no plan.
     """
