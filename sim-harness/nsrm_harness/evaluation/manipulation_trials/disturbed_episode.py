@@ -1,4 +1,5 @@
-"""One episode that is disturbed on purpose, with the loop closed or open, judged by the truth."""
+"""Runs one episode with an injected fault, with a closed or an open loop, and judges it by the
+ground truth."""
 
 from __future__ import annotations
 
@@ -41,17 +42,17 @@ from nsrm_harness.simulation.layout import LayoutError
 Loop = Literal["closed", "open"]
 
 MOST_KINDS = 64
-"""Of disturbances: each episode of each has an index of its own."""
+"""Maximum number of kinds of faults: each episode of each kind has its own index."""
 MOST_STEPS = 2
 READY_RAD, STILL_RAD = 0.02, 0.001
-"""An arm is in its ready pose, or stands still, within that,"""
+"""Tolerances of the joints for an arm in its ready pose, and for one that stands still."""
 CALM_S = 0.5
-"""after so long."""
+"""Time for the arm to come to rest before it is judged, and over which it must stand still."""
 
 
 @dataclass(frozen=True)
 class DisturbedRow(TrialRow):
-    """Episodes with one kind of disturbance."""
+    """A row of episodes with one kind of fault."""
 
     kind: str = ""
     loop: Loop = "closed"
@@ -71,7 +72,8 @@ DISTURBED_ROWS = tuple(
     for kind, disturbance in FAULTS.items()
     for loop in ("closed", "open")
 )
-"""The closed loop of each kind, and the open one below it for comparison, which has no goal."""
+"""For each kind of fault, the closed loop, and the open loop for comparison, which has no goal to
+meet."""
 
 
 def run_disturbed(
@@ -82,10 +84,10 @@ def run_disturbed(
     films: Path | None = None,
     domain: Domain | None = None,
 ) -> EpisodeResult:
-    """Carries one episode out; the same in any process, and disturbed alike with either loop.
+    """Runs one episode, with the same result in any process and the same fault in either loop.
 
-    It has succeeded when all is done as said, or when what can't be done has ended in a failure
-    in words, at rest.
+    It succeeds if everything is done as said, or if what is impossible ends at rest with a failure
+    that is reported.
 
     * `films`, `domain`: see `trial.run`
     """
@@ -100,7 +102,7 @@ def run_disturbed(
 def _draw(
     kind: str, arm: FaultyArm, rng: np.random.Generator, domain: Domain
 ) -> tuple[Drawn, InjectedFault]:
-    """A scene with one or two steps in which there is room for the disturbance."""
+    """A scene with one or two steps in which the fault is possible."""
     disturbance = FAULTS[kind]
     for _ in range(MAX_TRIES):
         steps = MOST_STEPS if disturbance.is_stack else int(rng.integers(1, MOST_STEPS + 1))
@@ -141,7 +143,7 @@ class _Disturbed(TrialEpisode):
         return EpisodeEnd("succeeded")
 
     def _undone(self) -> str:
-        """What is not done as said; each step is judged by its last attempt."""
+        """What was not done as said; each step is judged by its last attempt."""
         last = {verdict.step: verdict for verdict in self._verdicts}
         for step in range(len(self._moves)):
             if step not in last:
@@ -153,7 +155,7 @@ class _Disturbed(TrialEpisode):
         return ""
 
     def _stopped(self, told: EpisodeEnd, error: Exception) -> EpisodeEnd:
-        """With a failure in words, which may be right."""
+        """The end after a reported failure, which may be the right one."""
         wait(self._arm, CALM_S)
         joints = self._arm.joints()
         wait(self._arm, CALM_S)
@@ -208,7 +210,7 @@ class _Disturbed(TrialEpisode):
         reached = self._performed[self._reached_before :]
         self._put_aside |= {self._nearest(place) for done in reached for place in done.aside}
         if not reached:
-            # What it has cleared away before the command failed.
+            # What it moved aside before the command failed.
             self._put_aside |= self._cleared
         super()._end(index)
 
@@ -216,7 +218,7 @@ class _Disturbed(TrialEpisode):
         return self._judge.end(self._aside(), anew=True)
 
     def _nearest(self, pose: Pose) -> int:
-        """The index of the block that is nearest to it."""
+        """The index of the block nearest to this pose."""
         return self._arm.nearest(pose.position)[0] - 1
 
     def _aside(self) -> list[Pose]:
@@ -226,13 +228,13 @@ class _Disturbed(TrialEpisode):
         return bool(np.abs(self._arm.joints() - panda.READY_RAD).max() < READY_RAD)
 
     def _handled(self) -> set[int]:
-        """The indices of the blocks that were to be moved: by a step, aside as was said, or by who
-        disturbs."""
+        """The indices of the blocks that were expected to move: by a step, moved aside as reported,
+        or by the fault."""
         moved = {move.moved for move in self._moves}
         return moved | self._put_aside | self._disturbance.meddled
 
     def _others(self) -> str:
-        """The names of those that are not where they were, although nobody was to move them."""
+        """The names of the blocks that are displaced although nothing was to move them."""
         handled = self._handled()
         return " and ".join(
             f"block {number}"

@@ -1,5 +1,5 @@
-"""One episode while it runs: the arm follows a sentence, the judge watches it in each tick, and a
-film is made where one is asked for."""
+"""Runs one episode: the arm executes a sentence, the judge watches at each tick, and a film is
+recorded on request."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from nsrm_harness.visualization.film import Film
 class EpisodeResult:
     """How an episode ended.
 
-    * `end`: "succeeded", "refused" (a sub-goal was, with a reason, before it moved anything) or
-      "failed"
-    * `why`: the reason, or what was not as said
-    * `kind`: of a refusal: the model's, or one of `RefusalReason`; empty otherwise
-    * `steps`: a verdict of each attempt at one
-    * `corrected_m`, `tries`: of each sub-goal that was reached: see `SubGoalReached`
+    * `end`: "succeeded", "refused" (a sub-goal was refused, with a reason, before anything moved
+      for it) or "failed"
+    * `why`: the reason, or what did not succeed
+    * `kind`: kind of a refusal: the model's, or one of `RefusalReason`; empty otherwise
+    * `steps`: a verdict on each attempt at a step
+    * `corrected_m`, `tries`: for each sub-goal that was reached: see `SubGoalReached`
     """
 
     row: str
@@ -62,7 +62,7 @@ class EpisodeEnd:
 class TrialEpisode(ABC):
     """What all episodes have in common.
 
-    * `films`: folder in which it is shown as `film.gif` and `strip.png`
+    * `films`: folder for `film.gif` and `strip.png`
     """
 
     def __init__(self, world: ArmWorld, drawn: Drawn, films: Path | None) -> None:
@@ -79,9 +79,9 @@ class TrialEpisode(ABC):
         world.on_tick = self._tick
 
     def carry_out(self, row: str, index: int) -> EpisodeResult:
-        """To its end, whatever that is.
+        """Runs the episode to its end, whatever that is.
 
-        * `row`, `index`: which one it is, for the record
+        * `row`, `index`: identify it in the result
         """
         end = self._end_of()
         if self._film and self._films:
@@ -118,7 +118,7 @@ class TrialEpisode(ABC):
                 self._close()
 
     def _follow(self) -> None:
-        """Has the arm do what the sentence says. Raises as `ClosedLoop.follow`."""
+        """Has the arm execute the sentence. Raises as `ClosedLoop.follow`."""
         self._loop().follow(self._drawn.sentence)
 
     def _loop(self) -> ClosedLoop:
@@ -139,16 +139,16 @@ class TrialEpisode(ABC):
 
     @abstractmethod
     def _aside(self) -> list[Pose]:
-        """Where blocks were put in the step that ends that need not stay where they were."""
+        """Where blocks were put, in the step that ends, that need not have stayed in place."""
 
     @abstractmethod
     def _followed(self) -> EpisodeEnd:
-        """By the truth, after nothing was refused and no failure told."""
+        """The end by the ground truth, if nothing was refused and no failure was reported."""
 
     def _stopped(self, told: EpisodeEnd, error: Exception) -> EpisodeEnd:
-        """By the truth, after the arm has said so.
+        """The end by the ground truth, after the arm has reported `told`.
 
-        * `error`: as it was raised
+        * `error`: the exception
         """
         return told
 
@@ -160,8 +160,10 @@ class TrialEpisode(ABC):
         self._judge.tick()
 
     def _begin(self, index: int) -> Pose:
-        """A command for a step: the attempt at it begins, or goes on if the one before failed."""
-        # A sentence of which more steps were understood is judged by its last one.
+        """Called before a command for a step: begins an attempt at it, or continues the attempt if
+        the previous command failed."""
+        # If more steps were understood than the sentence has, the further ones are judged as the
+        # last one.
         step = min(index, len(self._moves) - 1)
         if self._is_open and step != self._step:
             self._close()
@@ -171,14 +173,14 @@ class TrialEpisode(ABC):
         return self._goal
 
     def _end(self, index: int) -> None:
-        """The command has ended, and the attempt if the step was reached."""
+        """Called after a command; ends the attempt if the step was reached."""
         if self._reached_now():
             self._close()
 
     def _close(self) -> None:
         self._is_open = False
         verdict = self._verdict()
-        # What was refused has not begun.
+        # An attempt that was refused has not begun.
         if verdict.seconds > 0:
             self._verdicts.append(replace(verdict, step=self._step))
 
@@ -191,7 +193,7 @@ class TrialEpisode(ABC):
 
 
 def lasting(moves: Sequence[Move]) -> list[Move]:
-    """The moves of whose blocks no later one moves any."""
+    """The moves after which neither the moved block nor its reference is moved again."""
     return [
         move
         for index, move in enumerate(moves)
@@ -201,17 +203,17 @@ def lasting(moves: Sequence[Move]) -> list[Move]:
 
 @lru_cache(maxsize=1)
 def renderer() -> Renderer:
-    """This process's."""
+    """The renderer of this process."""
     return open_renderer()
 
 
 @lru_cache(maxsize=1)
 def model() -> nsrm.Model:
-    """The one that is built in."""
+    """The built-in model."""
     return nsrm.Model.pretrained()
 
 
 @lru_cache(maxsize=1)
 def planner() -> PickAndPlacePlanner:
-    """This process's."""
+    """The planner of this process."""
     return PickAndPlacePlanner()

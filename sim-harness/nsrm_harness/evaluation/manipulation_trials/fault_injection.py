@@ -29,9 +29,9 @@ from nsrm_harness.simulation.render import Renderer
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 
 BEGUN = "begun"
-"""The event of starting an attempt at a step; later ones are the marks of `execute.carry_out`."""
+"""The event of starting an attempt at a step; later ones are the marks of `execute.execute`."""
 GONE_S = 1.0
-"""How long a camera is dark, or a scene frozen unless it is so for ever."""
+"""How long a camera is dark, or a scene is frozen that is not frozen for ever."""
 ASTRAY_RAD = 0.02
 """Joints that are farther than this from their target have not reached it."""
 NOT_HELD = (ExecutionResult.NOT_GRASPED, ExecutionResult.SLIPPED)
@@ -125,7 +125,8 @@ class InjectedFault(ABC):
                 self._act_once()
 
     def picture(self, image: RgbdImage) -> RgbdImage:
-        """Returns what the fault makes of an image taken now, and of its time."""
+        """Returns the image that the camera gives instead of one taken now; its time may differ,
+        too."""
         return image
 
     def explains(self, _error: Exception) -> bool:

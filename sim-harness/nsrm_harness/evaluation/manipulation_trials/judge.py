@@ -16,7 +16,7 @@ POSITION_M, YAW_RAD, SHIFT_M = 0.005, math.radians(5.0), 0.003
 """A step succeeds if the block is within this distance and angle of the true relation, and no other
 block moved by more than `SHIFT_M`."""
 NEAR_M = 0.005
-"""A held block may touch its support this near to where it was grasped or released."""
+"""A held block may touch its support within this distance of where it was grasped or released."""
 APART_TICKS = 50
 """Fingers that lose a block for longer than this start a new hold."""
 
@@ -114,7 +114,7 @@ class PlacementJudge:
     def end(self, aside: Sequence[Pose] = (), *, anew: bool = False) -> PlacementVerdict:
         """Ends the step and returns its verdict.
 
-        * `aside`: poses at which other blocks were put that were reported as moved aside
+        * `aside`: the poses of other blocks that were reported as moved aside
         * `anew`: judge by where the reference is now; otherwise by where it was before the step
         """
         moved, after = self._move.moved, self._poses()

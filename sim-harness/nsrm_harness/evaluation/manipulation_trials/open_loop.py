@@ -1,4 +1,4 @@
-"""An arm that carries out what it is told as if nothing could go wrong: for the open loop."""
+"""The arm for the open loop: executes commands as if nothing could go wrong."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from nsrm_harness.nodes.messages import Outcome, SubGoal
 
 
 class BlindMover:
-    """The arm carries each block once, believed to stand where it was put before, and says that
-    it has.
+    """Carries each block once, assumes that it stands where it was last put, and reports success
+    without observing.
 
-    * `seen`: what was seen before the first command
+    * `seen`: the observation before the first command
     """
 
     result: HarnessError | None = None
-    """What kept it from carrying the last block."""
+    """What prevented it from carrying the last block."""
 
     def __init__(
         self,

@@ -85,7 +85,7 @@ def draw(row: TrialRow, rng: np.random.Generator, domain: Domain) -> Drawn:
 def _stack(
     rng: np.random.Generator, domain: Domain, arrangement: Arrangement, steps: int
 ) -> Task | None:
-    """Each block goes on the one moved before; all descriptions are unique."""
+    """A task in which each block goes on the one moved before; all descriptions are unique."""
     unique = unique_descriptions(domain, arrangement.blocks, NAMED_BY)
     named = [index for index, kinds in enumerate(unique) if kinds]
     action = next(action for action in domain.actions if action.direction is None)

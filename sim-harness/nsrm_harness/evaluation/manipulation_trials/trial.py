@@ -84,7 +84,7 @@ class _ByTruth(_ByModel):
             self._end(index)
 
     def _kept(self, index: int) -> set[str]:
-        """The objects of the steps so far; those of later steps alone may be moved aside."""
+        """The objects of the steps so far; those that only later steps name may be moved aside."""
         moves = self._moves[: index + 1]
         return {_name(block + 1) for move in moves for block in (move.moved, move.reference)}
 
