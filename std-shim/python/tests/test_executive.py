@@ -108,7 +108,7 @@ def test_what_goes_wrong_is_tried_again_and_then_told(model: nsrm.Model) -> None
     why = world.next(nsrm.Ended).why
     assert why is not None
     assert (why.kind, why.step, why.outcome, why.objects) == ("unsuccessful", 0, 4, (2, 0))
-    assert str(why) == why.message and "did not get hold" in why.message
+    assert str(why) == why.message and "did not grasp" in why.message
     assert why.refusal is why.object_id is why.off_m is None
 
 
@@ -138,7 +138,7 @@ def test_a_refusal_comes_with_the_failure(model: nsrm.Model) -> None:
 def test_a_cancelled_sentence_stops_the_controller(model: nsrm.Model) -> None:
     world = World(model)
     world.executive.ask(SENTENCE)
-    with pytest.raises(nsrm.NsrmError, match="being carried out"):
+    with pytest.raises(nsrm.NsrmError, match="being executed"):
         world.executive.ask(SENTENCE)
     world.next(nsrm.Planned)
     command = world.next(nsrm.Command)
@@ -187,7 +187,7 @@ def test_scenes_and_words_that_are_not_acted_upon(model: nsrm.Model) -> None:
         "the scene is 600 ms old, 500 ms are allowed: does the camera work?"
     )
     assert world.see() is None
-    assert "older than the one before" in str(world.see(age_ns=MS))
+    assert "older than the previous one" in str(world.see(age_ns=MS))
     world.executive.on_feedback(7, 1, REACHED, world.now_ns)
     with pytest.raises(nsrm.NsrmError, match="77"):
         world.executive.on_feedback(7, 1, 77, world.now_ns)
