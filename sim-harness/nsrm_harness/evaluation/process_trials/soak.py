@@ -62,7 +62,8 @@ class Soak:
         series += [(f"shared memory: {what}", what, values) for what, values in self.shared.items()]
         faults = []
         for name, what, values in series:
-            early, late = _quarters(values)
+            # A client that is connected when a sample is taken adds to it; a leak stays.
+            early, late = (float(quarter.min()) for quarter in _second_and_last(values))
             if late - early > max(GROWTH * early, GROWTH_LEAST[what]):
                 faults.append(f"{name} has grown from {early:.0f} to {late:.0f}")
         # If no sentence was done, there is nothing to compare.
@@ -107,11 +108,17 @@ _WORDS = {
 
 
 def _quarters(values: Series) -> tuple[float, float]:
-    """Medians of the second and the last quarter; the first one includes the start-up."""
+    """Medians of the second and the last quarter."""
+    early, late = _second_and_last(values)
+    return float(np.median(early)), float(np.median(late))
+
+
+def _second_and_last(values: Series) -> tuple[Series, Series]:
+    """The second and the last quarter; the first one includes the start-up."""
     quarter = max(len(values) // 4, 1)
     # A single sample has no second quarter.
     early = values[quarter : 2 * quarter] if len(values) > 1 else values
-    return float(np.median(early)), float(np.median(values[-quarter:]))
+    return early, values[-quarter:]
 
 
 def read_soak(lines: Sequence[Line]) -> Soak:
