@@ -23,8 +23,8 @@ from nsrm_harness.manipulation.observing import PATIENCE_S, NoObservationError
 from nsrm_harness.manipulation.retries import Look, ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
 from nsrm_harness.nodes import arm_mover
-from nsrm_harness.nodes.arm_mover import numbered
-from nsrm_harness.nodes.closed_loop import ClosedLoop, nothing
+from nsrm_harness.nodes.arm_mover import nothing, numbered
+from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.perception.observer import DarkImageError, Observation
 from nsrm_harness.visualization.demo_listener import Stopped
 

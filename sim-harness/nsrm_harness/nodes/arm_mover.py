@@ -54,8 +54,8 @@ class ReferenceMovedError(ManipulationError):
     """The reference object is no longer where it was when the command was given."""
 
 
-def nothing() -> None:
-    """Does nothing."""
+def nothing(*_: object) -> None:
+    """A callback that does nothing."""
 
 
 class ArmMover:

@@ -22,7 +22,7 @@ from nsrm_harness.manipulation.observing import PAUSE_S, NoObservationError
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import RobotInterface, wait
-from nsrm_harness.nodes.arm_mover import ArmMover, numbered
+from nsrm_harness.nodes.arm_mover import ArmMover, nothing, numbered
 from nsrm_harness.nodes.controller import Answer, Tell
 from nsrm_harness.nodes.messages import Kind, Outcome, SubGoal
 from nsrm_harness.perception.observer import Observation, Observer
@@ -46,10 +46,6 @@ class LoopMover(Protocol):
     def __call__(self, command: SubGoal, tell: Tell) -> Answer:
         """Moves the object of a command to its goal."""
         ...
-
-
-def nothing(*_: object) -> None:
-    """A callback that does nothing."""
 
 
 class _Clock:

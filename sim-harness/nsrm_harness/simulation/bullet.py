@@ -28,10 +28,6 @@ def silenced() -> Iterator[None]:
 
 with silenced():
     import pybullet
-    import pybullet_data
-
-DATA_PATH = pybullet_data.getDataPath()
-"""Folder of the models shipped with PyBullet."""
 
 
 def connect_direct() -> int:
