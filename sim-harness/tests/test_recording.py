@@ -24,7 +24,7 @@ from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.camera import FAR_M, default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import link_convex_hulls
+from nsrm_harness.manipulation.bodies import link_convex_hulls
 from nsrm_harness.manipulation.robot_interface import wait
 from nsrm_harness.perception.observer import ObjectNames, Observation
 from nsrm_harness.simulation.arm_world import ArmWorld

@@ -1,4 +1,4 @@
-"""Collision and distance checks with FCL: the arm's links, the hand and the held block against each
+"""Collision and distance checks: the arm's links, the hand and the held block against each
 other, the table and the objects on it.
 
 A configuration is free if no checked pair is closer than a margin. Trajectories are checked at
@@ -11,18 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import combinations
-from xml.etree import ElementTree
 
-import fcl
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.bodies import Body, link_convex_hulls
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
 from nsrm_harness.manipulation.stability import TABLE
 from nsrm_harness.manipulation.trajectory import Trajectory
@@ -103,15 +100,13 @@ class CollisionChecker:
     ) -> None:
         self._kinematics, self._alive = kinematics, alive
         self._ignored = ALLOWED_COLLISIONS | {frozenset(pair) for pair in ignored}
-        self._links = {
-            name: fcl.CollisionObject(hull, fcl.Transform()) for name, hull in _hulls().items()
-        }
+        self._links = {link: Body.hull(link) for link in link_convex_hulls()}
         self._held = held
         if held is not None:
-            self._links[HELD] = fcl.CollisionObject(fcl.Box(*held.edges_m), fcl.Transform())
+            self._links[HELD] = Body.box(held)
         # The table must be the last one.
         still = {**objects, TABLE: _TABLE}
-        bodies = [*self._links.values(), *(_standing(cuboid) for cuboid in still.values())]
+        bodies = [*self._links.values(), *(Body.box(cuboid) for cuboid in still.values())]
         names = [*self._links, *still]
         moving = len(self._links)
         self._pairs = [
@@ -121,20 +116,17 @@ class CollisionChecker:
         ]
         self._names, self._bodies = names, bodies
         # Bounding spheres: those of the links move with their frames, the others stay.
-        radii = [_ball(name, held)[1] for name in self._links]
-        self._middles = np.array([_ball(name, held)[0] for name in self._links])
+        radii = np.array([body.radius_m for body in bodies])
         self._centres = np.zeros((len(names), 3))
         self._centres[moving:] = [cuboid.pose.position for cuboid in still.values()]
-        radii += [float(np.linalg.norm(cuboid.edges_m)) / 2 for cuboid in still.values()]
         first, second = np.array(self._pairs).T
         self._first, self._second = first, second
-        self._reach = np.array(radii)[first] + np.array(radii)[second]
+        self._reach = radii[first] + radii[second]
         # Everything lies within the table's sphere, so the height above its top is used instead.
         self._of_table = second == len(names) - 1
-        self._radii = np.array(radii)
+        self._radii = radii
         # How many bodies of each pair move, each of them at most as far as any point of the arm.
         self._movers = np.where(second < moving, 2, 1)
-        self._request = fcl.DistanceRequest(enable_signed_distance=False)
 
     def nearest(self, joints: Joints, opening_m: float) -> Nearest:
         """The closest pair in a configuration."""
@@ -205,17 +197,16 @@ class CollisionChecker:
 
     def _place(self, joints: Joints, opening_m: float) -> None:
         frames = self._kinematics.links(joints, opening_m)
-        for index, (name, link) in enumerate(self._links.items()):
+        for index, (name, body) in enumerate(self._links.items()):
             rotation, position = frames[panda.HAND_FRAME if name == HELD else name]
-            self._centres[index] = rotation @ self._middles[index] + position
             if name == HELD and self._held is not None:
-                rotation, position = rotation @ self._held.pose.rotation(), self._centres[index]
-            link.setTransform(fcl.Transform(rotation, position))
+                position = rotation @ self._held.pose.position + position
+                rotation = rotation @ self._held.pose.rotation()
+            self._centres[index] = rotation @ body.centre + position
+            body.move_to(rotation, position)
 
     def _distance_m(self, i: int, j: int) -> float:
-        a, b = self._bodies[i], self._bodies[j]
-        # FCL returns -1 for overlapping bodies.
-        return max(0.0, float(fcl.distance(a, b, self._request, fcl.DistanceResult())))
+        return self._bodies[i].distance_m(self._bodies[j])
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,48 +239,3 @@ def steps(trajectory: Trajectory, margin_m: float) -> Steps:
 
 
 _TABLE = Cuboid(Pose((0.40, 0.0, -0.02)), (1.20, 1.40, 0.04))
-
-
-def _standing(cuboid: Cuboid) -> fcl.CollisionObject:
-    transform = fcl.Transform(cuboid.pose.rotation(), np.array(cuboid.pose.position))
-    return fcl.CollisionObject(fcl.Box(*cuboid.edges_m), transform)
-
-
-def _ball(name: str, held: Cuboid | None) -> tuple[NDArray[np.float64], float]:
-    """A body's bounding sphere: its centre, in the frame it moves with, and its radius."""
-    if name == HELD and held is not None:
-        return np.array(held.pose.position), float(np.linalg.norm(held.edges_m)) / 2
-    vertices = _vertices()[name]
-    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    return middle, float(np.linalg.norm(vertices - middle, axis=1).max())
-
-
-@lru_cache(maxsize=1)
-def _vertices() -> dict[str, NDArray[np.float64]]:
-    return {name: np.array(mesh.vertices) for name, mesh in link_convex_hulls().items()}
-
-
-@lru_cache(maxsize=1)
-def _hulls() -> dict[str, fcl.Convex]:
-    hulls = {}
-    for name, mesh in link_convex_hulls().items():
-        faces = np.insert(np.array(mesh.faces), 0, 3, axis=1).flatten()
-        hulls[name] = fcl.Convex(np.array(mesh.vertices), len(mesh.faces), faces)
-    return hulls
-
-
-@lru_cache(maxsize=1)
-def link_convex_hulls() -> dict[str, trimesh.Trimesh]:
-    """The convex hull of each link's collision mesh, in the link's frame."""
-    meshes = {}
-    for link in ElementTree.parse(panda.URDF).getroot().iter("link"):
-        shape = link.find("collision/geometry/mesh")
-        if shape is None:
-            continue
-        path = panda.URDF.parent / shape.attrib["filename"].removeprefix("package://")
-        mesh = trimesh.load_mesh(path).convex_hull
-        if link.find("collision/origin") is not None:
-            # The right finger is the left one, rotated by half a turn about z.
-            mesh.apply_transform(np.diag([-1.0, -1.0, 1.0, 1.0]))
-        meshes[link.attrib["name"]] = mesh
-    return meshes

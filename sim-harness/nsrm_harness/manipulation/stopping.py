@@ -139,9 +139,9 @@ def on_from(
 
 def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]:
     """Backs off from an obstacle that was met on a trajectory: rejoins the trajectory slightly
-    before the contact, and follows it back to its beginning. This needs no new path that FCL would
-    have to check: the trajectory has been checked, and on the short piece to it the arm is never
-    farther off it than at first, where it was pushed to.
+    before the contact, and follows it back to its beginning. No new path has to be checked: the
+    trajectory has been, and on the short piece to it the arm is never farther off it than at
+    first, where it was pushed to.
 
     * `joints`: where the arm is, less than a few hundredths of a radian off the trajectory
     """

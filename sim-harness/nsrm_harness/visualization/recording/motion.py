@@ -10,7 +10,7 @@ import rerun as rr
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import link_convex_hulls
+from nsrm_harness.manipulation.bodies import link_convex_hulls
 from nsrm_harness.manipulation.execute import SLIP_M
 from nsrm_harness.manipulation.kinematics import Joints
 from nsrm_harness.simulation.arm_world import ArmWorld

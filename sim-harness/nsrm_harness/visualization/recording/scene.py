@@ -11,7 +11,8 @@ import rerun as rr
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.collision import HELD, CollisionChecker, Nearest, link_convex_hulls
+from nsrm_harness.manipulation.bodies import link_convex_hulls
+from nsrm_harness.manipulation.collision import HELD, CollisionChecker, Nearest
 from nsrm_harness.manipulation.kinematics import Joints, Kinematics
 from nsrm_harness.perception.observer import ObjectNames
 from nsrm_harness.visualization.recording.shapes import RGB, boxes

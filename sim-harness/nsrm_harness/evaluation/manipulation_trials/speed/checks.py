@@ -1,4 +1,4 @@
-"""Measures how long FCL takes to check one configuration of the arm among blocks.
+"""Measures how long it takes to check one configuration of the arm among blocks.
 
 Times are the thread's processor time: in wall time, one check in a hundred would include waiting
 for other processes.

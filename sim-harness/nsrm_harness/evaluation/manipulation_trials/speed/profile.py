@@ -47,7 +47,7 @@ PARTS: dict[str, str] = {
     "perception": "detector, tracker, cuboids",
     "model": "the model: crops, plan",
     "kinematics": "inverse kinematics",
-    "collision": "collision checks (FCL)",
+    "collision": "collision checks",
     "sampling": "sampling planner (OMPL) without its collision checks",
     "planning": "other planning: grasps, support, order",
     "timing": "trajectories (Ruckig)",
