@@ -3,7 +3,7 @@ use core::fmt;
 use crate::dsl::{Argument, Description, concept_name};
 use crate::language::{Span, nearest_word};
 use crate::model::Model;
-use crate::refusal::{Candidate, Decision, LengthUnit, Quantity, Refusal};
+use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refusal};
 
 impl Refusal {
     /// The known word that may have been meant by an unknown one; see
@@ -106,6 +106,34 @@ struct Message<'a> {
 impl fmt::Display for Message<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.refusal {
+            Refusal::NoWords
+            | Refusal::UnknownWord { .. }
+            | Refusal::SentenceTooLong { .. }
+            | Refusal::TooManyConcepts { .. }
+            | Refusal::ConflictingValues { .. }
+            | Refusal::TooManySteps { .. } => self.sentence(f),
+            Refusal::TooManyReferences { .. }
+            | Refusal::IncompleteStep { .. }
+            | Refusal::SameReference { .. }
+            | Refusal::Unsure { .. } => self.step(f),
+            Refusal::NoSuchObject { .. }
+            | Refusal::Ambiguous { .. }
+            | Refusal::SameObject { .. }
+            | Refusal::OutsideWorkSpace { .. }
+            | Refusal::Calibration(_) => self.scene(f),
+            Refusal::NotFinite { .. }
+            | Refusal::OtherModel { .. }
+            | Refusal::ParsedByOtherModel { .. }
+            | Refusal::InvalidModel => self.model(f),
+        }
+    }
+}
+
+/// The messages, by what is at fault. Each method writes those of its own kind alone.
+impl Message<'_> {
+    /// The words of the sentence, or how many there are.
+    fn sentence(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.refusal {
             Refusal::NoWords => {
                 f.write_str("the sentence has no words; say what to move, and where to")
             }
@@ -152,6 +180,13 @@ impl fmt::Display for Message<'_> {
                 f,
                 "the sentence has more than {limit} steps; give it in parts"
             ),
+            other => f.write_str(other.kind()),
+        }
+    }
+
+    /// What one step says, or how sure the parser is of it.
+    fn step(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.refusal {
             Refusal::TooManyReferences { step, span, limit } => write!(
                 f,
                 "step {}, {}, describes more than {limit} objects; say one thing to move and one place, \
@@ -188,6 +223,13 @@ impl fmt::Display for Message<'_> {
                  needed {threshold:.2}; say it in other words",
                 number(*step)
             ),
+            other => f.write_str(other.kind()),
+        }
+    }
+
+    /// The objects of the scene, and where they would be moved.
+    fn scene(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.refusal {
             Refusal::NoSuchObject {
                 step,
                 argument,
@@ -213,25 +255,12 @@ impl fmt::Display for Message<'_> {
                 candidates,
             } => {
                 self.description(*step, *argument, description, f)?;
-                write!(f, " fits {} objects: ", candidates.count())?;
-                for (index, Candidate { object, score }) in candidates.listed().iter().enumerate() {
-                    let separator = if index > 0 { ", " } else { "" };
-                    write!(f, "{separator}{object} (score {score:.2})")?;
-                }
-                if candidates.count() > candidates.listed().len() {
-                    f.write_str(" and others")?;
-                }
-                f.write_str("; describe it more closely")
+                write!(f, " fits {}; describe it more closely", Fitting(candidates))
             }
             Refusal::SameObject { step, object } => write!(
                 f,
                 "step {}: both descriptions fit object {object}, which can't be moved \
                  in relation to itself",
-                number(*step)
-            ),
-            Refusal::NotFinite { step, quantity } => write!(
-                f,
-                "step {}: {quantity} is not a finite number; the model does not fit this input",
                 number(*step)
             ),
             Refusal::OutsideWorkSpace {
@@ -248,12 +277,24 @@ impl fmt::Display for Message<'_> {
                     number(*step)
                 )
             }
+            Refusal::Calibration(fault) => fmt::Display::fmt(fault, f),
+            other => f.write_str(other.kind()),
+        }
+    }
+
+    /// The model, or whose scene and program these are.
+    fn model(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.refusal {
+            Refusal::NotFinite { step, quantity } => write!(
+                f,
+                "step {}: {quantity} is not a finite number; the model does not fit this input",
+                number(*step)
+            ),
             Refusal::OtherModel { expected, got } => write!(
                 f,
                 "the scene was made with model {got:016x}, but the planner's is \
                  {expected:016x}; observe it again with this model"
             ),
-            Refusal::Calibration(fault) => fault.fmt(f),
             Refusal::ParsedByOtherModel { expected, got } => write!(
                 f,
                 "the sentence was parsed with model {got:016x}, but the planner's is \
@@ -262,11 +303,10 @@ impl fmt::Display for Message<'_> {
             Refusal::InvalidModel => {
                 f.write_str("the model is damaged; check it and load it again")
             }
+            other => f.write_str(other.kind()),
         }
     }
-}
 
-impl Message<'_> {
     fn quoted(&self, span: Span) -> Quoted<'_> {
         Quoted {
             span,
@@ -287,6 +327,24 @@ impl Message<'_> {
             Some((model, _)) => write!(f, "the {argument} \"{}\"", description.words(model)),
             None => write!(f, "the {argument}'s description"),
         }
+    }
+}
+
+/// How many objects fit a description, and which.
+struct Fitting<'a>(&'a Candidates);
+
+impl fmt::Display for Fitting<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let listed = self.0.listed();
+        write!(f, "{} objects: ", self.0.count())?;
+        for (index, Candidate { object, score }) in listed.iter().enumerate() {
+            let separator = if index > 0 { ", " } else { "" };
+            write!(f, "{separator}{object} (score {score:.2})")?;
+        }
+        if self.0.count() > listed.len() {
+            f.write_str(" and others")?;
+        }
+        Ok(())
     }
 }
 
