@@ -6,12 +6,14 @@
 //! `target/verify/NAME.log`.
 
 mod checks;
+mod context;
 mod count;
 mod fuzz;
 mod limit;
 mod packages;
 mod report;
 mod slow;
+mod step;
 mod tools;
 
 use std::ffi::OsString;
@@ -29,10 +31,12 @@ use anyhow::{Context as _, Result, bail};
 
 use crate::project::{Project, without_cargo_variables};
 use crate::{BAD_INPUT, USAGE};
-use checks::{CHECKS, Check, Context, Step};
+use checks::{CHECKS, Check};
+use context::Context;
 use count::Counts;
 use limit::LIMIT;
 use report::{Outcome, Report};
+use step::Step;
 
 const HELP: &str = "\
 usage: cargo verify [--quick] [--only NAME]... [--list] [--install]
@@ -313,7 +317,9 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::Mutex;
 
-    use super::checks::{Check, Context, Step};
+    use super::checks::Check;
+    use super::context::Context;
+    use super::step::Step;
     use super::{Arguments, CHECKS, Project, Report, Run};
 
     fn parse(words: &[&str]) -> anyhow::Result<Arguments> {

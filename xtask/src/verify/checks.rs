@@ -1,16 +1,12 @@
 //! The checks, in the order in which they run: quick ones first.
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-
 use anyhow::Result;
 
+use super::context::Context;
 use super::count::Runner;
 use super::fuzz;
+use super::step::Step;
 use super::tools::Tool;
-use crate::environment::{Environment, Requirements};
-use crate::project::Project;
 
 /// The packages outside the workspace, which have their own profiles.
 const APART: [&str; 2] = ["tests/fuzz/Cargo.toml", "tests/no-std-plan/Cargo.toml"];
@@ -191,122 +187,6 @@ const TUNNEL: Tool = Tool {
     program: "iox2-link-tunnel-zenoh",
     version: "0.10.0",
 };
-
-/// A command that a check runs in the root of the checkout.
-pub(super) struct Step {
-    pub(super) program: PathBuf,
-    pub(super) arguments: Vec<OsString>,
-    pub(super) variables: Vec<(&'static str, OsString)>,
-    /// The test runner, if it runs tests.
-    pub(super) tests: Option<Runner>,
-    /// Whether it can run in parallel with adjacent steps of this kind.
-    pub(super) beside: bool,
-}
-
-impl Step {
-    pub(super) fn new(program: impl Into<PathBuf>, arguments: &[&str]) -> Self {
-        Self {
-            program: program.into(),
-            arguments: arguments.iter().map(Into::into).collect(),
-            variables: Vec::new(),
-            tests: None,
-            beside: false,
-        }
-    }
-
-    pub(super) fn cargo(arguments: &[&str]) -> Self {
-        Self::new("cargo", arguments)
-    }
-
-    /// Appends an argument.
-    pub(super) fn argument(mut self, argument: impl Into<OsString>) -> Self {
-        self.arguments.push(argument.into());
-        self
-    }
-
-    pub(super) fn arguments(mut self, arguments: &[&str]) -> Self {
-        self.arguments.extend(arguments.iter().map(Into::into));
-        self
-    }
-
-    pub(super) fn beside_others(mut self) -> Self {
-        self.beside = true;
-        self
-    }
-
-    pub(super) fn counting(mut self, runner: Runner) -> Self {
-        self.tests = Some(runner);
-        self
-    }
-
-    /// Sets the target folder; for packages outside the workspace, which would otherwise build
-    /// into the source tree.
-    fn building_in(mut self, folder: PathBuf) -> Self {
-        self.arguments.splice(
-            1..1,
-            [OsString::from("--target-dir"), folder.into_os_string()],
-        );
-        self
-    }
-
-    pub(super) fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
-        self.variables.push((name, value.into()));
-        self
-    }
-
-    /// The command as typed in a shell.
-    pub(super) fn shown(&self) -> String {
-        let mut text = String::new();
-        for (name, value) in &self.variables {
-            text += &format!("{name}={value:?} ");
-        }
-        text += &self.program.to_string_lossy();
-        for argument in &self.arguments {
-            text += " ";
-            text += &argument.to_string_lossy();
-        }
-        text
-    }
-}
-
-/// What the checks work on.
-pub(super) struct Context {
-    project: Project,
-    logs: PathBuf,
-    /// Held while the environment is made: two checks may need it at once.
-    environment: Mutex<()>,
-}
-
-impl Context {
-    pub(super) fn new(project: Project, logs: PathBuf) -> Self {
-        Self {
-            project,
-            logs,
-            environment: Mutex::new(()),
-        }
-    }
-
-    pub(super) fn project(&self) -> &Project {
-        &self.project
-    }
-
-    /// The interpreter of the project's environment, with everything that the checks need.
-    fn python(&self) -> Result<PathBuf> {
-        let _one = self
-            .environment
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let environment = Environment::open(self.project.clone())?;
-        environment.ensure(Requirements::Dev)?;
-        environment.ensure_module()?;
-        Ok(environment.python())
-    }
-
-    /// The folder of the logs.
-    pub(super) fn logs(&self) -> &Path {
-        &self.logs
-    }
-}
 
 fn format(_: &Context) -> Result<Vec<Step>> {
     let mut steps = vec![Step::cargo(&["fmt", "--all", "--check"])];

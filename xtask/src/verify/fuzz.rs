@@ -11,8 +11,9 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result};
 
-use super::checks::{Context, Step};
+use super::context::Context;
 use super::count::Runner;
+use super::step::Step;
 use super::tools::Tool;
 use crate::project::output_of;
 

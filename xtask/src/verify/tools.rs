@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use super::checks::{Context, Step};
+use super::context::Context;
+use super::step::Step;
 use crate::project::output_of;
 
 /// A program from the registry.

@@ -1,0 +1,83 @@
+//! One command of a check.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use super::count::Runner;
+
+/// A command that a check runs in the root of the checkout.
+pub(super) struct Step {
+    pub(super) program: PathBuf,
+    pub(super) arguments: Vec<OsString>,
+    pub(super) variables: Vec<(&'static str, OsString)>,
+    /// The test runner, if it runs tests.
+    pub(super) tests: Option<Runner>,
+    /// Whether it can run in parallel with adjacent steps of this kind.
+    pub(super) beside: bool,
+}
+
+impl Step {
+    pub(super) fn new(program: impl Into<PathBuf>, arguments: &[&str]) -> Self {
+        Self {
+            program: program.into(),
+            arguments: arguments.iter().map(Into::into).collect(),
+            variables: Vec::new(),
+            tests: None,
+            beside: false,
+        }
+    }
+
+    pub(super) fn cargo(arguments: &[&str]) -> Self {
+        Self::new("cargo", arguments)
+    }
+
+    /// Appends an argument.
+    pub(super) fn argument(mut self, argument: impl Into<OsString>) -> Self {
+        self.arguments.push(argument.into());
+        self
+    }
+
+    pub(super) fn arguments(mut self, arguments: &[&str]) -> Self {
+        self.arguments.extend(arguments.iter().map(Into::into));
+        self
+    }
+
+    pub(super) fn beside_others(mut self) -> Self {
+        self.beside = true;
+        self
+    }
+
+    pub(super) fn counting(mut self, runner: Runner) -> Self {
+        self.tests = Some(runner);
+        self
+    }
+
+    /// Sets the target folder; for packages outside the workspace, which would otherwise build
+    /// into the source tree.
+    pub(super) fn building_in(mut self, folder: PathBuf) -> Self {
+        self.arguments.splice(
+            1..1,
+            [OsString::from("--target-dir"), folder.into_os_string()],
+        );
+        self
+    }
+
+    pub(super) fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
+        self.variables.push((name, value.into()));
+        self
+    }
+
+    /// The command as typed in a shell.
+    pub(super) fn shown(&self) -> String {
+        let mut text = String::new();
+        for (name, value) in &self.variables {
+            text += &format!("{name}={value:?} ");
+        }
+        text += &self.program.to_string_lossy();
+        for argument in &self.arguments {
+            text += " ";
+            text += &argument.to_string_lossy();
+        }
+        text
+    }
+}
