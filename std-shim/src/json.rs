@@ -59,12 +59,22 @@ pub fn error(message: &str) -> Value {
 
 /// The details of a refusal, by name, in words where possible.
 pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Map<String, Value> {
-    let words =
-        |span: &Span| json!({"text": span.of(sentence), "start": span.start, "end": span.end});
-    let details = match refusal {
-        Refusal::NoWords | Refusal::InvalidModel => json!({}),
+    let details = sentence_details(model, refusal, sentence)
+        .or_else(|| step_details(refusal, sentence))
+        .or_else(|| scene_details(model, refusal))
+        .or_else(|| model_details(refusal));
+    match details {
+        Some(Value::Object(details)) => details,
+        // A kind without details, or one whose details this version doesn't know.
+        _ => Map::new(),
+    }
+}
+
+/// The details where the words of the sentence are at fault, or their number.
+fn sentence_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Option<Value> {
+    Some(match refusal {
         Refusal::UnknownWord { span } => json!({
-            "words": words(span),
+            "words": words(*span, sentence),
             "suggestion": refusal.suggestion(model, sentence),
         }),
         Refusal::SentenceTooLong { limit, unit } => json!({"limit": limit, "unit": unit.name()}),
@@ -74,19 +84,30 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             second,
         } => {
             let name = |concept: &u8| model.concepts.get(usize::from(*concept)).map(|c| c.name);
-            json!({"words": words(span), "first": name(first), "second": name(second)})
+            json!({"words": words(*span, sentence), "first": name(first), "second": name(second)})
         }
-        Refusal::TooManyConcepts { span, limit } => json!({"words": words(span), "limit": limit}),
+        Refusal::TooManyConcepts { span, limit } => {
+            json!({"words": words(*span, sentence), "limit": limit})
+        }
         Refusal::TooManySteps { limit } => json!({"limit": limit}),
+        _ => return None,
+    })
+}
+
+/// The details where what one step says is at fault, or the parser is not sure of it.
+fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
+    Some(match refusal {
         Refusal::TooManyReferences { step, span, limit } => {
-            json!({"step": step, "words": words(span), "limit": limit})
+            json!({"step": step, "words": words(*span, sentence), "limit": limit})
         }
         Refusal::IncompleteStep {
             step,
             references,
             span,
-        } => json!({"step": step, "words": words(span), "references": references}),
-        Refusal::SameReference { step, span } => json!({"step": step, "words": words(span)}),
+        } => json!({"step": step, "words": words(*span, sentence), "references": references}),
+        Refusal::SameReference { step, span } => {
+            json!({"step": step, "words": words(*span, sentence)})
+        }
         Refusal::Unsure {
             step,
             decision,
@@ -98,6 +119,13 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             "probability": decimal(*probability),
             "threshold": decimal(*threshold),
         }),
+        _ => return None,
+    })
+}
+
+/// The details where objects of the scene are at fault, or where they would be moved.
+fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
+    Some(match refusal {
         Refusal::NoSuchObject {
             step,
             argument,
@@ -124,9 +152,6 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             "count": candidates.count(),
         }),
         Refusal::SameObject { step, object } => json!({"step": step, "object_id": object}),
-        Refusal::NotFinite { step, quantity } => {
-            json!({"step": step, "quantity": quantity.name()})
-        }
         Refusal::OutsideWorkSpace {
             step,
             object,
@@ -147,19 +172,24 @@ pub fn refusal_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> 
             "whole": fault.whole,
             "cause": fault.cause.map(Cause::name),
         }),
+        _ => return None,
+    })
+}
+
+/// The details where the model is at fault, or scene and program belong to another one.
+fn model_details(refusal: &Refusal) -> Option<Value> {
+    Some(match refusal {
+        Refusal::NotFinite { step, quantity } => {
+            json!({"step": step, "quantity": quantity.name()})
+        }
         Refusal::OtherModel { expected, got } | Refusal::ParsedByOtherModel { expected, got } => {
             json!({
                 "expected": format!("{expected:016x}"),
                 "got": format!("{got:016x}"),
             })
         }
-        // A kind whose details this version doesn't know.
-        _ => json!({}),
-    };
-    match details {
-        Value::Object(details) => details,
-        _ => Map::new(),
-    }
+        _ => return None,
+    })
 }
 
 /// The names of a description's concepts, in the order of the sentence.
@@ -186,6 +216,10 @@ pub fn decimal(value: f32) -> f64 {
 /// [`decimal`] of each.
 pub fn decimals(values: &[f32]) -> Vec<f64> {
     values.iter().copied().map(decimal).collect()
+}
+
+fn words(span: Span, sentence: &str) -> Value {
+    json!({"text": span.of(sentence), "start": span.start, "end": span.end})
 }
 
 fn step(model: &Model<'_>, step: &Step) -> Value {
