@@ -1,12 +1,12 @@
 //! The built-in model, or one loaded at run time.
 
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use nsrm_codegen::{ModelError, OwnedModel};
 use nsrm_core::model::Model;
 use nsrm_tabletop::{TABLETOP, TABLETOP_ABOUT};
+use thiserror::Error;
 
 /// A model for the planner, built in or loaded.
 #[derive(Debug)]
@@ -19,10 +19,11 @@ pub enum AnyModel {
 }
 
 /// Why a model file can't be used.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// The file can't be read.
+    /// The file cannot be read.
+    #[error("{}: can't read the model file: {source}", .path.display())]
     Read {
         /// Its path.
         path: PathBuf,
@@ -30,32 +31,13 @@ pub enum LoadError {
         source: io::Error,
     },
     /// Its content is invalid.
+    #[error("{}: {source}", .path.display())]
     Model {
         /// Its path.
         path: PathBuf,
         /// What is wrong with it.
         source: ModelError,
     },
-}
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { path, source } => {
-                write!(f, "{}: can't read the model file: {source}", path.display())
-            }
-            Self::Model { path, source } => write!(f, "{}: {source}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for LoadError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Read { source, .. } => Some(source),
-            Self::Model { source, .. } => Some(source),
-        }
-    }
 }
 
 /// Reads, checks and folds a model file (safetensors).

@@ -1,6 +1,5 @@
 //! Scenes from files: a JSON file with camera and boxes, and its image or crops.
 
-use std::fmt;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
@@ -11,15 +10,17 @@ use nsrm_core::scene::{ObjectFault, ObservedObject};
 use nsrm_core::vision::{self, Crop, Detection, ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Camera, MAX_OBJECTS, RawScene, Scene, SceneError};
 use serde::Deserialize;
+use thiserror::Error;
 
 /// Schema version of the scene file.
 const SCHEMA: u32 = 1;
 
 /// Why a scene file can't be used.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SceneFileError {
     /// A file can't be read.
+    #[error("{}: can't read it: {source}", .path.display())]
     Read {
         /// Its path.
         path: PathBuf,
@@ -27,6 +28,7 @@ pub enum SceneFileError {
         source: io::Error,
     },
     /// The scene file is not JSON, or has the wrong structure.
+    #[error("{}: expected a scene as JSON: {source}", .path.display())]
     Json {
         /// Its path.
         path: PathBuf,
@@ -34,6 +36,10 @@ pub enum SceneFileError {
         source: serde_json::Error,
     },
     /// The scene file has an unsupported schema version.
+    #[error(
+        "{}: schema: expected {SCHEMA}, got {got}; write the file with the tools of this version",
+        .path.display()
+    )]
     Schema {
         /// Its path.
         path: PathBuf,
@@ -41,11 +47,16 @@ pub enum SceneFileError {
         got: u32,
     },
     /// The scene file names no image, and no folder of crops was given.
+    #[error(
+        "{}: image: none is named; name one or give a folder with --crops",
+        .path.display()
+    )]
     NoImage {
         /// Its path.
         path: PathBuf,
     },
     /// An image can't be decoded.
+    #[error("{}: expected a PNG image: {source}", .path.display())]
     Image {
         /// Its path.
         path: PathBuf,
@@ -53,6 +64,7 @@ pub enum SceneFileError {
         source: Box<ImageError>,
     },
     /// A decoded image has an invalid size.
+    #[error("{}: {source}", .path.display())]
     Pixels {
         /// Its path.
         path: PathBuf,
@@ -60,51 +72,13 @@ pub enum SceneFileError {
         source: vision::ImageError,
     },
     /// The scene is invalid.
+    #[error("{}: {source}", .path.display())]
     Scene {
         /// Path of the scene file.
         path: PathBuf,
         /// What is wrong.
         source: SceneError,
     },
-}
-
-impl fmt::Display for SceneFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { path, source } => write!(f, "{}: can't read it: {source}", path.display()),
-            Self::Json { path, source } => {
-                write!(f, "{}: expected a scene as JSON: {source}", path.display())
-            }
-            Self::Schema { path, got } => write!(
-                f,
-                "{}: schema: expected {SCHEMA}, got {got}; write the file with the tools of this version",
-                path.display()
-            ),
-            Self::NoImage { path } => write!(
-                f,
-                "{}: image: none is named; name one or give a folder with --crops",
-                path.display()
-            ),
-            Self::Image { path, source } => {
-                write!(f, "{}: expected a PNG image: {source}", path.display())
-            }
-            Self::Pixels { path, source } => write!(f, "{}: {source}", path.display()),
-            Self::Scene { path, source } => write!(f, "{}: {source}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for SceneFileError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Read { source, .. } => Some(source),
-            Self::Json { source, .. } => Some(source),
-            Self::Image { source, .. } => Some(source),
-            Self::Pixels { source, .. } => Some(source),
-            Self::Scene { source, .. } => Some(source),
-            Self::Schema { .. } | Self::NoImage { .. } => None,
-        }
-    }
 }
 
 #[derive(Deserialize)]

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use nsrm_core::model::Model;
+use thiserror::Error;
 
 use crate::hexadecimal;
 use crate::owned::OwnedModel;
@@ -35,23 +36,14 @@ pub struct Options {
 }
 
 /// An invalid name for a Rust static.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error(
+    "name {name:?}: expected a static's name, capital letters, digits and underscores, a letter first"
+)]
 pub struct InvalidName {
     /// The name.
     pub name: String,
 }
-
-impl std::fmt::Display for InvalidName {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "name {:?}: expected a static's name, capital letters, digits and underscores, a letter first",
-            self.name
-        )
-    }
-}
-
-impl std::error::Error for InvalidName {}
 
 impl Options {
     /// * `name`: the public static, `TABLETOP`

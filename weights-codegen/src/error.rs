@@ -2,24 +2,34 @@
 
 use core::fmt;
 
+use thiserror::Error;
+
 /// Why a model file is refused: one variant for each malformation.
 ///
 /// `Display` names the tensor or metadata key, what was expected, what was
 /// found, and what to do about it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
     /// The bytes are not a safetensors file.
+    #[error(
+        "not a safetensors file ({reason}); pass the model.safetensors that `harness train` wrote"
+    )]
     NotSafetensors {
         /// What the reader of the format found.
         reason: String,
     },
     /// A key of `__metadata__` is missing.
+    #[error("metadata: expected the key `{key}`, found none; export the model again")]
     MissingMetadata {
         /// The key.
         key: &'static str,
     },
     /// The value of a metadata key is not JSON, or has the wrong structure.
+    #[error(
+        "metadata `{key}`: expected the JSON that the exporter writes, but {reason}; export the \
+         model again"
+    )]
     NotJson {
         /// The key.
         key: &'static str,
@@ -27,6 +37,10 @@ pub enum ModelError {
         reason: String,
     },
     /// The file has a schema version that this build does not read.
+    #[error(
+        "metadata `schema`: expected {expected}, got {got:?}; {}",
+        schema_advice(.got)
+    )]
     Schema {
         /// The version that this build reads.
         expected: u32,
@@ -34,6 +48,10 @@ pub enum ModelError {
         got: String,
     },
     /// A dimension differs from that of the architecture.
+    #[error(
+        "metadata `dimensions`: expected {name} = {expected}, got {got}; train with the \
+         architecture of this version"
+    )]
     Dimension {
         /// Name in the metadata.
         name: String,
@@ -43,11 +61,13 @@ pub enum ModelError {
         got: u64,
     },
     /// A list of the domain is empty.
+    #[error("domain: {what} must not be empty; add an entry and train again")]
     Empty {
         /// Which list.
         what: String,
     },
     /// A list of the domain has more entries than its index can hold.
+    #[error("domain: expected at most {limit} {what}, got {got}; split the domain")]
     TooMany {
         /// Which list.
         what: &'static str,
@@ -57,6 +77,7 @@ pub enum ModelError {
         got: usize,
     },
     /// Two entries of one list have the same name.
+    #[error("domain: the {what} {name:?} occurs twice; rename one and train again")]
     Duplicate {
         /// Which list.
         what: &'static str,
@@ -65,6 +86,7 @@ pub enum ModelError {
     },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
+    #[error(fmt = edges)]
     Edges {
         /// The concept.
         concept: String,
@@ -72,16 +94,25 @@ pub enum ModelError {
         got: Option<[f32; 3]>,
     },
     /// A word that can't occur in a tokenized sentence.
+    #[error(
+        "domain: no sentence can contain the word {word:?}; expected lower case, no white space, \
+         no punctuation at its ends"
+    )]
     UnreadableWord {
         /// The word.
         word: String,
     },
     /// Row 0 of the vocabulary is not the group token.
+    #[error(
+        "metadata `vocabulary`: expected \"[[X]]\" as its first entry, got {got:?}; export the \
+         model again"
+    )]
     GroupToken {
         /// Row 0; empty if the vocabulary is.
         got: String,
     },
     /// The vocabulary and the words of the domain are not the same set.
+    #[error(fmt = vocabulary)]
     Vocabulary {
         /// Words of the domain that the vocabulary lacks.
         missing: Vec<String>,
@@ -89,6 +120,10 @@ pub enum ModelError {
         extra: Vec<String>,
     },
     /// The vocabulary is not sorted.
+    #[error(
+        "metadata `vocabulary`: expected sorted words, got {first:?} before {second:?}; export \
+         the model again"
+    )]
     VocabularyOrder {
         /// A word.
         first: String,
@@ -96,6 +131,10 @@ pub enum ModelError {
         second: String,
     },
     /// A tensor is missing.
+    #[error(
+        "tensor `{name}`: expected shape {expected:?}, found no such tensor; export the model \
+         again"
+    )]
     MissingTensor {
         /// Its name.
         name: String,
@@ -103,11 +142,18 @@ pub enum ModelError {
         expected: Vec<usize>,
     },
     /// A tensor that the architecture does not have.
+    #[error(
+        "tensor `{name}`: the architecture has no such tensor; export the model again without it"
+    )]
     ExtraTensor {
         /// Its name.
         name: String,
     },
     /// A tensor has the wrong shape.
+    #[error(
+        "tensor `{name}`: expected shape {expected:?}, got {got:?}; train with the architecture \
+         of this version"
+    )]
     Shape {
         /// Its name.
         name: String,
@@ -117,6 +163,7 @@ pub enum ModelError {
         got: Vec<usize>,
     },
     /// A tensor's elements are not `f32`.
+    #[error("tensor `{name}`: expected elements F32, got {got}; export it as float32")]
     ElementType {
         /// Its name.
         name: String,
@@ -124,6 +171,10 @@ pub enum ModelError {
         got: String,
     },
     /// A tensor holds a NaN or an infinity.
+    #[error(
+        "tensor `{name}`: expected finite values, got {got} at position {index}; the training \
+         diverged, train again"
+    )]
     NotFinite {
         /// Its name.
         name: String,
@@ -133,11 +184,16 @@ pub enum ModelError {
         got: String,
     },
     /// Finite parameters whose folded product does not fit an `f32`.
+    #[error("folded `{name}`: the product does not fit an f32; the training diverged, train again")]
     FoldedNotFinite {
         /// The folded array.
         name: String,
     },
     /// A concept's embedding is too short to have a direction.
+    #[error(
+        "tensor `vision.concept.weight`: expected an embedding with a direction for {concept:?}, \
+         got length {length:e}; train again"
+    )]
     ConceptLength {
         /// The concept.
         concept: String,
@@ -145,6 +201,10 @@ pub enum ModelError {
         length: f64,
     },
     /// An entry of `action.simulator.location_scale` is not positive.
+    #[error(
+        "tensor `action.simulator.location_scale`: expected positive values, got {got:?} at \
+         position {index}; export the model again"
+    )]
     LocationScale {
         /// Its position.
         index: usize,
@@ -152,11 +212,19 @@ pub enum ModelError {
         got: f32,
     },
     /// The metadata's hash is not a SHA-256 in lower-case hexadecimal digits.
+    #[error(
+        "metadata `hash`: expected 64 lower-case hexadecimal digits, got {got:?}; export the \
+         model again"
+    )]
     HashForm {
         /// The value in the file.
         got: String,
     },
     /// Metadata or tensors do not match the file's hash.
+    #[error(
+        "metadata and tensors: expected the SHA-256 {expected} of metadata `hash`, got {got}; \
+         the file was changed or damaged, fetch it again or export the model again"
+    )]
     Hash {
         /// The hash in the file.
         expected: String,
@@ -164,6 +232,7 @@ pub enum ModelError {
         got: String,
     },
     /// A threshold is outside 0 to 1.
+    #[error("metadata `thresholds`: expected {name} from 0 to 1, got {got:?}; calibrate again")]
     Threshold {
         /// Which.
         name: &'static str,
@@ -171,6 +240,10 @@ pub enum ModelError {
         got: f32,
     },
     /// The work space is empty or unbounded along an axis.
+    #[error(
+        "metadata `work_space`: expected finite bounds with min < max along {axis}, got {min:?} \
+         and {max:?}; export the model again"
+    )]
     WorkSpace {
         /// `x`, `y` or `z`.
         axis: char,
@@ -180,6 +253,10 @@ pub enum ModelError {
         max: f32,
     },
     /// The placed orientation is not a unit quaternion.
+    #[error(
+        "metadata `placed_orientation`: expected a unit quaternion x, y, z, w, got length \
+         {length:?}; export the model again"
+    )]
     PlacedOrientation {
         /// Its length.
         length: f32,
@@ -189,141 +266,32 @@ pub enum ModelError {
 /// The schema that `cargo harness convert` converts.
 const CONVERTIBLE: &str = "2";
 
-impl fmt::Display for ModelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotSafetensors { reason } => write!(
-                f,
-                "not a safetensors file ({reason}); pass the model.safetensors that `harness train` wrote"
-            ),
-            Self::MissingMetadata { key } => write!(
-                f,
-                "metadata: expected the key `{key}`, found none; export the model again"
-            ),
-            Self::NotJson { key, reason } => write!(
-                f,
-                "metadata `{key}`: expected the JSON that the exporter writes, but {reason}; export the model again"
-            ),
-            Self::Schema { expected, got } if got == CONVERTIBLE => write!(
-                f,
-                "metadata `schema`: expected {expected}, got {got:?}; convert the file with `cargo harness convert FILE`, or train again"
-            ),
-            Self::Schema { expected, got } => write!(
-                f,
-                "metadata `schema`: expected {expected}, got {got:?}; train again with the tools of this version"
-            ),
-            Self::Dimension {
-                name,
-                expected,
-                got,
-            } => write!(
-                f,
-                "metadata `dimensions`: expected {name} = {expected}, got {got}; train with the architecture of this version"
-            ),
-            Self::Empty { what } => {
-                write!(
-                    f,
-                    "domain: {what} must not be empty; add an entry and train again"
-                )
-            }
-            Self::TooMany { what, limit, got } => write!(
-                f,
-                "domain: expected at most {limit} {what}, got {got}; split the domain"
-            ),
-            Self::Duplicate { what, name } => write!(
-                f,
-                "domain: the {what} {name:?} occurs twice; rename one and train again"
-            ),
-            Self::Edges { concept, got } => {
-                write!(
-                    f,
-                    "domain: edges_m of {concept:?}: expected three lengths in metres, got "
-                )?;
-                match got {
-                    Some(edges) => write!(f, "{edges:?}")?,
-                    None => f.write_str("none")?,
-                }
-                f.write_str("; correct the domain file and train again")
-            }
-            Self::UnreadableWord { word } => write!(
-                f,
-                "domain: no sentence can contain the word {word:?}; expected lower case, no white space, no punctuation at its ends"
-            ),
-            Self::GroupToken { got } => write!(
-                f,
-                "metadata `vocabulary`: expected \"[[X]]\" as its first entry, got {got:?}; export the model again"
-            ),
-            Self::Vocabulary { missing, extra } => {
-                write!(
-                    f,
-                    "metadata `vocabulary`: expected exactly the words of the domain;"
-                )?;
-                write_words(f, " lacks", missing)?;
-                write_words(f, " also has", extra)?;
-                write!(f, " train again with this domain")
-            }
-            Self::VocabularyOrder { first, second } => write!(
-                f,
-                "metadata `vocabulary`: expected sorted words, got {first:?} before {second:?}; export the model again"
-            ),
-            Self::MissingTensor { name, expected } => write!(
-                f,
-                "tensor `{name}`: expected shape {expected:?}, found no such tensor; export the model again"
-            ),
-            Self::ExtraTensor { name } => write!(
-                f,
-                "tensor `{name}`: the architecture has no such tensor; export the model again without it"
-            ),
-            Self::Shape {
-                name,
-                expected,
-                got,
-            } => write!(
-                f,
-                "tensor `{name}`: expected shape {expected:?}, got {got:?}; train with the architecture of this version"
-            ),
-            Self::ElementType { name, got } => write!(
-                f,
-                "tensor `{name}`: expected elements F32, got {got}; export it as float32"
-            ),
-            Self::NotFinite { name, index, got } => write!(
-                f,
-                "tensor `{name}`: expected finite values, got {got} at position {index}; the training diverged, train again"
-            ),
-            Self::FoldedNotFinite { name } => write!(
-                f,
-                "folded `{name}`: the product does not fit an f32; the training diverged, train again"
-            ),
-            Self::ConceptLength { concept, length } => write!(
-                f,
-                "tensor `vision.concept.weight`: expected an embedding with a direction for {concept:?}, got length {length:e}; train again"
-            ),
-            Self::LocationScale { index, got } => write!(
-                f,
-                "tensor `action.simulator.location_scale`: expected positive values, got {got:?} at position {index}; export the model again"
-            ),
-            Self::HashForm { got } => write!(
-                f,
-                "metadata `hash`: expected 64 lower-case hexadecimal digits, got {got:?}; export the model again"
-            ),
-            Self::Hash { expected, got } => write!(
-                f,
-                "metadata and tensors: expected the SHA-256 {expected} of metadata `hash`, got {got}; the file was changed or damaged, fetch it again or export the model again"
-            ),
-            Self::Threshold { name, got } => write!(
-                f,
-                "metadata `thresholds`: expected {name} from 0 to 1, got {got:?}; calibrate again"
-            ),
-            Self::WorkSpace { axis, min, max } => write!(
-                f,
-                "metadata `work_space`: expected finite bounds with min < max along {axis}, got {min:?} and {max:?}; export the model again"
-            ),
-            Self::PlacedOrientation { length } => write!(
-                f,
-                "metadata `placed_orientation`: expected a unit quaternion x, y, z, w, got length {length:?}; export the model again"
-            ),
-        }
+/// What to do about a file of another schema.
+fn schema_advice(got: &str) -> &'static str {
+    if got == CONVERTIBLE {
+        "convert the file with `cargo harness convert FILE`, or train again"
+    } else {
+        "train again with the tools of this version"
     }
+}
+
+fn edges(concept: &str, got: &Option<[f32; 3]>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(
+        f,
+        "domain: edges_m of {concept:?}: expected three lengths in metres, got "
+    )?;
+    match got {
+        Some(edges) => write!(f, "{edges:?}")?,
+        None => f.write_str("none")?,
+    }
+    f.write_str("; correct the domain file and train again")
+}
+
+fn vocabulary(missing: &[String], extra: &[String], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    f.write_str("metadata `vocabulary`: expected exactly the words of the domain;")?;
+    write_words(f, " lacks", missing)?;
+    write_words(f, " also has", extra)?;
+    f.write_str(" train again with this domain")
 }
 
 /// Writes `" lacks"` and at most eight words, or nothing when there are none.
@@ -341,5 +309,3 @@ fn write_words(f: &mut fmt::Formatter<'_>, what: &str, words: &[String]) -> fmt:
     }
     write!(f, ";")
 }
-
-impl std::error::Error for ModelError {}

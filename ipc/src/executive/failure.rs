@@ -1,16 +1,19 @@
 use core::fmt;
 
 use nsrm_core::{Refusal, SceneError};
+use thiserror::Error;
 
 use crate::message::Outcome;
 
 /// Why a scene is not used.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneFault {
     /// It is invalid, or from another model or domain.
+    #[error("{0}")]
     Invalid(SceneError),
     /// Its image was taken too long ago.
+    #[error("the scene is {age_ms} ms old, {limit_ms} ms are allowed: does the camera work?")]
     TooOld {
         /// Its age, milliseconds.
         age_ms: u64,
@@ -18,75 +21,80 @@ pub enum SceneFault {
         limit_ms: u64,
     },
     /// Its image was taken before that of the previous scene.
+    #[error("the scene is older than the previous one: is there a second publisher?")]
     OutOfOrder,
     /// Its time is in the future: its publisher has another clock.
+    #[error(
+        "the scene's time is {by_ms} ms in the future: synchronize its publisher's clock with the \
+         planner's"
+    )]
     FromTheFuture {
         /// By how much, milliseconds.
         by_ms: u64,
     },
     /// Its camera has moved, or was replaced, since the sentence was started.
+    #[error(
+        "the camera has moved since the sentence was started: calibrate it and send the sentence \
+         again"
+    )]
     OtherCamera,
 }
 
-impl fmt::Display for SceneFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Invalid(error) => write!(f, "{error}"),
-            Self::TooOld { age_ms, limit_ms } => write!(
-                f,
-                "the scene is {age_ms} ms old, {limit_ms} ms are allowed: does the camera work?"
-            ),
-            Self::OutOfOrder => f.write_str(
-                "the scene is older than the previous one: is there a second publisher?",
-            ),
-            Self::FromTheFuture { by_ms } => write!(
-                f,
-                "the scene's time is {by_ms} ms in the future: synchronize its publisher's clock \
-                 with the planner's"
-            ),
-            Self::OtherCamera => f.write_str(
-                "the camera has moved since the sentence was started: calibrate it and send the \
-                 sentence again",
-            ),
-        }
-    }
-}
-
-impl core::error::Error for SceneFault {}
-
 /// Why a sentence was not executed completely. Steps count from 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// The sentence was refused; no further object was moved.
-    Refused(Refusal),
+    #[error("{0}")]
+    Refused(#[source] Refusal),
     /// No usable scene arrived.
+    #[error(fmt = no_scene)]
     NoScene {
         /// What was wrong with the last scene that arrived.
         last: Option<SceneFault>,
     },
     /// The controller did not accept the command and will not execute it.
+    #[error(
+        "step {}: the controller did not accept the command: is it running, and idle?",
+        number(*.step)
+    )]
     NotAccepted {
         /// Which step.
         step: u8,
     },
     /// The controller did not answer in time, or reported too late that it had started; whether
     /// the step was executed is unknown.
+    #[error(
+        "step {}: the controller did not answer in time, so whether the step was executed is \
+         unknown; check the robot",
+        number(*.step)
+    )]
     Unanswered {
         /// Which step.
         step: u8,
     },
     /// The controller accepted the command and reported no outcome in time.
+    #[error(
+        "step {}: the controller accepted the command but reported no outcome in time; check the \
+         robot",
+        number(*.step)
+    )]
     NoOutcome {
         /// Which step.
         step: u8,
     },
     /// The controller died or hangs; whether the step was executed is unknown.
+    #[error(
+        "step {}: the controller was lost, so whether the step was executed is unknown; check the \
+         robot",
+        number(*.step)
+    )]
     ControllerLost {
         /// Which step.
         step: u8,
     },
     /// The controller reported that the command failed.
+    #[error(fmt = unsuccessful)]
     Unsuccessful {
         /// Which step.
         step: u8,
@@ -96,6 +104,12 @@ pub enum Failure {
         objects: [u32; 2],
     },
     /// The controller reported success, but the object or its reference is observed elsewhere.
+    #[error(
+        "step {}: object {object} is {:.0} mm from where it should be; check whether it was pushed \
+         or fell, and send the sentence again",
+        number(*.step),
+        1000.0 * .off_m
+    )]
     NotThere {
         /// Which step.
         step: u8,
@@ -106,6 +120,11 @@ pub enum Failure {
     },
     /// The controller reported success, but the object or its reference is not visible, and no
     /// object that a step has put down hides it.
+    #[error(
+        "step {}: object {object} is no longer visible; check whether it fell or is hidden, and \
+         send the sentence again",
+        number(*.step)
+    )]
     NotSeen {
         /// Which step.
         step: u8,
@@ -113,10 +132,16 @@ pub enum Failure {
         object: u32,
     },
     /// The client cancelled the sentence, or disconnected.
+    #[error("cancelled")]
     Cancelled,
     /// As [`Failure::Cancelled`], but the controller did not confirm the stop.
+    #[error("cancelled, but the controller did not confirm the stop; check the robot")]
     CancelledUnconfirmed,
     /// The clock was set back, so the age of scenes is unknown.
+    #[error(
+        "the clock was set back, so the age of scenes is unknown; check the robot, and send the \
+         sentence again"
+    )]
     ClockSetBack,
 }
 
@@ -140,98 +165,34 @@ impl Failure {
     }
 }
 
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // People count from 1.
-        let step = |step: u8| u32::from(step) + 1;
-        match self {
-            Self::Refused(refusal) => write!(f, "{refusal}"),
-            Self::NoScene { last: None } => {
-                f.write_str("no scene arrived: is the perception node running?")
-            }
-            Self::NoScene { last: Some(fault) } => {
-                write!(
-                    f,
-                    "no usable scene arrived; the last one: {fault}"
-                )
-            }
-            Self::NotAccepted { step: at } => write!(
-                f,
-                "step {}: the controller did not accept the command: is it running, and idle?",
-                step(*at)
-            ),
-            Self::Unanswered { step: at } => write!(
-                f,
-                "step {}: the controller did not answer in time, so whether the step was executed is \
-                 unknown; check the robot",
-                step(*at)
-            ),
-            Self::NoOutcome { step: at } => write!(
-                f,
-                "step {}: the controller accepted the command but reported no outcome in time; check \
-                 the robot",
-                step(*at)
-            ),
-            Self::ControllerLost { step: at } => write!(
-                f,
-                "step {}: the controller was lost, so whether the step was executed is unknown; \
-                 check the robot",
-                step(*at)
-            ),
-            Self::Unsuccessful {
-                step: at,
-                outcome,
-                objects,
-            } => {
-                write!(f, "step {}: {}", step(*at), outcome.words())?;
-                match objects {
-                    [0, 0] => {}
-                    [object, 0] | [0, object] => write!(f, ": object {object} is in the way")?,
-                    [one, other] => {
-                        write!(f, ": objects {one} and {other} are in the way")?;
-                    }
-                }
-                match outcome.advice() {
-                    "" => Ok(()),
-                    advice => write!(f, "; {advice}"),
-                }
-            }
-            Self::NotThere {
-                step: at,
-                object,
-                off_m,
-            } => write!(
-                f,
-                "step {}: object {object} is {:.0} mm from where it should be; check whether it \
-                 was pushed or fell, and send the sentence again",
-                step(*at),
-                1000.0 * off_m
-            ),
-            Self::NotSeen { step: at, object } => {
-                write!(
-                    f,
-                    "step {}: object {object} is no longer visible; check whether it fell or is \
-                     hidden, and send the sentence again",
-                    step(*at)
-                )
-            }
-            Self::Cancelled => f.write_str("cancelled"),
-            Self::CancelledUnconfirmed => f.write_str(
-                "cancelled, but the controller did not confirm the stop; check the robot",
-            ),
-            Self::ClockSetBack => f.write_str(
-                "the clock was set back, so the age of scenes is unknown; check the robot, and send \
-                 the sentence again",
-            ),
-        }
+/// What was wrong with the last scene, if any arrived.
+fn no_scene(last: &Option<SceneFault>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match last {
+        None => f.write_str("no scene arrived: is the perception node running?"),
+        Some(fault) => write!(f, "no usable scene arrived; the last one: {fault}"),
     }
 }
 
-impl core::error::Error for Failure {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        match self {
-            Self::Refused(refusal) => Some(refusal),
-            _ => None,
-        }
+/// What the controller reported, what is in the way, and what to do about it.
+fn unsuccessful(
+    step: &u8,
+    outcome: &Outcome,
+    objects: &[u32; 2],
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    write!(f, "step {}: {}", number(*step), outcome.words())?;
+    match objects {
+        [0, 0] => {}
+        [object, 0] | [0, object] => write!(f, ": object {object} is in the way")?,
+        [one, other] => write!(f, ": objects {one} and {other} are in the way")?,
     }
+    match outcome.advice() {
+        "" => Ok(()),
+        advice => write!(f, "; {advice}"),
+    }
+}
+
+/// The step as people count, from 1.
+const fn number(step: u8) -> u32 {
+    step as u32 + 1
 }

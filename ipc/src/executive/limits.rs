@@ -1,4 +1,4 @@
-use core::fmt;
+use thiserror::Error;
 
 /// Limits of the closed loop: timeouts, tolerances and retries.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,28 +48,19 @@ impl Default for Limits {
 }
 
 /// An invalid limit: it would allow nothing, or everything.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum LimitsError {
     /// A time is zero.
+    #[error("{0}: must be longer than 0")]
     Zero(&'static str),
     /// A distance is not a positive number.
+    #[error("{0}: must be a positive number of metres")]
     Distance(&'static str),
     /// No command is allowed.
+    #[error("attempts: must be 1 or more")]
     NoAttempt,
 }
-
-impl fmt::Display for LimitsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Zero(name) => write!(f, "{name}: must be longer than 0"),
-            Self::Distance(name) => write!(f, "{name}: must be a positive number of metres"),
-            Self::NoAttempt => f.write_str("attempts: must be 1 or more"),
-        }
-    }
-}
-
-impl core::error::Error for LimitsError {}
 
 impl Limits {
     /// Checks that the limits are valid.

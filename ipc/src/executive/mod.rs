@@ -24,6 +24,7 @@ pub use limits::{Limits, LimitsError};
 use heapless::String;
 use nsrm_core::planner::PlannedStep;
 use nsrm_core::{MAX_OBJECTS, MAX_SENTENCE_BYTES, Model, Plan, Planner};
+use thiserror::Error;
 
 use crate::message::{Feedback, FeedbackError, SceneMessage};
 use job::Job;
@@ -115,23 +116,12 @@ pub enum Event {
 }
 
 /// Another sentence is being executed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("another sentence (plan {plan}) is being executed: wait for it, or cancel it")]
 pub struct Busy {
     /// Number of its plan.
     pub plan: u64,
 }
-
-impl core::fmt::Display for Busy {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "another sentence (plan {}) is being executed: wait for it, or cancel it",
-            self.plan
-        )
-    }
-}
-
-impl core::error::Error for Busy {}
 
 /// Executes one sentence at a time.
 ///

@@ -1,11 +1,10 @@
 //! What a camera publishes: an RGB-D image with a detector's boxes.
 
-use core::fmt;
-
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::MAX_OBJECTS;
 use nsrm_core::camera::{Camera, CameraError};
+use thiserror::Error;
 
 use super::layout::message;
 use super::scene::CameraMessage;
@@ -81,17 +80,20 @@ pub struct Frame<'a> {
 }
 
 /// Why a camera frame is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CameraFrameError {
     /// Invalid camera.
+    #[error("camera frame: {0}")]
     Camera(CameraError),
     /// More boxes than a scene holds.
+    #[error("camera frame: {count} boxes; at most {MAX_OBJECTS} are allowed")]
     TooManyBoxes {
         /// The number in the frame.
         count: u32,
     },
     /// The length of the slice does not match width and height.
+    #[error("camera frame: the image has {got} bytes; its width and height need {expected}")]
     ImageLength {
         /// Bytes of RGB and depth for the camera's image size.
         expected: u64,
@@ -99,26 +101,6 @@ pub enum CameraFrameError {
         got: u64,
     },
 }
-
-impl fmt::Display for CameraFrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Camera(error) => write!(f, "camera frame: {error}"),
-            Self::TooManyBoxes { count } => {
-                write!(
-                    f,
-                    "camera frame: {count} boxes; at most {MAX_OBJECTS} are allowed"
-                )
-            }
-            Self::ImageLength { expected, got } => write!(
-                f,
-                "camera frame: the image has {got} bytes; its width and height need {expected}"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for CameraFrameError {}
 
 impl From<CameraError> for CameraFrameError {
     fn from(error: CameraError) -> Self {

@@ -1,9 +1,8 @@
 //! What a controller answers: the outcome of a command.
 
-use core::fmt;
-
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
+use thiserror::Error;
 
 use super::layout::message;
 use super::numbers::numbers;
@@ -159,25 +158,16 @@ pub struct Report {
 }
 
 /// Why a feedback message is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FeedbackError {
     /// Unknown outcome.
+    #[error("feedback: unknown outcome {0}")]
     Outcome(u32),
     /// Commands count from 1.
+    #[error("feedback: command 0; commands count from 1")]
     NoCommand,
 }
-
-impl fmt::Display for FeedbackError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Outcome(number) => write!(f, "feedback: unknown outcome {number}"),
-            Self::NoCommand => f.write_str("feedback: command 0; commands count from 1"),
-        }
-    }
-}
-
-impl core::error::Error for FeedbackError {}
 
 impl Feedback {
     /// Checks the message.

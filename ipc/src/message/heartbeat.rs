@@ -1,10 +1,9 @@
 //! Heartbeats: every node publishes them several times a second, so that others detect if it dies
 //! or hangs.
 
-use core::fmt;
-
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
+use thiserror::Error;
 
 use super::layout::message;
 use super::numbers::numbers;
@@ -77,25 +76,16 @@ numbers! {
 }
 
 /// Why a heartbeat is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum HeartbeatError {
     /// Unknown role.
+    #[error("heartbeat: unknown role {0}")]
     Role(u32),
     /// Unknown state.
+    #[error("heartbeat: unknown state {0}")]
     State(u32),
 }
-
-impl fmt::Display for HeartbeatError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Role(number) => write!(f, "heartbeat: unknown role {number}"),
-            Self::State(number) => write!(f, "heartbeat: unknown state {number}"),
-        }
-    }
-}
-
-impl core::error::Error for HeartbeatError {}
 
 impl Heartbeat {
     /// The sender's role and state.

@@ -6,6 +6,7 @@ use core::fmt;
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::{MAX_STEPS, Model, Plan};
+use thiserror::Error;
 
 use super::layout::message;
 use super::numbers::numbers;
@@ -164,50 +165,34 @@ pub enum Reply<'a> {
 }
 
 /// Why a reply is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PlanReplyError {
     /// Unknown status.
+    #[error("plan reply: unknown status {0}")]
     Status(u32),
     /// A program without steps, or with too many.
+    #[error("plan reply: a program of {0} steps; it must have from 1 to {MAX_STEPS}")]
     Count(u32),
     /// A step number that no program has.
+    #[error("plan reply: step {0}; a program has at most {MAX_STEPS}, counted from 0")]
     Step(u32),
     /// An invalid step.
+    #[error(
+        "plan reply: step {step} has too many concepts, a number that is not finite, or a \
+         quaternion not of length 1"
+    )]
     Broken {
         /// Which step, from 0.
         step: u32,
     },
     /// Unknown reason.
+    #[error("plan reply: unknown reason {0}")]
     Reason(u32),
     /// The message is not valid text.
+    #[error("plan reply: the message is not UTF-8, or too long")]
     Text,
 }
-
-impl fmt::Display for PlanReplyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Status(number) => write!(f, "plan reply: unknown status {number}"),
-            Self::Count(count) => write!(
-                f,
-                "plan reply: a program of {count} steps; it must have from 1 to {MAX_STEPS}"
-            ),
-            Self::Step(step) => write!(
-                f,
-                "plan reply: step {step}; a program has at most {MAX_STEPS}, counted from 0"
-            ),
-            Self::Broken { step } => write!(
-                f,
-                "plan reply: step {step} has too many concepts, a number that is not finite, or \
-                 a quaternion not of length 1"
-            ),
-            Self::Reason(number) => write!(f, "plan reply: unknown reason {number}"),
-            Self::Text => f.write_str("plan reply: the message is not UTF-8, or too long"),
-        }
-    }
-}
-
-impl core::error::Error for PlanReplyError {}
 
 /// The request that a reply belongs to, and the reply's number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

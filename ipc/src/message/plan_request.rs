@@ -1,10 +1,9 @@
 //! A client's requests to a robot (services `plan` and `ask`).
 
-use core::fmt;
-
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nsrm_core::MAX_SENTENCE_BYTES;
+use thiserror::Error;
 
 use super::layout::message;
 use super::numbers::numbers;
@@ -45,38 +44,27 @@ pub enum Asked {
 }
 
 /// Why a request is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PlanRequestError {
     /// More bytes than a request holds.
+    #[error(
+        "plan request: the sentence has {length} bytes; at most {MAX_SENTENCE_BYTES} are allowed"
+    )]
     TooLong {
         /// Bytes of the sentence.
         length: usize,
     },
     /// The sentence is not UTF-8.
+    #[error("plan request: the sentence is not UTF-8")]
     Utf8,
     /// Unknown purpose.
+    #[error(
+        "plan request: unknown purpose {0}; 1 plans, 2 executes, 3 executes without observing, 4 \
+         cancels"
+    )]
     Purpose(u32),
 }
-
-impl fmt::Display for PlanRequestError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLong { length } => write!(
-                f,
-                "plan request: the sentence has {length} bytes; at most {MAX_SENTENCE_BYTES} are allowed"
-            ),
-            Self::Utf8 => f.write_str("plan request: the sentence is not UTF-8"),
-            Self::Purpose(number) => write!(
-                f,
-                "plan request: unknown purpose {number}; 1 plans, 2 executes, 3 executes without \
-                 observing, 4 cancels"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for PlanRequestError {}
 
 numbers! {
     /// The purpose of a request: [`PlanRequest::purpose`].

@@ -1,11 +1,10 @@
 //! Commands for a controller: move an object to its sub-goal, or stop.
 
-use core::fmt;
-
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use nsrm_core::{MAX_OBJECTS, MAX_STEPS};
+use thiserror::Error;
 
 use super::checks::{all_finite, is_unit};
 use super::layout::message;
@@ -85,14 +84,17 @@ pub enum Order {
 }
 
 /// Why a command is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SubGoalError {
     /// Unknown kind.
+    #[error("sub-goal: unknown kind {0}; 1 is a move, 2 is a stop")]
     Kind(u32),
     /// Commands count from 1.
+    #[error("sub-goal: command 0; commands count from 1")]
     NoCommand,
     /// Too many steps, none, or a step number after the last.
+    #[error("sub-goal: step {step} of {steps}; steps count from 0 and are {MAX_STEPS} at most")]
     Step {
         /// The step number.
         step: u32,
@@ -100,6 +102,9 @@ pub enum SubGoalError {
         steps: u32,
     },
     /// An id is 0, or both are the same.
+    #[error(
+        "sub-goal: object {object} and reference {reference} must differ, and neither may be 0"
+    )]
     Objects {
         /// Id of the object to move.
         object: u32,
@@ -107,47 +112,21 @@ pub enum SubGoalError {
         reference: u32,
     },
     /// Position, location or confidence is infinite or not a number.
+    #[error("sub-goal: a number is not finite")]
     NotFinite,
     /// The orientation is not a quaternion of length 1.
+    #[error("sub-goal: orientation (x, y, z, w) must have length 1")]
     NotNormalised,
     /// The confidence is not from 0 to 1.
+    #[error("sub-goal: confidence must lie from 0 to 1")]
     Confidence,
     /// It is valid, but its deadline has passed: it must not be started.
+    #[error("sub-goal: read {by_ms} ms after its deadline; its plan was abandoned")]
     TooLate {
         /// By how much, milliseconds.
         by_ms: u64,
     },
 }
-
-impl fmt::Display for SubGoalError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Kind(kind) => {
-                write!(f, "sub-goal: unknown kind {kind}; 1 is a move, 2 is a stop")
-            }
-            Self::NoCommand => f.write_str("sub-goal: command 0; commands count from 1"),
-            Self::Step { step, steps } => write!(
-                f,
-                "sub-goal: step {step} of {steps}; steps count from 0 and are {MAX_STEPS} at most"
-            ),
-            Self::Objects { object, reference } => write!(
-                f,
-                "sub-goal: object {object} and reference {reference} must differ, and neither may be 0"
-            ),
-            Self::NotFinite => f.write_str("sub-goal: a number is not finite"),
-            Self::NotNormalised => {
-                f.write_str("sub-goal: orientation (x, y, z, w) must have length 1")
-            }
-            Self::Confidence => f.write_str("sub-goal: confidence must lie from 0 to 1"),
-            Self::TooLate { by_ms } => write!(
-                f,
-                "sub-goal: read {by_ms} ms after its deadline; its plan was abandoned"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for SubGoalError {}
 
 impl SubGoal {
     const EMPTY: Self = Self {

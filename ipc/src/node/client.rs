@@ -4,6 +4,7 @@ use core::fmt;
 
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::prelude::*;
+use thiserror::Error;
 
 use super::heartbeats::{Heartbeats, Peer};
 use crate::clock::now_ns;
@@ -14,21 +15,28 @@ use crate::service::{
 };
 
 /// Why a request was not sent, or gets no more replies.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum RequestError {
     /// The robot has no planner.
+    #[error("robot `{0}` has no planner; start one: nsrm serve --robot {0}")]
     NoPlanner(RobotName),
     /// The planner died or hangs; the last command may have been executed.
+    #[error("the planner of robot `{0}` died or hangs; check the robot, then restart the planner")]
     PlannerLost(RobotName),
     /// A reply is missing.
+    #[error(
+        "reply {number}, or the request, was lost; check the robot, then send the sentence again"
+    )]
     ReplyLost {
         /// Which, from 1.
         number: u32,
     },
     /// The sentence can't be sent.
+    #[error("{0}")]
     Request(PlanRequestError),
     /// Any other error of iceoryx2.
+    #[error("request: {0}; check that /dev/shm has free space, then send the sentence again")]
     Iceoryx(String),
 }
 
@@ -44,33 +52,6 @@ impl RequestError {
         }
     }
 }
-
-impl fmt::Display for RequestError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoPlanner(robot) => write!(
-                f,
-                "robot `{robot}` has no planner; start one: nsrm serve --robot {robot}"
-            ),
-            Self::PlannerLost(robot) => write!(
-                f,
-                "the planner of robot `{robot}` died or hangs; check the robot, then restart the \
-                 planner"
-            ),
-            Self::ReplyLost { number } => write!(
-                f,
-                "reply {number}, or the request, was lost; check the robot, then send the sentence again"
-            ),
-            Self::Request(error) => write!(f, "{error}"),
-            Self::Iceoryx(says) => write!(
-                f,
-                "request: {says}; check that /dev/shm has free space, then send the sentence again"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for RequestError {}
 
 /// How long a planner may report that it is idle while a client waits for the end of its request,
 /// nanoseconds: the longest round trip through two tunnels before all scenes are too old.

@@ -1,13 +1,13 @@
 //! Perception as a process: takes frames with boxes and publishes scenes. It reads the pixels in
 //! place, where the camera's process has written them.
 
-use core::fmt;
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 
 use heapless::Vec;
 use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp};
 use nsrm_core::{MAX_OBJECTS, Model, SceneError};
+use thiserror::Error;
 use tracing::warn;
 
 use super::appearance_cache::AppearanceCache;
@@ -20,28 +20,19 @@ use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
 const NAP: Duration = Duration::from_millis(20);
 
 /// Why a frame gives no scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FrameFault {
     /// Invalid frame.
+    #[error("{0}")]
     Frame(CameraFrameError),
     /// Invalid image.
+    #[error("{0}")]
     Image(ImageError),
     /// Invalid detections.
+    #[error("{0}")]
     Scene(SceneError),
 }
-
-impl fmt::Display for FrameFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Frame(error) => write!(f, "{error}"),
-            Self::Image(error) => write!(f, "{error}"),
-            Self::Scene(error) => write!(f, "{error}"),
-        }
-    }
-}
-
-impl core::error::Error for FrameFault {}
 
 /// A robot's perception.
 #[derive(Debug)]

@@ -1,14 +1,17 @@
 use core::fmt;
 use std::path::PathBuf;
 
+use thiserror::Error;
+
 use super::RobotName;
 use super::leftovers::SEGMENTS;
 
 /// Why a process can't use a service.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ServiceError {
     /// Another process has the service's only slot.
+    #[error(fmt = taken)]
     Taken {
         /// Of which robot.
         robot: RobotName,
@@ -18,6 +21,7 @@ pub enum ServiceError {
         process: Option<u32>,
     },
     /// All slots are taken.
+    #[error("robot `{robot}`: too many processes use `{service}`; stop one of them")]
     Full {
         /// Of which robot.
         robot: RobotName,
@@ -26,6 +30,11 @@ pub enum ServiceError {
     },
     /// Another process uses the service with a different message layout or different
     /// guarantees.
+    #[error(
+        "robot `{robot}`: `{service}` is used by another version of NSRM, or by a process with \
+         another setting of `hosts`; use the same version and the same `hosts` for all of a \
+         robot's processes, and a tunnel with the configuration in docs/hosts"
+    )]
     OtherVersion {
         /// Of which robot.
         robot: RobotName,
@@ -33,6 +42,12 @@ pub enum ServiceError {
         service: &'static str,
     },
     /// The shared-memory folder belongs to another user.
+    #[error(
+        "robot `{robot}`: the shared-memory folder {} belongs to another user; start all processes \
+         as that user, or give this robot its own folder: `root` under [shared_memory] in the \
+         configuration",
+        .folder.display()
+    )]
     OtherUser {
         /// Of which robot.
         robot: RobotName,
@@ -42,6 +57,13 @@ pub enum ServiceError {
         folder: PathBuf,
     },
     /// Too little shared memory is left.
+    #[error(
+        "robot `{robot}`: `{service}` needs {:.1} MB of shared memory, but {:.1} are left in \
+         {SEGMENTS}; remove unused files there, or enlarge it (`mount -o remount,size=...`; for a \
+         container `--shm-size`)",
+        megabytes(*.wanted),
+        megabytes(*.free)
+    )]
     NoRoom {
         /// Of which robot.
         robot: RobotName,
@@ -53,6 +75,7 @@ pub enum ServiceError {
         wanted: u64,
     },
     /// Any other error of iceoryx2.
+    #[error(fmt = iceoryx)]
     Iceoryx {
         /// Of which robot.
         robot: RobotName,
@@ -66,89 +89,44 @@ pub enum ServiceError {
 }
 
 /// Why a message was not sent.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SendFailure {
     /// The receiver has not read the earlier messages.
+    #[error("the receiver does not read its messages: does it hang? Restart it")]
     Full,
     /// Any other error of iceoryx2.
+    #[error("the message was not sent: {0}")]
     Iceoryx(String),
 }
 
-impl fmt::Display for SendFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Full => {
-                f.write_str("the receiver does not read its messages: does it hang? Restart it")
-            }
-            Self::Iceoryx(says) => write!(f, "the message was not sent: {says}"),
-        }
+fn taken(
+    robot: &RobotName,
+    service: &&'static str,
+    process: &Option<u32>,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    write!(f, "robot `{robot}`: `{service}` is already served")?;
+    if let Some(process) = process {
+        write!(f, " by process {process}")?;
+    }
+    f.write_str("; choose another robot name, or stop that process")
+}
+
+fn iceoryx(
+    robot: &RobotName,
+    service: &&'static str,
+    says: &str,
+    cause: &Option<String>,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    write!(f, "robot `{robot}`: `{service}`: {says}")?;
+    match cause {
+        Some(cause) => write!(f, ": {cause}"),
+        None => Ok(()),
     }
 }
 
-impl core::error::Error for SendFailure {}
-
-impl fmt::Display for ServiceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Taken {
-                robot,
-                service,
-                process,
-            } => {
-                write!(f, "robot `{robot}`: `{service}` is already served")?;
-                if let Some(process) = process {
-                    write!(f, " by process {process}")?;
-                }
-                f.write_str("; choose another robot name, or stop that process")
-            }
-            Self::Full { robot, service } => write!(
-                f,
-                "robot `{robot}`: too many processes use `{service}`; stop one of them"
-            ),
-            Self::OtherVersion { robot, service } => write!(
-                f,
-                "robot `{robot}`: `{service}` is used by another version of NSRM, or by a process with \
-                 another setting of `hosts`; use the same version and the same `hosts` for all of \
-                 a robot's processes, and a tunnel with the configuration in docs/hosts"
-            ),
-            Self::OtherUser { robot, folder, .. } => write!(
-                f,
-                "robot `{robot}`: the shared-memory folder {} belongs to another user; start all \
-                 processes as that user, or give this robot its own folder: `root` under \
-                 [shared_memory] in the configuration",
-                folder.display()
-            ),
-            Self::NoRoom {
-                robot,
-                service,
-                free,
-                wanted,
-            } => {
-                let megabytes = |bytes: u64| bytes as f64 / 1e6;
-                write!(
-                    f,
-                    "robot `{robot}`: `{service}` needs {:.1} MB of shared memory, but {:.1} are \
-                     left in {SEGMENTS}; remove unused files there, or enlarge it (`mount -o \
-                     remount,size=...`; for a container `--shm-size`)",
-                    megabytes(*wanted),
-                    megabytes(*free),
-                )
-            }
-            Self::Iceoryx {
-                robot,
-                service,
-                says,
-                cause,
-            } => {
-                write!(f, "robot `{robot}`: `{service}`: {says}")?;
-                if let Some(cause) = cause {
-                    write!(f, ": {cause}")?;
-                }
-                Ok(())
-            }
-        }
-    }
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e6
 }
-
-impl core::error::Error for ServiceError {}

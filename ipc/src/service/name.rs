@@ -2,6 +2,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use heapless::String;
+use thiserror::Error;
 
 /// The greatest length of a robot's name, characters.
 pub const MAX_NAME: usize = 32;
@@ -34,31 +35,16 @@ impl fmt::Display for RobotName {
 }
 
 /// Why a robot's name is invalid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum RobotNameError {
     /// Empty, or too long.
+    #[error("a robot's name must have from 1 to {MAX_NAME} characters")]
     Length,
     /// A character other than small letters, digits, `-` and `_`.
+    #[error("{0:?} in a robot's name: allowed are a to z, 0 to 9, \"-\" and \"_\"")]
     Letter(char),
 }
-
-impl fmt::Display for RobotNameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length => write!(
-                f,
-                "a robot's name must have from 1 to {MAX_NAME} characters"
-            ),
-            Self::Letter(letter) => write!(
-                f,
-                "{letter:?} in a robot's name: allowed are a to z, 0 to 9, \"-\" and \"_\""
-            ),
-        }
-    }
-}
-
-impl core::error::Error for RobotNameError {}
 
 impl FromStr for RobotName {
     type Err = RobotNameError;

@@ -9,6 +9,7 @@ use nsrm_ipc::executive::{Limits, LimitsError};
 use nsrm_ipc::node::Transport;
 use nsrm_ipc::service::{Hosts, RobotName, RobotNameError, set_global_config};
 use serde::Deserialize;
+use thiserror::Error;
 
 /// A configuration file (TOML). All keys are optional.
 #[derive(Debug, Default, Deserialize)]
@@ -86,43 +87,26 @@ pub(crate) struct Config {
 const ROBOT: &str = "robot";
 
 /// Why a configuration is invalid.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 pub(crate) enum ConfigError {
+    #[error("{path}: {1}", path = .0.display())]
     Read(PathBuf, std::io::Error),
+    #[error("{path}: {1}", path = .0.display())]
     Parse(PathBuf, toml::de::Error),
+    #[error("{0}")]
     Robot(RobotNameError),
+    #[error("limits: {0}")]
     Limits(LimitsError),
+    #[error("shared_memory.{0} = {1:?}: too long, or not a valid file name")]
     SharedMemory(&'static str, String),
+    #[error(
+        "shared_memory.root = {0:?}: must be an absolute path, so that processes find each other \
+         wherever they are started"
+    )]
     Relative(String),
+    #[error("shared_memory: {0}; is {folder} writable?", folder = std::env::temp_dir().display())]
     Settle(std::io::Error),
 }
-
-impl std::fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Read(path, error) => write!(f, "{}: {error}", path.display()),
-            Self::Parse(path, error) => write!(f, "{}: {error}", path.display()),
-            Self::Robot(error) => write!(f, "{error}"),
-            Self::Limits(error) => write!(f, "limits: {error}"),
-            Self::SharedMemory(key, value) => write!(
-                f,
-                "shared_memory.{key} = {value:?}: too long, or not a valid file name"
-            ),
-            Self::Relative(root) => write!(
-                f,
-                "shared_memory.root = {root:?}: must be an absolute path, so that processes \
-                 find each other wherever they are started"
-            ),
-            Self::Settle(error) => write!(
-                f,
-                "shared_memory: {error}; is {} writable?",
-                std::env::temp_dir().display()
-            ),
-        }
-    }
-}
-
-impl std::error::Error for ConfigError {}
 
 impl Config {
     /// Reads the file, if one is given; options on the command line override it. Also sets the
