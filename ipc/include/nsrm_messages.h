@@ -442,7 +442,7 @@ enum nsrm_outcome {
     NSRM_OUTCOME_NOT_FOLLOWING = 13,
     /** Another object stands on the object. */
     NSRM_OUTCOME_COVERED = 14,
-    /** The gripper can't hold an object of this size. */
+    /** The gripper cannot hold an object of this size. */
     NSRM_OUTCOME_CANNOT_HOLD = 15,
     /** Other objects are moved aside first, or the object itself is regrasped on the way;
      *  another outcome follows. */

@@ -373,4 +373,4 @@ def test_the_command_counts_what_the_core_refuses(
     assert run("refusals", *options, "--set", "validation") == 2
     assert "has the split 'test', but the set 'validation'" in capsys.readouterr().err
     assert run("refusals", *options, "--model", tmp_path / "none.safetensors") == 2
-    assert "can't read" in capsys.readouterr().err
+    assert "cannot read" in capsys.readouterr().err

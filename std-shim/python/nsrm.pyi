@@ -43,7 +43,7 @@ class Refused(NsrmError):
     """The known word that may have been meant by an unknown one."""
 
 class ModelError(NsrmError):
-    """A model file can't be used."""
+    """A model file cannot be used."""
 
 class SceneError(NsrmError):
     """The observed scene is invalid."""

@@ -18,12 +18,12 @@ pub enum AnyModel {
     Loaded(Box<OwnedModel>),
 }
 
-/// Why a model file can't be used.
+/// Why a model file cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoadError {
     /// The file cannot be read.
-    #[error("{}: can't read the model file: {source}", .path.display())]
+    #[error("{}: cannot read the model file: {source}", .path.display())]
     Read {
         /// Its path.
         path: PathBuf,
@@ -43,7 +43,7 @@ pub enum LoadError {
 /// Reads, checks and folds a model file (safetensors).
 ///
 /// # Errors
-/// [`LoadError`] if it can't be read or its content is invalid.
+/// [`LoadError`] if it cannot be read or its content is invalid.
 pub fn load_model(path: impl AsRef<Path>) -> Result<OwnedModel, LoadError> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|source| LoadError::Read {
@@ -60,7 +60,7 @@ impl AnyModel {
     /// [`load_model`].
     ///
     /// # Errors
-    /// [`LoadError`] if it can't be read or its content is invalid.
+    /// [`LoadError`] if it cannot be read or its content is invalid.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, LoadError> {
         Ok(Self::Loaded(Box::new(load_model(path)?)))
     }

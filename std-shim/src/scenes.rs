@@ -15,12 +15,12 @@ use thiserror::Error;
 /// Schema version of the scene file.
 const SCHEMA: u32 = 1;
 
-/// Why a scene file can't be used.
+/// Why a scene file cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SceneFileError {
-    /// A file can't be read.
-    #[error("{}: can't read it: {source}", .path.display())]
+    /// A file cannot be read.
+    #[error("{}: cannot read it: {source}", .path.display())]
     Read {
         /// Its path.
         path: PathBuf,
@@ -55,7 +55,7 @@ pub enum SceneFileError {
         /// Its path.
         path: PathBuf,
     },
-    /// An image can't be decoded.
+    /// An image cannot be decoded.
     #[error("{}: expected a PNG image: {source}", .path.display())]
     Image {
         /// Its path.
@@ -145,7 +145,7 @@ impl ObjectEntry {
 ///   without it, the boxes are cut out of `image`, whose path is relative to the scene file
 ///
 /// # Errors
-/// [`SceneFileError`] for files that can't be read or decoded and for scenes that
+/// [`SceneFileError`] for files that cannot be read or decoded and for scenes that
 /// core refuses.
 pub fn read_scene(
     path: impl AsRef<Path>,

@@ -407,7 +407,7 @@ fn scenes_that_are_none() {
 fn images_that_are_none() {
     bad_scene(
         |scene| scene["image"] = json!("none.png"),
-        &["none.png", "can't read"],
+        &["none.png", "cannot read"],
     );
     bad_scene(
         |scene| scene["image"] = json!("scene.json"),
@@ -422,11 +422,11 @@ fn images_that_are_none() {
     std::fs::remove_file(bench.path("crops/3.png")).expect("a crop");
     refused(
         &bench.plan(sentence, &["--crops", "crops"]),
-        &["3.png", "can't read"],
+        &["3.png", "cannot read"],
     );
     refused(
         &bench.plan(sentence, &["--crops", "none"]),
-        &["none", "can't read"],
+        &["none", "cannot read"],
     );
 }
 
@@ -440,14 +440,14 @@ fn models_that_are_none() {
     );
     refused(
         &bench.run(&["info", "none.safetensors"]),
-        &["none.safetensors", "can't read"],
+        &["none.safetensors", "cannot read"],
     );
     let parse = ["parse", "--json", "--model", "bad.safetensors", "put"];
     let json = refused(&bench.run(&parse), &["bad.safetensors"]);
     assert!(json["error"]["message"].is_string(), "{json}");
     refused(
         &bench.run(&["plan", "--scene", "none.json", "put"]),
-        &["none.json", "can't read"],
+        &["none.json", "cannot read"],
     );
 }
 

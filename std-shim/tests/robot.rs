@@ -289,7 +289,7 @@ fn what_keeps_processes_from_meeting_is_found() {
     };
     ends_with(
         &bench.run(&serve_in("/proc/nothing")),
-        "the shared-memory folder /proc/nothing can't be created or written to: No such file",
+        "the shared-memory folder /proc/nothing cannot be created or written to: No such file",
     );
     let long = bench.path(&"long".repeat(20));
     ends_with(

@@ -294,7 +294,7 @@ fn a_socket_that_is_nobodys_is_removed() {
         names.filter(|path| path.extension().is_some_and(|it| it == "event"))
     };
     for socket in sockets() {
-        // As `age` and `keep_young`; a socket can't be opened.
+        // As `age` and `keep_young`; a socket cannot be opened.
         let made = if socket == young {
             "1 hour"
         } else {

@@ -183,7 +183,7 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     let replies = world.follow(&mut planner, &second, now_ns);
     assert_eq!(last_reason(&replies), Some("busy"));
     drop(second);
-    // Another request can't be cancelled by number alone, its own can.
+    // Another request cannot be cancelled by number alone, its own can.
     for (sequence, expected) in [(9, Some("no_such_request")), (2, None)] {
         let cancel = world
             .client

@@ -93,7 +93,7 @@ pub enum ModelError {
         /// Its edge lengths, metres.
         got: Option<[f32; 3]>,
     },
-    /// A word that can't occur in a tokenized sentence.
+    /// A word that cannot occur in a tokenized sentence.
     #[error(
         "domain: no sentence can contain the word {word:?}; expected lower case, no white space, \
          no punctuation at its ends"

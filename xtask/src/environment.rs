@@ -146,7 +146,7 @@ impl Environment {
                 pip.args(["install", "--quiet", "--require-hashes", "--requirement"]);
                 run_on_stderr(pip.arg(&file)).with_context(|| {
                     format!(
-                        "can't install {}; {}",
+                        "cannot install {}; {}",
                         file.display(),
                         python::build_hint(&self.python())
                     )
@@ -199,7 +199,7 @@ impl Environment {
                 self.empty()?;
                 let mut venv = Command::new(&python.program);
                 run_on_stderr(venv.args(["-m", "venv"]).arg(&self.folder))
-                    .with_context(|| format!("{} can't create .venv", python.program))?;
+                    .with_context(|| format!("{} cannot create .venv", python.program))?;
                 let packages = self.packages()?;
                 let harness = self.project.path("sim-harness");
                 fs::write(

@@ -82,7 +82,7 @@ fn with_programs(command: &str, programs: &[&str], arguments: Vec<OsString>) -> 
 }
 
 /// Replaces this process by `python -m nsrm_harness.cli ARGUMENTS`, so that signals and the exit
-/// code are the harness's own. Returns only if it can't be started.
+/// code are the harness's own. Returns only if it cannot be started.
 fn harness(arguments: Vec<OsString>) -> Result<ExitCode> {
     let environment = Environment::open(Project::find()?)?;
     environment.ensure(Requirements::of_command(&arguments))?;
@@ -91,7 +91,7 @@ fn harness(arguments: Vec<OsString>) -> Result<ExitCode> {
     python.args(["-m", "nsrm_harness.cli"]).args(arguments);
     let error = python.exec();
     Err(anyhow::Error::new(error).context(format!(
-        "can't start {}; remove the folder .venv and try again",
+        "cannot start {}; remove the folder .venv and try again",
         environment.python().display()
     )))
 }

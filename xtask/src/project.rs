@@ -72,7 +72,7 @@ pub(crate) fn output_of(command: &mut Command) -> Result<String> {
     let output = command
         .stdin(Stdio::null())
         .output()
-        .with_context(|| format!("can't start {name}"))?;
+        .with_context(|| format!("cannot start {name}"))?;
     if !output.status.success() {
         bail!(
             "{name} failed ({}): {}",
@@ -91,7 +91,7 @@ pub(crate) fn run_on_stderr(command: &mut Command) -> Result<()> {
         .stdin(Stdio::null())
         .stdout(std::io::stderr())
         .status()
-        .with_context(|| format!("can't start {name}"))?;
+        .with_context(|| format!("cannot start {name}"))?;
     if !status.success() {
         bail!("{name} failed ({status}); its messages are above");
     }

@@ -185,7 +185,7 @@ impl Run {
     }
 }
 
-/// Runs one check. An `Err` is an error of ours (a log that can't be written); a failure of the
+/// Runs one check. An `Err` is an error of ours (a log that cannot be written); a failure of the
 /// check is in the outcome.
 fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let start = Instant::now();
@@ -290,7 +290,7 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
         .stderr(file);
     let child = without_cargo_variables(&mut command)
         .spawn()
-        .with_context(|| format!("{shown}: can't be started"))?;
+        .with_context(|| format!("{shown}: cannot be started"))?;
     let status = limit::wait(child, LIMIT).with_context(|| shown.clone())?;
     let written = fs::read(log).with_context(|| format!("reading {}", log.display()))?;
     let printed = String::from_utf8_lossy(&written[before..]);

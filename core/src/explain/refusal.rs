@@ -259,7 +259,7 @@ impl Message<'_> {
             }
             Refusal::SameObject { step, object } => write!(
                 f,
-                "step {}: both descriptions fit object {object}, which can't be moved \
+                "step {}: both descriptions fit object {object}, which cannot be moved \
                  in relation to itself",
                 number(*step)
             ),

@@ -8,7 +8,7 @@ const MAX_INDEXED: usize = 256;
 /// The number of words that a two-byte index can address.
 const MAX_WORDS: usize = 65_536;
 
-/// Why a model can't be used; the first fault found.
+/// Why a model cannot be used; the first fault found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ModelFault<'a> {

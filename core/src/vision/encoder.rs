@@ -20,7 +20,7 @@ pub const ENCODE_MULTIPLY_ADDS: usize = CROP * CROP * 4 * PATCH_CHANNELS
 ///
 /// * colour view: red, green and blue less 0.5
 /// * brightness view: `(y − mean) / (deviation + 0.02)` over the crop, where y is the
-///   greatest of red, green and blue, so that an operator that reads it alone can't
+///   greatest of red, green and blue, so that an operator that reads it alone cannot
 ///   tell colours and a blue block's studs stand out as a white one's do
 ///
 /// Cost: [`ENCODE_MULTIPLY_ADDS`] multiply-adds. Stack: about 28 KiB on x86-64, of

@@ -101,7 +101,7 @@ fn table() -> String {
     );
     for message in &MESSAGES {
         let (name, size, align) = (message.type_name, message.size, message.align);
-        // Writing to a string can't fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(table, "\n{name}  size {size}  align {align}");
         for field in message.fields {
             let (offset, size, name) = (field.offset, field.size, field.name);

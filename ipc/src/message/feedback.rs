@@ -60,7 +60,7 @@ numbers! {
         NotFollowing = 13,
         /// Another object stands on the object.
         Covered = 14,
-        /// The gripper can't hold an object of this size.
+        /// The gripper cannot hold an object of this size.
         CannotHold = 15,
         /// Other objects are moved aside first, or the object itself is regrasped on the way;
         /// another outcome follows.
@@ -89,7 +89,7 @@ impl Outcome {
             Self::OutOfReach => "the object or its sub-goal is out of the arm's reach",
             Self::NotFollowing => "the arm does not follow its commands and has stopped",
             Self::Covered => "another object stands on the object",
-            Self::CannotHold => "the gripper can't hold an object of this size",
+            Self::CannotHold => "the gripper cannot hold an object of this size",
             Self::Clearing => "obstacles are moved aside first",
             Self::ReferenceMoved => "the reference object was moved meanwhile",
         }

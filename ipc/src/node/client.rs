@@ -32,7 +32,7 @@ pub enum RequestError {
         /// Which, from 1.
         number: u32,
     },
-    /// The sentence can't be sent.
+    /// The sentence cannot be sent.
     #[error("{0}")]
     Request(PlanRequestError),
     /// Any other error of iceoryx2.

@@ -28,7 +28,7 @@ pub enum PollStatus {
 /// The longest sleep when nothing arrives, which bounds the delay of timeouts.
 const NAP: Duration = Duration::from_millis(20);
 
-/// How many requests one call of [`PlannerNode::poll`] answers, so that a flood of requests can't
+/// How many requests one call of [`PlannerNode::poll`] answers, so that a flood of requests cannot
 /// block its work.
 const REQUESTS_AT_ONCE: usize = 16;
 

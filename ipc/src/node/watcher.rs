@@ -205,7 +205,7 @@ impl Watcher {
         })
     }
 
-    /// Receives what has arrived and returns the current view. If a stream can't be read, the next
+    /// Receives what has arrived and returns the current view. If a stream cannot be read, the next
     /// call tries again.
     pub fn look(&mut self, now_ns: u64) -> &View {
         let (view, rejected) = (&mut self.view, &mut self.rejected);

@@ -32,7 +32,7 @@ pub(super) fn likely_cause(config: &Config) -> Option<String> {
     // iceoryx2 creates it before anything in it.
     if let Err(error) = access(&folder, Access::WRITE_OK | Access::EXEC_OK) {
         return Some(format!(
-            "the shared-memory folder {shown} can't be created or written to: {error}; choose \
+            "the shared-memory folder {shown} cannot be created or written to: {error}; choose \
              another one: `root` under [shared_memory] in the configuration"
         ));
     }

@@ -6,7 +6,7 @@ use thiserror::Error;
 use super::RobotName;
 use super::leftovers::SEGMENTS;
 
-/// Why a process can't use a service.
+/// Why a process cannot use a service.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ServiceError {

@@ -158,7 +158,7 @@ pub(super) fn remove_nodes(config: &Config) {
     let (prefix, suffix) = (config.global.prefix, config.global.node.monitor_suffix);
     let (prefix, suffix) = (prefix.to_string(), suffix.to_string());
     let now = SystemTime::now();
-    // What can't be inspected or removed now is left to the next node that joins.
+    // What cannot be inspected or removed now is left to the next node that joins.
     for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
@@ -229,7 +229,7 @@ fn is_given_up(begun: SystemTime, now: SystemTime) -> bool {
 }
 
 fn is_usable(config: &Config, name: &ServiceName, pattern: MessagingPattern) -> bool {
-    // What can't be inspected for another reason is left alone.
+    // What cannot be inspected for another reason is left alone.
     ipc::Service::details(name, config, pattern).map_or(true, |found| {
         found.is_some_and(|service| service.dynamic_details.is_some())
     })

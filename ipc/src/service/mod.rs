@@ -368,7 +368,7 @@ impl Robot {
     /// Whether there are dead processes that are not cleaned up yet.
     fn has_dead(&self) -> bool {
         let mut found = false;
-        // A process that can't be inspected delays nobody.
+        // A process that cannot be inspected delays nobody.
         let _ = Node::<ipc::Service>::list(self.node.config(), |state| {
             found = matches!(state, NodeState::Dead(_));
             if found {
@@ -452,7 +452,7 @@ impl Robot {
     /// The only slot is taken, by the process whose node has the same name.
     fn taken(&self, service: &'static str) -> ServiceError {
         let mut process = None;
-        // A process that can't be inspected isn't named.
+        // A process that cannot be inspected isn't named.
         let _ = Node::<ipc::Service>::list(self.node.config(), |state| {
             if let NodeState::Alive(view) = state
                 && view.id() != self.node.id()

@@ -21,7 +21,7 @@ impl Notifier {
         Self { notifier }
     }
 
-    /// Wakes them. A listener that can't be woken polls a little later, since every wait is
+    /// Wakes them. A listener that cannot be woken polls a little later, since every wait is
     /// bounded.
     pub fn notify(&self) {
         let _ = self.notifier.notify();
@@ -60,7 +60,7 @@ impl<M: Carried> Sender<M> {
     /// iceoryx2 does so only when its publisher acts. Call it a few times per second if messages
     /// are rare.
     pub fn update_connections(&self) {
-        // A receiver that can't be reached gets the next message, or is gone.
+        // A receiver that cannot be reached gets the next message, or is gone.
         let _ = self.publisher.update_connections();
     }
 }
@@ -82,7 +82,7 @@ impl<M: Carried> Receiver<M> {
     }
 
     /// The waiting messages, in the order of each publisher. Ends after a full buffer, so that a
-    /// flood of messages can't block the receiver; what can't be read now is left for the next
+    /// flood of messages cannot block the receiver; what cannot be read now is left for the next
     /// call.
     pub fn waiting(&self) -> impl Iterator<Item = Sample<ipc::Service, M, ()>> {
         let most = M::QUALITY.buffer * M::QUALITY.publishers;

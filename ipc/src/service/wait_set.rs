@@ -29,7 +29,7 @@ impl<const N: usize> WaitSet<N> {
     /// that arrived meanwhile may have found the notification still pending.
     ///
     /// Cost: two system calls for each service before it sleeps, none after. Errors:
-    /// [`ListenerWaitError::InternalFailure`] if the system can't wait; a signal is no error.
+    /// [`ListenerWaitError::InternalFailure`] if the system cannot wait; a signal is no error.
     pub fn wait(&self, longest: Duration) -> Result<bool, ListenerWaitError> {
         // All of them and each time: a notification that arrives while its socket is drained may be
         // lost, and iceoryx2 would take it for one that is still pending.

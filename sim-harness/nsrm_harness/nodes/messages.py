@@ -121,7 +121,7 @@ class Outcome(IntEnum):
     NOT_FOLLOWING = 13
     # Another object stands on the object.
     COVERED = 14
-    # The gripper can't hold an object of this size.
+    # The gripper cannot hold an object of this size.
     CANNOT_HOLD = 15
     # Other objects are moved aside first, or the object itself is regrasped on the way;
     # another outcome follows.

@@ -22,7 +22,7 @@ create_exception!(
     NsrmError,
     "The sentence was refused; `kind` and `details` say why, `suggestion` what to say instead."
 );
-create_exception!(nsrm, ModelError, NsrmError, "A model file can't be used.");
+create_exception!(nsrm, ModelError, NsrmError, "A model file cannot be used.");
 create_exception!(
     nsrm,
     SceneError,
@@ -40,7 +40,7 @@ pub(crate) fn scene(error: impl std::error::Error) -> PyErr {
     SceneError::new_err(error.to_string())
 }
 
-/// A model file that can't be used.
+/// A model file that cannot be used.
 pub(crate) fn load(error: LoadError) -> PyErr {
     ModelError::new_err(error.to_string())
 }

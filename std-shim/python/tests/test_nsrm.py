@@ -238,7 +238,7 @@ def test_refusals_offer_the_word_that_may_have_been_meant(model: nsrm.Model) -> 
 
 def test_models_that_are_none(tmp_path: Path) -> None:
     path = tmp_path / "model.safetensors"
-    with pytest.raises(nsrm.ModelError, match="can't read"):
+    with pytest.raises(nsrm.ModelError, match="cannot read"):
         nsrm.Model.load(path)
     path.write_bytes(b"no model")
     with pytest.raises(nsrm.ModelError, match="not a safetensors file"):

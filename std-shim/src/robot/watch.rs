@@ -70,7 +70,7 @@ fn seconds(from_ns: u64, to_ns: u64) -> f64 {
 
 fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
     let mut text = format!("robot {}\n\n", config.robot);
-    // Writing to a string can't fail.
+    // Writing to a string cannot fail.
     let _ = writeln!(
         text,
         "  {:<12}{:<10}{:>10}{:>12}{:>10}{:>10}",

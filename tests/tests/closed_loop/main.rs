@@ -142,7 +142,7 @@ fn what_went_wrong_is_tried_again_a_bounded_number_of_times() {
         "step 1: no collision-free path exists: object 3 is in the way; make room, and send \
          the sentence again"
     );
-    // That can't get better by itself.
+    // That cannot get better by itself.
     for outcome in [
         Outcome::NoPath,
         Outcome::WouldFall,

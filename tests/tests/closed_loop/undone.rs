@@ -255,7 +255,7 @@ fn a_step_that_does_not_stay_is_given_up_after_its_attempts() {
     }
 }
 
-/// What the controller can't do as things stand.
+/// What the controller cannot do as things stand.
 const UNABLE: [Outcome; 6] = [
     Outcome::NoPath,
     Outcome::WouldFall,

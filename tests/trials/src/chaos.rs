@@ -217,7 +217,7 @@ impl Chaos {
             let until_ns = now_ns + self.rng.u64(HANG_MS) * MS;
             self.fates[choice] = Fate::Hangs(until_ns);
         }
-        // Others can't detect the loss of a process that they have not received yet, or whose loss
+        // Others cannot detect the loss of a process that they have not received yet, or whose loss
         // they have already detected.
         let view = self.watcher.look(now_ns);
         let silence_ns = Limits::default().silence_ns;

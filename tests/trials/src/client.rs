@@ -117,7 +117,7 @@ fn ask(
     let mut message = String::new();
     errors.read_to_string(&mut message)?;
     let status = loop {
-        // Under the lock: a process that is waited for can't be killed any more.
+        // Under the lock: a process that is waited for cannot be killed any more.
         let mut current = lock();
         let ended = match current.as_mut() {
             Some(child) => child.try_wait()?,

@@ -1,4 +1,4 @@
-//! A domain that can't be, and a vocabulary that is not the domain's.
+//! A domain that cannot be, and a vocabulary that is not the domain's.
 
 use nsrm_codegen::ModelError;
 use serde_json::{Value, json};

@@ -60,7 +60,7 @@ pub(super) fn find() -> Result<Python> {
     );
 }
 
-/// The minor version, or why it can't be used; `None` if the program does not exist.
+/// The minor version, or why it cannot be used; `None` if the program does not exist.
 fn try_candidate(program: &str) -> Result<u32, Option<String>> {
     let run = |code: &str| output_of(Command::new(program).args(["-c", code]));
     let Ok(version) = run("import sys; print(*sys.version_info[:2])") else {
@@ -87,7 +87,7 @@ fn parse_version(printed: &str) -> Option<u32> {
     (major == "3" && MINOR_VERSIONS.contains(&minor)).then_some(minor)
 }
 
-/// What may be missing if packages can't be installed, for an error message.
+/// What may be missing if packages cannot be installed, for an error message.
 pub(super) fn build_hint(python: &Path) -> String {
     let works = |program: &str| output_of(Command::new(program).arg("--version")).is_ok();
     let headers = "import sysconfig, os, sys; \

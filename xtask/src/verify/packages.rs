@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 
 use crate::project::{output_of, run_on_stderr};
 
-/// A Debian package, and what can't be done without it.
+/// A Debian package, and what cannot be done without it.
 struct SystemPackage {
     name: &'static str,
     without: &'static str,
@@ -23,7 +23,7 @@ const PACKAGES: [SystemPackage; 5] = [
     },
     SystemPackage {
         name: "iproute2",
-        without: "the check hosts can't run",
+        without: "the check hosts cannot run",
     },
     SystemPackage {
         name: "libegl1",

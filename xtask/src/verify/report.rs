@@ -65,7 +65,7 @@ impl Report {
         let mut all = Counts::default();
         for outcome in &outcomes {
             let counts = outcome.counts;
-            // Writing to a String can't fail.
+            // Writing to a String cannot fail.
             let _ = writeln!(
                 text,
                 "{:<14} {:>8} {:>8} {:>8} {:>8} {:>9.1}",
