@@ -141,6 +141,38 @@ impl Client {
     }
 
     /// Sends a sentence to the planner.
+    ///
+    /// ```no_run
+    /// use iceoryx2::config::Config;
+    /// use nsrm_ipc::clock::now_ns;
+    /// use nsrm_ipc::executive::{Limits, Mode};
+    /// use nsrm_ipc::message::{Reply, Role};
+    /// use nsrm_ipc::node::{Client, Transport};
+    /// use nsrm_ipc::service::Robot;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let robot = Robot::join("left".parse()?, Role::Client, Config::global_config())?;
+    /// let mut client = Client::begin(
+    ///     robot,
+    ///     Transport::Connection,
+    ///     Limits::default().silence_ns,
+    /// )?;
+    /// let mut request = client.ask("put the red block on the blue block", Mode::ClosedLoop)?;
+    /// loop {
+    ///     // An error if the planner is lost.
+    ///     let Some(reply) = client.hear(&mut request, now_ns())? else {
+    ///         std::thread::sleep(std::time::Duration::from_millis(1));
+    ///         continue;
+    ///     };
+    ///     match reply.read()? {
+    ///         Reply::Done => break,
+    ///         Reply::Failed { reason, message } => return Err(format!("{reason}: {message}").into()),
+    ///         progress => println!("{progress:?}"),
+    ///     }
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn ask(&mut self, sentence: &str, mode: Mode) -> Result<Request, RequestError> {
         self.sequence += 1;
         // Earlier heartbeats say nothing about this request, nor does a planner that died before.

@@ -47,6 +47,28 @@ pub struct PerceptionNode<'m> {
 
 impl<'m> PerceptionNode<'m> {
     /// Joins a robot as its perception.
+    ///
+    /// ```no_run
+    /// use core::sync::atomic::AtomicBool;
+    ///
+    /// use iceoryx2::config::Config;
+    /// use nsrm_ipc::message::Role;
+    /// use nsrm_ipc::node::PerceptionNode;
+    /// use nsrm_ipc::service::Robot;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// static STOP: AtomicBool = AtomicBool::new(false); // set by a signal handler
+    ///
+    /// let robot = Robot::join("left".parse()?, Role::Perception, Config::global_config())?;
+    /// let mut perception = PerceptionNode::begin(robot, &TABLETOP)?;
+    /// perception.run(&STOP)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ServiceError`], for instance [`ServiceError::Taken`] if the robot has a perception.
     pub fn begin(robot: Robot, model: &'m Model<'m>) -> Result<Self, ServiceError> {
         Ok(Self {
             model,

@@ -68,6 +68,29 @@ struct Current {
 
 impl<'m> PlannerNode<'m> {
     /// Joins a robot as its planner.
+    ///
+    /// ```no_run
+    /// use core::sync::atomic::AtomicBool;
+    ///
+    /// use iceoryx2::config::Config;
+    /// use nsrm_ipc::executive::Limits;
+    /// use nsrm_ipc::message::Role;
+    /// use nsrm_ipc::node::PlannerNode;
+    /// use nsrm_ipc::service::Robot;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// static STOP: AtomicBool = AtomicBool::new(false); // set by a signal handler
+    ///
+    /// let robot = Robot::join("left".parse()?, Role::Planner, Config::global_config())?;
+    /// let mut planner = PlannerNode::begin(robot, &TABLETOP, Limits::default())?;
+    /// planner.run(&STOP)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ServiceError`], for instance [`ServiceError::Taken`] if the robot has a planner.
     pub fn begin(robot: Robot, model: &'m Model<'m>, limits: Limits) -> Result<Self, ServiceError> {
         let now_ns = now_ns();
         Ok(Self {

@@ -193,6 +193,27 @@ pub struct Watcher {
 
 impl Watcher {
     /// Joins a robot as one of its observers.
+    ///
+    /// ```no_run
+    /// use iceoryx2::config::Config;
+    /// use nsrm_ipc::clock::now_ns;
+    /// use nsrm_ipc::message::Role;
+    /// use nsrm_ipc::node::Watcher;
+    /// use nsrm_ipc::service::Robot;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let robot = Robot::join("left".parse()?, Role::Watcher, Config::global_config())?;
+    /// let mut watcher = Watcher::begin(robot)?;
+    /// loop {
+    ///     let view = watcher.look(now_ns());
+    ///     println!("{} objects in the last scene", view.objects);
+    ///     for node in view.nodes.iter().flatten() {
+    ///         println!("{}: {:?}", node.role.word(), node.state);
+    ///     }
+    ///     std::thread::sleep(std::time::Duration::from_millis(250));
+    /// }
+    /// # }
+    /// ```
     pub fn begin(robot: Robot) -> Result<Self, ServiceError> {
         Ok(Self {
             heartbeats: robot.receiver()?,

@@ -162,6 +162,29 @@ impl Robot {
     }
 
     /// A sender of messages of this type.
+    ///
+    /// A process that publishes scenes:
+    ///
+    /// ```no_run
+    /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/../core/examples/observed/mod.rs"));
+    /// use iceoryx2::config::Config;
+    /// use nsrm_ipc::clock::now_ns;
+    /// use nsrm_ipc::message::{Role, SceneMessage};
+    /// use nsrm_ipc::service::Robot;
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let robot = Robot::join("left".parse()?, Role::Perception, Config::global_config())?;
+    /// let scenes = robot.sender::<SceneMessage>()?;
+    /// let mut message = SceneMessage::from(&scene(&TABLETOP));
+    /// message.timestamp_ns = now_ns(); // when the image was taken
+    /// scenes.send(&message)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ServiceError::Taken`] if the service has one publisher and another process is it.
     pub fn sender<M: Carried>(&self) -> Result<Sender<M>, ServiceError> {
         let service = self.stream::<M>()?;
         let full = match M::QUALITY.publishers {
@@ -180,6 +203,53 @@ impl Robot {
     }
 
     /// A receiver of messages of this type.
+    ///
+    /// A controller, which executes sub-goals:
+    ///
+    /// ```no_run
+    /// use core::time::Duration;
+    ///
+    /// use iceoryx2::config::Config;
+    /// use nsrm_ipc::clock::now_ns;
+    /// use nsrm_ipc::message::{Feedback, Order, Outcome, Role, SubGoal};
+    /// use nsrm_ipc::service::{Carried, Robot};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let robot = Robot::join("left".parse()?, Role::Controller, Config::global_config())?;
+    /// let commands = robot.receiver::<SubGoal>()?;
+    /// let feedback = robot.sender::<Feedback>()?;
+    /// let wait_set = robot.wait_set([SubGoal::SERVICE])?;
+    /// let mut sequence = 0;
+    /// loop {
+    ///     wait_set.wait(Duration::from_millis(100))?;
+    ///     for command in commands.waiting() {
+    ///         let outcome = match command.read(now_ns()) {
+    ///             Ok(Order::Move { object, pose }) => {
+    ///                 println!("move object {object} to {pose} (world frame, metres)");
+    ///                 Outcome::Accepted // later `Reached`, or why not
+    ///             }
+    ///             Ok(Order::Stop) => Outcome::Stopped,
+    ///             Err(error) => {
+    ///                 eprintln!("{error}");
+    ///                 continue;
+    ///             }
+    ///         };
+    ///         sequence += 1;
+    ///         feedback.send(&Feedback {
+    ///             plan: command.plan,
+    ///             sequence,
+    ///             timestamp_ns: now_ns(),
+    ///             command: command.command,
+    ///             outcome: outcome as u32,
+    ///             objects: [0; 2],
+    ///         })?;
+    ///     }
+    /// }
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ServiceError::Full`] if all of the service's subscribers are taken.
     pub fn receiver<M: Carried>(&self) -> Result<Receiver<M>, ServiceError> {
         let service = self.stream::<M>()?;
         let subscriber = self.create_port(M::SERVICE, Self::full, || {
