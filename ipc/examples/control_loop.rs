@@ -25,7 +25,7 @@ use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Limits;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::{PlannerNode, PollStatus};
-use nsrm_ipc::service::Robot;
+use nsrm_ipc::service::{Robot, RobotName};
 use nsrm_tabletop::TABLETOP;
 use rustix::thread::{ClockId, Timespec, clock_nanosleep_absolute};
 use signal_hook::consts::SIGINT;
@@ -42,24 +42,43 @@ const BUDGET_NS: u64 = 200_000;
 /// The longest time that is counted, nanoseconds; longer ones count as this.
 const LONGEST_NS: u64 = 1_000_000_000;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut robot = "robot".to_owned();
-    let mut seconds = 10;
-    let mut limits = Limits::default();
-    let mut arguments = std::env::args().skip(1);
-    while let Some(option) = arguments.next() {
-        let value = arguments.next();
-        match (option.as_str(), value) {
-            ("--robot", Some(name)) => robot = name,
-            ("--seconds", Some(number)) => seconds = number.parse()?,
-            ("--limits-s", Some(number)) => limits = all(number.parse()?),
-            _ => {
-                let usage = "usage: control_loop [--robot NAME] [--seconds N] [--limits-s N]";
-                return Err(usage.into());
+/// The options on the command line.
+struct Options {
+    robot: RobotName,
+    seconds: u64,
+    limits: Limits,
+}
+
+impl Options {
+    fn parse() -> Result<Self, Box<dyn std::error::Error>> {
+        let mut options = Self {
+            robot: "robot".parse()?,
+            seconds: 10,
+            limits: Limits::default(),
+        };
+        let mut arguments = std::env::args().skip(1);
+        while let Some(option) = arguments.next() {
+            let value = arguments.next();
+            match (option.as_str(), value) {
+                ("--robot", Some(name)) => options.robot = name.parse()?,
+                ("--seconds", Some(number)) => options.seconds = number.parse()?,
+                ("--limits-s", Some(number)) => options.limits = all(number.parse()?),
+                _ => {
+                    let usage = "usage: control_loop [--robot NAME] [--seconds N] [--limits-s N]";
+                    return Err(usage.into());
+                }
             }
         }
+        Ok(options)
     }
-    let robot = robot.parse()?;
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let Options {
+        robot,
+        seconds,
+        limits,
+    } = Options::parse()?;
     set_log_level(LogLevel::Fatal);
     let locked = rustix::mm::mlockall(
         rustix::mm::MlockAllFlags::CURRENT | rustix::mm::MlockAllFlags::FUTURE,
