@@ -70,6 +70,37 @@ fn seconds(from_ns: u64, to_ns: u64) -> f64 {
 
 fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
     let mut text = format!("robot {}\n\n", config.robot);
+    nodes_text(&mut text, config, view, now_ns);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "\n  {:<12}{:>8}{:>8}{:>8}{:>12}{:>10}",
+        "stream", "count", "lost", "rate", "latency", "age"
+    );
+    for (name, flow) in [("scene", &view.scenes), ("feedback", &view.feedback)] {
+        let _ = writeln!(text, "  {name:<12}{}", flow_text(flow, now_ns));
+    }
+    let _ = writeln!(text, "  {} objects in the last scene", view.objects);
+    if view.rejected > 0 {
+        let _ = writeln!(text, "  {} invalid messages", view.rejected);
+    }
+    if !view.replies.is_empty() {
+        text.push_str("\n  last replies of the planner\n");
+    }
+    for reply in &view.replies {
+        let _ = writeln!(
+            text,
+            "  plan {} #{:<3} {}",
+            reply.plan,
+            reply.number,
+            reply_text(reply)
+        );
+    }
+    text
+}
+
+/// Appends a table of the nodes: those that are needed, and others that were heard.
+fn nodes_text(text: &mut String, config: &Config, view: &View, now_ns: u64) {
     // Writing to a string cannot fail.
     let _ = writeln!(
         text,
@@ -111,31 +142,6 @@ fn view_text(config: &Config, view: &View, now_ns: u64) -> String {
             None => Ok(()),
         };
     }
-    let _ = writeln!(
-        text,
-        "\n  {:<12}{:>8}{:>8}{:>8}{:>12}{:>10}",
-        "stream", "count", "lost", "rate", "latency", "age"
-    );
-    for (name, flow) in [("scene", &view.scenes), ("feedback", &view.feedback)] {
-        let _ = writeln!(text, "  {name:<12}{}", flow_text(flow, now_ns));
-    }
-    let _ = writeln!(text, "  {} objects in the last scene", view.objects);
-    if view.rejected > 0 {
-        let _ = writeln!(text, "  {} invalid messages", view.rejected);
-    }
-    if !view.replies.is_empty() {
-        text.push_str("\n  last replies of the planner\n");
-    }
-    for reply in &view.replies {
-        let _ = writeln!(
-            text,
-            "  plan {} #{:<3} {}",
-            reply.plan,
-            reply.number,
-            reply_text(reply)
-        );
-    }
-    text
 }
 
 fn flow_text(flow: &Flow, now_ns: u64) -> String {
