@@ -183,39 +183,11 @@ impl World {
                 let age_ns = u64::from(script.byte()) * 4 * MS;
                 self.see(&self.view(self.now_ns.saturating_sub(age_ns)));
             }
-            Op::SeeBroken => {
-                let mut bytes = bytes_of(&self.view(self.now_ns)).to_vec();
-                let place = usize::from(u16::from_le_bytes(script.array()));
-                let place = place % (bytes.len() - 3);
-                bytes[place..place + 4].copy_from_slice(&script.array::<4>());
-                self.see(&message(&bytes).0);
-            }
-            Op::Move => {
-                let [which, x, y] = script.array();
-                let count = usize::from(which) % self.scene.objects.len();
-                if which >= 128 {
-                    self.scene.count = count as u32;
-                } else {
-                    let [x1, y1, x2, y2, _] = &mut self.scene.objects[count].location;
-                    let (width, height) = (*x2 - *x1, *y2 - *y1);
-                    (*x1, *y1) = (f32::from(x) / 300.0, f32::from(y) / 300.0);
-                    (*x2, *y2) = (*x1 + width, *y1 + height);
-                }
-            }
+            Op::SeeBroken => self.see_broken(script),
+            Op::Move => self.move_object(script),
             Op::Accept => self.say(Outcome::Accepted as u32, self.now_ns),
             Op::Obey => self.obey(),
-            Op::Say => {
-                let [outcome, when] = script.array();
-                let at_ns = match when {
-                    0 => 0,
-                    255 => u64::MAX,
-                    when => {
-                        let ahead_ns = self.now_ns.saturating_add(64 * MS);
-                        ahead_ns.saturating_sub(u64::from(when) * MS)
-                    }
-                };
-                self.say(outcome.into(), at_ns);
-            }
+            Op::Say => self.say_sometime(script),
             Op::Babble => {
                 let (feedback, _): (Feedback, _) = message(script.take(size_of::<Feedback>()));
                 self.hear(&feedback);
@@ -226,20 +198,60 @@ impl World {
                     watched.cancel(self.now_ns);
                 }
             }
-            Op::Lose => {
-                let is_lost = script.byte().is_multiple_of(2);
-                if is_lost {
-                    self.executive.on_controller_lost();
-                } else {
-                    self.executive.on_command_undelivered();
-                }
-                if let Some(watched) = &mut self.watched {
-                    if is_lost {
-                        watched.on_controller_lost();
-                    } else {
-                        watched.on_command_undelivered();
-                    }
-                }
+            Op::Lose => self.lose(script),
+        }
+    }
+
+    /// Shows the scene with four bytes of its message replaced.
+    fn see_broken(&mut self, script: &mut Script<'_>) {
+        let mut bytes = bytes_of(&self.view(self.now_ns)).to_vec();
+        let place = usize::from(u16::from_le_bytes(script.array()));
+        let place = place % (bytes.len() - 3);
+        bytes[place..place + 4].copy_from_slice(&script.array::<4>());
+        self.see(&message(&bytes).0);
+    }
+
+    /// Moves an object in the image, or changes how many the scene has.
+    fn move_object(&mut self, script: &mut Script<'_>) {
+        let [which, x, y] = script.array();
+        let count = usize::from(which) % self.scene.objects.len();
+        if which >= 128 {
+            self.scene.count = count as u32;
+        } else {
+            let [x1, y1, x2, y2, _] = &mut self.scene.objects[count].location;
+            let (width, height) = (*x2 - *x1, *y2 - *y1);
+            (*x1, *y1) = (f32::from(x) / 300.0, f32::from(y) / 300.0);
+            (*x2, *y2) = (*x1 + width, *y1 + height);
+        }
+    }
+
+    /// Reports an outcome, at a time that the script chooses.
+    fn say_sometime(&mut self, script: &mut Script<'_>) {
+        let [outcome, when] = script.array();
+        let at_ns = match when {
+            0 => 0,
+            255 => u64::MAX,
+            when => {
+                let ahead_ns = self.now_ns.saturating_add(64 * MS);
+                ahead_ns.saturating_sub(u64::from(when) * MS)
+            }
+        };
+        self.say(outcome.into(), at_ns);
+    }
+
+    /// Loses the controller, or the command on its way.
+    fn lose(&mut self, script: &mut Script<'_>) {
+        let is_lost = script.byte().is_multiple_of(2);
+        if is_lost {
+            self.executive.on_controller_lost();
+        } else {
+            self.executive.on_command_undelivered();
+        }
+        if let Some(watched) = &mut self.watched {
+            if is_lost {
+                watched.on_controller_lost();
+            } else {
+                watched.on_command_undelivered();
             }
         }
     }
