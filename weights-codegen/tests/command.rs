@@ -1,4 +1,4 @@
-//! The command: what it writes, what it says, and its exit codes.
+//! The command: its files, its messages and its exit codes.
 #![cfg(feature = "command")]
 
 mod common;

@@ -1,5 +1,5 @@
-//! What was folded equals what the unfolded network computes, row-major and in
-//! `f64`, on weights that are random and shapes that are not square.
+//! The folded network computes the same as the original one, which is row-major and in `f64` here,
+//! with random weights and shapes that are not square.
 
 mod common;
 

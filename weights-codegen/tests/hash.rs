@@ -1,5 +1,5 @@
-//! The hash of a model file: nothing that the file says can change unnoticed, and what
-//! ties scenes to a model changes with what its results depend on, and with nothing else.
+//! The hash of a model file detects every change of its content. The hash that binds scenes to a
+//! model depends on exactly what the model's results depend on.
 
 mod common;
 
@@ -20,7 +20,7 @@ fn sound() -> &'static ModelFile {
     })
 }
 
-/// The metadata of a file, its hash among them.
+/// The metadata of a file, including its hash.
 fn metadata_of(bytes: &[u8]) -> BTreeMap<String, String> {
     let (header, _) = parts(bytes);
     let header: Value = serde_json::from_slice(header).expect("JSON");
@@ -160,7 +160,7 @@ fn scenes_are_tied_to_what_results_depend_on() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// What changes nothing that the file says (a space between two entries) may pass.
+    /// A change that does not alter the content (a space between two entries) may be accepted.
     #[test]
     fn a_changed_header_says_the_same_or_is_refused(
         at in 0..parts(&sound().bytes()).0.len(), mask in 1..=u8::MAX

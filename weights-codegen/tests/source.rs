@@ -1,4 +1,4 @@
-//! The Rust source: always the same text, and the same values as the loader's.
+//! The Rust source: the text is reproducible, and its values are those of the loader.
 
 mod common;
 #[allow(unreachable_pub, reason = "written for a public module")]

@@ -1,4 +1,4 @@
-//! Bytes from anywhere: a model or a typed refusal, never a panic.
+//! Any bytes give a model or a typed error, never a panic.
 
 mod common;
 
@@ -46,7 +46,7 @@ proptest! {
         for (index, byte) in changes {
             bytes[index] = byte;
         }
-        // A change of the space between two entries, say, is none that must be refused.
+        // Not every change must be refused: it may only concern the space between two entries.
         let _ = OwnedModel::from_bytes(&bytes);
     }
 

@@ -1,4 +1,4 @@
-//! Scalar functions, through `libm`: the same bits on every machine.
+//! Scalar functions by `libm`: the same bits on every machine.
 
 /// `1 / (1 + e^-x)`, within 3e-7 of the true value for every `x`.
 ///

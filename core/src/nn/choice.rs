@@ -48,8 +48,8 @@ impl Choice {
         self.offered = self.offered.wrapping_add(1);
     }
 
-    /// Place of the greatest logit in the order of offering; `None` when nothing
-    /// was offered or a logit was not finite.
+    /// Index of the greatest logit, in the order of offering; `None` if none was offered or one was
+    /// not finite.
     pub fn index(&self) -> Option<usize> {
         (self.offered > 0 && self.finite).then_some(self.index)
     }

@@ -4,7 +4,7 @@ use super::accumulate;
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Conv<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> {
-    /// By input channel, kernel row, kernel column: a value for each output channel.
+    /// `[INPUT][KERNEL][KERNEL][OUTPUT]`: input channel, kernel row, kernel column, output channel.
     pub weight: [[[[f32; OUTPUT]; KERNEL]; KERNEL]; INPUT],
     /// A value for each output channel.
     pub bias: [f32; OUTPUT],
@@ -25,7 +25,7 @@ impl<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> Conv<INPUT, O
             for column in 0..RESULT {
                 let values = self.at(input, row * KERNEL, column * KERNEL);
                 for (map, value) in output.iter_mut().zip(values) {
-                    // Always there: row and column are below RESULT.
+                    // Always present: row and column are below RESULT.
                     if let Some(place) = map.get_mut(row).and_then(|row| row.get_mut(column)) {
                         *place = value;
                     }

@@ -1,5 +1,5 @@
-//! A model file made up for the tests: a small domain, every tensor that the
-//! architecture has, and a way to spoil each of them.
+//! A model file for the tests: a small domain, every tensor of the architecture, and ways to damage
+//! each of them.
 #![allow(
     dead_code,
     reason = "each test binary compiles this module and uses its part"
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use nsrm_codegen::{ModelError, OwnedModel};
 use serde_json::{Value, json};
 
-/// A tensor as it stands in the file.
+/// A tensor of the file.
 #[derive(Clone)]
 pub(crate) struct Tensor {
     pub(crate) dtype: &'static str,
@@ -18,7 +18,7 @@ pub(crate) struct Tensor {
     pub(crate) bytes: Vec<u8>,
 }
 
-/// A model file before it is put together.
+/// The parts of a model file.
 #[derive(Clone)]
 pub(crate) struct ModelFile {
     pub(crate) metadata: BTreeMap<String, String>,
@@ -43,7 +43,7 @@ pub(crate) const LEXICON: [(&str, u8); 8] = [
 pub(crate) const ACTIONS: usize = 2;
 pub(crate) const CONCEPTS: usize = 7;
 
-/// Three attribute types, other names than tabletop's, two actions.
+/// Three attribute types and two actions, with other names than in tabletop.
 pub(crate) fn domain() -> Value {
     json!({
         "name": "shelf",
@@ -76,7 +76,7 @@ pub(crate) fn domain() -> Value {
     })
 }
 
-/// Names and shapes, as the contract of the model file gives them.
+/// Names and shapes, as specified for the model file.
 fn shapes() -> Vec<(String, Vec<usize>)> {
     let words = WORDS.len() + 1;
     let mut shapes: Vec<(String, Vec<usize>)> = Vec::new();
@@ -154,7 +154,7 @@ impl ModelFile {
         })
     }
 
-    /// One value a tensor, in rows one a row: a file whose source is short.
+    /// One value for each tensor, or for each row of some: a file whose source is short.
     pub(crate) fn flat() -> Self {
         Self::with(|name, row| match name {
             "action.simulator.location_scale" => 0.5,
@@ -226,7 +226,7 @@ impl ModelFile {
         self.tensor(name).bytes[4 * index..][..4].copy_from_slice(&value.to_le_bytes());
     }
 
-    /// The file; where the metadata have no `hash`, with the one that the loader expects.
+    /// The file's bytes; if the metadata have no `hash`, with the one that the loader expects.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         if self.metadata.contains_key("hash") {
             return self.with_metadata(&self.metadata);
@@ -239,7 +239,7 @@ impl ModelFile {
                 metadata.insert("hash".into(), got);
                 self.with_metadata(&metadata)
             }
-            // Refused before its hash is looked at.
+            // Refused before its hash is checked.
             _ => file,
         }
     }

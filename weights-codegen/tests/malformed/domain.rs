@@ -1,4 +1,4 @@
-//! A domain that cannot be, and a vocabulary that is not the domain's.
+//! An invalid domain, and a vocabulary that is not the domain's.
 
 use nsrm_codegen::ModelError;
 use serde_json::{Value, json};

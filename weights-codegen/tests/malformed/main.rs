@@ -1,4 +1,4 @@
-//! One malformation, one variant, one message.
+//! Each malformation has its own variant and message.
 
 #[path = "../common/mod.rs"]
 mod common;

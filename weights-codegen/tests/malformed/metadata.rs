@@ -1,4 +1,4 @@
-//! Bytes that are no model file, and metadata that is missing, of another form or out of range.
+//! Bytes that are not a model file, and metadata that are missing, malformed or out of range.
 
 use nsrm_codegen::{ModelError, OwnedModel};
 use serde_json::json;

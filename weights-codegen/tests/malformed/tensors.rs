@@ -1,4 +1,4 @@
-//! Tensors that are missing, of another shape or type, or hold what no model may.
+//! Tensors that are missing, of the wrong shape or type, or with invalid values.
 
 use nsrm_codegen::{ModelError, OwnedModel};
 
