@@ -272,7 +272,7 @@ fn refuses_scenes_that_disagree_with_the_calibration() {
         &["disagrees", "calibrate the camera again"],
     );
     assert!(details["object_id"].is_u64(), "{details}");
-    // Blocks of 4 cm that look narrower.
+    // Blocks of 4 cm whose boxes are too narrow.
     assert_eq!(
         (&details["quantity"], &details["expected_m"]),
         (&json!("width"), &json!(0.04))

@@ -1,8 +1,8 @@
-//! The commands that are processes of a robot, as processes: perception, planner and
-//! a person's; camera, controller and world are this test's.
+//! The subcommands that are processes of a robot: perception, planner and a client. Camera,
+//! controller and world belong to the test.
 #![cfg(feature = "command")]
 
-// Not all of it is for processes.
+// Some of it is for other tests.
 #[allow(dead_code)]
 mod common;
 
@@ -50,7 +50,7 @@ fn a_sentence_may_be_broadcast() {
         stage.memory.as_toml()
     );
     stage.bench.write("robot.toml", lines);
-    // Ctrl-C reaches the robot by the same way.
+    // Ctrl-C reaches the robot over the same services.
     stage.works.store(false, Ordering::Relaxed);
     let (code, message) = stage.interrupt_when_under_way();
     assert_eq!(code, Some(2));
@@ -87,7 +87,7 @@ fn what_is_refused_is_told_with_exit_code_2() {
     let stage = Stage::both("refused");
     let said = stage.say(&["put the purple block on the blue block", "--json"]);
     let message = refused(&said, &["\"purple\" is not a word"]);
-    // Not one object but one a line: the event, and why as every command says it.
+    // One object a line: the event, and the error as in every command.
     assert_eq!(message, Value::Null);
     let printed = String::from_utf8(said.stdout).unwrap();
     let events: Vec<Value> = printed
@@ -97,12 +97,12 @@ fn what_is_refused_is_told_with_exit_code_2() {
     assert_eq!(events[0]["reason"], "unknown_word");
     let said = stage.say(&["put the green block on the blue block"]);
     refused(&said, &["step 1", "\"green\" fits no object"]);
-    // The planner's log says so, too.
+    // The planner logs it, too.
     stage.wait_for_log(&[" refused ", "the purple block", "\"purple\" is not a word"]);
     stage.wait_for_log(&[" refused ", "the green block", "\"green\" fits no object"]);
 }
 
-/// The nodes of a robot of the tests.
+/// The nodes of the test's robot.
 const NODES: [&str; 3] = ["controller", "perception", "planner"];
 
 #[test]
@@ -114,7 +114,7 @@ fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
         .spawn()
         .unwrap();
     let mut lines = BufReader::new(watch.stdout.take().unwrap()).lines();
-    // Who does not look on yet is told nothing of it later.
+    // An observer that starts later does not receive earlier replies.
     lines.next().unwrap().unwrap();
     let refused = stage.say(&["put the green block on the blue block"]);
     assert_eq!(refused.status.code(), Some(2));
@@ -142,7 +142,7 @@ fn who_watches_sees_who_lives_what_flows_and_what_was_said() {
     let said = view["replies"][0]["said"].as_str().unwrap();
     assert!(said.starts_with("no_such_object: step 1"), "{said}");
 
-    // On a busy machine not all of them are heard in the half second that it takes.
+    // On a busy machine not all of them are received in the half second that it takes.
     let begun = Instant::now();
     loop {
         let text = done(&stage.command(&["watch", "--once"]).output().unwrap());
@@ -167,7 +167,7 @@ fn no_planner_and_a_second_one_are_told_of() {
         &stage.say(&[SENTENCE]),
         &["robot `left` has no planner; start one: nsrm serve --robot left"],
     );
-    // Programs go by its kind.
+    // Programs read the kind.
     let json = refused(&stage.say(&["--json", SENTENCE]), &["no planner"]);
     assert_eq!(json["error"]["kind"], "no_planner");
     let first = stage.start("serve", "planning");
@@ -197,12 +197,12 @@ fn a_killed_planner_is_detected_and_another_takes_its_place() {
     stage.start("perceive", "perceiving");
     let planner = stage.start("serve", "planning");
     stage.works.store(false, Ordering::Relaxed);
-    // Its silence tells. One that lives says something three hundred times meanwhile.
+    // Its silence is detected. A live node would send three hundred heartbeats meanwhile.
     let limits = CONFIG.replace("silence_ms = 3600000", "silence_ms = 30000");
     let lines = format!("{limits}{}", stage.memory.as_toml());
     stage.bench.write("robot.toml", lines);
     let (say, _printed) = stage.say_and_wait_for_the_way();
-    // A command that was sent is carried out, whoever has died since.
+    // A command that was sent is executed, whichever process has died since.
     while stage.taken.load(Ordering::Relaxed) == 0 {
         std::thread::yield_now();
     }
@@ -267,7 +267,7 @@ fn bad_configurations_are_told_of() {
     );
 }
 
-/// iceoryx2's errors say what could not be made, and not why.
+/// iceoryx2's errors name what could not be created, but not why.
 #[test]
 fn what_keeps_processes_from_meeting_is_found() {
     let (memory, bench) = (IsolatedMemory::new("meeting"), Bench::new());
@@ -296,7 +296,7 @@ fn what_keeps_processes_from_meeting_is_found() {
         &bench.run(&serve_in(long.to_str().unwrap())),
         "is too long for the sockets in it",
     );
-    // One by one, since what fails first depends on how many are left.
+    // One limit after the other, since what fails first depends on how many files are left.
     let short = bench.path("m");
     let serve = serve_in(short.to_str().unwrap());
     for most in 24..34 {

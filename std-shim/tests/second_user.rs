@@ -1,7 +1,7 @@
-//! A robot belongs to one user: another one's processes are told so, and disturb nothing.
+//! A robot belongs to one user: processes of another user get an error, and do not disturb it.
 #![cfg(feature = "command")]
 
-// Not all of it is for processes.
+// Some of it is for other tests.
 #[allow(dead_code)]
 mod common;
 
@@ -25,7 +25,7 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
     let user = std::fs::metadata(stage.bench.folder.path()).unwrap().uid();
     assert_eq!(user, 0, "only root can start processes as another user");
     stage.open_to_all();
-    // Anyone may write there; this looks like what is just being made, for ever.
+    // Anyone may write there; this file looks as if it were still being created, for ever.
     let foreign = format!("/dev/shm/{}x.connection", stage.memory.prefix());
     let mut touch = Command::new("touch");
     let touched = touch.arg(&foreign).uid(OTHER).gid(OTHER).status();
@@ -53,7 +53,7 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
         );
     }
     for name in stage.memory.left_behind() {
-        // What is being removed just now is nobody's.
+        // A file that is just being removed has no owner.
         let owner = std::fs::metadata(format!("/dev/shm/{name}")).map_or(user, |it| it.uid());
         assert_eq!(owner, user, "{name}");
     }
@@ -65,8 +65,8 @@ fn a_second_user_is_refused_and_disturbs_nothing() {
 }
 
 impl Stage {
-    /// Lets other users read the folder with the configuration, and start the command
-    /// from there: they may not see where it was built.
+    /// Lets other users read the folder with the configuration, and start the command from there:
+    /// they may have no access to the build folder.
     fn open_to_all(&mut self) {
         let path = self.bench.path("nsrm");
         std::fs::copy(&self.nsrm, &path).unwrap();

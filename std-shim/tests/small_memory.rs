@@ -1,8 +1,8 @@
-//! Where shared memory is small, in a container for instance, a process says so; the system
-//! would end it without a word in the midst of its work.
+//! If shared memory is small, for instance in a container, a process refuses to start; otherwise
+//! the system would kill it without a message later.
 #![cfg(feature = "command")]
 
-// Not all of it is for processes.
+// Some of it is for other tests.
 #[allow(dead_code)]
 mod common;
 
@@ -29,12 +29,12 @@ fn too_little_shared_memory_is_refused() {
                      /dev/shm; remove unused files there, or enlarge it";
         refused(&ended, &[wants]);
     }
-    // With a little more all is as ever.
+    // With a little more memory it works as usual.
     let ended = with_memory(&bench, 2048, &["say", SENTENCE]);
     refused(&ended, &["robot `left` has no planner"]);
 }
 
-/// Runs the command where shared memory has so many KiB, for it alone.
+/// Runs the command with its own shared memory of this many KiB.
 fn with_memory(bench: &Bench, kib: u32, arguments: &[&str]) -> Output {
     let mount = format!("mount -t tmpfs -o size={kib}k none /dev/shm && exec \"$@\"");
     Command::new("unshare")

@@ -1,10 +1,10 @@
-//! Scene files from anywhere: a scene or a typed error, never a panic.
+//! Any scene file gives a scene or a typed error, never a panic.
 
 use nsrm::{AnyModel, read_scene};
 use proptest::prelude::*;
 use serde_json::{Map, Number, Value};
 
-/// Any JSON, of no great size.
+/// Any JSON, of a limited size.
 fn json() -> impl Strategy<Value = Value> {
     let leaf = prop_oneof![
         Just(Value::Null),
@@ -22,7 +22,7 @@ fn json() -> impl Strategy<Value = Value> {
     })
 }
 
-/// A scene of the right form with numbers from anywhere.
+/// A scene of the right structure with arbitrary numbers.
 fn scene() -> impl Strategy<Value = Value> {
     let number = || {
         prop_oneof![

@@ -1,12 +1,11 @@
 //! A model designed by hand, a scene that it understands, and the command.
 //!
-//! The tests must not depend on what the committed model has learned, so its file
-//! gives the names and shapes alone. In the designed model the first group of
-//! concept words is what is moved, the second the reference; "right" and "left"
-//! say the action, `MoveOn` where there is neither; a step begins at "then". An
-//! object has the colour whose share of its mean colour is greatest; all are small.
-//! The moved object comes to stand where the reference is. The camera looks down on the
-//! table, whose objects are cubes of 4 cm and seen at the depth of their centres.
+//! The tests must not depend on what the committed model has learned, so only the names and shapes
+//! are taken from its file. In the designed model the first group of concept words describes the
+//! object to move, the second the reference; "right" and "left" select the action, otherwise it is
+//! `MoveOn`; a step begins at "then". An object has the colour with the greatest share in its mean
+//! colour; all objects are small. The sub-goal of an object is the place of its reference. The
+//! camera looks down on the table; objects are cubes of 4 cm, seen at the depth of their centres.
 
 // Not every test has processes.
 #[allow(dead_code)]
@@ -58,7 +57,7 @@ impl ModelFile {
         let mut file = Self::blank();
         let vocabulary: Vec<String> =
             serde_json::from_str(&file.metadata["vocabulary"]).expect("words");
-        // Embeddings: what a word means stands in one place of it.
+        // Embeddings: each meaning has its own element.
         for (row, word) in vocabulary.iter().enumerate() {
             let place = match word.as_str() {
                 "[[X]]" => 0,
@@ -71,8 +70,8 @@ impl ModelFile {
                 file.set("language.splitter.embedding.weight", &[row, 0], 1.0);
             }
         }
-        // Hidden unit `u` moves half of the way to 1 at a word of place `u`, and
-        // keeps its value at all others: 0.5, 0.75, … groups so far in unit 0.
+        // Hidden unit `u` moves half of the way to 1 at a word with element `u`, and keeps its value
+        // at all others: unit 0 counts the groups so far, 0.5, 0.75, …
         let cell = "language.encoder.forward.weight_ih";
         for unit in 0..3 {
             file.set(cell, &[96 + unit, unit], 10.0);
@@ -99,8 +98,7 @@ impl ModelFile {
         file
     }
 
-    /// Mean red, green and blue through the colour view, less their mean in the
-    /// concept space.
+    /// Mean red, green and blue of the colour view, minus their mean, in the concept space.
     fn set_vision(&mut self) {
         for channel in 0..3 {
             for pixel in 0..16 {
@@ -113,7 +111,7 @@ impl ModelFile {
                     1.0 / 16.0,
                 );
             }
-            // The view is less 0.5, and what comes out must not be negative.
+            // The view has 0.5 subtracted, and the output must not be negative.
             self.set("vision.color.patch.bias", &[channel], 0.5);
             for pixel in 0..4 {
                 let place = [channel, channel, pixel / 2, pixel % 2];

@@ -1,5 +1,5 @@
-//! A robot's processes around `nsrm perceive` and `nsrm serve`: camera, controller and
-//! world are a thread of the test's.
+//! A robot with `nsrm perceive` and `nsrm serve` as processes; camera, controller and world are a
+//! thread of the test.
 
 use std::io::{BufRead, BufReader, Lines};
 use std::path::PathBuf;
@@ -18,11 +18,11 @@ use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 
 use super::{Bench, DEPTH_M, ORIENTATION, POSITION};
 
-/// What can be done with the two blocks.
+/// A valid sentence for the two blocks.
 pub(crate) const SENTENCE: &str = "put the red block on the blue block";
 const SIZE: [u32; 2] = [640, 480];
-/// Nothing here is about time, and the machine may have other work: an hour is longer than
-/// any test.
+/// These tests do not test timeouts, and the machine may be busy: an hour is longer than any
+/// test.
 pub(crate) const CONFIG: &str = "
 robot = 'left'
 model = 'model.safetensors'
@@ -35,7 +35,7 @@ move_wait_ms = 3600000
 silence_ms = 3600000
 
 ";
-/// A test in which so long nothing comes of what it waits for hangs.
+/// A test that waits longer than this for something hangs.
 pub(crate) const HANGS: Duration = Duration::from_secs(120);
 /// Red, and blue.
 const COLORS: [[u8; 3]; 2] = [[200, 20, 20], [20, 20, 200]];
@@ -87,7 +87,7 @@ impl World {
         let boxes = self.boxes;
         let draw = |image: &mut [u8]| {
             image.fill(0);
-            // The first one stands in front.
+            // The first one is in front.
             for (found, color) in boxes.iter().zip(COLORS).rev() {
                 let [x1, y1, x2, y2] = found.visible;
                 let columns = (x1 * width as f32) as usize..(x2 * width as f32) as usize;
@@ -102,7 +102,7 @@ impl World {
         self.frames.send(frame, Self::bytes(), draw).unwrap();
     }
 
-    /// Looks, lives and obeys; how many commands have come so far.
+    /// Publishes a frame, sends heartbeats and executes commands; returns the number of commands so far.
     fn turn(&mut self, works: bool) -> u32 {
         let Self {
             boxes, controller, ..
@@ -119,19 +119,19 @@ impl World {
     }
 }
 
-/// A robot of its own, with camera, controller and world in a thread.
+/// The test's own robot, with camera, controller and world in a thread.
 pub(crate) struct Stage {
     pub(crate) works: Arc<AtomicBool>,
     pub(crate) taken: Arc<AtomicU32>,
     stop: Arc<AtomicBool>,
     world: Option<JoinHandle<()>>,
     pub(crate) processes: Vec<Child>,
-    /// What all of them have logged since they were at work, as it comes.
+    /// What the processes have logged since they were ready, in order of arrival.
     pub(crate) logged: Arc<Mutex<String>>,
     pub(crate) bench: Bench,
-    // Last, so that what is left behind is looked for when all have ended.
+    // Last, so that leftovers are searched when all processes have ended.
     pub(crate) memory: IsolatedMemory,
-    /// The command.
+    /// Path of the command `nsrm`.
     pub(crate) nsrm: PathBuf,
 }
 
@@ -176,8 +176,8 @@ impl Stage {
         command
     }
 
-    /// Starts a node and waits until it says that it is at work; its place among
-    /// the processes.
+    /// Starts a node and waits until it logs that it is ready; returns its index in
+    /// [`Stage::processes`].
     pub(crate) fn start(&mut self, node: &str, at_work: &str) -> usize {
         let mut child = self
             .command(&[node])
@@ -190,7 +190,7 @@ impl Stage {
             line.clear();
             assert_ne!(lines.read_line(&mut line).unwrap(), 0, "{node} ended");
         }
-        // What it says from now on is read, so that it never waits for a reader.
+        // Further output is read, so that the process never waits for a reader.
         let logged = Arc::clone(&self.logged);
         std::thread::spawn(move || drain(lines, &logged));
         self.processes.push(child);
@@ -204,8 +204,8 @@ impl Stage {
         stage
     }
 
-    /// Says the sentence and waits until the robot is told to move: who says it, and what
-    /// that one still prints.
+    /// Runs `nsrm say` and waits until the first command is sent; returns the process and the rest
+    /// of its output.
     pub(crate) fn say_and_wait_for_the_way(&self) -> (Child, Lines<BufReader<ChildStdout>>) {
         let mut say = self
             .command(&["say", SENTENCE])
@@ -218,7 +218,7 @@ impl Stage {
         (say, lines)
     }
 
-    /// Says the sentence and presses Ctrl-C when the robot is at it; exit code and
+    /// Runs `nsrm say` and sends Ctrl-C once the first command is sent; returns exit code and
     /// messages.
     pub(crate) fn interrupt_when_under_way(&self) -> (Option<i32>, String) {
         let (say, _printed) = self.say_and_wait_for_the_way();
@@ -260,7 +260,7 @@ fn drain(lines: BufReader<ChildStderr>, logged: &Mutex<String>) {
     }
 }
 
-/// Sends a process a signal, by its name as `kill` has it.
+/// Sends a process a signal, named as for `kill`.
 pub(crate) fn signal(process: u32, name: &str) {
     let status = Command::new("kill")
         .args([name, &process.to_string()])
