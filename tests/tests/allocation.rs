@@ -1,4 +1,4 @@
-//! Nothing is allocated from image and sentence to plan or refusal.
+//! No memory is allocated between image and sentence and the plan or refusal.
 
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Model, Planner, Refusal, Scene};

@@ -1,6 +1,6 @@
-//! What is seen against the camera's calibration, on the pretrained model and on scenes that
-//! the harness has rendered: what is calibrated is planned in, however the world is turned,
-//! and what is not is refused by name.
+//! The check of a scene against the camera's calibration, with the pretrained model and scenes
+//! rendered by the harness: a scene of a calibrated camera gets a plan, in any orientation of the
+//! world; any other scene is refused with the cause.
 
 use nsrm_core::calibration::{CalibrationFault, Cause, Measured};
 use nsrm_core::model::LOCATION;
@@ -14,9 +14,9 @@ use nsrm_tests::picture;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-/// Scenes of the golden set that are as the harness has rendered them.
+/// The number of golden scenes that are unchanged renderings of the harness.
 const RENDERED: usize = 3;
-/// The most objects of such a scene.
+/// The greatest number of objects in such a scene.
 const MOST: usize = 6;
 
 /// What the camera sees of a scene, and the camera.
@@ -58,7 +58,7 @@ impl Seen {
         }
     }
 
-    /// The same in a world that was turned about the vertical and shifted along the table.
+    /// The same in a world that is rotated about the vertical axis and shifted along the table.
     fn moved(&self, yaw_rad: f32, [along, across]: [f32; 2]) -> Self {
         let (sin, cos) = yaw_rad.sin_cos();
         let [x, y, z] = self.camera.position;
@@ -66,7 +66,7 @@ impl Seen {
         let [i, j, k, w] = self.camera.orientation;
         let camera = Camera {
             position: [cos * x - sin * y + along, sin * x + cos * y + across, z],
-            // The turn (0, 0, sin, cos), then the camera's own.
+            // The rotation (0, 0, sin, cos), times the camera's own.
             orientation: [
                 half_cos * i - half_sin * j,
                 half_cos * j + half_sin * i,
@@ -98,7 +98,7 @@ fn any_yaw_and_shift() -> impl Strategy<Value = (f32, [f32; 2])> {
     (-3.2_f32..3.2, [-20.0_f32..20.0, -20.0_f32..20.0])
 }
 
-/// Within a detector's reach: half a pixel at each side of a box, 1.5 mm of depth.
+/// The noise of a detector: half a pixel at each side of a box, 1.5 mm of depth.
 fn noise() -> impl Strategy<Value = Vec<[f32; LOCATION]>> {
     let sides = [-0.5_f32..0.5, -0.5..0.5, -0.5..0.5, -0.5..0.5];
     let one = (sides, -0.0015_f32..0.0015).prop_map(|([x1, y1, x2, y2], depth)| {
@@ -147,8 +147,8 @@ proptest! {
     }
 }
 
-/// A frame of a camera's process whose orientation is w, x, y, z, or whose boxes have depths
-/// in millimetres: told to who asks, behind perception.
+/// A frame of a camera process with its orientation as w, x, y, z, or with depths in millimetres:
+/// the client of the planner is told.
 #[test]
 fn frames_in_other_units_and_conventions_are_told_as_such() {
     let half = std::f32::consts::FRAC_1_SQRT_2;

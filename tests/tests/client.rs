@@ -1,5 +1,5 @@
-//! Who asks, and a planner of the test's that answers as none should, or to none that
-//! lives.
+//! A client, with a planner that belongs to the test: it gives replies that no planner should
+//! give, or replies to a client that is dead.
 
 use nsrm_core::RawScene;
 use nsrm_ipc::clock::now_ns;
@@ -97,7 +97,7 @@ fn a_clock_that_is_set_back_loses_no_planner_that_lives_and_keeps_none_that_does
         let late_ns = now_ns() + 100_000 * MS;
         heartbeats.beat(state, late_ns).unwrap();
         assert_eq!(client.hear(&mut conversation, late_ns), Ok(None));
-        // Before the planner has noticed it and said so.
+        // Before the planner has detected and reported it.
         let back_ns = late_ns - 50_000 * MS;
         assert_eq!(client.hear(&mut conversation, back_ns), Ok(None));
         let (ticks, error) = (0..60)
@@ -111,7 +111,7 @@ fn a_clock_that_is_set_back_loses_no_planner_that_lives_and_keeps_none_that_does
             })
             .expect("it does not wait for ever");
         assert_eq!(error, expected);
-        // Four ticks of silence after the last beat; two seconds of being idle.
+        // Four ticks of silence after the last heartbeat; two seconds of being idle.
         assert_eq!(ticks, if state == State::Busy { 8 } else { 21 });
     }
 }
@@ -144,7 +144,7 @@ fn a_controller_that_is_silent_is_commanded_nothing() {
     let hung = join(Role::Controller, &memory);
     let commands = hung.receiver::<SubGoal>().unwrap();
     let limits = Limits {
-        // The client's and the scenes' time is not the planner's here.
+        // Here the client and the scenes have another clock than the planner.
         scene_age_ns: u64::MAX,
         ..Limits::default()
     };

@@ -1,5 +1,5 @@
-//! The inputs that the fuzz targets have come to, run on any toolchain: what was found
-//! once is never found again.
+//! Runs the committed corpora of the fuzz targets, on any toolchain, so that no fixed fault comes
+//! back.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ fn run_on_corpus(target: &Target) {
     let files = files(&Path::new(FUZZ).join("corpus").join(target.name));
     assert!(!files.is_empty(), "{} has no corpus", target.name);
     for file in files {
-        // Shown when it fails.
+        // Printed if the test fails.
         println!("{}", file.display());
         (target.run)(&fs::read(&file).unwrap());
     }

@@ -1,7 +1,7 @@
-//! That a node died or hangs is detected within half a second, by the clock that nodes are
-//! told; and a controller that was held up does not do what was given up meanwhile.
+//! A node that dies or hangs is detected within half a second on the clock given to the nodes; a
+//! delayed controller does not execute a command that was abandoned meanwhile.
 //!
-//! The other process is a real one; time stands still but for what the tests let go by.
+//! The other process is a real one; time passes only where a test advances it.
 
 use std::cell::Cell;
 use std::io::{BufRead as _, BufReader};
@@ -23,10 +23,10 @@ use nsrm_tests::world::{BLOCKS, Pending, SENTENCE, World, last_reason, patient};
 const MS: u64 = 1_000_000;
 /// How long a death may stay undetected.
 const PROMISE_NS: u64 = 500 * MS;
-/// Nodes look around so often: the last heartbeat is heard, and its lack seen, so much
-/// later at most.
+/// The polling period of nodes: the last heartbeat is received, and its absence detected, at most
+/// this much later.
 const NAP_NS: u64 = 20 * MS;
-/// A test in which so long nothing comes of what it waits for hangs.
+/// A test that waits longer than this for something hangs.
 const HANGS: Duration = Duration::from_secs(120);
 
 /// Another process.
@@ -48,7 +48,7 @@ impl Other {
         Self(child)
     }
 
-    /// Sends a signal; when it has had its effect, it says nothing any more.
+    /// Sends a signal that silences the process, and waits until it has had its effect.
     fn silence(&mut self, signal: &str) {
         self.signal(signal);
         if signal == "-KILL" {
@@ -70,14 +70,14 @@ impl Other {
 
 impl Drop for Other {
     fn drop(&mut self) {
-        // It may have ended.
+        // It may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Removes what the dead have left, when all others have ended. A process may be gone
-/// a moment before its locks are; ends a test in which something stays.
+/// Removes what dead processes have left, once all others have ended. A process may end a moment
+/// before its locks are released; fails the test if something stays.
 fn cleanup_dead_nodes(memory: &IsolatedMemory) {
     let begun = Instant::now();
     while begun.elapsed() < HANGS {
@@ -90,7 +90,7 @@ fn cleanup_dead_nodes(memory: &IsolatedMemory) {
     panic!("left behind: {:?}", memory.left_behind());
 }
 
-/// Waits until so many heartbeats of this role have come from now on.
+/// Waits until this many further heartbeats of this role have arrived.
 fn wait_for_beats(heartbeats: &Receiver<Heartbeat>, role: Role, count: usize) {
     let mut heard = 0;
     while heard < count {
@@ -101,7 +101,7 @@ fn wait_for_beats(heartbeats: &Receiver<Heartbeat>, role: Role, count: usize) {
     }
 }
 
-/// A planner that was asked for a sentence; time is what it is told.
+/// A planner that was given a sentence; the test sets its clock.
 struct Scene<'m> {
     planner: PlannerNode<'m>,
     scenes: Sender<SceneMessage>,
@@ -131,7 +131,7 @@ impl<'m> Scene<'m> {
         }
     }
 
-    /// Shows a scene taken at this time and lets the planner work; what it says.
+    /// Publishes a scene taken at this time and lets the planner work; returns its replies.
     fn turn(&mut self, now_ns: u64) -> Vec<PlanReply> {
         self.scene.header.timestamp_ns = now_ns;
         let message = SceneMessage::from(&self.scene);
@@ -141,7 +141,7 @@ impl<'m> Scene<'m> {
         replies.map(|reply| *reply).collect()
     }
 
-    /// Turns until the first step has been sent.
+    /// Repeats [`Scene::turn`] until the first command has been sent.
     fn until_commanded(&mut self, now_ns: u64) {
         while !self
             .turn(now_ns)
@@ -150,7 +150,7 @@ impl<'m> Scene<'m> {
         {}
     }
 
-    /// What the controller says next.
+    /// The controller's next outcome.
     fn outcome(&self) -> Outcome {
         loop {
             if let Some(feedback) = self.heard.receive().unwrap() {
@@ -167,7 +167,7 @@ fn a_controller_that_dies_or_hangs_is_detected_within_half_a_second() {
     let model = parts.model();
     for signal in ["-STOP", "-KILL"] {
         let memory = IsolatedMemory::new(&format!("lost{signal}"));
-        // The other process has a clock that goes.
+        // The other process has a running clock.
         let limits = Limits {
             silence_ns: Limits::default().silence_ns,
             ..patient()
@@ -175,14 +175,14 @@ fn a_controller_that_dies_or_hangs_is_detected_within_half_a_second() {
         let mut it = Scene::new(&model, limits, &memory);
         let heartbeats: Receiver<Heartbeat> = it.robot.receiver().unwrap();
         let mut controller = Other::start("controller", &memory);
-        // Of two the first lies in the planner's queue, and is heard now, however long ago
-        // the planner has begun.
+        // Of two heartbeats the first is in the planner's queue, and is received now, however long
+        // ago the planner was started.
         wait_for_beats(&heartbeats, Role::Controller, 2);
         let now = now_ns();
         it.until_commanded(now);
         assert_eq!(it.outcome(), Outcome::Accepted);
         controller.silence(signal);
-        // All that it has said is heard now.
+        // Everything that it has sent is received now.
         assert!(it.turn(now).is_empty());
         assert!(it.turn(now + Limits::default().silence_ns).is_empty());
         let noticed = now + PROMISE_NS - 2 * NAP_NS;
@@ -190,7 +190,7 @@ fn a_controller_that_dies_or_hangs_is_detected_within_half_a_second() {
         replies.extend(it.turn(noticed));
         assert_eq!(last_reason(&replies), Some("controller_lost"), "{signal}");
         if signal == "-STOP" {
-            // It goes on, and finds that it must not.
+            // It continues, and finds the stop.
             controller.signal("-CONT");
             assert_eq!(it.outcome(), Outcome::Stopped);
         }
@@ -213,8 +213,8 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
             let heartbeats: Receiver<Heartbeat> = robot.receiver().unwrap();
             let mut watcher = Watcher::begin(robot).unwrap();
             let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
-            // Of two the first lies in all queues, and is heard now, however long ago it
-            // was asked.
+            // Of two heartbeats the first is in all queues, and is received now, however long ago
+            // the request was sent.
             while heartbeats.receive().unwrap().is_some() {}
             wait_for_beats(&heartbeats, Role::Planner, 2);
             planner.silence(signal);
@@ -238,7 +238,7 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
     }
 }
 
-/// It was stopped before the command came, and goes on when nobody wants it any more.
+/// It was suspended before the command arrived, and continues when the command is obsolete.
 #[test]
 fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
     let parts = Parts::new();
@@ -246,13 +246,13 @@ fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
     for gives_up in [true, false] {
         let memory = IsolatedMemory::new(&format!("held-up-{gives_up}"));
         let mut it = Scene::new(&model, Limits::default(), &memory);
-        // Of two heartbeats the first lies in the planner's queue, too.
+        // Of two heartbeats the first is in the planner's queue, too.
         let heartbeats: Receiver<Heartbeat> = it.robot.receiver().unwrap();
         let mut controller = Other::start("controller", &memory);
         wait_for_beats(&heartbeats, Role::Controller, 2);
         controller.silence("-STOP");
-        // Where the planner is never polled again, as one that has died, the command's
-        // time alone tells; here it has gone before it is sent.
+        // If the planner is never polled again, as if it had died, only the command's deadline
+        // shows it; here it has passed before the command is sent.
         let mut now = if gives_up {
             now_ns()
         } else {
@@ -267,7 +267,7 @@ fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
         controller.signal("-CONT");
         if gives_up {
             assert_eq!(last_reason(&replies), Some("controller_lost"));
-            // To the stop, and then to the command.
+            // The answers to the stop, and then to the command.
             assert_eq!([it.outcome(), it.outcome()], [Outcome::Stopped; 2]);
         } else {
             assert_eq!(it.outcome(), Outcome::TooLate);
@@ -277,7 +277,7 @@ fn a_controller_that_was_held_up_does_not_begin_with_what_was_given_up() {
     }
 }
 
-/// As above, by the rules alone: a later sentence is carried out.
+/// As above, without real processes: a later sentence is executed.
 #[test]
 fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
     let memory = IsolatedMemory::new("too-late");
@@ -295,7 +295,7 @@ fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
     ) {
         planner.poll(now);
     }
-    // The controller sleeps for ten seconds; the planner gives the sentence up.
+    // The controller sleeps for ten seconds; the planner abandons the sentence.
     let late = now + 10_000 * MS;
     world.turn(late);
     assert_eq!(world.controller.rejected, 1);
@@ -314,7 +314,7 @@ fn what_comes_too_late_keeps_nothing_from_what_comes_after_it() {
     assert_eq!(world.controller.done.len(), 2);
 }
 
-/// Also for who joined before it died, and buries nobody in between.
+/// Also for a process that joined before it died, and has cleaned up nothing since.
 #[test]
 fn the_place_of_one_that_was_just_killed_is_free() {
     let memory = IsolatedMemory::new("just-killed");

@@ -15,7 +15,7 @@ use nsrm_tabletop::TABLETOP;
 use nsrm_tests::golden::{Array, Golden, camera, fixed, numbers};
 use serde_json::Value;
 
-/// Runs a test on both forms of the model, the one that the vectors are of.
+/// Runs a test on the model of the golden vectors, static and loaded.
 fn on_both(test: impl Fn(&Golden, &Model<'_>)) {
     let golden = Golden::read();
     let path = concat!(
@@ -181,7 +181,7 @@ fn golden_sentences() {
 
 #[test]
 fn golden_padding_changes_nothing() {
-    // The trainer pads, core doesn't: its logits without padding are those with it.
+    // The trainer pads and core does not: the trainer's logits are the same with and without padding.
     let golden = Golden::read();
     let padded = golden.array("padding.action_logits");
     let exact = golden.array("sentence.0.step.0.action_logits");
@@ -193,7 +193,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
     let mut reader = Reader::new(sentence).unwrap();
     while reader.advance(model, sentence).unwrap() {}
     let tokens = reader.tokens();
-    // Row 0 of the trainer's embeddings is the group's; core keeps that apart.
+    // Row 0 of the trainer's embeddings is the group token's; core stores that separately.
     let rows = numbers(&case["rows"]);
     let got: Vec<f64> = tokens
         .iter()
@@ -231,7 +231,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         let tokens = &tokens[first..end];
         let groups = tokens.iter().filter(|token| token.description().is_some());
         if groups.count() > MAX_GROUPS {
-            // More than core encodes; that it refuses is checked below.
+            // More than core encodes; the refusal is checked below.
             continue;
         }
         let encoder = encoded(model, tokens);
@@ -262,7 +262,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
     check_parsed(golden, model, sentence, array(&case["steps"]));
 }
 
-/// The parser as a whole cuts where the trainer does.
+/// The whole parser splits the sentence where the trainer does.
 fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Value]) {
     let mut task = ParsingTask::new(model, sentence);
     let parsed = loop {
@@ -278,8 +278,8 @@ fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Val
                 golden.close("probability", &[decisions.split], &[expected], sentence);
             }
         }
-        // The longest sentence may have more steps than a program, or a rest of
-        // words that say nothing.
+        // The longest sentence may have more steps than a program, or end with words that describe
+        // no step.
         Err(refusal) => assert!(
             matches!(
                 refusal,

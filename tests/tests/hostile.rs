@@ -1,5 +1,5 @@
-//! Who publishes nonsense under the right type's name achieves nothing: every node counts
-//! it and passes it over, and does what it is asked for afterwards.
+//! Invalid messages under the right type name do no harm: every node counts and rejects them, and
+//! works afterwards.
 
 use nsrm_core::scene::SceneError;
 use nsrm_ipc::clock::now_ns;
@@ -19,7 +19,7 @@ use nsrm_tests::world::{BLOCKS, SENTENCE, World, last_reason, patient};
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// A change that makes nonsense of a message.
+/// A change that makes a message invalid.
 type Break<M> = fn(&mut M);
 
 const MS: u64 = 1_000_000;
@@ -29,7 +29,7 @@ const ROUNDS: u64 = 300;
 /// that it receives.
 const A_MESSAGE: u64 = 2;
 
-/// The next of a row of numbers that look random (`SplitMix64`).
+/// The next pseudorandom number (`SplitMix64`).
 fn random(seed: &mut u64) -> u64 {
     *seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut number = *seed;
@@ -38,7 +38,7 @@ fn random(seed: &mut u64) -> u64 {
     number ^ (number >> 31)
 }
 
-/// The first one is all 0, the second one all 1, the others are random.
+/// All bits 0 in the first round, all bits 1 in the second, then random.
 fn bytes(round: u64, length: usize, seed: &mut u64) -> Vec<u8> {
     (0..length)
         .map(|_| match round {
@@ -52,12 +52,12 @@ fn bytes(round: u64, length: usize, seed: &mut u64) -> Vec<u8> {
 /// A message of [`bytes`].
 fn nonsense<M: Message>(round: u64, seed: &mut u64) -> M {
     let bytes = bytes(round, size_of::<M>(), seed);
-    // SAFETY: as many bytes as the message has, and whatever bytes they are: a message
-    // is made of integers, floats and arrays of them, without padding.
+    // SAFETY: the length is the message's, and any bytes are valid: a message consists of integers,
+    // floats and arrays of them, without padding.
     unsafe { bytes.as_ptr().cast::<M>().read_unaligned() }
 }
 
-/// Broken in one of these ways, or nonsense from the start.
+/// The valid message with one of these changes, or random bytes.
 fn broken<M: Message>(valid: &M, breaks: &[Break<M>], round: u64, seed: &mut u64) -> M {
     if round < 2 || random(seed).is_multiple_of(2) {
         return nonsense(round, seed);
@@ -174,7 +174,7 @@ fn is_refusal(reply: &PlanReply) -> bool {
     matches!(reply, Ok(Reply::Failed { reason, .. }) if reason == "bad_request")
 }
 
-/// What the planner's next heartbeat says that it has passed over.
+/// The number of rejected messages in the planner's next heartbeat.
 fn beat(planner: &mut PlannerNode<'_>, heard: &Receiver<Heartbeat>, now_ns: u64) -> u64 {
     planner.poll(now_ns);
     let beats = all(heard).into_iter();
@@ -228,8 +228,8 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
         let (_, calls) = counted(|| planner.poll(now));
         sent += 16 + 1 + 8 + 8 + 1;
         assert_eq!(planner.rejected(), sent, "round {round}");
-        // A request that is received, nine answers for all, one for who asked; and a
-        // heartbeat when it is time to.
+        // One received request, nine answers for all, one for the client; and a heartbeat if it is
+        // due.
         let expected = [1 + 9 + 1, 1 + 9 + 1 + 1].map(|messages| A_MESSAGE * messages);
         assert!(round == 0 || expected.contains(&calls), "{calls}");
         let told = pending.receive().unwrap().expect("an answer");
@@ -238,7 +238,7 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
         assert!(told.len() == 9 && told.iter().all(is_refusal));
     }
     assert!(all(&commands).is_empty());
-    // The heartbeat has it too.
+    // The heartbeat has the same number.
     assert_eq!(beat(&mut planner, &heard, now + HEARTBEAT_NS), sent);
 
     drop((commands, scenes, feedback));
@@ -246,7 +246,7 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
     let pending = world.ask(1, SENTENCE);
     let base = (now, now_ns());
     let replies = world.follow(&mut planner, &pending, || {
-        // In between, what has room for more than one publisher.
+        // Meanwhile, invalid messages to the services with several publishers.
         heartbeats.send(&nonsense(sent, &mut sent.clone())).unwrap();
         asks.send(&nonsense(sent, &mut sent.clone())).unwrap();
         base.0 + HEARTBEAT_NS + (now_ns() - base.1)
@@ -261,7 +261,7 @@ fn perception_makes_nothing_of_what_is_no_frame() {
     let config = &memory.config;
     let model = &nsrm_tabletop::TABLETOP;
     let camera = join("left", Role::Camera, config);
-    // Small, since each is written anew.
+    // Small, since each frame is written again.
     let mut valid = picture::squares().frame();
     (valid.camera.width, valid.camera.height) = (64, 48);
     let length = 64 * 48 * 7;
@@ -274,9 +274,9 @@ fn perception_makes_nothing_of_what_is_no_frame() {
         let header = broken(&valid, FRAMES, round, &mut seed);
         out.send(header, length, |_| {}).unwrap();
         let (seen, calls) = counted(|| perception.poll(now));
-        // But for getting to know the camera, and the first heartbeat.
+        // Except for the connection to the camera, and the first heartbeat.
         assert!(seen && (round == 0 || calls == 0), "{calls}");
-        // Sound, but for the length of what follows.
+        // Valid, except for the length of the image.
         let wrong = random(&mut seed) as usize % length;
         out.send(valid, wrong, |_| {}).unwrap();
         assert!(perception.poll(now));
@@ -365,7 +365,7 @@ fn who_looks_on_sees_nothing_in_nonsense() {
             let message = broken(&reply, REPLIES, round, &mut seed);
             answers.send(&message).unwrap();
         }
-        // Without the model no more can be told of a scene.
+        // Without the model no more of a scene can be checked.
         let breaks: &[Break<SceneMessage>] = &[|it| it.schema = 2, |it| it.count = 17];
         let message = broken(&scene, breaks, round, &mut seed);
         scenes.send(&message).unwrap();

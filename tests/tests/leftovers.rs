@@ -1,4 +1,4 @@
-//! What a process had half made when it was killed: a service is made anew, a node removed.
+//! What a killed process has left half created: a service is created again, a node removed.
 
 use std::fs::Permissions;
 use std::io::{BufRead as _, BufReader};
@@ -34,13 +34,13 @@ fn break_all(memory: &IsolatedMemory) {
     }
 }
 
-/// Makes it so old that it counts as given up.
+/// Makes it so old that it counts as abandoned.
 fn age(file: &Path) {
     date(file, SystemTime::now() - Duration::from_secs(60));
 }
 
-/// Keeps it from growing old while the test runs, on however slow a machine: it was made in an
-/// hour, as on a clock that was set back since.
+/// Keeps it from becoming old while the test runs, even on a slow machine: it dates from the
+/// future, as if the clock had been set back since.
 fn keep_young(file: &Path) {
     date(file, SystemTime::now() + Duration::from_secs(3600));
 }
@@ -79,7 +79,7 @@ fn what_was_begun_and_given_up_is_made_anew() {
     let sender = one.sender::<Feedback>().unwrap();
     let receiver = other.receiver::<Feedback>().unwrap();
     assert!(sends(&sender, &receiver));
-    // Who had begun it and lives after all is heard by nobody.
+    // The process that had started it and is alive after all reaches nobody.
     assert!(!sends(&lost, &receiver));
 }
 
@@ -102,7 +102,7 @@ fn what_is_just_being_made_is_left_alone() {
     drop(service);
 }
 
-/// As it stands when a process is killed before it holds the lock that shows that it lives.
+/// The state after a process was killed before it held the lock that shows that it is alive.
 #[test]
 fn a_node_that_was_begun_and_given_up_is_removed() {
     let memory = IsolatedMemory::new("half-a-node");
@@ -123,9 +123,9 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
         file
     };
     let watched = file("4711.node_monitor_context");
-    // Whoever buried this one was killed when the first of three files had gone.
+    // The process that cleaned up this one was killed after the first of three files.
     let buried = ["4713.node_monitor_context", "4713.node_monitor_owner_lock"].map(file);
-    // This one was killed before it gave its context the permissions that show that it lives.
+    // This one was killed before it set the permissions of its context, which show that it is alive.
     let begun = [
         "4715.node_monitor",
         "4715.node_monitor_owner_lock",
@@ -147,7 +147,7 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
         assert!(!part.exists(), "{}", part.display());
     }
     assert!(new.exists());
-    // The other one's own files, and those of the one that lives, are there.
+    // The files of the other one, and of the live one, are there.
     assert_eq!(entries(), 2 * own + 1);
     assert!(lives.receiver::<Feedback>().is_ok() && other.sender::<Feedback>().is_ok());
     std::fs::remove_dir_all(new).unwrap();
@@ -167,11 +167,11 @@ fn controller(memory: &IsolatedMemory) -> Child {
     child
 }
 
-/// As it stands when the one that buries it is killed, too, and a tag was half written.
+/// The state after the process that cleaned it up was killed, too, with a tag half written.
 #[test]
 fn the_last_of_a_dead_node_is_removed() {
     let memory = IsolatedMemory::new("half-buried");
-    // For the whole process: no other test in this file may, or bury one that died.
+    // For the whole process: no other test in this file may do so, or clean up a dead process.
     set_global_config(&memory.config).unwrap();
     let heir = join(Role::Planner, &memory);
     let nodes = memory.root().join("nodes");
@@ -193,12 +193,12 @@ fn the_last_of_a_dead_node_is_removed() {
         }
     }
     let tag = format!("{}4711.service_tag", memory.prefix());
-    // Nobody may read what is being written: so iceoryx2 does not see it.
+    // A file that is being written is not readable, so iceoryx2 does not see it.
     std::fs::write(folder.join("unfinished"), tag).unwrap();
-    // By a clock that stands still nothing of it grows old meanwhile.
+    // On a clock that stands still nothing becomes old.
     heir.cleanup_dead_nodes_at(begun);
     assert!(folder.exists());
-    // What is removed from a folder makes it young again.
+    // Removing a file from a folder makes the folder young again.
     age(&folder);
     heir.cleanup_dead_nodes();
     heir.cleanup_dead_nodes();
@@ -212,8 +212,8 @@ fn the_last_of_a_dead_node_is_removed() {
     memory.clear();
 }
 
-/// As it stands when a process is killed between making a segment and giving it a size, for
-/// which iceoryx2 would wait without end.
+/// The state after a process was killed between creating a segment and setting its size; iceoryx2
+/// would wait for the size for ever.
 #[test]
 fn a_segment_that_was_begun_and_given_up_is_removed() {
     let memory = IsolatedMemory::new("half-a-segment");
@@ -233,7 +233,7 @@ fn a_segment_that_was_begun_and_given_up_is_removed() {
     assert!(!new.exists());
 }
 
-/// As it stands now and then when both of its ports' processes were killed.
+/// A possible state after the processes of both of its ports were killed.
 #[test]
 fn a_connection_that_is_nobodys_is_removed() {
     let memory = IsolatedMemory::new("connections");
@@ -244,7 +244,7 @@ fn a_connection_that_is_nobodys_is_removed() {
         path
     };
     let (nobodys, used, young) = (segment("1_2"), segment("3_4"), segment("5_6"));
-    // What another process has in its memory: of another robot's folder, for all we know.
+    // Mapped by another process: it may belong to a robot with another folder.
     let mut user = Command::new("python3")
         .args(["-c", MAPS, used.to_str().unwrap()])
         .stdin(Stdio::piped())
@@ -257,7 +257,7 @@ fn a_connection_that_is_nobodys_is_removed() {
     for old in [&nobodys, &used] {
         age(old);
     }
-    // While others are there it may be theirs.
+    // As long as there are other processes it may be theirs.
     let second = join(Role::Controller, &memory);
     assert!(nobodys.exists());
     drop((other, second));
@@ -270,14 +270,14 @@ fn a_connection_that_is_nobodys_is_removed() {
     std::fs::remove_file(young).unwrap();
 }
 
-/// A process that has a file in its memory until it is told to end.
+/// A process that maps a file until it is told to end.
 const MAPS: &str = "import mmap, sys
 with open(sys.argv[1], 'r+b') as file, mmap.mmap(file.fileno(), 0):
     print('mapped', flush=True)
     sys.stdin.read()
 ";
 
-/// As it stands when a process is killed before it has noted that it made a socket.
+/// The state after a process was killed before it registered a socket that it had created.
 #[test]
 fn a_socket_that_is_nobodys_is_removed() {
     let memory = IsolatedMemory::new("sockets");
@@ -307,7 +307,7 @@ fn a_socket_that_is_nobodys_is_removed() {
     assert_eq!(sockets().count(), 3);
     let notifier = join(Role::Planner, &memory).notifier("sub_goal").unwrap();
     assert!(!nobodys.exists() && young.exists());
-    // Whose holder lives is older, and is there.
+    // The socket of a live process is older, and is still there.
     assert_eq!(sockets().count(), 2);
     notifier.notify();
     assert_eq!(wait_set.try_wait(), Ok(true));

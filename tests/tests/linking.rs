@@ -1,7 +1,7 @@
-//! The proofs that rest on the linker, and what the proved program computes.
+//! The proofs by the linker, and what the proved program computes.
 //!
-//! `tests/no-std-plan` is built for real, so these tests take a minute the first
-//! time; they are left out of a plain `cargo test` and run by `cargo verify`.
+//! These tests build `tests/no-std-plan`, which takes a minute the first time; a plain
+//! `cargo test` ignores them, `cargo verify` runs them.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -18,7 +18,7 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/no-std-plan");
 
 /// Builds the program with this feature, or with none.
 fn build(feature: Option<&str>) -> (Output, PathBuf) {
-    // One folder for all: the crates below are built once.
+    // One folder for all builds, so that the dependencies are built once.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-std-plan");
     let mut cargo = Command::new(env!("CARGO"));
     cargo
@@ -26,7 +26,7 @@ fn build(feature: Option<&str>) -> (Output, PathBuf) {
         .arg(format!("{FOLDER}/Cargo.toml"))
         .arg("--target-dir")
         .arg(&target)
-        // Flags for other builds must not reach the proof.
+        // Flags of other builds must not change the proof.
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS");
     if let Some(feature) = feature {
@@ -71,8 +71,8 @@ fn without_allocator_and_panics_it_links_and_plans() {
         assert_eq!(ran.status.code(), Some(code), "{sentence:?}");
         assert_eq!(ran.stdout, bytes, "{sentence:?}");
     }
-    // Else no sub-goal was compared: then the picture needs squares that this
-    // model takes for its objects.
+    // Otherwise no sub-goal was compared: the image then needs squares that this model recognises
+    // as its objects.
     assert!(planned > 0, "the pretrained model refuses every sentence");
     // A box outside the image, and an input that ends early.
     let mut broken = picture.clone();
@@ -104,7 +104,7 @@ fn it_does_not_link_with_an_allocation() {
 
 #[test]
 fn its_dependencies_are_those_of_the_workspace() {
-    // It has a lock file of its own; what it proves is about the same code.
+    // It has its own lock file, but must prove the same code.
     let ours = locked(&format!("{}/../Cargo.lock", env!("CARGO_MANIFEST_DIR")));
     for (name, versions) in locked(&format!("{FOLDER}/Cargo.lock")) {
         if name == "no-std-plan" {
@@ -136,7 +136,7 @@ fn locked(path: &str) -> BTreeMap<String, Vec<String>> {
     packages
 }
 
-/// What the program reads; see `no-std-plan/src/input.rs`.
+/// The program's input; see `no-std-plan/src/input.rs`.
 fn input(picture: &Picture, sentence: &str) -> Vec<u8> {
     let camera = camera();
     let mut bytes = Vec::new();

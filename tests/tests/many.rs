@@ -1,5 +1,5 @@
-//! Several robots in one machine, each with as many onlookers as a class has seats:
-//! nobody hears of another robot, everyone sees the latest scene.
+//! Several robots on one machine, each with several observers: nobody receives messages of another
+//! robot, and everyone receives the latest scene.
 
 use nsrm_ipc::clock::now_ns;
 use nsrm_ipc::executive::Mode;
@@ -12,7 +12,7 @@ use nsrm_tests::world::{Pending, World, last_reason, patient};
 
 const ONLOOKERS_EACH: usize = 8;
 
-/// A robot, what stands before it, what it is asked, and the objects that this moves.
+/// A robot: the blocks in front of it, its sentence, and the objects that are moved.
 struct Case {
     name: &'static str,
     blocks: &'static [Block],
@@ -48,7 +48,7 @@ const CASES: [Case; 4] = [
         sentence: "put the small green block on the lego red block",
         moved: &[4],
     },
-    // It has nothing of what it is asked for; the others have.
+    // Unlike the others, it has no object that the sentence names.
     Case {
         name: "west",
         blocks: &[block("small", "green"), block("lego", "green")],
@@ -88,7 +88,7 @@ fn robots_side_by_side_don_t_hear_of_each_other() {
             case,
         });
     }
-    // All are at it at the same time, a piece of work each in turn.
+    // All work at the same time, one unit of work each in turn.
     let mut under_way = 0;
     while robots.iter().any(|it| it.pending.is_connected()) {
         for it in &mut robots {
@@ -99,7 +99,7 @@ fn robots_side_by_side_don_t_hear_of_each_other() {
             }
             for onlooker in &mut it.onlookers {
                 let view = onlooker.look(now_ns());
-                // The latest, whoever published when.
+                // The latest scene, in whatever order they were published.
                 assert_eq!(view.scenes.made_ns, it.world.scene.header.timestamp_ns);
                 assert_eq!(view.objects as usize, it.case.blocks.len());
             }
@@ -116,7 +116,7 @@ fn robots_side_by_side_don_t_hear_of_each_other() {
         let goals = &it.world.controller.done;
         let moved: Vec<_> = goals.iter().map(|goal| goal.object_id).collect();
         assert_eq!(moved, it.case.moved, "{name}");
-        // Each command that came was the own planner's.
+        // Each received command is from the robot's own planner.
         assert_eq!(it.world.controller.taken as usize, goals.len(), "{name}");
         let plan = it.replies.iter().map(|reply| reply.plan).max().unwrap();
         assert!(goals.iter().all(|goal: &SubGoal| goal.plan == plan));
@@ -161,14 +161,14 @@ fn who_finds_no_place_is_told_so_and_the_others_go_on() {
         assert_eq!(latest.sequence, 3);
         assert!(reader.receive().unwrap().is_none());
     }
-    // Another robot has its own places; and one that is given up can be taken.
+    // Another robot has its own slots, and a slot that was released can be taken.
     let other = join("south", Role::Watcher, config);
     assert!(other.receiver::<SceneMessage>().is_ok());
     drop(readers);
     assert!(publisher.receiver::<SceneMessage>().is_ok());
 }
 
-/// Beside all of the robot's own nodes, each of which has a heartbeat too.
+/// In addition to all of the robot's own nodes, each of which sends heartbeats, too.
 #[test]
 fn as_many_as_may_ask_find_a_place_and_one_more_is_told_so() {
     let memory = IsolatedMemory::new("clients");

@@ -1,5 +1,5 @@
-//! Nodes of one robot over shared memory, in one process and without a sleep: the
-//! planner's and perception's own code, a controller and a client of the test's.
+//! Nodes of one robot over shared memory, in one process and without sleeping: the real planner and
+//! perception, with a controller and a client that belong to the test.
 
 use iceoryx2::config::Config;
 use nsrm_core::Model;
@@ -74,13 +74,13 @@ fn a_sentence_goes_through_shared_memory_and_comes_back_done() {
     assert_eq!(objects, [1, 3]);
 }
 
-/// Calls of the allocator for each message that iceoryx2 sends: it makes one thing and
-/// throws it away. For each request that it receives, too.
+/// Calls of the allocator for each message that iceoryx2 sends, and for each request that it
+/// receives: it allocates once and frees it.
 const A_MESSAGE: u64 = 2;
 /// Time between two turns.
 const TURN_NS: u64 = 100_000;
 
-/// From its second sentence on, and its second frame.
+/// From the second sentence on, and from the second frame on.
 #[test]
 fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
     let memory = IsolatedMemory::new("allocation");
@@ -89,7 +89,7 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
     let mut planner = planner(&model, &memory.config);
     let mut world = World::new("left", &model, &memory.config);
     let standing = world.scene;
-    // Told, so that as many heartbeats come on any machine.
+    // Set by the test, so that the number of heartbeats is the same on any machine.
     let mut now = now_ns();
     for sequence in 1..=3 {
         world.scene.objects = standing.objects;
@@ -100,13 +100,13 @@ fn no_node_allocates_once_it_is_at_work_but_for_iceoryx2s_sending() {
             world.turn(now);
             calls += counted(|| planner.poll(now)).1;
             while let Some(reply) = pending.receive().unwrap() {
-                // To who asked, and to who looks on; a command is sent as well.
+                // One to the client and one to the observers; a command is a message, too.
                 let is_command = matches!(reply.read(), Ok(Reply::Commanded { .. }));
                 messages += 2 + u64::from(is_command);
                 ended |= matches!(reply.read(), Ok(Reply::Done));
             }
         }
-        // Heartbeats come when it is time to.
+        // Heartbeats are sent when they are due.
         let beats = [0, 1, 2].map(|beats| A_MESSAGE * (messages + beats));
         assert!(
             sequence == 1 || beats.contains(&calls),
@@ -154,7 +154,7 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     assert!(message.contains("\"purple\""), "{message}");
     drop(pending);
 
-    // A camera that is told to be higher than it is.
+    // A camera whose calibration says that it is higher than it is.
     world.scene.camera.position[2] += 0.05;
     let pending = world.ask(4, SENTENCE);
     let replies = world.follow(&mut planner, &pending, now_ns);
@@ -183,7 +183,7 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     let replies = world.follow(&mut planner, &second, now_ns);
     assert_eq!(last_reason(&replies), Some("busy"));
     drop(second);
-    // Another request cannot be cancelled by number alone, its own can.
+    // A client can cancel its own request only, not another client's by its number.
     for (sequence, expected) in [(9, Some("no_such_request")), (2, None)] {
         let cancel = world
             .client
@@ -197,7 +197,7 @@ fn refusals_and_a_busy_planner_are_told_in_words() {
     assert!(world.controller.done.is_empty());
 }
 
-/// That a request to cancel was heard is nothing to them, and no end of the sentence.
+/// The reply to a cancel request is not for them, and is not the end of the sentence.
 #[test]
 fn onlookers_are_told_once_how_a_cancelled_sentence_ended() {
     let memory = IsolatedMemory::new("onlooker");
@@ -280,7 +280,7 @@ fn a_controller_that_was_started_anew_ends_the_sentence() {
     assert_eq!(last_reason(&replies), Some("controller_lost"));
 }
 
-/// In a loop of one's own, at whose end nothing else does.
+/// In a caller's own loop, where nothing else would stop it.
 #[test]
 fn a_planner_that_is_dropped_stops_what_moves() {
     let memory = IsolatedMemory::new("dropped");
@@ -334,7 +334,7 @@ fn without_a_controller_nothing_is_accepted() {
     assert_eq!(last_reason(&replies), Some("not_accepted"));
 }
 
-/// The same scene as core makes of the same picture, read where it lies.
+/// The same scene as core computes from the same image; the image is read in place.
 #[test]
 fn perception_makes_a_scene_of_a_frame() {
     let memory = IsolatedMemory::new("perception");
@@ -367,7 +367,7 @@ fn perception_makes_a_scene_of_a_frame() {
     let task = ObservationTask::new(model, image, picture::camera(), &picture.detections, stamp);
     assert_eq!(Ok(scene), task.unwrap().finish());
 
-    // What is no frame costs nothing but its passing over.
+    // An invalid frame is only rejected.
     frame.count = 99;
     assert_eq!(out.send(frame, bytes, write), Ok(1));
     assert!(perception.poll(now_ns()));

@@ -1,4 +1,4 @@
-//! A plan of what is left of a program says of each step what the whole plan says of it.
+//! A plan for the rest of a program has the same steps as the plan for the whole program.
 
 use core::task::Poll;
 use std::sync::LazyLock;
@@ -11,7 +11,8 @@ use nsrm_tabletop::TABLETOP;
 use nsrm_tests::picture;
 use serde_json::Value;
 
-/// Moves things anywhere: it was shown blocks, and puts squares beside its work space.
+/// The pretrained model without limits of its work space: it was trained on blocks, and would put
+/// the squares outside.
 static MODEL: LazyLock<Model<'static>> = LazyLock::new(|| {
     let mut model = TABLETOP;
     model.header.work_space.min = [-1.0; 3];
@@ -40,7 +41,7 @@ fn json_of_the_rest_of_a_program_names_its_own_steps() {
             let number = got["step"].as_u64().expect("a number") + 1;
             assert!(told.starts_with(&format!("Step {number}: ")), "{told}");
         }
-        // The program stays that of the whole sentence.
+        // The program is that of the whole sentence.
         assert_eq!(rest["notation"], all["notation"]);
     }
 }
@@ -61,7 +62,7 @@ fn steps(plan: &Value) -> Vec<Value> {
     plan["steps"].as_array().expect("a list").clone()
 }
 
-/// The plan of what is left once the first steps are done.
+/// The plan for the rest of the program, from step `first` on.
 fn rest(scene: &Scene, first: usize) -> Plan {
     let planner = Planner::new(&MODEL);
     let parsed = planner.parse(SENTENCE).expect("words that are known");

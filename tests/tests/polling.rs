@@ -1,11 +1,11 @@
-//! `poll` comes to the same plan or refusal as `plan`, in a bounded number of calls.
+//! `poll` gives the same plan or refusal as `plan`, in a bounded number of calls.
 
 use core::task::Poll;
 use nsrm_core::planner::MAX_POLLS;
 use nsrm_core::{MAX_STEPS, MAX_TOKENS, Model, Plan, Planner, Refusal, Scene};
 use nsrm_tests::by_hand::{self, Parts, block};
 
-/// Polls to the end; the result and the number of calls.
+/// Polls to the end; returns the result and the number of calls.
 fn poll(model: &Model<'_>, scene: &Scene, sentence: &str) -> (Result<Plan, Refusal>, usize) {
     let mut task = Planner::new(model).begin(scene, sentence);
     for polls in 1..=MAX_POLLS {
@@ -51,7 +51,7 @@ fn the_longest_sentence_over_the_fullest_scene_stays_within_the_bound() {
     blocks[14] = block("small", "red");
     blocks[15] = block("lego", "blue");
     let scene = by_hand::scene(&model, &blocks);
-    // All steps, all words that fit, and as many concept words as one group takes.
+    // The greatest number of steps, of words, and of concept words in one group.
     let step = "put the small red small red block on the blue lego blue lego then ";
     let tokens_of_step = 8;
     let mut sentence = step.repeat(MAX_STEPS);
@@ -60,7 +60,7 @@ fn the_longest_sentence_over_the_fullest_scene_stays_within_the_bound() {
     sentence += &"the ".repeat(rest + 1);
     let (result, polls) = poll(&model, &scene, &sentence);
     assert_eq!(result.unwrap().steps().len(), MAX_STEPS);
-    // One word more is refused: it was the longest sentence.
+    // One more word is refused, so this was the longest sentence.
     let longer = sentence + "the";
     assert!(matches!(
         poll(&model, &scene, &longer).0,

@@ -1,6 +1,6 @@
 //! Any sentence, any scene: a plan of finite poses or a typed refusal, never a
-//! panic. On the pretrained model and on the one made by hand, each also with other
-//! thresholds, so that it goes on where it would refuse.
+//! panic. With the pretrained model and the one made by hand, each also with other thresholds, so
+//! that it continues where it would refuse.
 
 use nsrm_core::model::{LOCATION, OBJECT_EMBEDDING};
 use nsrm_core::scene::{ObservedObject, SceneHeader};

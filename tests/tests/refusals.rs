@@ -1,5 +1,5 @@
-//! Every refusal, by sentence and scene, on the model whose weights were set by
-//! hand: exactly what it carries, and what a person reads.
+//! Every refusal, by sentence and scene, with the model whose weights were set by hand: its exact
+//! fields, and its message.
 
 use core::task::Poll;
 use nsrm_core::calibration::{CalibrationFault, Measured};
@@ -10,17 +10,17 @@ use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKE
 use nsrm_core::{Planner, RawScene, Refusal, Scene};
 use nsrm_tests::by_hand::{Block, Parts, block, raw_scene, scene};
 
-/// One case: what is said, what is seen, what is spoilt, what comes of it.
+/// One case: sentence, objects, fault and expected refusal.
 struct Case {
     sentence: String,
     blocks: Vec<Block>,
-    /// What of the model is changed before the scene is made.
+    /// Changes the model before the scene is made.
     spoil: fn(&mut Parts),
-    /// What of the scene is changed before it is checked.
+    /// Changes the scene before it is checked.
     disturb: fn(&mut RawScene),
-    /// Whether it is the refusal that it should be, with all it carries.
+    /// Whether this is the expected refusal, with all its fields.
     expected: fn(&Refusal) -> bool,
-    /// A part of the message for a person.
+    /// A part of its message.
     message: &'static str,
 }
 
@@ -32,7 +32,7 @@ fn describes(description: &Description, concepts: &[u8]) -> bool {
     description.concepts() == concepts
 }
 
-/// Blocks, model and scene as they should be; only the sentence is at fault.
+/// Blocks, model and scene are valid; only the sentence is at fault.
 fn said(
     sentence: impl Into<String>,
     expected: fn(&Refusal) -> bool,
@@ -52,7 +52,7 @@ fn said(
     }
 }
 
-/// A sentence that is obeyed, were it not for what is spoilt.
+/// A valid sentence, with a fault in the model.
 fn spoilt(spoil: fn(&mut Parts), expected: fn(&Refusal) -> bool, message: &'static str) -> Case {
     Case {
         spoil,
@@ -260,7 +260,7 @@ fn scene_cases() -> Vec<Case> {
             "both descriptions fit object 1",
         ),
         Case {
-            // So far to the left of the image that the place is outside.
+            // So far to the left of the image that the sub-goal is outside the work space.
             disturb: |scene| {
                 scene.objects[2].location[0] = 0.0;
                 scene.objects[2].location[2] = 0.01;
@@ -409,15 +409,15 @@ fn a_scene_of_another_model_is_refused() {
     assert!(message.contains("observe it again with this model"));
 }
 
-/// Its actions and concepts may be others: it would be refused as a damaged model, or, worse, not
-/// at all.
+/// Its actions and concepts may differ: the planner would report a damaged model or, worse, move
+/// the wrong object.
 #[test]
 fn what_another_model_has_parsed_is_refused() {
     let parts = Parts::new();
     let model = parts.model();
     let mut other = Parts::new();
     other.header.identity = [9; 32];
-    // Of the same words, some mean something else.
+    // The same words, but some have another meaning.
     for entry in &mut other.lexicon {
         entry.concept = match entry.concept {
             0 => 1,
@@ -434,13 +434,13 @@ fn what_another_model_has_parsed_is_refused() {
     assert_eq!(task.poll(), Poll::Ready(Err(refusal)));
     let message = refusal.in_context(&model, GOOD).to_string();
     assert!(message.contains("parse it again with this model"));
-    // What its own model has parsed is not.
+    // A program that the same model has parsed is accepted.
     let parsed = Planner::new(&model).parse(GOOD).unwrap();
     let mut task = Planner::new(&model).begin_grounding(&scene, &parsed, 0);
     assert_eq!(task.poll(), Poll::Pending);
 }
 
-/// A kind that is not listed there would reach other processes as no reason.
+/// A kind that is not in `REASONS` would reach other processes without its reason.
 #[test]
 fn every_kind_is_a_reason_of_a_reply() {
     for kind in Refusal::KINDS {
@@ -450,7 +450,7 @@ fn every_kind_is_a_reason_of_a_reply() {
 
 #[test]
 fn the_cases_cover_every_kind() {
-    // Their tests are apart: they take two models.
+    // These have their own tests, with two models.
     let mut covered = vec!["other_model", "parsed_by_other_model"];
     covered.extend(cases().iter().map(|case| case.refusal().0.kind()));
     for kind in Refusal::KINDS {

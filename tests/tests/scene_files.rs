@@ -135,7 +135,7 @@ proptest! {
         let folder = folder();
         let scene = with_one_replaced(&place, value);
         if let Err(error) = read(folder.path(), scene.to_string().as_bytes()) {
-            // It says in which file.
+            // The message names the file.
             prop_assert!(error.to_string().contains(folder.path().to_str().unwrap()));
         }
     }

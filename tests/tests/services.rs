@@ -1,4 +1,4 @@
-//! The services promise what their table says, between two nodes of one process.
+//! The services give the guarantees in their table, between two nodes of one process.
 
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -95,7 +95,7 @@ fn a_heartbeat_arrives_as_it_was_sent_and_rings() {
     assert_eq!(heartbeat(5).read(), Ok((Role::Planner, State::Busy)));
 }
 
-/// None comes so late on any machine.
+/// Longer than any notification takes, on any machine.
 const LATE: Duration = Duration::from_secs(60);
 
 #[test]
@@ -129,7 +129,7 @@ fn a_sleep_ends_where_nothing_rings() {
     for _ in 0..5 {
         assert_eq!(wait_set.wait(nap), Ok(false));
     }
-    // None ends too early, on whatever machine; how late they end is not asserted.
+    // No wait ends too early, on any machine; how late it ends is not asserted.
     assert!(begun.elapsed() > 4 * nap, "{:?}", begun.elapsed());
     for other in [Duration::from_millis(3), Duration::ZERO, nap] {
         assert_eq!(wait_set.wait(other), Ok(false));
@@ -160,7 +160,7 @@ fn who_sleeps_for_ever_is_woken() {
     });
 }
 
-/// One is asked again at some moment while it hears out the bell of the question before.
+/// A process gets the next request while it drains the notification of the previous one.
 #[test]
 fn no_bell_is_lost_while_one_is_heard_out() {
     const TIMES: u64 = 20_000;
@@ -189,10 +189,10 @@ fn no_bell_is_lost_while_one_is_heard_out() {
         for number in 0..TIMES {
             asks.send(&heartbeat(number)).unwrap();
             while all(&answers).is_empty() {
-                // Who answers may need this processor.
+                // The answering thread may need this processor.
                 std::thread::yield_now();
             }
-            // Another part of some microseconds each time.
+            // A different delay each time, of up to some microseconds.
             for _ in 0..number * 7919 % 151 {
                 std::hint::spin_loop();
             }
@@ -223,7 +223,7 @@ fn a_command_that_finds_no_room_is_an_error_and_those_before_it_arrive() {
     let memory = IsolatedMemory::new("sub-goal");
     let (planner, controller) = pair(&memory);
     let sender = planner.sender::<SubGoal>().unwrap();
-    // Nobody is there to carry it out.
+    // There is no controller yet.
     assert_eq!(sender.send(&sub_goal(99)), Ok(0));
     let receiver = controller.receiver::<SubGoal>().unwrap();
     for command in 1..=8 {
@@ -282,7 +282,7 @@ fn no_robot_has_two_of_what_it_has_one_of() {
     let (robot, service) = (name("left"), "sub_goal");
     assert_eq!(refused.unwrap_err(), ServiceError::Full { robot, service });
 
-    // Another robot does not mind.
+    // Another robot is not affected.
     let other = join("right", Role::Planner);
     let goals = other.sender::<SubGoal>().unwrap();
     assert_eq!(goals.send(&sub_goal(1)), Ok(0));
@@ -318,14 +318,14 @@ fn a_request_has_many_replies_and_notices_when_its_server_is_gone() {
     drop(active);
     assert!(!pending.is_connected());
 
-    // The other way round: who asked is gone.
+    // The other way round: the client is gone.
     let pending = client.send_copy(request(8)).unwrap();
     let active = server.receive().unwrap().expect("it was just sent");
     drop(pending);
     assert!(!active.is_connected());
 }
 
-/// [`Feedback`] as another version might have it.
+/// [`Feedback`] in another version.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[type_name("nsrm.v1.Feedback.0000000000000000")]
@@ -344,7 +344,7 @@ fn a_peer_with_another_layout_is_refused() {
         .create::<ipc::Service>()
         .unwrap();
     let service = "nsrm/v1/left/feedback".try_into().unwrap();
-    // Of the same size: only the type name tells them apart.
+    // They have the same size and differ only in the type name.
     assert_eq!(size_of::<Feedback>(), size_of::<OtherFeedback>());
     let _other = node
         .service_builder(&service)
@@ -361,7 +361,7 @@ fn a_peer_with_another_layout_is_refused() {
     assert_eq!(refused, ServiceError::OtherVersion { robot, service });
 }
 
-/// What a tunnel makes of services that the other host alone has, as the documented file says.
+/// A tunnel creates the services that only the other host has, with the documented configuration.
 #[test]
 fn what_a_tunnel_makes_is_used_over_several_hosts() {
     fn made<M: Carried + Copy>(tunnel: &Node<ipc::Service>, robot: &Robot, message: M) {
@@ -372,7 +372,7 @@ fn what_a_tunnel_makes_is_used_over_several_hosts() {
             .create()
             .unwrap();
         let (sender, receiver) = (robot.sender::<M>().unwrap(), robot.receiver::<M>().unwrap());
-        // It takes part as one more of each.
+        // The tunnel has its own publisher and subscriber.
         let _publisher = service.publisher_builder().create().unwrap();
         let passes_on = service.subscriber_builder().create().unwrap();
         assert_eq!(sender.send(&message), Ok(2), "{}", M::SERVICE);
@@ -428,7 +428,7 @@ fn a_frame_is_read_where_it_was_written() {
     assert!(!in_shared_memory(&[9; 18]));
 }
 
-/// Whether these bytes lie in a mapping that others see too.
+/// Whether these bytes are in a mapping that is shared with other processes.
 fn in_shared_memory(bytes: &[u8]) -> bool {
     let address = bytes.as_ptr().addr();
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();

@@ -1,4 +1,4 @@
-//! What may have been meant by a word that the built-in model does not know.
+//! Suggestions for words that the built-in model does not know.
 
 use nsrm_core::{Planner, Refusal};
 use nsrm_tabletop::TABLETOP;

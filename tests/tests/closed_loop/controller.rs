@@ -1,4 +1,4 @@
-//! What a controller says, late, doubled, of another command or never, and its stops.
+//! Feedback of a controller: late, repeated, for another command, or missing; and stops.
 
 use nsrm_ipc::executive::{Busy, CommandId, Event, Failure, Limits, Mode, Sentence};
 use nsrm_ipc::message::{Feedback, FeedbackError, Outcome};
@@ -29,14 +29,14 @@ fn a_cancelled_sentence_stops_the_robot_and_waits_for_it() {
         };
         assert_eq!(world.run(), Err(expected));
     }
-    // Nothing moves yet: nothing to stop.
+    // Nothing moves yet, so there is nothing to stop.
     world.ask(SENTENCE, Mode::ClosedLoop);
     world.executive.cancel();
     let ended = world.executive.poll(world.now_ns);
     assert_eq!(ended, Event::Ended(Err(Failure::Cancelled)));
 }
 
-/// Messages may come doubled or late; a poll sees all that came since the one before it.
+/// Messages may be repeated or late; a poll sees all that arrived since the previous one.
 #[test]
 fn what_a_controller_says_first_of_a_commands_end_is_what_counts() {
     let parts = Parts::new();
@@ -77,7 +77,7 @@ fn accepting_again_and_again_gives_no_more_time() {
     }
 }
 
-/// The controller's clock is behind: by it the step ended before it was commanded.
+/// The controller's clock is behind: on it the step ended before it was commanded.
 #[test]
 fn a_scene_from_before_a_command_shows_nothing_of_what_came_of_it() {
     let parts = Parts::new();
@@ -118,10 +118,10 @@ fn a_controller_that_says_nothing_in_time_is_stopped_and_told_of() {
     assert_eq!(command.until_ns, sent_ns + 500 * MS);
     let waited_ms = (world.now_ns - sent_ns) / MS;
     assert!((500..510).contains(&waited_ms), "{waited_ms}");
-    // It may have begun, for all that is known.
+    // Whether it has started is unknown.
     assert_eq!(world.run(), Err(Failure::Unanswered { step: 0 }));
 
-    // It says after the stop that it has not begun; that it has; that it has ended.
+    // After the stop it reports that it has not started; that it has started; that it has ended.
     for (said, expected) in [
         (
             [Outcome::Stopped, Outcome::Stopped],
@@ -166,7 +166,7 @@ fn a_lost_controller_ends_it_at_once_unless_it_had_said_how_it_went() {
     let command = world.until_command();
     world.say(&command, Outcome::Accepted);
     world.executive.on_controller_lost();
-    // In case that it was only held up; its answer is not waited for.
+    // In case it was only delayed; nobody waits for its answer.
     assert_eq!(world.executive.poll(world.now_ns), Event::Stop(command.id));
     let ended = world.executive.poll(world.now_ns);
     let lost = Failure::ControllerLost { step: 0 };

@@ -1,4 +1,4 @@
-//! A camera that looks down from above: of a stack it shows the uppermost block alone.
+//! A camera that looks down from above: it shows only the top block of a stack.
 
 use nsrm_core::model::LOCATION;
 use nsrm_core::{RawScene, Refusal};
@@ -11,25 +11,25 @@ use crate::world::{TWO_STEPS_DONE, World};
 
 /// Height of a block, metres.
 pub(crate) const EDGE_M: f32 = EDGES_M[2];
-/// Width of its box as a share of the image's: two blocks nearer to the camera, where predictions
-/// leave boxes as wide as they were, it is still as wide as a block may look.
+/// Width of its box as a fraction of the image's. Predictions do not change it, so it must still be
+/// valid for a block that is nearer to the camera by the height of two blocks.
 const WIDTH: f32 = 0.018;
-/// By so much of the image's width one stands beside another.
+/// The distance between a block and the one beside it, as a fraction of the image's width.
 const BESIDE: f32 = 0.05;
 
-/// A model that puts one block onto another, nearer to the camera by its height, or to its right.
+/// A model that puts one block onto another (nearer to the camera by its height), or to its right.
 pub(crate) fn parts() -> Parts {
     let mut parts = Parts::new();
     let simulator = &mut parts.simulator;
     simulator.output.bias[4] = -EDGE_M;
-    // What only the second action sets: a unit of either layer.
+    // One unit of each layer, which only the second action sets.
     parts.actions[1].simulator_bias[0] = 20.0;
     simulator.hidden.weight[0][0] = 20.0;
     simulator.output.weight[0] = [BESIDE, 0.0, 0.0, 0.0, EDGE_M];
     parts
 }
 
-/// How much of a block's box lies in another one's that is nearer to the camera.
+/// The fraction of a block's box that is covered by another box nearer to the camera.
 fn hidden_share(of: &[f32; LOCATION], by: &[f32; LOCATION]) -> f32 {
     if by[4] >= of[4] {
         return 0.0;
@@ -39,7 +39,7 @@ fn hidden_share(of: &[f32; LOCATION], by: &[f32; LOCATION]) -> f32 {
     width * height / ((of[2] - of[0]) * (of[3] - of[1]))
 }
 
-/// What the camera shows: nothing of what is hidden by 9 parts of 10.
+/// What the camera shows: no block of which nine tenths are hidden.
 fn from_above(scene: &RawScene) -> RawScene {
     let all = &scene.objects[..scene.count as usize];
     let mut shown = *scene;
@@ -55,7 +55,7 @@ fn from_above(scene: &RawScene) -> RawScene {
     shown
 }
 
-/// A world that is seen so, with these blocks.
+/// A world with these blocks, seen by this camera.
 fn world<'m>(model: &'m nsrm_core::Model<'m>, blocks: &[Block], limits: Limits) -> World<'m> {
     let mut world = World::new(model, limits);
     world.scene = raw_scene(model, blocks);
@@ -72,7 +72,7 @@ impl World<'_> {
         &mut objects.find(|object| object.id == id).unwrap().location
     }
 
-    /// Someone takes a block away.
+    /// Removes a block, as a person would.
     fn take(&mut self, id: u32) {
         let count = self.scene.count as usize;
         let objects = &mut self.scene.objects[..count];
@@ -107,7 +107,7 @@ fn a_stack_of_three_seen_from_above_is_done() {
     assert_eq!(world.log, TWO_STEPS_DONE);
 }
 
-/// The blue block bears the stack, and is named again.
+/// The blue block is at the bottom of the stack, and is named again.
 #[test]
 fn what_is_left_is_planned_with_what_the_steps_have_hidden() {
     let parts = parts();
@@ -127,7 +127,7 @@ fn what_is_left_is_planned_with_what_the_steps_have_hidden() {
     assert!((beside[4] - blue[4]).abs() < 1e-5, "{beside:?}");
 }
 
-/// Someone takes the red block away as another step is done elsewhere.
+/// The red block is removed while another step is executed elsewhere.
 #[test]
 fn a_block_that_has_vanished_is_missed() {
     let sentence = "put the small red block beside the blue block then put the green block on the \
@@ -138,7 +138,7 @@ fn a_block_that_has_vanished_is_missed() {
         retries: 0,
         ..Limits::default()
     };
-    // What a step has put down, and what that was put beside.
+    // The object that a step has put down, and its reference.
     for (gone, at) in [(1, 1), (2, 0)] {
         let mut world = world(&model, &BLOCKS, limits);
         world.ask(sentence, Mode::ClosedLoop);
@@ -150,7 +150,7 @@ fn a_block_that_has_vanished_is_missed() {
         let (step, object) = (0, gone);
         assert_eq!(result, Err(Failure::NotSeen { step, object }));
     }
-    // With retries it is looked for once more, and nothing is moved meanwhile.
+    // With retries the scene is observed once more, and nothing is moved meanwhile.
     let mut world = world(&model, &BLOCKS, Limits::default());
     world.ask(sentence, Mode::ClosedLoop);
     let result = world.run_with(|world, command| {
@@ -163,7 +163,7 @@ fn a_block_that_has_vanished_is_missed() {
     assert_eq!(world.steps(), [0, 1]);
 }
 
-/// The green block falls to where the red one was that bore it.
+/// The green block falls to the place of the red one that supported it.
 #[test]
 fn a_block_that_has_vanished_from_under_another_is_missed() {
     let parts = parts();
@@ -184,7 +184,7 @@ fn a_block_that_has_vanished_from_under_another_is_missed() {
     assert!(is_no_such_object(&result, 0), "{result:?}");
 }
 
-/// Someone puts a block before the red one, while a step is done elsewhere.
+/// A block is put in front of the red one while a step is executed elsewhere.
 #[test]
 fn what_no_step_has_put_before_a_block_excuses_nothing() {
     let parts = parts();
@@ -212,7 +212,7 @@ fn what_no_step_has_put_before_a_block_excuses_nothing() {
     assert_eq!(result, Err(Failure::NotSeen { step, object }));
 }
 
-/// A camera that looks a little from the side shows a strip of what is hidden, the side of a block.
+/// A camera that looks slightly from the side shows a strip of a hidden block: its side face.
 fn a_strip(scene: &RawScene) -> RawScene {
     let all = &scene.objects[..scene.count as usize];
     let mut shown = *scene;
@@ -224,7 +224,7 @@ fn a_strip(scene: &RawScene) -> RawScene {
             let [x1, _, x2, _, depth_m] = &mut object.location;
             *x2 = *x1 + 0.2 * (*x2 - *x1);
             *depth_m += EDGE_M / 2.0;
-            // Nor does it look as it did.
+            // Its appearance differs, too.
             object.embedding.fill(0.1);
         }
     }
@@ -250,7 +250,7 @@ fn a_block_that_has_moved_is_not_excused_by_what_hides_a_part_of_it_or_nothing()
         retries: 0,
         ..Limits::default()
     };
-    // The strip is seen beside where the block was; nothing hides any of it.
+    // The strip is seen beside the block's old place, and nothing covers it.
     for (relation, axis, by) in [("on", 0, -0.008), ("beside", 4, EDGE_M / 2.0)] {
         let mut world = world(&model, &BLOCKS, limits);
         world.view = a_strip;
@@ -270,8 +270,8 @@ fn a_block_that_has_moved_is_not_excused_by_what_hides_a_part_of_it_or_nothing()
     }
 }
 
-/// The green block slips on the red one, which it hides still. One beside them stands as it should,
-/// so that the camera's calibration is not blamed.
+/// The green block slips on the red one, which it still hides. A third block is where it should be,
+/// so the camera's calibration is not blamed.
 #[test]
 fn what_hides_another_is_put_right_without_it() {
     let parts = parts();
@@ -292,7 +292,7 @@ fn what_hides_another_is_put_right_without_it() {
     assert_eq!(world.steps(), [0, 1, 1]);
 }
 
-/// What has come undone is planned with what is hidden since, and the stack stays.
+/// The step that was undone is planned with the blocks hidden since, and the stack stays.
 #[test]
 fn an_earlier_step_is_done_again_beside_a_stack() {
     let parts = parts();
@@ -314,7 +314,7 @@ fn an_earlier_step_is_done_again_beside_a_stack() {
     assert_eq!(world.steps(), [0, 1, 0]);
 }
 
-/// The controller moves the green block aside, out of the picture, and the red one to its place.
+/// The controller moves the green block out of the image, and the red one to its sub-goal.
 #[test]
 fn what_was_moved_aside_is_not_believed_to_be_where_it_was() {
     let parts = parts();
@@ -340,7 +340,7 @@ fn what_was_moved_aside_is_not_believed_to_be_where_it_was() {
     assert_eq!(world.log, ["reached 0"]);
 }
 
-/// Of an object that is carried away nothing is believed, whatever stands where it was.
+/// The belief about a carried object is dropped, whatever is at its old place.
 #[test]
 fn what_was_carried_must_be_seen_where_it_was_put() {
     let parts = parts();

@@ -1,6 +1,6 @@
-//! The executive on a hand-made model and a world of numbers: it does a sentence to
-//! its end, looks after each step, tries again a bounded number of times, and never
-//! acts on a scene that it should not.
+//! The executive with a model made by hand and a simulated world: it executes a whole sentence,
+//! observes after each step, retries a bounded number of times, and never acts on an invalid
+//! scene.
 
 mod controller;
 mod hidden;
@@ -46,7 +46,7 @@ fn open_loop_carries_out_the_first_plan_without_looking() {
     let model = parts.model();
     let mut world = World::new(&model, Limits::default());
     world.ask(SENTENCE, Mode::OpenLoop);
-    // What it had put down falls, and it does not see it.
+    // A block that it had put down falls; in open loop this is not detected.
     let result = world.run_with(|world, _| world.scene.objects[0].location[4] = 0.5);
     assert_eq!(result, Ok(()));
     assert_eq!(
@@ -142,7 +142,7 @@ fn what_went_wrong_is_tried_again_a_bounded_number_of_times() {
         "step 1: no collision-free path exists: object 3 is in the way; make room, and send \
          the sentence again"
     );
-    // That cannot get better by itself.
+    // Outcomes that a retry cannot change.
     for outcome in [
         Outcome::NoPath,
         Outcome::WouldFall,
@@ -180,7 +180,7 @@ fn a_step_that_is_seen_not_to_have_worked_is_done_again() {
     assert_eq!(world.commands.len(), 2);
 }
 
-/// The blue block is pushed while the red one is carried to where it was.
+/// The blue block is pushed while the red one is carried to the blue one's old place.
 #[test]
 fn a_step_whose_reference_has_moved_meanwhile_is_done_again() {
     let parts = Parts::new();
@@ -223,18 +223,18 @@ fn what_is_moved_first_is_told_and_changes_nothing_else() {
         first,
     };
     assert_eq!(event, told);
-    // It is as good as accepted, and told once.
+    // It counts as accepted, and is reported once.
     world.now_ns += 2 * Limits::default().accept_wait_ns;
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
     world.carry_out(&command);
     world.say(&command, Outcome::Reached);
     assert_eq!(world.run(), Ok(()));
-    // After its end it means nothing.
+    // After the command's end it is ignored.
     world.say(&command, Outcome::Clearing);
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
 }
 
-/// The red block falls as the green one is put onto it: both are put back.
+/// The red block falls while the green one is put onto it: both are put back.
 #[test]
 fn an_earlier_step_that_came_undone_is_done_again_and_what_follows_too() {
     let parts = Parts::new();
@@ -268,7 +268,7 @@ fn an_object_that_is_no_longer_seen_is_waited_for_and_then_missed() {
     let mut world = World::new(&model, limits);
     world.ask("put the red block on the blue block", Mode::ClosedLoop);
     let result = world.run_with(|world, _| {
-        // The last one takes its place.
+        // The last object of the list replaces it.
         world.scene.objects[0] = world.scene.objects[2];
         world.scene.count = 2;
     });
@@ -304,7 +304,7 @@ fn scenes_that_must_not_be_acted_upon_are_refused_by_name() {
         see(&|scene| scene.count = 99),
         Err(SceneFault::Invalid(SceneError::TooManyObjects { .. }))
     ));
-    // No sentence was begun, so another camera is none too many.
+    // No sentence was started, so the camera may be another one.
     assert_eq!(see(&|scene| scene.camera.position[0] += 0.1), Ok(()));
     let late_ns = now_ns + 600 * MS;
     let late = world.executive.on_scene(&world.message(now_ns), late_ns);
@@ -353,7 +353,7 @@ fn an_old_scene_is_not_acted_upon_and_waiting_ends() {
     assert!(world.now_ns - begun_ns < 2200 * MS);
 }
 
-/// Grounding may be spread over so many ticks that the scene grows old meanwhile.
+/// Grounding may be spread over so many ticks that the scene becomes too old.
 #[test]
 fn a_plan_that_took_too_long_is_made_again() {
     let parts = Parts::new();
@@ -379,14 +379,14 @@ fn a_plan_that_took_too_long_is_made_again() {
         assert_eq!(world.executive.poll(world.now_ns), Event::Working);
     }
     world.now_ns += 501 * MS;
-    // What it comes to is of a scene too old; there is no other one yet.
+    // The plan is for a scene that is too old; there is no newer one yet.
     assert_eq!(world.executive.poll(world.now_ns), Event::Working);
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
     assert_eq!(world.run(), Ok(()));
     assert_eq!(world.log, ["planned from 0", "command 0", "reached 0"]);
 }
 
-/// Who polls may be held up between a plan and its command.
+/// The caller may be delayed between a plan and its command.
 #[test]
 fn a_plan_that_has_grown_old_is_made_again() {
     for mode in [Mode::ClosedLoop, Mode::OpenLoop] {
@@ -404,7 +404,7 @@ fn a_plan_that_has_grown_old_is_made_again() {
     }
 }
 
-/// The wall clock, by which several hosts go, may be set back.
+/// The wall clock, which several hosts share, may be set back.
 #[test]
 fn a_clock_that_is_set_back_ends_what_is_under_way_and_no_more() {
     let parts = Parts::new();
@@ -429,7 +429,7 @@ fn a_clock_that_is_set_back_ends_what_is_under_way_and_no_more() {
         }
         assert_eq!(event, Event::Ended(Err(Failure::ClockSetBack)));
     }
-    // Scenes earlier than those before are taken again.
+    // Scenes that are older than earlier ones are accepted again.
     world.ask("put the red block on the blue block", Mode::ClosedLoop);
     assert_eq!(world.run(), Ok(()));
     world.now_ns -= 5000 * MS;
@@ -438,7 +438,7 @@ fn a_clock_that_is_set_back_ends_what_is_under_way_and_no_more() {
     assert_eq!(world.run(), Ok(()));
 }
 
-/// Its clock may be another one, from which no scene would ever be later.
+/// With the controller's clock ahead, no scene would ever be later.
 #[test]
 fn feedback_from_the_future_does_not_keep_the_planner_from_looking() {
     let parts = Parts::new();

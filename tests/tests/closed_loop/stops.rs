@@ -1,5 +1,5 @@
-//! Whatever ends a sentence, and whatever else arrives in the same turn: a command that may
-//! still be accepted or carried out is stopped.
+//! Whatever ends a sentence, and whatever else arrives before the same poll: a command that might
+//! still be accepted or executed is stopped.
 
 use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode};
 use nsrm_ipc::message::Outcome;
@@ -31,7 +31,7 @@ const ARRIVALS: [Arrival; 9] = [
     Arrival::Hear(Outcome::Reached),
 ];
 
-/// By hand, whether the controller may be at a command, or begin with it, after these.
+/// Whether the controller may be executing a command, or start it, after these; derived by hand.
 fn may_go_on(arrivals: &[Arrival]) -> bool {
     let (mut is_heard, mut is_lost, mut is_missed) = (false, false, false);
     for arrival in arrivals {
@@ -58,8 +58,8 @@ impl World<'_> {
         }
     }
 
-    /// Commands a step, lets these arrive before the next poll, and nothing more: how many
-    /// stops are sent, and how it ends.
+    /// Commands a step and lets these, and nothing else, arrive before the next poll; returns the
+    /// number of stops sent, and the failure.
     fn end_with(&mut self, arrivals: &[Arrival]) -> (usize, Failure) {
         self.ask("put the red block on the blue block", Mode::ClosedLoop);
         self.see();
@@ -106,7 +106,7 @@ fn what_may_still_be_carried_out_is_stopped_whatever_ends_the_sentence() {
             let may_go_on = may_go_on(arrivals);
             assert_eq!(stops, usize::from(may_go_on), "{arrivals:?}: {why:?}");
             if arrivals.contains(&Arrival::Cancel) {
-                // Nobody has said that it has stopped.
+                // No feedback has confirmed the stop.
                 let expected = if may_go_on {
                     Failure::CancelledUnconfirmed
                 } else {
@@ -119,7 +119,7 @@ fn what_may_still_be_carried_out_is_stopped_whatever_ends_the_sentence() {
     }
 }
 
-/// It was held up, and goes on with what it had accepted unless it finds the stop.
+/// It was only delayed: it continues with the accepted command unless it receives the stop.
 #[test]
 fn a_controller_that_is_lost_as_the_sentence_is_cancelled_is_stopped_and_not_waited_for() {
     let parts = Parts::new();
@@ -132,14 +132,14 @@ fn a_controller_that_is_lost_as_the_sentence_is_cancelled_is_stopped_and_not_wai
     world.executive.cancel();
     world.executive.on_controller_lost();
     assert_eq!(world.executive.poll(world.now_ns), Event::Stop(command.id));
-    // One that was started in its place knows nothing of what it was at.
+    // A replacement controller does not know the command.
     world.say(&command, Outcome::Stopped);
     let ended = world.executive.poll(world.now_ns);
     let unconfirmed = Failure::CancelledUnconfirmed;
     assert_eq!(ended, Event::Ended(Err(unconfirmed)));
 }
 
-/// What the controller says of a command shows that it got there.
+/// Feedback about a command proves that it was delivered.
 #[test]
 fn a_command_that_seemed_not_to_be_sent_and_is_accepted_is_waited_for() {
     let parts = Parts::new();

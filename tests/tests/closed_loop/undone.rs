@@ -1,5 +1,5 @@
-//! What comes undone is done again, and nothing else; what could not be done is tried again when
-//! something has changed.
+//! A step that was undone is repeated, and no other; a command that was impossible is retried once
+//! the scene has changed.
 
 use nsrm_core::model::LOCATION;
 use nsrm_core::scene::ObservedObject;
@@ -24,7 +24,7 @@ const MORE: [Block; 6] = [
 /// The first beside the second, the fourth beside the third.
 const BESIDE: &str = "put the small red block beside the lego blue block then put the small green \
                       block beside the lego green block";
-/// By so much of the image's width a block on the table is a metre off.
+/// Image widths per metre on the table.
 const PER_M: f32 = 600.0 / 640.0 / 0.975;
 
 fn world<'m>(model: &'m Model<'m>, limits: Limits) -> World<'m> {
@@ -39,7 +39,7 @@ impl World<'_> {
         &mut objects.find(|object| object.id == id).unwrap().location
     }
 
-    /// Someone pushes a block along the image's width.
+    /// Pushes a block along the image's width, as a person would.
     fn push(&mut self, id: u32, by_m: f32) {
         let location = self.at(id);
         location[0] += by_m * PER_M;
@@ -50,7 +50,7 @@ impl World<'_> {
         self.commands.iter().map(|command| command.step).collect()
     }
 
-    /// Runs a sentence; after the command of this number something happens.
+    /// Runs a sentence; something happens after the command with this number.
     fn follow(
         &mut self,
         sentence: &str,
@@ -106,7 +106,7 @@ fn what_a_later_step_has_moved_on_is_not_fetched_back() {
     assert_eq!(world.commanded(), [0, 1]);
 }
 
-/// The green block is to be where it was put, not where its reference went afterwards.
+/// The green block must be where it was put, not where its reference was moved afterwards.
 #[test]
 fn what_has_gone_to_one_that_was_moved_on_goes_back_to_where_it_was() {
     let parts = parts();
@@ -138,12 +138,12 @@ fn a_controller_is_told_what_is_to_stay_as_the_steps_that_are_done_have_left_it(
         let ids = command.keep.into_iter().filter(|id| *id != 0);
         (command.step, ids.collect::<Vec<_>>())
     });
-    // What has come undone may be moved aside by what is done in its place.
+    // An object whose step was undone may be moved aside by the repeated step.
     let expected = [(0, vec![]), (1, vec![1, 2]), (0, vec![4, 3])];
     assert_eq!(kept.collect::<Vec<_>>(), expected);
 }
 
-/// The step that goes to one that has come undone is done when that is back.
+/// A step whose reference was displaced is executed once the reference is back.
 #[test]
 fn what_the_next_step_goes_to_is_put_back_before() {
     let parts = parts();
@@ -165,7 +165,7 @@ fn what_the_next_step_goes_to_is_put_back_before() {
 fn a_small_shift_is_noticed_unless_another_covers_a_part() {
     let parts = parts();
     let model = parts.model();
-    // Of the reference: uncovered; or with the block on it, which stays or goes with it.
+    // How far the reference is moved: uncovered, or with a block on it that stays or moves along.
     for (relation, by_m, with_what_it_bears, is_undone) in [
         ("beside", 0.002, false, false),
         ("beside", 0.004, false, true),
@@ -190,7 +190,7 @@ fn a_small_shift_is_noticed_unless_another_covers_a_part() {
     }
 }
 
-/// A block that nobody spoke of stands on the reference from the beginning.
+/// A block that the sentence does not name is on the reference from the start.
 #[test]
 fn a_reference_that_bears_another_is_seen_less_well_unless_that_goes_with_it() {
     let parts = parts();
@@ -233,7 +233,7 @@ fn a_step_that_does_not_stay_is_given_up_after_its_attempts() {
         retries: 100,
         ..Limits::default()
     };
-    // By turns: each has its attempts.
+    // They alternate: each step has its own attempts.
     for (also, most) in [(1, 3), (4, 5)] {
         let mut world = world(&model, limits);
         world.ask(BESIDE, Mode::ClosedLoop);
@@ -255,7 +255,7 @@ fn a_step_that_does_not_stay_is_given_up_after_its_attempts() {
     }
 }
 
-/// What the controller cannot do as things stand.
+/// Outcomes that depend on where other objects are.
 const UNABLE: [Outcome; 6] = [
     Outcome::NoPath,
     Outcome::WouldFall,
@@ -285,7 +285,7 @@ fn what_could_not_be_done_is_tried_again_only_if_something_else_has_changed() {
         world.ask(sentence, Mode::ClosedLoop);
         unable(&mut world, outcome, |_| {});
         assert_eq!(world.run(), Err(unsuccessful(0, outcome)));
-        // The block itself was moved: it stood where it was seen.
+        // The block itself was moved: it was at the place where it was seen.
         world.ask(sentence, Mode::ClosedLoop);
         unable(&mut world, outcome, |world| world.push(1, 0.01));
         assert_eq!(world.run(), Err(unsuccessful(0, outcome)));
@@ -303,7 +303,7 @@ fn what_could_not_be_done_is_tried_again_only_if_something_else_has_changed() {
         }
         assert_eq!(world.run(), Err(unsuccessful(0, outcome)));
     }
-    // Without a picture nobody knows.
+    // Without an image it is unknown.
     let mut world = world(&model, Limits::default());
     world.ask(sentence, Mode::ClosedLoop);
     unable(&mut world, Outcome::NoPath, |_| {});
@@ -441,7 +441,7 @@ fn what_appears_later_is_no_object_of_the_sentence_unless_one_that_is_meant_has_
     for is_in_its_place in [false, true] {
         let mut world = world(&model, Limits::default());
         let result = world.follow(BESIDE, 1, |world| {
-            // It looks as the one of the second step.
+            // It looks like the object of the second step.
             let green = world.scene.objects[3];
             let mut appeared = ObservedObject { id: 9, ..green };
             appeared.location[0] += 0.1;

@@ -1,4 +1,4 @@
-//! Numbers instead of a camera, a robot and a clock.
+//! A simulated camera, robot and clock.
 
 use std::collections::VecDeque;
 
@@ -36,14 +36,13 @@ pub(crate) const fn unsuccessful(step: u8, outcome: Outcome) -> Failure {
 pub(crate) struct World<'m> {
     pub(crate) executive: Executive<'m>,
     pub(crate) scene: RawScene,
-    /// What the camera shows of it.
+    /// What the camera shows of the scene.
     pub(crate) view: fn(&RawScene) -> RawScene,
     pub(crate) now_ns: u64,
     /// By how much the controller's clock is ahead.
     pub(crate) ahead_ns: u64,
     pub(crate) sequence: u64,
-    /// What the controller will say of the next commands; when none is left, that
-    /// they were reached.
+    /// The outcomes of the next commands; when none is left, `Reached`.
     pub(crate) outcomes: VecDeque<Outcome>,
     /// What happened, in order.
     pub(crate) log: Vec<String>,
@@ -95,7 +94,7 @@ impl<'m> World<'m> {
         self.executive.on_feedback(&feedback, self.now_ns).unwrap();
     }
 
-    /// The robot puts the object where it is told to.
+    /// Moves the object to its sub-goal, as the robot would.
     pub(crate) fn carry_out(&mut self, command: &Command) {
         let id = command.planned.sub_goal.object;
         let objects = self.scene.objects.iter_mut();
@@ -109,7 +108,7 @@ impl<'m> World<'m> {
         self.run_with(|_, _| {})
     }
 
-    /// As [`World::run`]; something happens right after each command was reached.
+    /// As [`World::run`], and calls `then` right after each command was executed.
     pub(crate) fn run_with(
         &mut self,
         mut then: impl FnMut(&mut Self, &Command),
@@ -150,7 +149,7 @@ impl<'m> World<'m> {
         panic!("no end: {:?}", self.log);
     }
 
-    /// Polls, with scenes, until a command is sent, and does nothing with it.
+    /// Polls, with scenes, until a command is sent; does not execute it.
     pub(crate) fn until_command(&mut self) -> Command {
         loop {
             self.now_ns += MS;
@@ -161,7 +160,7 @@ impl<'m> World<'m> {
         }
     }
 
-    /// Polls, with scenes, until a stop is sent of a command: which one.
+    /// Polls, with scenes, until a stop is sent; returns the number of its command.
     pub(crate) fn until_stop(&mut self) -> u32 {
         loop {
             self.now_ns += MS;
