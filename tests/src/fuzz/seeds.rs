@@ -262,13 +262,13 @@ fn heartbeats() -> Vec<Vec<u8>> {
     [each, vec![together]].concat()
 }
 
-/// A sentence that succeeds, and some that fail in various ways.
-fn scripts() -> Vec<Vec<u8>> {
+/// What may happen after the first command of a sentence: success, and failures of all kinds.
+fn continuations() -> [&'static [u8]; 13] {
     use Op::{
-        Accept, Ask, Babble, Cancel, Leap, Lose, Move, Obey, Poll, PollOn, Say, See, SeeBroken,
-        SeeLate, Wait, WaitLong,
+        Accept, Babble, Cancel, Leap, Lose, Move, Obey, Poll, PollOn, Say, See, SeeBroken, SeeLate,
+        Wait, WaitLong,
     };
-    let goes_on: [&[u8]; 13] = [
+    [
         &[Cancel as u8, Poll as u8, 1],
         &[
             Obey as u8,
@@ -363,13 +363,18 @@ fn scripts() -> Vec<Vec<u8>> {
             9,
             PollOn as u8,
         ],
-    ];
+    ]
+}
+
+/// A sentence that succeeds, and some that fail in various ways.
+fn scripts() -> Vec<Vec<u8>> {
+    use Op::{Ask, PollOn, See};
     let mut scripts = Vec::new();
     for settings in [0, BY_HAND, OBEDIENT, BY_HAND | OBEDIENT, BY_HAND | 3 << 6] {
         // Sentence and scene, plan, command.
         let which = 1 - (settings & BY_HAND);
         let begun = [Ask as u8, 0, which, PollOn as u8, See as u8, PollOn as u8];
-        for rest in goes_on {
+        for rest in continuations() {
             scripts.push([&[settings][..], &begun, rest].concat());
         }
         for (mode, which) in (0..3).zip([1, 3, 6]) {
