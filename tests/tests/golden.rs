@@ -4,7 +4,8 @@
 use core::task::Poll;
 use nsrm_core::action::simulate;
 use nsrm_core::language::{
-    Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, TokenKind, choose_action, choose_group,
+    Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, Token, TokenKind, choose_action,
+    choose_group,
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Conv, Gru, Linear};
@@ -188,11 +189,8 @@ fn golden_padding_changes_nothing() {
     golden.close("logit", &exact.values, &padded.values, "padding");
 }
 
-fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Value) {
-    let sentence = text(&case["sentence"]);
-    let mut reader = Reader::new(sentence).unwrap();
-    while reader.advance(model, sentence).unwrap() {}
-    let tokens = reader.tokens();
+/// Checks that each token has its row of the trainer's embeddings.
+fn check_tokens(tokens: &[Token], sentence: &str, case: &Value) {
     // Row 0 of the trainer's embeddings is the group token's; core stores that separately.
     let rows = numbers(&case["rows"]);
     let got: Vec<f64> = tokens
@@ -204,6 +202,14 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         })
         .collect();
     assert_eq!(got, rows, "{sentence}");
+}
+
+fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Value) {
+    let sentence = text(&case["sentence"]);
+    let mut reader = Reader::new(sentence).unwrap();
+    while reader.advance(model, sentence).unwrap() {}
+    let tokens = reader.tokens();
+    check_tokens(tokens, sentence, case);
 
     let mut end = 0;
     for (index, step) in array(&case["steps"]).iter().enumerate() {

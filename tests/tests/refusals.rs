@@ -62,7 +62,7 @@ fn spoilt(spoil: fn(&mut Parts), expected: fn(&Refusal) -> bool, message: &'stat
 
 const GOOD: &str = "put the small red block on the blue block";
 
-fn language_cases() -> Vec<Case> {
+fn sentence_cases() -> Vec<Case> {
     vec![
         said(
             " .  ",
@@ -119,6 +119,11 @@ fn language_cases() -> Vec<Case> {
             },
             "more than 8 steps",
         ),
+    ]
+}
+
+fn step_cases() -> Vec<Case> {
+    vec![
         said(
             "put the red and small block on the blue block",
             |refusal| {
@@ -197,7 +202,7 @@ fn doubt_cases() -> Vec<Case> {
     ]
 }
 
-fn scene_cases() -> Vec<Case> {
+fn object_cases() -> Vec<Case> {
     vec![
         said(
             "put the green block on the blue block",
@@ -259,6 +264,11 @@ fn scene_cases() -> Vec<Case> {
             },
             "both descriptions fit object 1",
         ),
+    ]
+}
+
+fn place_cases() -> Vec<Case> {
+    vec![
         Case {
             // So far to the left of the image that the sub-goal is outside the work space.
             disturb: |scene| {
@@ -300,19 +310,19 @@ fn scene_cases() -> Vec<Case> {
                  disagree); the camera's pose may be too high, or depths too short",
             )
         },
+    ]
+}
+
+fn model_cases() -> Vec<Case> {
+    fn of(refusal: &Refusal, quantity: Quantity) -> bool {
+        *refusal == Refusal::NotFinite { step: 0, quantity }
+    }
+    vec![
         spoilt(
             |parts| parts.lexicon[0].concept = 200,
             |refusal| matches!(refusal, Refusal::InvalidModel),
             "the model is damaged",
         ),
-    ]
-}
-
-fn not_finite_cases() -> Vec<Case> {
-    fn of(refusal: &Refusal, quantity: Quantity) -> bool {
-        *refusal == Refusal::NotFinite { step: 0, quantity }
-    }
-    vec![
         spoilt(
             |parts| parts.hazard.bias = [f32::NAN],
             |refusal| of(refusal, Quantity::Split),
@@ -360,10 +370,12 @@ fn not_finite_cases() -> Vec<Case> {
 }
 
 fn cases() -> Vec<Case> {
-    let mut cases = language_cases();
+    let mut cases = sentence_cases();
+    cases.extend(step_cases());
     cases.extend(doubt_cases());
-    cases.extend(scene_cases());
-    cases.extend(not_finite_cases());
+    cases.extend(object_cases());
+    cases.extend(place_cases());
+    cases.extend(model_cases());
     cases
 }
 
