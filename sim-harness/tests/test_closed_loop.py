@@ -18,15 +18,15 @@ from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
-from nsrm_harness.manipulation.execute import ExecutionResult, unmarked
+from nsrm_harness.manipulation.execute import ExecutionResult
 from nsrm_harness.manipulation.observing import PATIENCE_S, NoObservationError
 from nsrm_harness.manipulation.retries import Look, ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import StuckError
 from nsrm_harness.nodes import arm_mover
-from nsrm_harness.nodes.arm_mover import nothing, numbered
+from nsrm_harness.nodes.arm_mover import numbered
 from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.perception.observer import DarkImageError, Observation
-from nsrm_harness.visualization.demo_listener import Stopped
+from nsrm_harness.visualization.demo_listener import DemoListener, StepResult, Stopped
 
 MODEL = nsrm.Model.pretrained()
 CAMERA = default_camera()
@@ -414,21 +414,22 @@ def test_an_arm_that_does_not_follow_is_not_told_anything_more() -> None:
     assert scene.attempts == scene.ended == [0]
 
 
+class Listener(DemoListener):
+    """Notes the result of each step."""
+
+    def __init__(self) -> None:
+        self.told: list[tuple[int, object]] = []
+
+    def ended(self, index: int, outcome: StepResult) -> None:
+        self.told.append((index, outcome))
+
+
 def demonstrated(scene: Scene) -> tuple[list[SubGoalReached | Stopped], list[tuple[int, object]]]:
     """As the demonstration has it: how each step went in the end, and what was told meanwhile."""
-    told: list[tuple[int, object]] = []
+    listener = Listener()
     made_up = cast("Any", scene)
-    outcomes = carry(
-        made_up,
-        made_up,
-        MODEL,
-        scene.sentence,
-        numbered,
-        unmarked,
-        nothing,
-        lambda *what: told.append(what),
-    )
-    return outcomes, told
+    outcomes = carry(made_up, made_up, MODEL, scene.sentence, numbered, listener)
+    return outcomes, listener.told
 
 
 def test_the_demonstration_tells_how_each_step_went_in_the_end() -> None:

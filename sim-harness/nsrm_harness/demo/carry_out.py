@@ -11,14 +11,13 @@ import nsrm
 
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusedError
-from nsrm_harness.manipulation.execute import Mark
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError
 from nsrm_harness.nodes.closed_loop import ClosedLoop
 from nsrm_harness.perception.observer import Observation, Observer
 from nsrm_harness.simulation.world import World
-from nsrm_harness.visualization.demo_listener import StepResult, Stopped
+from nsrm_harness.visualization.demo_listener import DemoListener, StepResult, Stopped
 
 Goal = tuple[int, Pose]
 """The number of an object, and the pose to which its centre is moved."""
@@ -90,20 +89,17 @@ def set_down(
 
 def carry(
     body: RobotInterface,
-    eyes: Observer,
+    observer: Observer,
     model: nsrm.Model,
     sentence: str,
     name: Callable[[int], str],
-    mark: Mark,
-    looked: Callable[[Observation], None],
-    tell: Tell = untold,
+    listener: DemoListener,
 ) -> list[SubGoalReached | Stopped]:
     """Has the arm execute a sentence, step by step, until it is done or a step fails.
 
     * `name`: the name of an object, by its number
-    * `looked`: called with each observation
-    * `tell`: called with each result as it becomes known; if a step was undone and done again, the
-      last result counts
+    * `listener`: notified of each observation, of the arm's events, and of each result as it
+      becomes known; if a step was undone and done again, the last result counts
 
     Raises `nsrm.Refused` if there is no plan.
     """
@@ -112,16 +108,16 @@ def carry(
 
     def told(index: int, outcome: SubGoalReached | Stopped) -> None:
         outcomes[index] = outcome
-        tell(index, outcome)
+        listener.ended(index, outcome)
 
     loop = ClosedLoop(
         body,
         PickAndPlacePlanner(),
-        eyes,
+        observer,
         model,
         name,
-        mark,
-        looked=looked,
+        listener.mark,
+        looked=listener.looked,
         begin=begun.append,
         reached=told,
     )

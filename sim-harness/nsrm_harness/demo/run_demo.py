@@ -9,6 +9,7 @@ from typing import Any
 
 import nsrm
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from nsrm_harness.common.json_text import json_text
@@ -76,10 +77,10 @@ def show(
         background = renderer.render(world, camera, Light()).rgb
         world.spawn(stage.arrangement.blocks, stage.arrangement.poses)
         world.settle()
-        eyes = Observer(SimulatedCamera(renderer, world, camera))
-        sight = eyes.look()
-        known = name_objects(model, domain, sight)
-        onlooker.begin(world, camera, known, sentence)
+        observer = Observer(SimulatedCamera(renderer, world, camera))
+        sight = observer.look()
+        initial = _InitialScene(sentence, background, sight, name_objects(model, domain, sight))
+        onlooker.begin(world, camera, initial.known, sentence)
         onlooker.looked(sight)
         _write_scene(out, sight, camera)
         heading = (
@@ -93,57 +94,80 @@ def show(
         except nsrm.Refused as refusal:
             onlooker.refused(refusal)
             onlooker.end()
-            refused = {"kind": refusal.kind, "message": str(refusal), **refusal.details}
-            caption = f"“{sentence}”\nRefused: {refusal}"
-            picture = annotate(sight.rgb, _marks(sight, known), caption=caption)
-            paths = _save(out, {"initial": picture})
-            return Shown(heading, document | {"refused": refused}, paths, refusal)
+            pictures = {"initial": initial.refused_picture(refusal)}
+            document |= {"refused": _refused_as_json(refusal)}
+            return Shown(heading, document, _save(out, pictures), refusal)
         onlooker.planned(plan)
         films: list[Path] = []
         outcomes: Sequence[StepResult]
         if isinstance(world, ArmWorld):
             film = Film(world, renderer)
-
-            def mark(event: str) -> None:
-                film.mark(event)
-                onlooker.mark(event)
-
-            outcomes = carry(
-                world,
-                eyes,
-                model,
-                sentence,
-                known.spoken,
-                mark,
-                onlooker.looked,
-                onlooker.ended,
-            )
+            listener = _Filming(film, onlooker)
+            outcomes = carry(world, observer, model, sentence, initial.known.spoken, listener)
             films = film.save(out)
         else:
             goals: list[Goal] = [(step.object_id, sub_goal(step)) for step in plan.steps]
             outcomes = set_down(world, sight, goals, onlooker.ended)
-        result = eyes.look()
+        result = observer.look()
         onlooker.looked(result)
         onlooker.end()
-    pictures = _pictures(sentence, sight, known, plan, outcomes, background, result)
-    text = f"{heading}\n{report.as_text(plan, known.words, outcomes)}"
     return Shown(
-        text,
+        f"{heading}\n{report.as_text(plan, initial.known.words, outcomes)}",
         document | report.as_json(plan, outcomes),
-        (*_save(out, pictures), *films),
+        (*_save(out, _pictures(initial, plan, outcomes, result)), *films),
         next((outcome for outcome in outcomes if isinstance(outcome, Stopped)), None),
     )
 
 
+class _Filming(DemoListener):
+    """Passes the events of an execution on, and has the film mark them."""
+
+    def __init__(self, film: Film, onlooker: DemoListener) -> None:
+        self._film, self._onlooker = film, onlooker
+
+    def looked(self, sight: Observation) -> None:
+        """The scene was observed."""
+        self._onlooker.looked(sight)
+
+    def mark(self, event: str) -> None:
+        """The arm has just done `event`."""
+        self._film.mark(event)
+        self._onlooker.mark(event)
+
+    def ended(self, index: int, outcome: StepResult) -> None:
+        """A step has ended."""
+        self._onlooker.ended(index, outcome)
+
+
+@dataclass(frozen=True, eq=False)
+class _InitialScene:
+    """The scene before anything moves.
+
+    * `background`: `uint8 [H, W, 3]`, the image without the blocks
+    """
+
+    sentence: str
+    background: NDArray[np.uint8]
+    sight: Observation
+    known: ObjectNames
+
+    def refused_picture(self, refusal: nsrm.Refused) -> Image.Image:
+        """The objects that were found, and why there is no plan."""
+        caption = f"“{self.sentence}”\nRefused: {refusal}"
+        return annotate(self.sight.rgb, _marks(self.sight, self.known), caption=caption)
+
+
+def _refused_as_json(refusal: nsrm.Refused) -> dict[str, Any]:
+    return {"kind": refusal.kind, "message": str(refusal), **refusal.details}
+
+
 def _pictures(
-    sentence: str,
-    sight: Observation,
-    known: ObjectNames,
+    scene: _InitialScene,
     plan: nsrm.Plan,
     outcomes: Sequence[StepResult],
-    background: np.ndarray,
     result: Observation,
 ) -> dict[str, Image.Image]:
+    sight, known = scene.sight, scene.known
     arrows: list[Arrow] = []
     locations = dict(sight.locations)
     for number, step in enumerate(plan.steps, start=1):
@@ -151,9 +175,9 @@ def _pictures(
         locations[step.object_id] = step.location
     moved = {step.object_id for step in plan.steps}
     cutouts = {number: cut_out(sight, number) for number in sight.locations}
-    initial = annotate(sight.rgb, _marks(sight, known, plan), arrows, caption=f"“{sentence}”")
+    initial = annotate(sight.rgb, _marks(sight, known, plan), arrows, caption=f"“{scene.sentence}”")
     predicted = annotate(
-        predicted_scene(background, cutouts, locations),
+        predicted_scene(scene.background, cutouts, locations),
         [_mark(known, number, locations[number]) for number in sorted(moved)],
         caption="\n".join(step.explanation for step in plan.steps),
     )
