@@ -20,7 +20,12 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.execute import ExecutionResult
 from nsrm_harness.manipulation.observing import PATIENCE_S, NoObservationError
-from nsrm_harness.manipulation.retries import Look, ManipulationError, SubGoalReached
+from nsrm_harness.manipulation.retries import (
+    ExecutionOptions,
+    Look,
+    ManipulationError,
+    SubGoalReached,
+)
 from nsrm_harness.manipulation.robot_interface import StuckError
 from nsrm_harness.nodes import arm_mover
 from nsrm_harness.nodes.arm_mover import numbered
@@ -191,10 +196,12 @@ class Scene:
 def made_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """The arm is the scene's."""
 
-    def reach(body: Scene, planner: object, look: Look, name: str, goal: Pose, *_: object, **told):  # type: ignore[no-untyped-def]
-        assert told["tries"] == 1
-        body.kept.append(told["keep"])
-        told["ready"](look())
+    def reach(
+        body: Scene, planner: object, look: Look, name: str, goal: Pose, options: ExecutionOptions
+    ) -> SubGoalReached:
+        assert options.tries == 1
+        body.kept.append(set(options.keep))
+        options.ready(look())
         return body.perform(look, name, goal)
 
     monkeypatch.setattr(arm_mover, "reach_sub_goal", reach)

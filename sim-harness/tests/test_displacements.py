@@ -15,7 +15,13 @@ from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.displacements import DISPLACED_M, DisplacementTracker
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
-from nsrm_harness.manipulation.retries import MAX_TRIES, Look, ManipulationError, reach_sub_goal
+from nsrm_harness.manipulation.retries import (
+    MAX_TRIES,
+    ExecutionOptions,
+    Look,
+    ManipulationError,
+    reach_sub_goal,
+)
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 PUSHED_M = 0.006
@@ -53,7 +59,9 @@ def test_what_was_pushed_in_a_try_that_failed_is_told(world: ArmWorld) -> None:
     three(world)
     body = Numb(world, until="not grasped")
     mark = pushing(world, "reached", 3, also=body.mark)
-    performed = reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", BESIDE, mark)
+    performed = reach_sub_goal(
+        body, PickAndPlacePlanner(), known(world), "1", BESIDE, ExecutionOptions(mark=mark)
+    )
     assert performed.tries == 2
     ((name, shift_m),) = performed.shifted
     assert name == "3" and shift_m == pytest.approx(PUSHED_M, abs=0.0005)
@@ -64,7 +72,9 @@ def test_what_is_pushed_a_little_at_each_try_is_told(world: ArmWorld) -> None:
     three(world)
     body = Numb(world, until="not grasped")
     mark = pushing(world, "reached", 3, 0.7 * DISPLACED_M, 2, body.mark)
-    performed = reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", BESIDE, mark)
+    performed = reach_sub_goal(
+        body, PickAndPlacePlanner(), known(world), "1", BESIDE, ExecutionOptions(mark=mark)
+    )
     ((name, shift_m),) = performed.shifted
     assert name == "3" and shift_m == pytest.approx(1.4 * DISPLACED_M, abs=0.0005)
 
@@ -76,7 +86,12 @@ def test_what_was_pushed_is_told_where_all_tries_fail(world: ArmWorld) -> None:
         ManipulationError, match=r"; giving up; 3 was pushed by 6\.\d mm$"
     ) as caught:
         reach_sub_goal(
-            body, PickAndPlacePlanner(), known(world), "1", BESIDE, pushing(world, "reached", 3)
+            body,
+            PickAndPlacePlanner(),
+            known(world),
+            "1",
+            BESIDE,
+            ExecutionOptions(mark=pushing(world, "reached", 3)),
         )
     ((name, shift_m),) = caught.value.shifted
     assert name == "3" and shift_m == pytest.approx(PUSHED_M, abs=0.0005)
@@ -91,7 +106,9 @@ def test_what_was_pushed_is_told_where_clearing_fails_or_what_follows(
     body = Numb(world, since=until)
     mark = pushing(world, "reached", 3, also=body.mark)
     with pytest.raises(ManipulationError) as caught:
-        reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", goal, mark)
+        reach_sub_goal(
+            body, PickAndPlacePlanner(), known(world), "1", goal, ExecutionOptions(mark=mark)
+        )
     assert [name for name, _ in caught.value.shifted] == ["3"]
     assert str(caught.value).count("was pushed by") == 1
 
@@ -108,7 +125,7 @@ def test_what_is_no_longer_seen_is_told(world: ArmWorld) -> None:
             gone.append("3")
 
     performed = reach_sub_goal(
-        world, PickAndPlacePlanner(), unseen(known(world)), "1", BESIDE, mark
+        world, PickAndPlacePlanner(), unseen(known(world)), "1", BESIDE, ExecutionOptions(mark=mark)
     )
     assert performed.shifted == (("3", math.inf),)
     assert str(performed).endswith("; 3 is no longer seen")
@@ -148,11 +165,20 @@ def test_no_try_at_all_is_a_mistake_that_is_named_before_anything_moves(
 ) -> None:
     three(world)
     with pytest.raises(ValueError, match=f"tries: expected 1 or more, got {tries}"):
-        reach_sub_goal(Still(world), PickAndPlacePlanner(), known(world), "1", BESIDE, tries=tries)
+        reach_sub_goal(
+            Still(world),
+            PickAndPlacePlanner(),
+            known(world),
+            "1",
+            BESIDE,
+            ExecutionOptions(tries=tries),
+        )
 
 
 def test_one_try_is_one(world: ArmWorld) -> None:
     three(world)
     assert MAX_TRIES > 1
     with pytest.raises(ManipulationError, match="1 was tried once and is"):
-        reach_sub_goal(Numb(world), PickAndPlacePlanner(), known(world), "1", BESIDE, tries=1)
+        reach_sub_goal(
+            Numb(world), PickAndPlacePlanner(), known(world), "1", BESIDE, ExecutionOptions(tries=1)
+        )

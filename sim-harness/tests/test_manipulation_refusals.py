@@ -22,7 +22,7 @@ from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.grasps import LOWEST_M, WIDEST_M, grasps, why_not_held
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
-from nsrm_harness.manipulation.retries import reach_sub_goal
+from nsrm_harness.manipulation.retries import ExecutionOptions, reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 pytestmark = pytest.mark.slow
@@ -97,7 +97,12 @@ def test_what_can_not_be_done_is_refused_before_anything_moves(
     poses, joints = world.poses(), world.joints()
     with pytest.raises(RefusedError) as caught:
         reach_sub_goal(
-            Still(world), PickAndPlacePlanner(), known(world), name, goal, keep=known(world)()
+            Still(world),
+            PickAndPlacePlanner(),
+            known(world),
+            name,
+            goal,
+            ExecutionOptions(keep=known(world)()),
         )
     assert caught.value.why is why
     assert all(word in str(caught.value) for word in words), str(caught.value)

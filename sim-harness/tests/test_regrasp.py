@@ -16,7 +16,7 @@ from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.execute import ExecutionResult
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.regrasp import plan_regrasp
-from nsrm_harness.manipulation.retries import ManipulationError, reach_sub_goal
+from nsrm_harness.manipulation.retries import ExecutionOptions, ManipulationError, reach_sub_goal
 from nsrm_harness.simulation.arm_world import ArmWorld
 
 LEFT, RIGHT = Pose.upright(0.42, 0.093, 0.02), Pose.upright(0.42, 0.217, 0.02)
@@ -51,7 +51,12 @@ def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) 
     assert caught.value.why is RefusalReason.NO_WAY
     marks: list[str] = []
     performed = reach_sub_goal(
-        world, PickAndPlacePlanner(), known(world), "1", LEFT, marks.append, keep=TOWER
+        world,
+        PickAndPlacePlanner(),
+        known(world),
+        "1",
+        LEFT,
+        ExecutionOptions(mark=marks.append, keep=TOWER),
     )
     after = world.poses()
     ((name, place),) = performed.cleared
@@ -89,7 +94,9 @@ def test_no_other_refusal_leads_to_one(world: ArmWorld, why: RefusalReason) -> N
 def test_where_it_does_not_help_the_first_refusal_stands(world: ArmWorld) -> None:
     planner = Endless()
     with pytest.raises(RefusedError) as caught:
-        reach_sub_goal(Still(world), planner, known(world), "4", FREE, keep=("1", "2", "3"))
+        reach_sub_goal(
+            Still(world), planner, known(world), "4", FREE, ExecutionOptions(keep=("1", "2", "3"))
+        )
     assert caught.value.why is RefusalReason.NO_WAY
     # To its sub-goal, and to where it would be set down.
     assert planner.count == 2
@@ -97,7 +104,14 @@ def test_where_it_does_not_help_the_first_refusal_stands(world: ArmWorld) -> Non
 
 def test_what_fails_on_the_way_is_told_in_words(world: ArmWorld) -> None:
     with pytest.raises(ManipulationError) as caught:
-        reach_sub_goal(Numb(world), PickAndPlacePlanner(), known(world), "1", LEFT, keep=TOWER)
+        reach_sub_goal(
+            Numb(world),
+            PickAndPlacePlanner(),
+            known(world),
+            "1",
+            LEFT,
+            ExecutionOptions(keep=TOWER),
+        )
     assert "1 was to be set down on the way: 1 was tried" in str(caught.value)
     assert ExecutionResult.NOT_GRASPED.value in str(caught.value) and at_home(world)
 
@@ -107,5 +121,12 @@ def test_what_fails_after_it_is_told_in_words(world: ArmWorld) -> None:
     with pytest.raises(
         ManipulationError, match=r"^1 was set down on the way, to be held otherwise; then"
     ):
-        reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", LEFT, body.mark, keep=TOWER)
+        reach_sub_goal(
+            body,
+            PickAndPlacePlanner(),
+            known(world),
+            "1",
+            LEFT,
+            ExecutionOptions(mark=body.mark, keep=TOWER),
+        )
     assert at_home(world)

@@ -37,7 +37,12 @@ from nsrm_harness.manipulation.relocation import (
     Relocation,
     plan_relocations,
 )
-from nsrm_harness.manipulation.retries import MAX_TRIES, ManipulationError, reach_sub_goal
+from nsrm_harness.manipulation.retries import (
+    MAX_TRIES,
+    ExecutionOptions,
+    ManipulationError,
+    reach_sub_goal,
+)
 from nsrm_harness.manipulation.stability import ROOM_M, gap_m
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.layout import PLACEMENT_SPACE
@@ -146,7 +151,12 @@ def test_what_stands_too_near_is_moved_aside_first(world: ArmWorld, scene: Any) 
     keep = {str(number) for number in before} - movable
     marks: list[str] = []
     performed = reach_sub_goal(
-        world, PickAndPlacePlanner(), known(world), "1", goal, marks.append, keep=keep
+        world,
+        PickAndPlacePlanner(),
+        known(world),
+        "1",
+        goal,
+        ExecutionOptions(mark=marks.append, keep=keep),
     )
     after = world.poses()
     assert {name for name, _ in performed.cleared} == moved
@@ -177,7 +187,12 @@ def test_where_nothing_is_too_near_nothing_is_moved_aside(world: ArmWorld) -> No
     planner = Asked()
     marks: list[str] = []
     performed = reach_sub_goal(
-        world, planner, known(world), "1", Pose.upright(0.5, 0.2, 0.02), marks.append
+        world,
+        planner,
+        known(world),
+        "1",
+        Pose.upright(0.5, 0.2, 0.02),
+        ExecutionOptions(mark=marks.append),
     )
     assert performed.cleared == () and "aside" not in str(performed)
     assert performed.as_json()["cleared"] == {}
@@ -205,7 +220,12 @@ def test_without_a_clearing_the_first_refusal_stands(world: ArmWorld) -> None:
         PickAndPlacePlanner().carry(known(world)(), "1", goal, world.joints())
     with pytest.raises(RefusedError) as caught:
         reach_sub_goal(
-            Still(world), PickAndPlacePlanner(), known(world), "1", goal, keep=("2", "3")
+            Still(world),
+            PickAndPlacePlanner(),
+            known(world),
+            "1",
+            goal,
+            ExecutionOptions(keep=("2", "3")),
         )
     assert caught.value.why is RefusalReason.NO_WAY
     assert str(caught.value) == str(expected.value)
@@ -431,7 +451,9 @@ def test_a_blocker_that_can_not_be_moved_is_given_up_in_words(world: ArmWorld) -
 def test_one_that_slips_is_moved_aside_at_another_try(world: ArmWorld) -> None:
     goal, _, _ = no_room(world)
     body = Numb(world, until="not grasped")
-    performed = reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", goal, body.mark)
+    performed = reach_sub_goal(
+        body, PickAndPlacePlanner(), known(world), "1", goal, ExecutionOptions(mark=body.mark)
+    )
     ((name, place),) = performed.cleared
     assert world.pose(int(name)).distance_m(place) < PLACED_M
     assert world.pose(1).distance_m(goal) < PLACED_M
@@ -444,7 +466,9 @@ def test_where_the_block_fails_it_is_said_what_was_moved_for_it(world: ArmWorld)
     before = world.pose(2)
     body = Numb(world, since="cleared")
     with pytest.raises(ManipulationError, match=r"^2 was moved aside first; then: 1 was tried"):
-        reach_sub_goal(body, PickAndPlacePlanner(), known(world), "1", goal, body.mark)
+        reach_sub_goal(
+            body, PickAndPlacePlanner(), known(world), "1", goal, ExecutionOptions(mark=body.mark)
+        )
     assert world.pose(2).distance_m(before) > 0.02 and at_home(world)
 
 
@@ -457,6 +481,8 @@ def test_what_is_pushed_meanwhile_is_said(world: ArmWorld) -> None:
         if event == "above" and (pose := next(pushes, None)):
             world.place(3, pose)
 
-    performed = reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", goal, mark)
+    performed = reach_sub_goal(
+        world, PickAndPlacePlanner(), known(world), "1", goal, ExecutionOptions(mark=mark)
+    )
     ((name, shift_m),) = performed.shifted
     assert performed.cleared and name == "3" and shift_m == pytest.approx(0.006, abs=0.001)

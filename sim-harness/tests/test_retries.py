@@ -32,6 +32,7 @@ from nsrm_harness.manipulation.execute import ExecutionResult, execute
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import (
     MAX_TRIES,
+    ExecutionOptions,
     ManipulationError,
     reach_sub_goal,
     seen_turned_rad,
@@ -100,7 +101,12 @@ def test_what_stands_too_near_where_it_was_snatched_to_is_moved_aside(world: Arm
     before = world.poses()
     marks: list[str] = []
     performed = reach_sub_goal(
-        Snatched(world, amid), PickAndPlacePlanner(), known(world), "1", BESIDE, marks.append
+        Snatched(world, amid),
+        PickAndPlacePlanner(),
+        known(world),
+        "1",
+        BESIDE,
+        ExecutionOptions(mark=marks.append),
     )
     assert performed.tries == 2
     assert marks.index("not grasped") < marks.index("clearing") < marks.index("cleared")
@@ -121,7 +127,12 @@ def test_where_it_was_snatched_to_it_may_be_out_of_reach(world: ArmWorld) -> Non
     amid = Pose.upright(0.5, 0.0, 0.02)
     with pytest.raises(ManipulationError, match="at try 1, and now") as caught:
         reach_sub_goal(
-            Snatched(world, amid), PickAndPlacePlanner(), known(world), "1", BESIDE, keep="2345"
+            Snatched(world, amid),
+            PickAndPlacePlanner(),
+            known(world),
+            "1",
+            BESIDE,
+            ExecutionOptions(keep="2345"),
         )
     assert str(caught.value).startswith(f"1: {ExecutionResult.NOT_GRASPED.value}")
     assert world.pose(1).distance_m(amid) < STAYED_M and at_home(world)
@@ -132,7 +143,9 @@ def test_a_grasp_that_always_fails_ends_after_a_few_tries(world: ArmWorld) -> No
     before, planner = world.poses(), Noting()
     marks: list[str] = []
     with pytest.raises(ManipulationError, match="1") as caught:
-        reach_sub_goal(Numb(world), planner, known(world), "1", BESIDE, marks.append)
+        reach_sub_goal(
+            Numb(world), planner, known(world), "1", BESIDE, ExecutionOptions(mark=marks.append)
+        )
     assert ExecutionResult.NOT_GRASPED.value in str(caught.value) and str(MAX_TRIES) in str(
         caught.value
     )
@@ -183,7 +196,9 @@ def test_a_block_that_is_seen_turned_is_put_again(
 ) -> None:
     three(world)
     body, planner = Turned(world, math.radians(by_deg), 1), Noting()
-    performed = reach_sub_goal(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
+    performed = reach_sub_goal(
+        body, planner, pictured(world, renderer), "1", BESIDE, ExecutionOptions(mark=body.mark)
+    )
     assert performed.tries == len(planner.carries) == tries
     assert square_off_rad(world.pose(1), BESIDE) < math.radians(5.0)
     assert math.dist(world.pose(1).position[:2], BESIDE.position[:2]) < 0.002 and at_home(world)
@@ -193,7 +208,9 @@ def test_a_block_that_is_always_turned_is_given_up(world: ArmWorld, renderer: Re
     three(world)
     body, planner = Turned(world, math.radians(20.0), 100), Noting()
     with pytest.raises(ManipulationError, match="turned by 20°"):
-        reach_sub_goal(body, planner, pictured(world, renderer), "1", BESIDE, body.mark)
+        reach_sub_goal(
+            body, planner, pictured(world, renderer), "1", BESIDE, ExecutionOptions(mark=body.mark)
+        )
     assert len(planner.carries) == MAX_TRIES and at_home(world)
 
 
@@ -285,7 +302,9 @@ def test_one_that_was_knocked_out_is_fetched_where_it_fell(
 ) -> None:
     three(world)
     body, planner = Jolted(world, event, after_ticks, times), Noting()
-    performed = reach_sub_goal(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+    performed = reach_sub_goal(
+        body, planner, pictured(world, renderer), "1", ACROSS, ExecutionOptions(mark=body.mark)
+    )
     assert performed.tries == len(planner.carries) == body.marks.count("reached") == times + 1
     assert world.pose(1).distance_m(ACROSS) < 0.002
     assert at_home(world)
@@ -295,7 +314,9 @@ def test_one_that_is_always_knocked_out_is_given_up(world: ArmWorld, renderer: R
     three(world)
     body, planner = Jolted(world, "lifted", 60, 100), Noting()
     with pytest.raises(ManipulationError, match="1") as caught:
-        reach_sub_goal(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+        reach_sub_goal(
+            body, planner, pictured(world, renderer), "1", ACROSS, ExecutionOptions(mark=body.mark)
+        )
     assert ExecutionResult.SLIPPED.value in str(caught.value) and str(MAX_TRIES) in str(
         caught.value
     )
@@ -311,7 +332,9 @@ def test_one_that_falls_among_others_is_fetched_or_given_up_in_words(
     three(world)
     body, planner = Jolted(world, "lifted", after_ticks, 1), Noting()
     try:
-        performed = reach_sub_goal(body, planner, pictured(world, renderer), "1", ACROSS, body.mark)
+        performed = reach_sub_goal(
+            body, planner, pictured(world, renderer), "1", ACROSS, ExecutionOptions(mark=body.mark)
+        )
     except ManipulationError as failure:
         assert ExecutionResult.SLIPPED.value in str(failure)
     else:

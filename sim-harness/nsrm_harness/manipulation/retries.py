@@ -127,40 +127,56 @@ class SubGoalReached:
         }
 
 
+@dataclass(frozen=True)
+class ExecutionOptions:
+    """How a sub-goal is executed: the limits, and who is notified (MoveIt's
+    `PlanExecution::Options`).
+
+    * `tries`: maximum number of tries for each object that is carried; 1 or more
+    * `keep`: names of the objects that are not moved aside
+    * `stop`: whether to stop, called at each tick
+    * `mark`: called with each event as it happens
+    * `tell`: called with the names of the objects that are carried first
+    * `ready`: called with what is seen right before the block itself is carried
+    """
+
+    tries: int = MAX_TRIES
+    keep: Collection[str] = ()
+    stop: Stop = never_stopped
+    mark: Mark = unmarked
+    tell: Tell = untold
+    ready: Ready = always_ready
+
+    def __post_init__(self) -> None:
+        if self.tries < 1:
+            raise ValueError(f"tries: expected 1 or more, got {self.tries}")
+
+
 def reach_sub_goal(
     body: RobotInterface,
     planner: PickAndPlacePlanner,
     look: Look,
     name: str,
     goal: Pose,
-    mark: Mark = unmarked,
-    *,
-    keep: Collection[str] = (),
-    tries: int = MAX_TRIES,
-    stop: Stop = never_stopped,
-    tell: Tell = untold,
-    ready: Ready = always_ready,
+    options: ExecutionOptions = ExecutionOptions(),
 ) -> SubGoalReached:
     """Carries a block to its sub-goal. Blocks that are too close are moved aside first, or the
     block itself is set down on the way.
 
-    * `keep`: names of the objects that are not moved aside
-    * `tries`: maximum number of tries for each object that is carried; 1 or more
+    * `goal`: pose of the block's centre in the world, metres, upright
 
     Raises `RefusedError` if it is impossible as things stand, and nothing has moved;
     `ManipulationError` if it was tried and failed; `StuckError` and `StoppedError` as `execute`.
     """
-    if tries < 1:
-        raise ValueError(f"tries: expected 1 or more, got {tries}")
-    hands = _Hands(body, planner, look, mark, tries, stop, tell)
+    execution = _Execution(body, planner, look, options)
 
     def before(objects: Mapping[str, Cuboid], refusal: RefusedError) -> tuple[Relocation, ...]:
         begin = body.joints()
-        return plan_relocations(planner, objects, name, goal, begin, refusal, keep) or plan_regrasp(
-            planner, objects, name, goal, begin, refusal
-        )
+        return plan_relocations(
+            planner, objects, name, goal, begin, refusal, options.keep
+        ) or plan_regrasp(planner, objects, name, goal, begin, refusal)
 
-    return hands.carry(hands.see(), name, goal, before, ready)
+    return execution.carry(execution.see(), name, goal, before, options.ready)
 
 
 Before = Callable[[Mapping[str, Cuboid], RefusedError], tuple[Relocation, ...]]
@@ -173,16 +189,13 @@ def _nothing(*_: object) -> tuple[Relocation, ...]:
 
 
 @dataclass(frozen=True)
-class _Hands:
-    """Carries objects; its attributes are the arguments of `reach_sub_goal`."""
+class _Execution:
+    """One execution of a sub-goal: carries the block and what has to be moved first."""
 
     body: RobotInterface
     planner: PickAndPlacePlanner
     look: Look
-    mark: Mark
-    tries: int
-    stop: Stop
-    tell: Tell
+    options: ExecutionOptions
     shifts: DisplacementTracker = field(default_factory=DisplacementTracker)
 
     def see(self, carried: str | None = None) -> Mapping[str, Cuboid]:
@@ -208,7 +221,7 @@ class _Hands:
         cleared: tuple[Relocation, ...] = ()
         motion_s = 0.0
         done = ExecutionResult.PLACED
-        for number in range(1, self.tries + 1):
+        for number in range(1, self.options.tries + 1):
             ready(objects)
             try:
                 carry = self.planner.carry(objects, name, goal, self.body.joints())
@@ -225,7 +238,7 @@ class _Hands:
                 objects = self.see()
                 ready(objects)
                 carry = self._carry_after(cleared, objects, name, goal)
-            done = execute(self.body, carry, self.mark, self.stop)
+            done = execute(self.body, carry, self.options.mark, self.options.stop)
             motion_s += carry.duration_s
             objects = self.see(name)
             target = carry.placement.cuboid.pose
@@ -248,7 +261,7 @@ class _Hands:
         )
         if turned_rad > TURNED_RAD:
             where += f", turned by {math.degrees(turned_rad):.0f}°"
-        times = "once" if self.tries == 1 else f"{self.tries} times"
+        times = "once" if self.options.tries == 1 else f"{self.options.tries} times"
         why = f"{name} was tried {times} and is {where} ({done.value}); giving up"
         raise self._failed(name, cleared, why, done)
 
@@ -256,8 +269,8 @@ class _Hands:
         self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Relocation, ...]
     ) -> list[SubGoalReached]:
         """Moves aside what prevents a block from being carried. Raises `ManipulationError`."""
-        self.tell([blocker for blocker, _ in asides])
-        self.mark("clearing")
+        self.options.tell([blocker for blocker, _ in asides])
+        self.options.mark("clearing")
         done = []
         for blocker, place in asides:
             try:
@@ -274,7 +287,7 @@ class _Hands:
                 failed = self._failed(name, (), f"{what}: {how}", last, error.why, after)
                 raise failed from None
             objects = self.see()
-        self.mark("cleared")
+        self.options.mark("cleared")
         return done
 
     def _carry_after(

@@ -13,7 +13,12 @@ from nsrm_harness.manipulation.errors import RefusalReason, RefusedError
 from nsrm_harness.manipulation.execute import ExecutionResult, Mark, retreat, unmarked
 from nsrm_harness.manipulation.observing import observe_with_timeout
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
-from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached, reach_sub_goal
+from nsrm_harness.manipulation.retries import (
+    ExecutionOptions,
+    ManipulationError,
+    SubGoalReached,
+    reach_sub_goal,
+)
 from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError
 from nsrm_harness.manipulation.stopping import RetreatPath, Stop, StoppedError, never_stopped
 from nsrm_harness.nodes.controller import Answer, Tell
@@ -139,13 +144,15 @@ class ArmMover:
                 self._seen,
                 self._name(command.object_id),
                 goal_of(command),
-                self._mark,
-                keep={self._name(number) for number in keep},
-                # Retries are up to the sender of the commands.
-                tries=1,
-                stop=lambda: self._stop,
-                tell=clearing,
-                ready=ready,
+                ExecutionOptions(
+                    # Retries are up to the sender of the commands.
+                    tries=1,
+                    keep={self._name(number) for number in keep},
+                    stop=lambda: self._stop,
+                    mark=self._mark,
+                    tell=clearing,
+                    ready=ready,
+                ),
             )
         except RefusedError as refusal:
             self.result = refusal

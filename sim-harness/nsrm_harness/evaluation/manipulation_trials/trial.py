@@ -22,7 +22,7 @@ from nsrm_harness.evaluation.manipulation_trials.rows import TrialRow, draw
 from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
-from nsrm_harness.manipulation.retries import reach_sub_goal
+from nsrm_harness.manipulation.retries import ExecutionOptions, reach_sub_goal
 from nsrm_harness.perception.observer import Observer
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.simulated_camera import SimulatedCamera
@@ -77,8 +77,7 @@ class _ByTruth(_ByModel):
                     self._true_objects,
                     _name(move.moved + 1),
                     goal,
-                    self._mark,
-                    keep=self._kept(index),
+                    ExecutionOptions(keep=self._kept(index), mark=self._mark),
                 )
             )
             self._end(index)
