@@ -17,7 +17,7 @@ from nsrm_harness.geometry.camera import default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.manipulation.robot_interface import wait
-from nsrm_harness.nodes.arm_mover import ArmMover
+from nsrm_harness.nodes.arm_mover import ArmMover, SceneMonitor, Supervisor
 from nsrm_harness.nodes.controller import Answer, Controller
 from nsrm_harness.nodes.messages import Kind, Outcome, SubGoal
 from nsrm_harness.perception.observer import Observation, Observer, sub_goal
@@ -63,11 +63,8 @@ class Scene:
         self.while_working: Callable[[], None] = lambda: None
         self.arm = ArmMover(
             self.world,
-            self.look,
-            lambda: self.world.time_s,
-            seen=lambda: self.sight.cuboids,
-            alive=self._work,
-            stop=self._is_stopped,
+            SceneMonitor(self.look, lambda: self.world.time_s, lambda: self.sight.cuboids),
+            Supervisor(self._work, self._is_stopped),
             name=called,
         )
         self.world.on_tick = self.arm.tick

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.geometry.cuboid import Cuboid
@@ -63,42 +64,62 @@ def nothing(*_: object) -> None:
     """A callback that does nothing."""
 
 
+@dataclass(frozen=True)
+class SceneMonitor:
+    """What a camera shows: all objects that are believed to be there, by number (MoveIt's planning
+    scene monitor).
+
+    * `look`: takes an image and observes. Raises `PerceptionError` if nothing can be seen in it
+    * `now_s`: the time, seconds, by which the wait for a usable image ends
+    * `latest`: the latest observation, without a new image; by default empty
+    """
+
+    look: Callable[[], Mapping[int, Cuboid]]
+    now_s: Callable[[], float]
+    latest: Callable[[], Mapping[int, Cuboid]] = dict
+
+
+@dataclass(frozen=True)
+class Supervisor:
+    """Is notified of what the arm does, and may stop it.
+
+    * `alive`: called every few milliseconds during planning and, if `ArmMover.tick` is called,
+      during motion
+    * `stop`: whether to stop, called as often
+    * `mark`: called with each event as it happens
+    """
+
+    alive: Callable[[], None] = nothing
+    stop: Stop = never_stopped
+    mark: Mark = unmarked
+
+
 class ArmMover:
     """Carries an object from where it is seen to its sub-goal, with one try; blocks that are too
     close are moved aside first.
 
-    * `look`: takes an image; returns all objects that are believed to be there, by number. Raises
-      `PerceptionError` if nothing can be seen in it, and is then called again until a timeout
-    * `now_s`: the clock for that timeout
-    * `seen`: returns the observation before the command; the command fails if the reference object
-      has moved since, by the time the block is about to be picked up
+    * `scene`: what the camera shows. A command fails if the reference object has moved since the
+      latest observation before the command, by the time the block is about to be picked up
+    * `supervisor`: is notified of what the arm does, and may stop it
     * `planner`: plans the motions; by default one of its own
-    * `alive`: called every few milliseconds during planning and, if `tick` is called, during motion
-    * `stop`: whether to stop, called as often
     * `name`: the name of an object in the log, by its number; unique
-    * `mark`: called with each event as it happens
     * `log`: receives what it does, and why something was not done
     """
 
     def __init__(
         self,
         body: RobotInterface,
-        look: Callable[[], Mapping[int, Cuboid]],
-        now_s: Callable[[], float],
+        scene: SceneMonitor,
+        supervisor: Supervisor = Supervisor(),
         *,
-        seen: Callable[[], Mapping[int, Cuboid]] = dict,
         planner: PickAndPlacePlanner | None = None,
-        alive: Callable[[], None] = nothing,
-        stop: Stop = never_stopped,
         name: Callable[[int], str] = numbered,
-        mark: Mark = unmarked,
         log: logging.Logger = _LOG,
     ) -> None:
-        self._look, self._now_s, self._seen_before = look, now_s, seen
-        self._alive, self._asked_to_stop, self._mark = alive, stop, mark
-        self._log, self._spoken, self._numbers = log, name, dict[str, int]()
+        self._body, self._scene, self._supervisor = body, scene, supervisor
         self._planner = planner or PickAndPlacePlanner(alive=self._while_planning)
-        self._body, self._ticks, self._stop = body, 0, False
+        self._log, self._spoken, self._numbers = log, name, dict[str, int]()
+        self._ticks, self._stop = 0, False
         self._back: RetreatPath | None = None
         self._stuck = ""
         self._carried: frozenset[int] = frozenset()
@@ -120,10 +141,27 @@ class ArmMover:
             what = "not begun: %s; look at the arm and start its controller anew"
             self._log.error(what, self._stuck)
             return Answer(Outcome.NOT_FOLLOWING)
-        keep = {command.reference_id, *command.keep} - {0}
         self._carried = frozenset([command.object_id])
         self._stop, self.result = False, None
-        before = dict(self._seen_before())
+        try:
+            reached = self._reach(command, tell)
+        except _StoppedPlanningError:
+            return Answer(Outcome.STOPPED)
+        except StoppedError as stopped:
+            self._log.warning("%s", stopped)
+            self._back = stopped.back
+            return Answer(Outcome.STOPPED)
+        except (RefusedError, ManipulationError, StuckError) as error:
+            self.result = error
+            return self._failed(command, error)
+        self.result = reached
+        self._log.info("%s", reached)
+        return Answer(Outcome.REACHED)
+
+    def _reach(self, command: SubGoal, tell: Tell) -> SubGoalReached:
+        """Carries the object of a command to its sub-goal. Raises as `reach_sub_goal`."""
+        keep = {command.reference_id, *command.keep} - {0}
+        before = dict(self._scene.latest())
 
         def clearing(names: Sequence[str]) -> None:
             self._log.info("first carried: %s", " and ".join(names))
@@ -137,54 +175,45 @@ class ArmMover:
                 reference = self._name(command.reference_id)
                 raise ReferenceMovedError(f"{reference} is no longer where it was; giving up")
 
-        try:
-            performed = reach_sub_goal(
-                self._body,
-                self._planner,
-                self._seen,
-                self._name(command.object_id),
-                goal_of(command),
-                ExecutionOptions(
-                    # Retries are up to the sender of the commands.
-                    tries=1,
-                    keep={self._name(number) for number in keep},
-                    stop=lambda: self._stop,
-                    mark=self._mark,
-                    tell=clearing,
-                    ready=ready,
-                ),
-            )
-        except RefusedError as refusal:
-            self.result = refusal
-            self._log.warning("not begun: %s", refusal)
-            return Answer(REFUSALS[refusal.why], self._numbers_of(refusal.in_the_way))
-        except ManipulationError as failure:
-            self.result = failure
-            self._log.warning("%s", failure)
-            if isinstance(failure, ReferenceMovedError):
-                return Answer(Outcome.REFERENCE_MOVED, (command.reference_id,))
-            if failure.done is None:
-                # With a single try, the reason is missing only if nothing could be seen.
-                return Answer(REFUSALS[failure.why or RefusalReason.UNSEEN])
-            return Answer(FAILURES[failure.done])
-        except _StoppedPlanningError:
-            return Answer(Outcome.STOPPED)
-        except StoppedError as stopped:
-            self._log.warning("%s", stopped)
-            self._back = stopped.back
-            return Answer(Outcome.STOPPED)
-        except StuckError as error:
-            self.result = error
+        return reach_sub_goal(
+            self._body,
+            self._planner,
+            self._seen,
+            self._name(command.object_id),
+            goal_of(command),
+            ExecutionOptions(
+                # Retries are up to the sender of the commands.
+                tries=1,
+                keep={self._name(number) for number in keep},
+                stop=lambda: self._stop,
+                mark=self._supervisor.mark,
+                tell=clearing,
+                ready=ready,
+            ),
+        )
+
+    def _failed(
+        self, command: SubGoal, error: RefusedError | ManipulationError | StuckError
+    ) -> Answer:
+        """Logs why a command failed; returns its outcome."""
+        if isinstance(error, RefusedError):
+            self._log.warning("not begun: %s", error)
+            return Answer(REFUSALS[error.why], self._numbers_of(error.in_the_way))
+        if isinstance(error, StuckError):
             self._log.error("%s", error)
             self._stuck = str(error)
             return Answer(Outcome.NOT_FOLLOWING)
-        self.result = performed
-        self._log.info("%s", performed)
-        return Answer(Outcome.REACHED)
+        self._log.warning("%s", error)
+        if isinstance(error, ReferenceMovedError):
+            return Answer(Outcome.REFERENCE_MOVED, (command.reference_id,))
+        if error.done is None:
+            # With a single try, the reason is missing only if nothing could be seen.
+            return Answer(REFUSALS[error.why or RefusalReason.UNSEEN])
+        return Answer(FAILURES[error.done])
 
     def _seen(self) -> Mapping[str, Cuboid]:
         """All objects that are believed to be there, by name."""
-        seen = observe_with_timeout(self._body, self._look, self._now_s)
+        seen = observe_with_timeout(self._body, self._scene.look, self._scene.now_s)
         return {self._name(number): cuboid for number, cuboid in seen.items()}
 
     def _name(self, number: int) -> str:
@@ -214,12 +243,12 @@ class ArmMover:
         """Call this in each tick of the arm, so that it gives signs of life and can be stopped."""
         self._ticks += 1
         if self._ticks % TICKS == 0:
-            self._alive()
-            self._stop = self._stop or self._asked_to_stop()
+            self._supervisor.alive()
+            self._stop = self._stop or self._supervisor.stop()
 
     def _while_planning(self) -> None:
-        self._alive()
-        if self._asked_to_stop():
+        self._supervisor.alive()
+        if self._supervisor.stop():
             raise _StoppedPlanningError
 
 

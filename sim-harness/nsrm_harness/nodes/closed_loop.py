@@ -22,7 +22,7 @@ from nsrm_harness.manipulation.observing import PAUSE_S, NoObservationError
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import ManipulationError, SubGoalReached
 from nsrm_harness.manipulation.robot_interface import RobotInterface, wait
-from nsrm_harness.nodes.arm_mover import ArmMover, nothing, numbered
+from nsrm_harness.nodes.arm_mover import ArmMover, SceneMonitor, Supervisor, nothing, numbered
 from nsrm_harness.nodes.controller import Answer, Tell
 from nsrm_harness.nodes.messages import Kind, Outcome, SubGoal
 from nsrm_harness.perception.observer import Observation, Observer
@@ -135,12 +135,10 @@ class ClosedLoop:
         self._failed: dict[int, ExecutionResult] = {}
         self._arm = ArmMover(
             self.body,
-            self._look,
-            lambda: self.observer.now_s,
-            seen=self.seen,
+            SceneMonitor(self._look, lambda: self.observer.now_s, self.seen),
+            Supervisor(mark=self.mark),
             planner=self.planner,
             name=self.name,
-            mark=self.mark,
             log=_LOG,
         )
 

@@ -12,7 +12,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.geometry.camera import Camera, default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Vector3
-from nsrm_harness.nodes.arm_mover import ArmMover
+from nsrm_harness.nodes.arm_mover import ArmMover, SceneMonitor, Supervisor
 from nsrm_harness.nodes.config import RobotConfig
 from nsrm_harness.nodes.controller import Controller, Mover, stops_first
 from nsrm_harness.nodes.messages import CameraFrame, CameraMessage, Role, State, SubGoal
@@ -68,7 +68,7 @@ class SimulatedRobot:
         self.world = ArmWorld() if with_arm else World()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
-        self._eyes = Observer(SimulatedCamera(renderer, self.world, self._camera))
+        self._observer = Observer(SimulatedCamera(renderer, self.world, self._camera))
         self._ending = threading.Event()
         self._waiting: list[SubGoal] = []
         self._arm = self._arm_of(self.world) if isinstance(self.world, ArmWorld) else None
@@ -78,11 +78,8 @@ class SimulatedRobot:
     def _arm_of(self, world: ArmWorld) -> ArmMover:
         arm = ArmMover(
             world,
-            self._look_again,
-            lambda: world.time_s,
-            seen=lambda: self._seen,
-            alive=self._work,
-            stop=self._is_stopped,
+            SceneMonitor(self._look_again, lambda: world.time_s, lambda: self._seen),
+            Supervisor(self._work, self._is_stopped),
         )
         world.on_tick = arm.tick
         return arm
@@ -146,7 +143,7 @@ class SimulatedRobot:
     def look(self) -> None:
         """Publishes an image with its detections. Raises `PerceptionError`."""
         taken_ns = now_ns()
-        sight = self._eyes.look(self._arm.held if self._arm is not None else ())
+        sight = self._observer.look(self._arm.held if self._arm is not None else ())
         self._seen = sight.cuboids
         self._sequence += 1
         header = CameraFrame(
