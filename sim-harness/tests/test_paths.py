@@ -27,8 +27,8 @@ from nsrm_harness.simulation.blocks import block_from_attributes
 
 def around(objects: Mapping[str, Cuboid], held: Cuboid | None = None) -> Any:
     """From one side of the work space to the other."""
-    guard = CollisionChecker(KINEMATICS, objects, held)
-    return paths.free(guard, above(0.5, -0.2, 0.15), above(0.5, 0.2, 0.15), 0.04, 0.8)
+    checker = CollisionChecker(KINEMATICS, objects, held)
+    return paths.free(checker, above(0.5, -0.2, 0.15), above(0.5, 0.2, 0.15), 0.04, 0.8)
 
 
 TOWER = {"tower": Cuboid(Pose((0.5, 0.0, 0.125)), (0.06, 0.06, 0.25))}
@@ -38,8 +38,8 @@ IN_HAND = Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), (0.04, 0.04, 0.04))
 @pytest.mark.parametrize("held", [None, IN_HAND])
 def test_there_is_a_way_around_a_tower(held: Cuboid | None) -> None:
     (straight,) = around({}, held)
-    guard = CollisionChecker(KINEMATICS, TOWER, held)
-    touch = guard.along(straight, 0.04)
+    checker = CollisionChecker(KINEMATICS, TOWER, held)
+    touch = checker.along(straight, 0.04)
     assert touch is not None and "tower" in touch.pair
     moves = around(TOWER, held)
     assert isinstance(moves, list) and len(moves) > 1
@@ -50,7 +50,7 @@ def test_there_is_a_way_around_a_tower(held: Cuboid | None) -> None:
     # Finer than it was looked at when it was found.
     for move in moves:
         for joints in steps(move, 0.0015).joints:
-            assert guard.touches(joints, 0.04, 1e-4) is None
+            assert checker.touches(joints, 0.04, 1e-4) is None
     # The same ones again, whatever was planned before.
     around({"tower": Cuboid(Pose((0.5, 0.05, 0.125)), (0.06, 0.06, 0.25))}, held)
     again = around(TOWER, held)
@@ -63,12 +63,12 @@ def test_a_carrying_goes_around_a_tower_with_and_without_the_block() -> None:
     carry = PickAndPlacePlanner().carry({"block": block, **TOWER}, "block", goal, begin)
     in_hand = Cuboid(carry.grasp.hand.inverse() @ block.pose, block.edges_m)
     for parts, held in ((carry.reach, None), (carry.transfer, in_hand)):
-        guard = CollisionChecker(KINEMATICS, TOWER, held)
+        checker = CollisionChecker(KINEMATICS, TOWER, held)
         straight = paths.Straight(parts[0].begin, parts[-1].end)
-        touch = guard.along(straight, panda.MAX_OPENING_M)
+        touch = checker.along(straight, panda.MAX_OPENING_M)
         assert touch is not None and "tower" in touch.pair
         assert len(parts) > 1
-        assert all(guard.along(part, panda.MAX_OPENING_M) is None for part in parts)
+        assert all(checker.along(part, panda.MAX_OPENING_M) is None for part in parts)
     # Each motion begins where the one before it ends.
     whole = (*carry.reach, carry.descend, carry.lift, *carry.transfer, carry.lower, carry.retreat)
     np.testing.assert_array_equal(whole[0].begin, begin)

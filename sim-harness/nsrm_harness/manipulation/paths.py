@@ -64,30 +64,32 @@ def turned_rad(kinematics: Kinematics, ways: Sequence[Trajectory]) -> float:
 
 
 def free(
-    guard: CollisionChecker, begin: Joints, end: Joints, opening_m: float, pace: float
+    checker: CollisionChecker, begin: Joints, end: Joints, opening_m: float, pace: float
 ) -> list[Trajectory] | Nearest:
     """A collision-free path between two configurations: the straight move of the joints, or else
     moves that a sampling-based planner finds. If there is none, what the straight move touches, or
     what `begin` or `end` does. Deterministic."""
     straight = Straight(begin, end, pace)
-    touch = guard.along(straight, opening_m)
+    touch = checker.along(straight, opening_m)
     if touch is None:
         return [straight]
     for joints in (begin, end):
-        at = guard.touches(joints, opening_m)
+        at = checker.touches(joints, opening_m)
         if at is not None:
             return at
     found: list[Trajectory] = []
-    places = _sampled(guard, begin, end, opening_m)
+    places = _sampled(checker, begin, end, opening_m)
     for one, other in itertools.pairwise(places):
         move = Straight(one, other, pace)
-        if guard.along(move, opening_m) is not None:
+        if checker.along(move, opening_m) is not None:
             return touch
         found.append(move)
     return found or touch
 
 
-def _sampled(guard: CollisionChecker, begin: Joints, end: Joints, opening_m: float) -> list[Joints]:
+def _sampled(
+    checker: CollisionChecker, begin: Joints, end: Joints, opening_m: float
+) -> list[Joints]:
     """The waypoints of a free path, by RRT-Connect (Kuffner and LaValle, 2000); empty if none was
     found in a bounded number of steps."""
     # Without this, the result would depend on what was planned before.
@@ -100,7 +102,7 @@ def _sampled(guard: CollisionChecker, begin: Joints, end: Joints, opening_m: flo
     space.setBounds(bounds)
     setup = geometric.SimpleSetup(space)
     setup.setStateValidityChecker(
-        lambda state: guard.touches(_joints(state), opening_m, 1.5 * MARGIN_M) is None
+        lambda state: checker.touches(_joints(state), opening_m, 1.5 * MARGIN_M) is None
     )
     information = setup.getSpaceInformation()
     information.setStateValidityCheckingResolution(0.01 / space.getMaximumExtent())

@@ -130,7 +130,7 @@ class PickAndPlacePlanner:
     def __init__(self, pace: float = PACE, alive: Callable[[], None] = lambda: None) -> None:
         self._kinematics, self._pace, self._alive = Kinematics(), pace, alive
         # Loads the arm's hulls now rather than during the first plan.
-        self._guard({})
+        self._checker({})
 
     def carry(
         self,
@@ -169,7 +169,7 @@ class PickAndPlacePlanner:
             raise RefusedError(
                 refusal.why, f"{name} can't stand there: {refusal}", refusal.in_the_way
             ) from None
-        before = self._guard(objects, ignored=_fingers_and(name))
+        before = self._checker(objects, ignored=_fingers_and(name))
         tasks = [
             _Task(
                 name,
@@ -178,7 +178,7 @@ class PickAndPlacePlanner:
                 begin,
                 replace(put, cuboid=there),
                 before,
-                self._guard({**others, name: there}, ignored=_fingers_and(name)),
+                self._checker({**others, name: there}, ignored=_fingers_and(name)),
             )
             for there in _looking_the_same(put.cuboid, block)
         ]
@@ -214,16 +214,16 @@ class PickAndPlacePlanner:
         down, lower = up.reversed(), away.reversed()
         before, after = task.before, task.after
         feet = [(HELD, foot) for foot in standing_on(task.block, task.others)]
-        lifting = self._guard(task.others, in_hand, feet)
-        carrying = self._guard(task.others, in_hand)
-        lowering = self._guard(task.others, in_hand, [(HELD, foot) for foot in put.support])
-        for guard, way, wide in (
+        lifting = self._checker(task.others, in_hand, feet)
+        carrying = self._checker(task.others, in_hand)
+        lowering = self._checker(task.others, in_hand, [(HELD, foot) for foot in put.support])
+        for checker, way, wide in (
             (before, down, opening),
             (lifting, up, grasp.width_m),
             (lowering, lower, grasp.width_m),
             (after, away, opening),
         ):
-            touch = guard.along(way, wide)
+            touch = checker.along(way, wide)
             if touch is not None:
                 return touch
         reach = free(before, task.begin, down.begin, opening, self._pace)
@@ -298,13 +298,13 @@ class PickAndPlacePlanner:
         return line(self._kinematics, hand, _above(hand, RISE_M), near, self._pace)
 
     def _touch(
-        self, guard: CollisionChecker, hand: Pose, near: Joints, opening_m: float
+        self, checker: CollisionChecker, hand: Pose, near: Joints, opening_m: float
     ) -> Nearest | None:
         """What is touched with the hand at this pose; None also if the pose is out of reach."""
         joints = self._kinematics.joints(hand, near)
-        return None if joints is None else guard.touches(joints, opening_m)
+        return None if joints is None else checker.touches(joints, opening_m)
 
-    def _guard(
+    def _checker(
         self,
         objects: Mapping[str, Cuboid],
         held: Cuboid | None = None,

@@ -81,26 +81,26 @@ def looks(seed: int) -> list[CheckTimes]:
         objects, held = _scene(rng)
         for where, draw in PLACES.items():
             for in_hand in (None, held):
-                guard = CollisionChecker(kinematics, objects, in_hand)
+                checker = CollisionChecker(kinematics, objects, in_hand)
                 opening_m = panda.MAX_OPENING_M if in_hand is None else in_hand.edges_m[1]
                 times = found.setdefault((where, in_hand is not None), [])
-                for joints in _free(rng, kinematics, guard, opening_m, draw):
-                    times.append(_times(guard, joints, opening_m))
+                for joints in _free(rng, kinematics, checker, opening_m, draw):
+                    times.append(_times(checker, joints, opening_m))
     return [CheckTimes(where, holds, *np.array(times).T) for (where, holds), times in found.items()]
 
 
-def _times(guard: CollisionChecker, joints: Joints, opening_m: float) -> tuple[float, float]:
+def _times(checker: CollisionChecker, joints: Joints, opening_m: float) -> tuple[float, float]:
     began_s = time.thread_time()
-    guard.touches(joints, opening_m)
+    checker.touches(joints, opening_m)
     between_s = time.thread_time()
-    guard.free_m(joints, opening_m)
+    checker.free_m(joints, opening_m)
     return between_s - began_s, time.thread_time() - between_s
 
 
 def _free(
     rng: np.random.Generator,
     kinematics: Kinematics,
-    guard: CollisionChecker,
+    checker: CollisionChecker,
     opening_m: float,
     draw: Draw,
 ) -> Iterator[Joints]:
@@ -108,7 +108,7 @@ def _free(
     for _ in range(CONFIGURATIONS):
         for _ in range(MAX_TRIES):
             joints = draw(rng, kinematics)
-            if joints is not None and guard.touches(joints, opening_m) is None:
+            if joints is not None and checker.touches(joints, opening_m) is None:
                 yield joints
                 break
         else:
