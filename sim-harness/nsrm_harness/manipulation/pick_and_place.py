@@ -88,6 +88,16 @@ class _Task:
         return in_hand, _above(self.put.cuboid.pose @ in_hand.pose.inverse(), DROP_M)
 
 
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """The vertical motions with one grasp; see `PickAndPlace`."""
+
+    descend: Along
+    lift: Along
+    lower: Along
+    retreat: Along
+
+
 class _OutOfReach(Enum):
     """At which end the arm cannot lift the hand straight up with a grasp."""
 
@@ -196,61 +206,75 @@ class PickAndPlacePlanner:
     def _by(self, grasp: Grasp, task: _Task) -> PickAndPlace | Nearest | _TurnsTooFar | _OutOfReach:
         """Plans all motions with one grasp; returns the reason if that is impossible."""
         self._alive()
-        opening, put = grasp.opening_m, task.put
+        lines = self._lines(grasp, task)
+        if not isinstance(lines, _Lines):
+            return lines
+        return self._between(lines, grasp, task)
+
+    def _lines(self, grasp: Grasp, task: _Task) -> _Lines | Nearest | _OutOfReach:
+        """Plans the vertical motions with one grasp; returns the reason if that is impossible."""
+        opening_m, held_m = grasp.opening_m, grasp.width_m
         in_hand, let_go = task.held_by(grasp)
         # Most grasps fail where the fingers are about to close, or have just opened.
-        touch = self._touch(task.before, grasp.hand, task.begin, opening)
+        touch = self._touch(task.before, grasp.hand, task.begin, opening_m)
         if touch is not None:
             return touch
-        up = self._up_from(grasp.hand, task.begin)
-        if up is None:
+        lift = self._up_from(grasp.hand, task.begin)
+        if lift is None:
             return _OutOfReach.BLOCK
-        touch = self._touch(task.after, let_go, up.end, opening)
+        touch = self._touch(task.after, let_go, lift.end, opening_m)
         if touch is not None:
             return touch
-        away = self._up_from(let_go, up.end)
-        if away is None:
+        retreat = self._up_from(let_go, lift.end)
+        if retreat is None:
             return _OutOfReach.GOAL
-        down, lower = up.reversed(), away.reversed()
-        before, after = task.before, task.after
-        feet = [(HELD, foot) for foot in standing_on(task.block, task.others)]
-        lifting = self._checker(task.others, in_hand, feet)
-        carrying = self._checker(task.others, in_hand)
-        lowering = self._checker(task.others, in_hand, [(HELD, foot) for foot in put.support])
-        for checker, way, wide in (
-            (before, down, opening),
-            (lifting, up, grasp.width_m),
-            (lowering, lower, grasp.width_m),
-            (after, away, opening),
+        lines = _Lines(lift.reversed(), lift, retreat.reversed(), retreat)
+        standing = [(HELD, support) for support in standing_on(task.block, task.others)]
+        put = [(HELD, support) for support in task.put.support]
+        for checker, trajectory, fingers_m in (
+            (task.before, lines.descend, opening_m),
+            (self._checker(task.others, in_hand, standing), lines.lift, held_m),
+            (self._checker(task.others, in_hand, put), lines.lower, held_m),
+            (task.after, lines.retreat, opening_m),
         ):
-            touch = checker.along(way, wide)
+            touch = checker.along(trajectory, fingers_m)
             if touch is not None:
                 return touch
-        reach = free(before, task.begin, down.begin, opening, self._pace)
+        return lines
+
+    def _between(
+        self, lines: _Lines, grasp: Grasp, task: _Task
+    ) -> PickAndPlace | Nearest | _TurnsTooFar:
+        """Plans the motions to, between and after the vertical ones; returns the reason if that is
+        impossible."""
+        opening_m, held_m, pace = grasp.opening_m, grasp.width_m, self._pace
+        above_block, above_goal = lines.lift.end, lines.lower.begin
+        reach = free(task.before, task.begin, lines.descend.begin, opening_m, pace)
         if isinstance(reach, Nearest):
             return reach
-        transfer = free(carrying, up.end, lower.begin, grasp.width_m, self._pace)
+        carrying = self._checker(task.others, task.held_by(grasp)[0])
+        transfer = free(carrying, above_block, above_goal, held_m, pace)
         if isinstance(transfer, Nearest):
             return transfer
         turn_rad = turned_rad(self._kinematics, transfer)
         if turn_rad > MAX_TURN_RAD:
-            straight = Straight(up.end, lower.begin, self._pace)
-            return _TurnsTooFar(turn_rad, carrying.along(straight, grasp.width_m))
-        home = free(after, away.end, panda.READY_RAD, opening, self._pace)
+            straight = Straight(above_block, above_goal, pace)
+            return _TurnsTooFar(turn_rad, carrying.along(straight, held_m))
+        home = free(task.after, lines.retreat.end, panda.READY_RAD, opening_m, pace)
         if isinstance(home, Nearest):
             return home
-        back = free(before, up.end, panda.READY_RAD, opening, self._pace)
+        back = free(task.before, above_block, panda.READY_RAD, opening_m, pace)
         if isinstance(back, Nearest):
             return back
         return PickAndPlace(
             grasp,
-            put,
+            task.put,
             tuple(reach),
-            down,
-            up,
+            lines.descend,
+            lines.lift,
             tuple(transfer),
-            lower,
-            away,
+            lines.lower,
+            lines.retreat,
             tuple(home),
             tuple(back),
         )
