@@ -15,6 +15,7 @@ from nsrm_harness.learning.nonsense import known_gaps, nonsense
 from nsrm_harness.learning.objective import (
     Grounding,
     LossWeights,
+    Objective,
     SceneArrays,
     entropy,
     exact_step,
@@ -37,6 +38,7 @@ from nsrm_harness.learning.splits import (
 from nsrm_harness.learning.stages import end_loss
 
 WEIGHTS = LossWeights(square=200.0, overlap=1.0)
+OBJECTIVE = Objective(WEIGHTS, temperature=0.05)
 MODEL = Model(Dimensions.of(domains.load()), jax.random.key(0))
 
 pytestmark = pytest.mark.slow
@@ -124,7 +126,7 @@ def test_exact_step_is_the_sum_over_every_choice() -> None:
                     + float(grounding.reference[reference])
                 )
                 total += probability * np.exp(-loss / 0.05)
-    found = exact_step(simulator, grounding, scene, WEIGHTS, 0.05)
+    found = exact_step(simulator, grounding, scene, OBJECTIVE)
     np.testing.assert_allclose(found, -0.05 * np.log(total), rtol=1e-4)
 
 
@@ -138,7 +140,7 @@ def test_exploration_spreads_the_actions() -> None:
     sure = jnp.array([0.0, -50.0, -50.0])
     objects = (jnp.log(jnp.array([0.9, 0.1])), jnp.log(jnp.array([0.1, 0.9])))
     losses = [
-        float(exact_step(MODEL.action.simulator, step, scene, WEIGHTS, 0.05, share))
+        float(exact_step(MODEL.action.simulator, step, scene, OBJECTIVE, share))
         for step, share in (
             (Grounding(even, *objects), 0.0),
             (Grounding(sure, *objects), 1.0),
@@ -170,7 +172,7 @@ def test_actions_are_sampled_where_wanted() -> None:
 
     def loss(key: jax.Array, actions: jax.Array, sample: bool) -> jax.Array:
         each = step._replace(action=actions)
-        return sampled_steps(key, MODEL, [each], scene, weights, 0.05, sample)
+        return sampled_steps(key, MODEL, [each], scene, Objective(weights, 0.05, sample))
 
     keys = jax.random.split(jax.random.key(3), 400)
     sampled = jax.vmap(lambda key: loss(key, action, True))(keys)

@@ -20,7 +20,7 @@ from nsrm_harness.common.toml_file import (
     checked,
     read_toml,
 )
-from nsrm_harness.learning.objective import LossWeights
+from nsrm_harness.learning.objective import LossWeights, Objective
 
 EXACT: Final = "exact"
 REINFORCE: Final = "reinforce"
@@ -120,9 +120,9 @@ class TrainingConfig:
     """`nonsense` in stage (g)."""
 
     @property
-    def sample_actions(self) -> bool:
-        """Whether actions are sampled instead of marginalised."""
-        return self.action_gradient == GUMBEL
+    def objective(self) -> Objective:
+        """The loss of the stages (a), (b) and (d)."""
+        return Objective(self.loss, self.temperature, self.action_gradient == GUMBEL)
 
 
 def read_config(path: Path | None) -> TrainingConfig:

@@ -44,6 +44,17 @@ class LossWeights:
     """w2, for one minus the intersection over union of the boxes."""
 
 
+@dataclass(frozen=True)
+class Objective:
+    """How the loss of a command follows from its final scene."""
+
+    weights: LossWeights
+    temperature: float
+    """τ of the soft minimum over choices."""
+    sample_actions: bool = False
+    """Whether `sampled_steps` also samples actions, instead of marginalising them."""
+
+
 class SceneArrays(NamedTuple):
     """A scene before and after: locations `[M, 5]` (corners, depth) and present objects `[M]`."""
 
@@ -152,8 +163,7 @@ def exact_step(
     simulator: Callable[[Array, Array, Array], Array],
     grounding: Grounding,
     scene: SceneArrays,
-    weights: LossWeights,
-    temperature: float,
+    objective: Objective,
     exploration: Array | float = 0.0,
 ) -> Array:
     """Soft minimum over all actions, objects and references of one step.
@@ -161,7 +171,7 @@ def exact_step(
     `exploration`: share of the action probability that is uniform, so that no action dies before it
     has found its purpose.
     """
-    count = grounding.action.shape[0]
+    weights, count = objective.weights, grounding.action.shape[0]
     even = jnp.log(jnp.maximum(exploration, 1e-9) / count)
     action = jnp.logaddexp(jnp.log1p(-exploration) + grounding.action, even)
     actions = jnp.eye(count)
@@ -176,7 +186,7 @@ def exact_step(
     )
     possible = scene.present[:, None] & scene.present[None, :]
     log_probability = jnp.where(possible, log_probability, MISSING)
-    return soft_minimum(log_probability, losses / scene.present.sum(), temperature)
+    return soft_minimum(log_probability, losses / scene.present.sum(), objective.temperature)
 
 
 def straight_through(key: Array, log_probability: Array) -> Array:
@@ -196,13 +206,7 @@ def move(
 
 
 def sampled_steps(
-    key: Array,
-    model: Model,
-    steps: list[Grounding],
-    scene: SceneArrays,
-    weights: LossWeights,
-    temperature: float,
-    sample_actions: bool = False,
+    key: Array, model: Model, steps: list[Grounding], scene: SceneArrays, objective: Objective
 ) -> Array:
     """Loss with objects by straight-through Gumbel samples, and the actions of all steps
     marginalised exactly, or sampled like the objects."""
@@ -212,7 +216,7 @@ def sampled_steps(
     for at, step in zip(jax.random.split(key, len(steps)), steps, strict=True):
         first, second = jax.random.split(at)
         actions, action = jnp.eye(step.action.shape[0]), step.action
-        if sample_actions:
+        if objective.sample_actions:
             sampled = straight_through(jax.random.fold_in(at, 2), step.action)
             actions, action = sampled[None], jnp.zeros(1)
         chosen = straight_through(first, step.object)
@@ -224,5 +228,5 @@ def sampled_steps(
         # Each description of a demonstration has exactly one match.
         matched = jax.nn.logsumexp(step.object) + jax.nn.logsumexp(step.reference)
         log_probability = (log_probability[:, None] + action[None] + matched).reshape(-1)
-    losses = jax.vmap(scene_loss, (0, None, None))(locations, scene, weights)
-    return soft_minimum(log_probability, losses, temperature)
+    losses = jax.vmap(scene_loss, (0, None, None))(locations, scene, objective.weights)
+    return soft_minimum(log_probability, losses, objective.temperature)

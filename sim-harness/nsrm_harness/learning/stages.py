@@ -180,12 +180,10 @@ def one_step_loss(
     """Loss of a one-step command: objects are sampled or, with `exploration`, all marginalised."""
     command, scene = demonstration.command, demonstration.scene
     step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
-    if exploration is not None and not config.sample_actions:
-        simulator = model.action.simulator
-        return exact_step(simulator, step, scene, config.loss, config.temperature, exploration)
-    return sampled_steps(
-        key, model, [step], scene, config.loss, config.temperature, config.sample_actions
-    )
+    objective = config.objective
+    if exploration is not None and not objective.sample_actions:
+        return exact_step(model.action.simulator, step, scene, objective, exploration)
+    return sampled_steps(key, model, [step], scene, objective)
 
 
 def nonsense_loss(key: Array, model: Model, tokens: Array, length: Array, known: Array) -> Array:
@@ -227,7 +225,6 @@ class TwoSteps(NamedTuple):
 
     def _carried_out(self, key: Array, split: Array) -> Array:
         command, scene = self.demonstration.command, self.demonstration.scene
-        config = self.config
         ends = jnp.stack([split + 1, command.length])
         both = jax.vmap(
             lambda first, end: ground_step(
@@ -235,9 +232,7 @@ class TwoSteps(NamedTuple):
             )
         )(jnp.stack([0, split + 1]), ends)
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
-        return sampled_steps(
-            key, self.model, steps, scene, config.loss, config.temperature, config.sample_actions
-        )
+        return sampled_steps(key, self.model, steps, scene, self.config.objective)
 
     def kept_whole(self, split: Array) -> Array:
         """Log probability that the second step is not split again."""

@@ -26,6 +26,7 @@ from nsrm_harness.learning.dataset import TrainingSet
 from nsrm_harness.learning.objective import (
     Grounding,
     LossWeights,
+    Objective,
     SceneArrays,
     exact_step,
     location_loss,
@@ -121,7 +122,8 @@ def pairs_loss(model: Baseline, lesson: Lesson, objects: Array, config: Baseline
         return model.simulator(action, *arguments)
 
     only_action = Grounding(jnp.zeros(1), chosen, reference)
-    return exact_step(simulate, only_action, scene, config.loss, config.temperature)
+    objective = Objective(config.loss, config.temperature)
+    return exact_step(simulate, only_action, scene, objective)
 
 
 def blends_loss(model: Baseline, lesson: Lesson, objects: Array, config: BaselineConfig) -> Array:
