@@ -156,17 +156,20 @@ def see(model: Model, crops: Array, crop_of: Array, key: Array) -> Array:
 
 def ground_step(
     model: Model,
-    command: TokenizedCommand,
+    demonstration: Demonstration,
     similarities: Array,
-    present: Array,
     first: Array,
     end: Array,
     width: int | None = None,
 ) -> Grounding:
-    """Parses and grounds the step with the tokens `first..end` of a command; `width`: see
-    `step_tokens`."""
-    tokens, valid, groups = step_tokens(command, first, end, width)
-    return ground(model.language.parse(tokens, valid), tokens, groups, similarities, present)
+    """Parses and grounds the step with the tokens `first..end` of a command.
+
+    * `similarities` `[M, C]`: cosine of each object with each concept
+    * `width`: see `step_tokens`
+    """
+    tokens, valid, groups = step_tokens(demonstration.command, first, end, width)
+    parse = model.language.parse(tokens, valid)
+    return ground(parse, tokens, groups, similarities, demonstration.scene.present)
 
 
 def one_step_loss(
@@ -178,8 +181,8 @@ def one_step_loss(
     exploration: Array | None = None,
 ) -> Array:
     """Loss of a one-step command: objects are sampled or, with `exploration`, all marginalised."""
-    command, scene = demonstration.command, demonstration.scene
-    step = ground_step(model, command, similarities, scene.present, jnp.array(0), command.length)
+    scene, length = demonstration.scene, demonstration.command.length
+    step = ground_step(model, demonstration, similarities, jnp.array(0), length)
     objective = config.objective
     if exploration is not None and not objective.sample_actions:
         return exact_step(model.action.simulator, step, scene, objective, exploration)
@@ -224,15 +227,16 @@ class TwoSteps(NamedTuple):
         return carried_out + self.config.unusual_end * unusual
 
     def _carried_out(self, key: Array, split: Array) -> Array:
-        command, scene = self.demonstration.command, self.demonstration.scene
-        ends = jnp.stack([split + 1, command.length])
+        demonstration = self.demonstration
+        ends = jnp.stack([split + 1, demonstration.command.length])
         both = jax.vmap(
             lambda first, end: ground_step(
-                self.model, command, self.similarities, scene.present, first, end, self.width
+                self.model, demonstration, self.similarities, first, end, self.width
             )
         )(jnp.stack([0, split + 1]), ends)
         steps = [jax.tree.map(lambda a, at=at: a[at], both) for at in range(len(ends))]
-        return sampled_steps(key, self.model, steps, scene, self.config.objective)
+        objective = self.config.objective
+        return sampled_steps(key, self.model, steps, demonstration.scene, objective)
 
     def kept_whole(self, split: Array) -> Array:
         """Log probability that the second step is not split again."""
