@@ -10,6 +10,7 @@ import pytest
 from nsrm_harness import domain as domains
 from nsrm_harness.learning.dataset import Sentences
 from nsrm_harness.learning.decode import StepTable
+from nsrm_harness.learning.losses import end_loss
 from nsrm_harness.learning.model import Dimensions, Model, Parse
 from nsrm_harness.learning.nonsense import known_gaps, nonsense
 from nsrm_harness.learning.objective import (
@@ -35,7 +36,6 @@ from nsrm_harness.learning.splits import (
     split_log_probability,
     step_tokens,
 )
-from nsrm_harness.learning.stages import end_loss
 
 WEIGHTS = LossWeights(square=200.0, overlap=1.0)
 OBJECTIVE = Objective(WEIGHTS, temperature=0.05)

@@ -19,6 +19,7 @@ from jax import Array
 from tqdm import tqdm
 
 from nsrm_harness.learning import decode
+from nsrm_harness.learning.augmentation import varied_crops
 from nsrm_harness.learning.baseline.model import Baseline, Meaning, carry_out
 from nsrm_harness.learning.baseline.words import StepWords
 from nsrm_harness.learning.config import StageConfig
@@ -32,7 +33,7 @@ from nsrm_harness.learning.objective import (
     location_loss,
     scene_loss,
 )
-from nsrm_harness.learning.stages import Lookup, Stage, TrainingError, lookup, varied_crops
+from nsrm_harness.learning.stages import Lookup, Stage, TrainingError, lookup
 from nsrm_harness.learning.train import NEXT_ATTEMPT, Fit
 
 PARTS = (
