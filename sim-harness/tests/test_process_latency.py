@@ -11,10 +11,10 @@ from nsrm_harness.evaluation.process_trials.latency import LatencyError, draw, r
 
 ROWS = {
     ("sentence, computation alone", "waiting"): 60 * [100_000] + 40 * [200_000],
-    ("sentence, above it", "waiting"): 30 * [-10_000] + 70 * [44_000],
+    ("sentence, overhead", "waiting"): 30 * [-10_000] + 70 * [44_000],
     ("sentence", "waiting"): 99 * [144_000] + [900_000],
     ("frame, computation alone", "spinning"): 100 * [200_000],
-    ("frame, above it", "spinning"): 100 * [3_000],
+    ("frame, overhead", "spinning"): 100 * [3_000],
     ("frame", "spinning"): 100 * [203_000],
     ("pipe", ""): 90 * [40_000] + 10 * [50_000],
     ("hand-over", "640x480"): 100 * [2_000],
@@ -40,7 +40,7 @@ def test_quantiles_and_what_lies_between_rows_are_told(tmp_path: Path) -> None:
     assert sentence.count == 100
     text = table(rows)
     assert "| sentence to first sub-goal, waiting | 144.0 | 144.0 | 900.0 | 900.0 | 100 |" in text
-    assert "| frame to scene, above it, spinning | 3.0 | 3.0 | 3.0 | 3.0 | 100 |" in text
+    assert "| frame to scene, overhead, spinning | 3.0 | 3.0 | 3.0 | 3.0 | 100 |" in text
     assert "waiting: 44.0 µs above the computation alone (p50), 1.10 of a pipe's round trip" in text
     assert "spinning: 3.0 µs above the computation alone (p50)." in text
     assert "to a waiting process: 1.05 of a pipe's round trip." in text

@@ -75,7 +75,7 @@ pub(crate) fn run(options: &Options) -> Result<()> {
                 measure(looks, share, core, &mut measured)
             })?;
             book.write(&format!("{what}, computation alone"), word, &measured.alone)?;
-            book.write(&format!("{what}, above it"), word, &measured.above)?;
+            book.write(&format!("{what}, overhead"), word, &measured.above)?;
             book.write(what, word, &measured.through)?;
             pipe.append(&mut measured.pipe);
         }

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from nsrm_harness.common.errors import HarnessError
 
-ALONE, ABOVE = ", computation alone", ", above it"
-"""Suffixes of a row's name: its computation alone, and the time above that."""
+ALONE, OVERHEAD = ", computation alone", ", overhead"
+"""Suffixes of a row's name: its computation alone, and what the row takes longer than that."""
 PIPE, EVENT = ("pipe", ""), ("event", "")
 """The rows for waking another process and being woken by it."""
 
@@ -67,7 +67,7 @@ def read(path: Path) -> Rows:
 def table(rows: Rows) -> str:
     """A Markdown table for people, with the differences between the rows."""
     lines = [
-        "| microseconds | p50 | p99 | p99.99 | most | measured |",
+        "| microseconds | p50 | p99 | p99.99 | maximum | samples |",
         "|---|---:|---:|---:|---:|---:|",
     ]
     for key, times in rows.items():
@@ -75,8 +75,8 @@ def table(rows: Rows) -> str:
         lines.append(f"| {_title(*key)} | {' | '.join(shares)} | {times.count:,} |")
     lines.append("")
     for (what, how), times in rows.items():
-        row, above, _ = what.partition(ABOVE)
-        if not above:
+        row, overhead, _ = what.partition(OVERHEAD)
+        if not overhead:
             continue
         text = f"{_title(row, how)}: {times.at(0.5):.1f} µs above the computation alone (p50)"
         if how == "waiting":
@@ -107,7 +107,7 @@ def draw(rows: Rows, path: Path) -> None:
     for axis, what, title in zip(
         axes,
         ("sentence", "frame", "hand-over"),
-        ("sentence to first sub-goal", "frame to scene", "frame to another process, and back"),
+        ("sentence to first sub-goal", "frame to scene", "frame to another process, round trip"),
         strict=True,
     ):
         colors = iter(("tab:blue", "tab:orange"))
@@ -119,7 +119,7 @@ def draw(rows: Rows, path: Path) -> None:
             if alone := rows.get((what + ALONE, key[1])):
                 _tail(axis, alone, color, ":", f"{key[1]}, computation alone")
         for key, line in ((PIPE, "--"), (EVENT, "-.")):
-            _tail(axis, rows[key], "tab:gray", line, f"{key[0]}, there and back")
+            _tail(axis, rows[key], "tab:gray", line, f"{key[0]}, round trip")
         axis.set(title=title, xlabel="microseconds", xscale="log", yscale="log")
         axis.grid(alpha=0.3)
         axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
