@@ -45,7 +45,7 @@ from nsrm_harness.learning.model import (
 from nsrm_harness.learning.nonsense import known_gaps, nonsense
 from nsrm_harness.learning.objective import LossWeights
 from nsrm_harness.learning.stages import TrainingError
-from nsrm_harness.learning.train import TRAINS, Fit, Result, make_stage, train
+from nsrm_harness.learning.train import TRAINS, Callbacks, Curriculum, Fit, Result, train
 
 WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
 BRIEF = StageConfig(epochs=2, learning_rate=1e-3, batch=8)
@@ -98,7 +98,7 @@ def few(domain: domains.Domain) -> TrainingSet:
 @pytest.fixture(scope="module")
 def whole(domain: domains.Domain, few: TrainingSet, tmp_path_factory: pytest.TempPathFactory):
     folder = tmp_path_factory.mktemp("whole")
-    return train(domain, few, FEW_STEPS, 7, folder, quiet=True)
+    return train(Curriculum(domain, few, FEW_STEPS, seed=7), folder, quiet=True)
 
 
 def same_weights(left: Model, right: Model) -> bool:
@@ -119,14 +119,15 @@ def test_an_interrupted_run_ends_with_the_same_weights(
         if epochs in (1, 2, 5, 9):
             raise KeyboardInterrupt
 
+    curriculum = Curriculum(domain, few, FEW_STEPS, seed=7)
     for _ in range(4):
         with pytest.raises(KeyboardInterrupt):
-            train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True, after_epoch=stop)
-    resumed = train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True)
+            train(curriculum, tmp_path, resume=True, quiet=True, callbacks=Callbacks(stop))
+    resumed = train(curriculum, tmp_path, resume=True, quiet=True)
     assert same_weights(resumed.model, whole.model)
     assert resumed.progress.losses == whole.progress.losses
     with pytest.raises(CheckpointError, match="other data, seed or configuration"):
-        train(domain, few, FEW_STEPS, 8, tmp_path, resume=True, quiet=True)
+        train(dataclasses.replace(curriculum, seed=8), tmp_path, resume=True, quiet=True)
 
 
 def test_a_run_does_not_go_on_without_what_its_stage_began_with(
@@ -135,11 +136,12 @@ def test_a_run_does_not_go_on_without_what_its_stage_began_with(
     def stop(progress: TrainingProgress) -> None:
         raise KeyboardInterrupt
 
+    curriculum = Curriculum(domain, few, FEW_STEPS, seed=7)
     with pytest.raises(KeyboardInterrupt):
-        train(domain, few, FEW_STEPS, 7, tmp_path, quiet=True, after_epoch=stop)
+        train(curriculum, tmp_path, quiet=True, callbacks=Callbacks(stop))
     (tmp_path / "begun-0-0.eqx").unlink()
     with pytest.raises(CheckpointError, match=r"begun-0-0\.eqx: missing, so the run cannot resume"):
-        train(domain, few, FEW_STEPS, 7, tmp_path, resume=True, quiet=True)
+        train(curriculum, tmp_path, resume=True, quiet=True)
 
 
 def test_what_is_compiled_for_some_data_serves_other_data(
@@ -148,7 +150,8 @@ def test_what_is_compiled_for_some_data_serves_other_data(
     before = set(compiled_once.glob("jit_step-*-cache"))
     assert before
     one, two = make_toys(domain, 20, 1, 1, attributes=1), make_toys(domain, 20, 2, 2)
-    train(domain, concatenate([one.data, two.data]), FEW_STEPS, 8, tmp_path, quiet=True)
+    data = concatenate([one.data, two.data])
+    train(Curriculum(domain, data, FEW_STEPS, seed=8), tmp_path, quiet=True)
     assert set(compiled_once.glob("jit_step-*-cache")) == before
 
 
@@ -172,7 +175,7 @@ def test_another_domain_trains_and_exports(tmp_path: Path) -> None:
     config = dataclasses.replace(
         FEW_STEPS, joint=NONE, simulator=NONE, perception=NONE, parser=NONE
     )
-    result = train(domain, data, config, 0, tmp_path, quiet=True)
+    result = train(Curriculum(domain, data, config, seed=0), tmp_path, quiet=True)
     fit = fit_thresholds(result.model, data)
     file = ModelFile(result.model, domain, fit.thresholds, WorkSpace((0, 0, 0), (1, 1, 1)))
     path = tmp_path / "workshop.safetensors"
@@ -206,7 +209,9 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
     def after_stage(name: str, model: Model, progress: TrainingProgress) -> None:
         told.append((name, progress.stage, progress.attempt))
 
-    result = train(domain, data, config, 1, tmp_path, quiet=True, after_stage=after_stage)
+    curriculum = Curriculum(domain, data, config, seed=1)
+    callbacks = Callbacks(after_stage=after_stage)
+    result = train(curriculum, tmp_path, quiet=True, callbacks=callbacks)
     assert told == [("actions", 1, result.progress.attempt)]
     losses = result.progress.losses["actions"]
     assert losses[-1] < 0.3 * losses[0], f"seed 1: {losses}"
@@ -227,7 +232,7 @@ def test_training_data_without_two_steps_is_refused(domain: domains.Domain, tmp_
     data = make_toys(domain, 8, 1, 1, attributes=1).data
     config = dataclasses.replace(FEW_STEPS, actions=NONE, selection=NONE, attributes=NONE)
     with pytest.raises(TrainingError, match="no two-step commands"):
-        train(domain, data, config, 0, tmp_path, quiet=True)
+        train(Curriculum(domain, data, config, seed=0), tmp_path, quiet=True)
 
 
 def test_a_model_that_carries_out_nothing_is_not_polished(
@@ -254,10 +259,10 @@ def test_only_steps_that_final_scenes_confirm_are_learned_from(
         at = np.asarray(argument)
         assert (np.asarray(every.tokens)[np.arange(len(at)), at] == GROUP_TOKEN).all()
         assert (at < np.asarray(every.length)).all()
-    strict = dataclasses.replace(FEW_STEPS, explained=0.0)
+    strict = Curriculum(domain, few, dataclasses.replace(FEW_STEPS, explained=0.0), seed=0)
     for stage in ("perception", "parser"):
         with pytest.raises(TrainingError, match="no commands that the model executes correctly"):
-            make_stage(stage, whole.model, few, strict, domain)
+            strict.stage(stage, whole.model)
 
 
 def test_what_is_meant_is_learned_to_be_the_only_match(
@@ -284,9 +289,8 @@ def test_what_is_meant_is_learned_to_be_the_only_match(
         return float(-meant.mean())
 
     longer = dataclasses.replace(BRIEF, epochs=20)
-    stage = make_stage(
-        "perception", whole.model, few, dataclasses.replace(FEW_STEPS, perception=longer), domain
-    )
+    config = dataclasses.replace(FEW_STEPS, perception=longer)
+    stage = Curriculum(domain, few, config, seed=0).stage("perception", whole.model)
     fit = Fit(stage, TRAINS["perception"], 0, list(TRAINS).index("perception"))
     state = fit.start(whole.model)
     for epoch in range(longer.epochs):
@@ -304,7 +308,7 @@ def test_the_last_stage_doubts_nonsense_and_cuts_long_commands(
     three steps are cut, of which there is none in the data."""
     longer = StageConfig(epochs=60, learning_rate=3e-3, batch=32)
     config = dataclasses.replace(FEW_STEPS, parser=longer)
-    stage = make_stage("parser", whole.model, few, config, domain)
+    stage = Curriculum(domain, few, config, seed=0).stage("parser", whole.model)
     fit = Fit(stage, TRAINS["parser"], 0, list(TRAINS).index("parser"))
     state = fit.start(whole.model)
     for epoch in range(longer.epochs):

@@ -20,7 +20,7 @@ from nsrm_harness.learning import reference
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
 from nsrm_harness.learning.dataset import Sentences, TrainingSet, training_set
 from nsrm_harness.learning.model import tensors
-from nsrm_harness.learning.train import train
+from nsrm_harness.learning.train import Curriculum, train
 
 DOMAIN = domains.load()
 SETTINGS = replace(SPLITS["train"], count=12, seed=3, attributes=(1, 1), renderer="pybullet")
@@ -53,7 +53,8 @@ def read(path: Path) -> TrainingSet:
 
 
 def weights(path: Path, folder: Path) -> dict[str, np.ndarray]:
-    model = train(DOMAIN, read(path), FEW_STEPS, 0, folder, quiet=True).model
+    curriculum = Curriculum(DOMAIN, read(path), FEW_STEPS, seed=0)
+    model = train(curriculum, folder, quiet=True).model
     return {name: np.asarray(array) for name, array in tensors(model).items()}
 
 

@@ -20,7 +20,7 @@ from nsrm_harness.learning import calibrate
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
 from nsrm_harness.learning.dataset import training_set
 from nsrm_harness.learning.export import ModelFile, WorkSpace, write_metrics, write_model
-from nsrm_harness.learning.train import TRAINS, train
+from nsrm_harness.learning.train import TRAINS, Curriculum, train
 from nsrm_harness.simulation.layout import WORK_SPACE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -82,7 +82,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Trained:
         validation = training_set(demonstrations)
     # So little training explains no final scene.
     config = TrainingConfig(**short, attempts=1, explained=1e9)
-    result = train(domain, data, config, 0, folder / "run", quiet=True)
+    result = train(Curriculum(domain, data, config, seed=0), folder / "run", quiet=True)
     camera = calibrate.fit_camera(Calibration.load(folder / "calibration.h5"))
     model = calibrate.with_camera(result.model, camera)
     thresholds = calibrate.fit_thresholds(model, validation).thresholds

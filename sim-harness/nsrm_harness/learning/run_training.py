@@ -20,7 +20,7 @@ from nsrm_harness.learning.export import ModelFile, WorkSpace, write_metrics, wr
 from nsrm_harness.learning.model import Model
 from nsrm_harness.learning.naming import name_actions
 from nsrm_harness.learning.stages import TrainingError
-from nsrm_harness.learning.train import TRAINS, train
+from nsrm_harness.learning.train import TRAINS, Callbacks, Curriculum, train
 from nsrm_harness.simulation.layout import WORK_SPACE
 
 Fitting = Callable[[], ModelFile]
@@ -103,7 +103,8 @@ def fit(
     def stage_done(name: str, model: Model, progress: TrainingProgress) -> None:
         after_stage(name, lambda: fitted(name_actions(model, domain)[0], progress))
 
-    result = train(domain, data, config, seed, out, resume, after_stage=stage_done)
+    curriculum = Curriculum(domain, data, config, seed)
+    result = train(curriculum, out, resume, callbacks=Callbacks(after_stage=stage_done))
     curves.draw_curves(result.progress, out / "curves.png")
     file = fitted(result.model, result.progress)
     return Fitted(file, result.named, result.progress.seconds)

@@ -76,110 +76,149 @@ class Result(NamedTuple):
     progress: TrainingProgress
 
 
-def untrained(domain: Domain, data: TrainingSet, seed: int, residual: bool = True) -> Model:
-    """A random model with the scale of the data's locations."""
-    model = Model(Dimensions.of(domain), jax.random.key(seed), residual)
-    mean, scale = data.location_statistics()
-    return eqx.tree_at(
-        lambda m: (m.action.simulator.location_mean, m.action.simulator.location_scale),
-        model,
-        (jnp.asarray(mean), jnp.asarray(scale)),
-    )
+@dataclass(frozen=True)
+class Callbacks:
+    """Functions that are called during a training."""
+
+    after_epoch: Callable[[TrainingProgress], None] = lambda progress: None
+    """If it raises `KeyboardInterrupt`, the training stops with a checkpoint."""
+    after_stage: Callable[[str, Model, TrainingProgress], None] = lambda name, model, progress: None
+    """Gets the name of the stage, and model and progress after it. After resuming, it may be called
+    again for a stage."""
 
 
-def train(
-    domain: Domain,
-    data: TrainingSet,
-    config: TrainingConfig,
-    seed: int,
-    folder: Path,
-    resume: bool = False,
-    quiet: bool = False,
-    after_epoch: Callable[[TrainingProgress], None] = lambda progress: None,
-    after_stage: Callable[[str, Model, TrainingProgress], None] = lambda name, model, progress: (
-        None
-    ),
-) -> Result:
-    """Trains from the start, or resumes from the checkpoint in `folder`.
-
-    `KeyboardInterrupt`, also when raised by `after_epoch`, leaves a checkpoint behind. After
-    resuming, `after_stage` may be called again for a stage; the progress that it gets is that after
-    the stage.
-    """
-    run = json_text([asdict(config), seed, data.hash(), domain.as_json()])
-    checkpoints = Checkpoints(folder, run)
-    progress = (checkpoints.progress() if resume else None) or TrainingProgress()
-    curriculum = _Curriculum(domain, data, config, seed, checkpoints, progress)
-    model, state = curriculum.untrained(), None
-    if progress.epoch > 0 or progress.stage > 0:
-        state = checkpoints.state(_start(model, progress.stage))
-        model = state.model
-    names = list(TRAINS)
-    while progress.stage < len(names):
-        name = names[progress.stage]
-        if getattr(config, name).epochs == 0:
-            progress.stage += 1
-            continue
-        model, state = curriculum.carry_out(name, model, state, after_epoch, quiet), None
-        if name == "actions" and curriculum.begins_again(model):
-            progress.attempt += 1
-            progress.epoch = 0
-            progress.losses.pop(name, None)
-            model = curriculum.untrained()
-            continue
-        progress.stage, progress.epoch = progress.stage + 1, 0
-        after_stage(name, model, progress)
-    named, clear = name_actions(model, domain)
-    return Result(named, clear, progress)
+NO_CALLBACKS = Callbacks()
 
 
 @dataclass(frozen=True)
-class _Curriculum:
-    """What all stages of a run have in common; `progress` changes as they are carried out."""
+class Curriculum:
+    """Everything that the weights depend on."""
 
     domain: Domain
     data: TrainingSet
     config: TrainingConfig
     seed: int
+
+    def identity(self) -> str:
+        """A text that differs if anything here differs; a checkpoint records it."""
+        return json_text([asdict(self.config), self.seed, self.data.hash(), self.domain.as_json()])
+
+    def attempt_seed(self, attempt: int) -> int:
+        """The seed of an attempt at the first stage; each starts with other random weights."""
+        return self.seed + NEXT_ATTEMPT * attempt
+
+    def untrained(self, attempt: int = 0) -> Model:
+        """A random model with the scale of the data's locations."""
+        key = jax.random.key(self.attempt_seed(attempt))
+        model = Model(Dimensions.of(self.domain), key, self.config.residual)
+        mean, scale = self.data.location_statistics()
+        return eqx.tree_at(
+            lambda m: (m.action.simulator.location_mean, m.action.simulator.location_scale),
+            model,
+            (jnp.asarray(mean), jnp.asarray(scale)),
+        )
+
+    def stage(self, name: str, model: Model) -> Stage:
+        """The stage with this name, made from the model at its start."""
+        data, config = self.data, self.config
+        single = data.select(1, single_attribute=True)
+        if name == "actions":
+            stage, exploration = config.actions, config.exploration
+            return stages.one_step_stage(name, stage, config, data, single, exploration)
+        if name == "selection":
+            return stages.one_step_stage(name, config.selection, config, data, single, None)
+        if name == "attributes":
+            every = data.select(1)
+            return stages.one_step_stage(name, config.attributes, config, data, every, 0.0)
+        if name == "joint":
+            return stages.joint_stage(config, data)
+        if len(data.select(2)) == 0:
+            raise stages.TrainingError(
+                f"{name}: no two-step commands in the training data: generate more episodes"
+            )
+        similarities = decode.see_all(model, data)
+        if name == "splitter":
+            table = decode.split_table(model, data, similarities, config)
+            return stages.splitter_stage(config, table)
+        if name == "perception":
+            references = decode.own_references(model, data, similarities, config)
+            return stages.perception_stage(config, data, references)
+        if name == "parser":
+            table = decode.own_steps(model, data, similarities, config)
+            order_words = np.isin(self.domain.vocabulary(), self.domain.grammar.order_words)
+            return stages.parser_stage(config, data, table, order_words)
+        episodes, choices, _ = decode.own_choices(model, data, similarities)
+        return stages.simulator_stage(config, data, episodes, choices)
+
+
+def train(
+    curriculum: Curriculum,
+    folder: Path,
+    resume: bool = False,
+    quiet: bool = False,
+    callbacks: Callbacks = NO_CALLBACKS,
+) -> Result:
+    """Trains from the start, or resumes from the checkpoint in `folder`.
+
+    `KeyboardInterrupt` leaves a checkpoint behind.
+    """
+    checkpoints = Checkpoints(folder, curriculum.identity())
+    progress = (checkpoints.progress() if resume else None) or TrainingProgress()
+    trainer = _Trainer(curriculum, checkpoints, progress, callbacks, quiet)
+    model, state = curriculum.untrained(progress.attempt), None
+    names = list(TRAINS)
+    if progress.epoch > 0 or progress.stage > 0:
+        state = checkpoints.state(_start(model, TRAINS[names[progress.stage]]))
+        model = state.model
+    while progress.stage < len(names):
+        name = names[progress.stage]
+        if getattr(curriculum.config, name).epochs == 0:
+            progress.stage += 1
+            continue
+        model, state = trainer.train_stage(name, model, state), None
+        if name == "actions" and trainer.needs_another_attempt(model):
+            progress.attempt += 1
+            progress.epoch = 0
+            progress.losses.pop(name, None)
+            model = curriculum.untrained(progress.attempt)
+            continue
+        progress.stage, progress.epoch = progress.stage + 1, 0
+        callbacks.after_stage(name, model, progress)
+    named, clear = name_actions(model, curriculum.domain)
+    return Result(named, clear, progress)
+
+
+@dataclass(frozen=True)
+class _Trainer:
+    """Trains the stages of a curriculum one by one, and keeps `progress` up to date."""
+
+    curriculum: Curriculum
     checkpoints: Checkpoints
     progress: TrainingProgress
+    callbacks: Callbacks
+    quiet: bool
 
-    @property
-    def attempt_seed(self) -> int:
-        """Each attempt at the first stage is another random one."""
-        return self.seed + NEXT_ATTEMPT * self.progress.attempt
-
-    def untrained(self) -> Model:
-        """With what an attempt begins."""
-        return untrained(self.domain, self.data, self.attempt_seed, self.config.residual)
-
-    def begins_again(self, model: Model) -> bool:
-        """Whether the first stage learned two actions as one and may be tried once more."""
-        if self.progress.attempt + 1 >= self.config.attempts:
+    def needs_another_attempt(self, model: Model) -> bool:
+        """Whether the first stage learned two actions as one, and attempts are left."""
+        if self.progress.attempt + 1 >= self.curriculum.config.attempts:
             return False
-        _, clear = name_actions(model, self.domain)
+        _, clear = name_actions(model, self.curriculum.domain)
         return not clear
 
-    def carry_out(
-        self,
-        name: str,
-        model: Model,
-        state: TrainingState | None,
-        after_epoch: Callable[[TrainingProgress], None],
-        quiet: bool,
-    ) -> Model:
-        """The model after a stage; `state`: that in whose middle it was broken off, if it was."""
+    def train_stage(self, name: str, model: Model, state: TrainingState | None) -> Model:
+        """The model after a stage; `state`: where the stage was interrupted, if it was."""
         progress, checkpoints = self.progress, self.checkpoints
         began = time.monotonic() - progress.seconds.get(name, 0.0)
         if progress.epoch == 0:
             checkpoints.begin(progress, model)
         begun = checkpoints.begun(progress, model)
-        stage = make_stage(name, begun, self.data, self.config, self.domain)
-        fit = Fit(stage, TRAINS[name], self.attempt_seed, progress.stage)
+        stage = self.curriculum.stage(name, begun)
+        seed = self.curriculum.attempt_seed(progress.attempt)
+        fit = Fit(stage, TRAINS[name], seed, progress.stage)
         state = state or fit.start(model)
         saved = time.monotonic()
-        epochs = stage.config.epochs
-        with tqdm(total=epochs, initial=progress.epoch, desc=f"{name:>10}", disable=quiet) as bar:
+        epochs, initial = stage.config.epochs, progress.epoch
+        with tqdm(total=epochs, initial=initial, desc=f"{name:>10}", disable=self.quiet) as bar:
             try:
                 while progress.epoch < epochs:
                     state, loss = fit.epoch(state, progress.epoch)
@@ -193,44 +232,11 @@ class _Curriculum:
                     if time.monotonic() - saved > SECONDS_A_CHECKPOINT:
                         checkpoints.save(progress, state)
                         saved = time.monotonic()
-                    after_epoch(progress)
+                    self.callbacks.after_epoch(progress)
             except KeyboardInterrupt:
                 checkpoints.save(progress, state)
                 raise
         return state.model
-
-
-def make_stage(
-    name: str, model: Model, data: TrainingSet, config: TrainingConfig, domain: Domain
-) -> Stage:
-    """The stage with this name, made from the model at its start."""
-    single = data.select(1, single_attribute=True)
-    if name == "actions":
-        return stages.one_step_stage(name, config.actions, config, data, single, config.exploration)
-    if name == "selection":
-        return stages.one_step_stage(name, config.selection, config, data, single, None)
-    if name == "attributes":
-        every = data.select(1)
-        return stages.one_step_stage(name, config.attributes, config, data, every, 0.0)
-    if name == "joint":
-        return stages.joint_stage(config, data)
-    if len(data.select(2)) == 0:
-        raise stages.TrainingError(
-            f"{name}: no two-step commands in the training data: generate more episodes"
-        )
-    similarities = decode.see_all(model, data)
-    if name == "splitter":
-        table = decode.split_table(model, data, similarities, config)
-        return stages.splitter_stage(config, table)
-    if name == "perception":
-        references = decode.own_references(model, data, similarities, config)
-        return stages.perception_stage(config, data, references)
-    if name == "parser":
-        table = decode.own_steps(model, data, similarities, config)
-        order_words = np.isin(domain.vocabulary(), domain.grammar.order_words)
-        return stages.parser_stage(config, data, table, order_words)
-    episodes, choices, _ = decode.own_choices(model, data, similarities)
-    return stages.simulator_stage(config, data, episodes, choices)
 
 
 class Fit:
@@ -249,8 +255,7 @@ class Fit:
 
     def start(self, model: eqx.Module) -> TrainingState:
         """The state before the first epoch."""
-        trained = eqx.filter(model, trainable(model, self._trains))
-        return TrainingState(model, OPTIMIZER.init(trained))
+        return _start(model, self._trains)
 
     def epoch(self, state: TrainingState, epoch: int) -> tuple[TrainingState, float]:
         """Runs one epoch; also returns the mean loss."""
@@ -335,8 +340,7 @@ def trainable(model: eqx.Module, trains: tuple[str, ...]) -> Any:
     return jax.tree_util.tree_map_with_path(is_trained, model)
 
 
-def _start(model: Model, stage: int) -> TrainingState:
-    """A state with the structure of the stage's state."""
-    trains = list(TRAINS.values())[stage]
+def _start(model: eqx.Module, trains: tuple[str, ...]) -> TrainingState:
+    """The state before the first epoch of a stage that trains the tensors with these prefixes."""
     trained = eqx.filter(model, trainable(model, trains))
     return TrainingState(model, OPTIMIZER.init(trained))
