@@ -11,7 +11,7 @@ from statistics import mean
 
 import pytest
 
-from nsrm_harness.evaluation.refusals.sentences import KINDS
+from nsrm_harness.evaluation.refusals.spoiler import KINDS
 from nsrm_harness.paper.tables import published_figures as paper
 from nsrm_harness.paper.tables.publish import MODEL, README, REPORT_FOLDER, with_figures
 from nsrm_harness.paper.tables.results import read_rows

@@ -32,15 +32,13 @@ from nsrm_harness.evaluation.refusals.measure import (
 from nsrm_harness.evaluation.refusals.plot import draw_report
 from nsrm_harness.evaluation.refusals.reading import Reading
 from nsrm_harness.evaluation.refusals.sentences import (
-    KINDS,
-    OF_ORDER_WORDS,
     SETS,
     Item,
     RefusalSetError,
-    Situation,
     make_items,
     set_of,
 )
+from nsrm_harness.evaluation.refusals.spoiler import KINDS, OF_ORDER_WORDS, Situation
 from nsrm_harness.simulation.layout import sample_layout
 
 TABLETOP = domains.load()

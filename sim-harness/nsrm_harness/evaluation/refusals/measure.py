@@ -30,7 +30,8 @@ from nsrm_harness.evaluation.refusals.certainty import (
     calibration_error,
     risk_curve,
 )
-from nsrm_harness.evaluation.refusals.sentences import COUNT, KINDS, Item, Situation, make_items
+from nsrm_harness.evaluation.refusals.sentences import COUNT, Item, make_items
+from nsrm_harness.evaluation.refusals.spoiler import KINDS, Situation
 
 COLUMNS = ("kind", "set", "count", "refused", "wrongly_accepted")
 THRESHOLDS = (0.0, 0.5, 0.8, 0.9, 0.95, 0.99, 0.999)
