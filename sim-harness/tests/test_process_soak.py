@@ -60,21 +60,6 @@ def test_the_rest_at_the_end_goes_with_the_last_whole_minute() -> None:
     assert soak.minutes[-1] == pytest.approx(soak.hours[-1]) == pytest.approx(39 / 60)
 
 
-def test_a_client_that_is_connected_when_a_sample_is_taken_is_no_leak() -> None:
-    soak = read_soak(journal())
-    files = soak.shared["files"]
-    quarter = len(files) // 4
-    # Seldom connected in the second quarter, mostly in the last one.
-    files[quarter + 1] += 14.0
-    files[-quarter + 1 :] += 14.0
-    assert soak.faults() == []
-    # What all samples have stays behind.
-    files[-quarter:] += 7.0
-    assert soak.faults() == [
-        f"shared memory: files has grown from {files[0]:.0f} to {files[0] + 7:.0f}"
-    ]
-
-
 @pytest.mark.parametrize(
     ("growth", "fault"),
     [

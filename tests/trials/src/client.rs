@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -28,6 +28,8 @@ static NEXT: AtomicU64 = AtomicU64::new(1);
 #[derive(Debug)]
 pub(crate) struct Client {
     current: Arc<Mutex<Option<Child>>>,
+    /// Held while a sentence is sent and answered.
+    sentence: Arc<Mutex<()>>,
     stop: Arc<AtomicBool>,
     thread: JoinHandle<Result<()>>,
 }
@@ -36,10 +38,12 @@ impl Client {
     /// Starts.
     pub(crate) fn begin(group: &ProcessGroup, seed: u64) -> Result<Self> {
         let current = Arc::new(Mutex::new(None));
+        let sentence = Arc::new(Mutex::new(()));
         let stop = Arc::new(AtomicBool::new(false));
         let journal = group.journal().also("client")?;
         let say = group.nsrm(&["say", "--json"]);
         let (shared, stopped) = (Arc::clone(&current), Arc::clone(&stop));
+        let turn = Arc::clone(&sentence);
         let thread = std::thread::spawn(move || {
             let mut rng = fastrand::Rng::with_seed(seed);
             while !stopped.load(Ordering::Relaxed) {
@@ -48,13 +52,16 @@ impl Client {
                 } else {
                     SENTENCES[rng.usize(..SENTENCES.len())]
                 };
+                let held = turn.lock().unwrap_or_else(PoisonError::into_inner);
                 ask(&say, sentence, &journal, &shared)?;
+                drop(held);
                 std::thread::sleep(Duration::from_millis(rng.u64(PAUSE_MS)));
             }
             Ok(())
         });
         Ok(Self {
             current,
+            sentence,
             stop,
             thread,
         })
@@ -69,6 +76,16 @@ impl Client {
         note(child.id())?;
         child.kill()?;
         Ok(true)
+    }
+
+    /// Between two sentences: keeps the client there until what is returned is dropped. None while
+    /// a sentence is sent and answered.
+    pub(crate) fn between_sentences(&self) -> Option<MutexGuard<'_, ()>> {
+        match self.sentence.try_lock() {
+            Ok(held) => Some(held),
+            Err(TryLockError::Poisoned(held)) => Some(held.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
     }
 
     /// Lets its sentence end.

@@ -16,6 +16,10 @@ use crate::process_group::{PARTS, ProcessGroup};
 
 /// Between two polls of the observer.
 const NAP: Duration = Duration::from_millis(5);
+/// The processes have settled once as many polls find the same handles ...
+const UNCHANGED: u32 = 20;
+/// ... or after this many polls.
+const SETTLED: u32 = 400;
 const SECOND: u64 = 1_000_000_000;
 
 /// The command line.
@@ -54,9 +58,13 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         if now_ns < next_ns {
             continue;
         }
+        // A client that is connected has memory and handles of its own.
+        let Some(_held) = client.between_sentences() else {
+            continue;
+        };
         next_ns += options.every * SECOND;
-        let more = sample(&group, view)?;
-        group.journal().write("sample", more)?;
+        let resources = settled(&group)?;
+        group.journal().write("sample", sample(&resources, view))?;
         if let Some((role, status)) = group.ended()?.first() {
             bail!("{} ended: {status}", role.word());
         }
@@ -71,39 +79,103 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     group.stop()
 }
 
-/// The resources of the processes, and the use of shared memory.
-fn sample(group: &ProcessGroup, view: &View) -> Result<Value> {
-    let mut nodes = serde_json::Map::new();
-    for role in PARTS {
-        let process = group.process(role).context("a process is missing")?;
-        nodes.insert(role.word().into(), held(process)?);
+/// Waits until the processes have let go of a client that has left; returns their resources.
+fn settled(group: &ProcessGroup) -> Result<Resources> {
+    let mut last = Resources::read(group)?;
+    let mut unchanged = 0;
+    for _ in 0..SETTLED {
+        std::thread::sleep(NAP);
+        let now = Resources::read(group)?;
+        unchanged = if now.handles() == last.handles() {
+            unchanged + 1
+        } else {
+            0
+        };
+        last = now;
+        if unchanged == UNCHANGED {
+            break;
+        }
     }
-    let (files, bytes) = group.shared()?;
+    Ok(last)
+}
+
+/// What the processes hold.
+struct Resources {
+    nodes: Vec<(Role, Held)>,
+    files: usize,
+    bytes: u64,
+}
+
+/// What a process holds.
+struct Held {
+    rss_kib: u64,
+    threads: u64,
+    handles: usize,
+}
+
+impl Resources {
+    fn read(group: &ProcessGroup) -> Result<Self> {
+        let held = |role| {
+            let process = group.process(role).context("a process is missing")?;
+            Ok((role, Held::read(process)?))
+        };
+        let nodes = PARTS.into_iter().map(held).collect::<Result<_>>()?;
+        let (files, bytes) = group.shared()?;
+        Ok(Self {
+            nodes,
+            files,
+            bytes,
+        })
+    }
+
+    /// Files in shared memory, and open files of all processes: each connection has its own.
+    fn handles(&self) -> (usize, usize) {
+        let open = self.nodes.iter().map(|(_, held)| held.handles).sum();
+        (self.files, open)
+    }
+}
+
+impl Held {
+    /// From `/proc`.
+    fn read(process: u32) -> Result<Self> {
+        let folder = PathBuf::from(format!("/proc/{process}"));
+        let status = std::fs::read_to_string(folder.join("status"))?;
+        let number = |name: &str| -> Result<u64> {
+            let line = status.lines().find_map(|line| line.strip_prefix(name));
+            let word = line.and_then(|line| line.split_whitespace().next());
+            Ok(word.context("/proc: status")?.parse()?)
+        };
+        Ok(Self {
+            rss_kib: number("VmRSS:")?,
+            threads: number("Threads:")?,
+            handles: std::fs::read_dir(folder.join("fd"))?.count(),
+        })
+    }
+}
+
+/// A sample of the journal.
+fn sample(resources: &Resources, view: &View) -> Value {
+    let nodes: serde_json::Map<_, _> = resources
+        .nodes
+        .iter()
+        .map(|(role, held)| {
+            let held = json!({
+                "rss_kib": held.rss_kib,
+                "threads": held.threads,
+                "handles": held.handles,
+            });
+            (role.word().to_owned(), held)
+        })
+        .collect();
     let scenes = &view.scenes;
-    Ok(json!({
+    json!({
         "nodes": nodes,
-        "shared": {"files": files, "bytes": bytes},
+        "shared": {"files": resources.files, "bytes": resources.bytes},
         "scenes": {
             "count": scenes.count,
             "lost": scenes.lost,
             "rate_hz": scenes.rate_hz,
             "latency_ns": scenes.latency_ns,
         },
-    }))
-}
-
-/// Memory, threads and open files of a process, from `/proc`.
-fn held(process: u32) -> Result<Value> {
-    let folder = PathBuf::from(format!("/proc/{process}"));
-    let status = std::fs::read_to_string(folder.join("status"))?;
-    let number = |name: &str| -> Result<u64> {
-        let line = status.lines().find_map(|line| line.strip_prefix(name));
-        let word = line.and_then(|line| line.split_whitespace().next());
-        Ok(word.context("/proc: status")?.parse()?)
-    };
-    Ok(json!({
-        "rss_kib": number("VmRSS:")?,
-        "threads": number("Threads:")?,
-        "handles": std::fs::read_dir(folder.join("fd"))?.count(),
-    }))
+    })
 }

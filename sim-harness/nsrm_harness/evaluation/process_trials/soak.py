@@ -21,7 +21,7 @@ SAMPLES = 8
 GROWTH = 0.02
 """Largest share by which a quantity may grow from the second quarter to the last."""
 GROWTH_LEAST = {"rss_kib": 512.0, "handles": 3.0, "threads": 0.0, "files": 6.0, "bytes": 1e6}
-"""Growth that is always allowed: these quantities vary with the clients that are connected."""
+"""Growth that is always allowed."""
 SLOWER = 2.0
 """Largest ratio of a sentence's time in the last quarter to that in the second. A run is compared
 with itself, so this only has to allow for other work on the machine."""
@@ -62,8 +62,7 @@ class Soak:
         series += [(f"shared memory: {what}", what, values) for what, values in self.shared.items()]
         faults = []
         for name, what, values in series:
-            # A client that is connected when a sample is taken adds to it; a leak stays.
-            early, late = (float(quarter.min()) for quarter in _second_and_last(values))
+            early, late = _quarters(values)
             if late - early > max(GROWTH * early, GROWTH_LEAST[what]):
                 faults.append(f"{name} has grown from {early:.0f} to {late:.0f}")
         # If no sentence was done, there is nothing to compare.
@@ -108,17 +107,11 @@ _WORDS = {
 
 
 def _quarters(values: Series) -> tuple[float, float]:
-    """Medians of the second and the last quarter."""
-    early, late = _second_and_last(values)
-    return float(np.median(early)), float(np.median(late))
-
-
-def _second_and_last(values: Series) -> tuple[Series, Series]:
-    """The second and the last quarter; the first one includes the start-up."""
+    """Medians of the second and the last quarter; the first one includes the start-up."""
     quarter = max(len(values) // 4, 1)
     # A single sample has no second quarter.
     early = values[quarter : 2 * quarter] if len(values) > 1 else values
-    return early, values[-quarter:]
+    return float(np.median(early)), float(np.median(values[-quarter:]))
 
 
 def read_soak(lines: Sequence[Line]) -> Soak:
