@@ -286,6 +286,8 @@ def test_where_all_of_a_covered_block_is_is_remembered_until_it_moves(renderer: 
         world.settle()
         moved = eyes.look()
         np.testing.assert_array_equal(moved.whole[lower], moved.locations[lower])
+        # Half of it is visible there: what the camera shows of it is not how it looks.
+        assert moved.covered == {lower}
         world.place(2, FREE)
         world.settle()
         assert not eyes.look().covered

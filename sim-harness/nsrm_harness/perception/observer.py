@@ -26,6 +26,8 @@ STAYED_M = 0.005
 """An object seen within this distance of where it was has not been moved."""
 WHOLE = 0.95
 """An object that shows a smaller share of the pixels that it had at the same place is covered."""
+WHOLE_ELSEWHERE = 0.75
+"""The same at another place, where it is seen from another side."""
 
 Location = NDArray[np.float32]
 """x1, y1, x2, y2 as fractions of the image, mean depth in metres."""
@@ -40,7 +42,7 @@ class Observation:
     * `locations`: locations of the visible parts, by number; an object has the same number in all
       images
     * `whole`: locations of the whole objects, hidden ones included; of a covered one, as it was
-      seen before
+      seen before, or its visible part if it was moved to where it is covered
     * `covered`: the numbers of the covered objects
     * `cuboids`: cuboids of all objects that are assumed to exist, hidden ones included
     * `taken_s`: when the image was taken, by the world's clock
@@ -69,7 +71,8 @@ class Observation:
 
 @dataclass(frozen=True, eq=False)
 class _Whole:
-    """An object that is not hidden; `size`: its number of pixels."""
+    """An object where it was last seen; `size`: the number of pixels that it shows there if
+    nothing covers it."""
 
     location: Location
     pose: Pose
@@ -137,14 +140,21 @@ class Observer:
         )
 
     def _is_whole(self, number: int, now: _Whole) -> bool:
-        """Whether as much of an object is visible as ever at its place; if so, remembers it."""
+        """Whether as much of an object is visible as ever at its place, or as is expected at a new
+        one; remembers what it shows if whole."""
         before = self._wholes.get(number)
-        if before is not None and before.pose.distance_m(now.pose) < STAYED_M:
+        if before is None:
+            self._wholes[number] = now
+            return True
+        if before.pose.distance_m(now.pose) < STAYED_M:
             if now.size < WHOLE * before.size:
                 return False
-            now = replace(now, size=max(now.size, before.size))
-        self._wholes[number] = now
-        return True
+            self._wholes[number] = replace(now, size=max(now.size, before.size))
+            return True
+        expected = before.size * float(before.location[4] / now.location[4]) ** 2
+        is_whole = now.size >= WHOLE_ELSEWHERE * expected
+        self._wholes[number] = now if is_whole else replace(now, size=round(expected))
+        return is_whole
 
 
 @dataclass(frozen=True)
