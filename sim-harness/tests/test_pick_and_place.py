@@ -28,6 +28,7 @@ from arm_scenes import (
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.cuboid import Cuboid
 from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.manipulation.collision import CollisionChecker
 from nsrm_harness.manipulation.kinematics import Joints
 from nsrm_harness.manipulation.pick_and_place import PickAndPlacePlanner
 from nsrm_harness.manipulation.retries import ManipulationError, reach_sub_goal
@@ -155,6 +156,28 @@ def test_a_block_is_not_turned_the_long_way_round(monkeypatch: pytest.MonkeyPatc
     assert turned_rad() < math.radians(120)
     monkeypatch.setattr("nsrm_harness.manipulation.pick_and_place.MAX_TURN_RAD", math.inf)
     assert turned_rad() > math.radians(270)
+
+
+def test_the_fingers_keep_clear_of_the_block_before_and_after_the_vertical_motions() -> None:
+    """Tilted between its neighbours, the hand would swing down through the block that it has just
+    put on the stack."""
+    objects = {
+        "white": Cuboid(Pose.upright(0.43727, 0.08191, 0.02523, -0.07528), (0.06067, 0.06, 0.0505)),
+        "cyan": Cuboid(Pose.upright(0.43671, 0.08232, 0.07022, 0.00072), (0.0409, 0.0401, 0.0395)),
+        "magenta": Cuboid(
+            Pose.upright(0.44236, 0.18604, 0.025, -0.13074), (0.06091, 0.06009, 0.04999)
+        ),
+        "next to it": Cuboid(
+            Pose.upright(0.50756, 0.19341, 0.01999, -0.07588), (0.04084, 0.04013, 0.03999)
+        ),
+    }
+    on_cyan = Pose.upright(0.43732, 0.08249, 0.11538, 0.0)
+    carry = PickAndPlacePlanner().carry(objects, "magenta", on_cyan, panda.READY_RAD)
+    before = CollisionChecker(KINEMATICS, objects)
+    after = CollisionChecker(KINEMATICS, {**objects, "magenta": carry.placement.cuboid})
+    for checker, path in ((before, carry.reach), (before, carry.back), (after, carry.home)):
+        for segment in path:
+            assert checker.along(segment, carry.grasp.opening_m) is None
 
 
 def test_the_arm_is_driven_and_turns_within_the_makers_limits(world: ArmWorld) -> None:

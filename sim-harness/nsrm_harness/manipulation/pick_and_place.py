@@ -70,8 +70,8 @@ class _Task:
     """What all grasps of a block have in common.
 
     * `put`: the block's target placement, in one of the rotations after which it looks the same
-    * `before`, `after`: collision checkers for the empty hand, with the block where it stands and
-      where it is put
+    * `before`, `after`: collision checkers for the fingers about the block, which they may touch,
+      where it stands and where it is put
     """
 
     name: str
@@ -249,7 +249,10 @@ class PickAndPlacePlanner:
         impossible."""
         opening_m, held_m, pace = grasp.opening_m, grasp.width_m, self._pace
         above_block, above_goal = lines.lift.end, lines.lower.begin
-        reach = free(task.before, task.begin, lines.descend.begin, opening_m, pace)
+        # Here the fingers must not touch the block either.
+        before = self._checker({**task.others, task.name: task.block})
+        after = self._checker({**task.others, task.name: task.put.cuboid})
+        reach = free(before, task.begin, lines.descend.begin, opening_m, pace)
         if isinstance(reach, Nearest):
             return reach
         carrying = self._checker(task.others, task.held_by(grasp)[0])
@@ -260,10 +263,10 @@ class PickAndPlacePlanner:
         if turn_rad > MAX_TURN_RAD:
             straight = Straight(above_block, above_goal, pace)
             return _TurnsTooFar(turn_rad, carrying.along(straight, held_m))
-        home = free(task.after, lines.retreat.end, panda.READY_RAD, opening_m, pace)
+        home = free(after, lines.retreat.end, panda.READY_RAD, opening_m, pace)
         if isinstance(home, Nearest):
             return home
-        back = free(task.before, above_block, panda.READY_RAD, opening_m, pace)
+        back = free(before, above_block, panda.READY_RAD, opening_m, pace)
         if isinstance(back, Nearest):
             return back
         return PickAndPlace(
