@@ -56,9 +56,10 @@ class _ByModel(TrialEpisode):
         return [place for done in self._reached_now() for place in done.aside]
 
     def _followed(self) -> EpisodeEnd:
-        for number, verdict in enumerate(self._verdicts, start=1):
+        for verdict in self._verdicts:
             if not verdict.is_as_said:
-                return EpisodeEnd("failed", f"attempt {number} at a step did not succeed")
+                why = f"step {verdict.step + 1} is not done as said ({verdict})"
+                return EpisodeEnd("failed", why)
         if not self._judge.stands(lasting(self._moves)):
             return EpisodeEnd("failed", "what was done did not stay")
         return EpisodeEnd("succeeded")
