@@ -6,6 +6,8 @@ import subprocess
 import sys
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -47,6 +49,16 @@ def test_an_error_on_the_cluster_is_told_as_if_it_were_here(tmp_path: Path) -> N
     assert ran.returncode == 2
     problem = "almost every combination of attribute values is excluded: exclude fewer"
     assert ran.stderr.splitlines()[-1] == f"harness: {problem}"
+
+
+def test_the_whole_package_is_sent_to_the_cluster(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: dict[str, Any] = {}
+    ray = SimpleNamespace(init=lambda **options: told.update(options), cluster_resources=dict)
+    monkeypatch.setitem(sys.modules, "ray", ray)
+    RayCluster("auto")
+    (sent,) = told["runtime_env"]["py_modules"]
+    assert Path(sent).name == "nsrm_harness"
+    assert {"common", "data", "domain"} <= {entry.name for entry in Path(sent).iterdir()}
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "nowhere"])

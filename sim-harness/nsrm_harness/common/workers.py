@@ -16,12 +16,15 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+import nsrm_harness
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.orphans import end_with_parent
 
 T = TypeVar("T")
 K = TypeVar("K")
 SECONDS_TO_ANSWER = 10.0
+PACKAGE = Path(nsrm_harness.__file__).resolve().parent
+"""What a cluster's machines are sent."""
 
 
 class WorkersError(HarnessError):
@@ -109,11 +112,10 @@ class RayCluster:
             own = {"num_cpus": processors, "include_dashboard": False}
         elif address != "auto":
             _check_answers(address)
-        package = Path(__file__).resolve().parent
         try:
             ray.init(
                 address=address,
-                runtime_env={"py_modules": [str(package)]},
+                runtime_env={"py_modules": [str(PACKAGE)]},
                 log_to_driver=False,
                 logging_level=logging.ERROR,
                 **own,
