@@ -318,6 +318,8 @@ fn docs(_: &Context) -> Result<Vec<Step>> {
 fn package(_: &Context) -> Result<Vec<Step>> {
     let step = Step::cargo(&["package", "--locked", "--allow-dirty"]);
     let published = PUBLISHED.map(|package| format!("--package={package}"));
+    // The profile of the workspace, which a package leaves behind: much is built already.
+    let step = step.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only");
     Ok(vec![published.into_iter().fold(step, Step::argument)])
 }
 
@@ -376,14 +378,16 @@ fn python_tests(context: &Context) -> Result<Vec<Step>> {
         // Two files at a time, each in one process: what a file's tests share is made once.
         // In their usual order: the longest file has few tests and would come last.
         let files = ["--dist=loadfile", "--no-loadscope-reorder"];
-        // Toys train for seconds, and what they train is compiled for longer. The check `tables`
-        // trains with all that XLA optimises.
-        Ok(step
-            .argument("--numprocesses=2")
-            .arguments(&files)
-            .with("XLA_FLAGS", "--xla_backend_optimization_level=0"))
+        let step = step.argument("--numprocesses=2").arguments(&files);
+        Ok(compiling_quickly(step))
     });
     steps.collect()
+}
+
+/// Toys train for seconds, and what they train is compiled for longer. The paper's tables are
+/// trained with all that XLA optimises.
+fn compiling_quickly(step: Step) -> Step {
+    step.with("XLA_FLAGS", "--xla_backend_optimization_level=0")
 }
 
 /// Those that are not marked as slow, in which no arm moves and nothing is trained.
@@ -397,7 +401,7 @@ fn quick_python_tests(context: &Context) -> Result<Vec<Step>> {
 fn tables(context: &Context) -> Result<Vec<Step>> {
     Ok(vec![
         pytest(context, "tests/tables")?.beside_others(),
-        pytest(context, "tests/domain")?.beside_others(),
+        compiling_quickly(pytest(context, "tests/domain")?).beside_others(),
     ])
 }
 
