@@ -20,7 +20,6 @@ from learn_toys import concatenate, make_toys
 from nsrm_harness import domain as domains
 from nsrm_harness.evaluation.metrics import WRONG, summarize
 from nsrm_harness.learning import decode, naming
-from nsrm_harness.learning.calibrate import fit_thresholds
 from nsrm_harness.learning.checkpoint import CheckpointError, TrainingProgress
 from nsrm_harness.learning.config import ConfigError, StageConfig, TrainingConfig, read_config
 from nsrm_harness.learning.dataset import TrainingSet
@@ -47,7 +46,6 @@ from nsrm_harness.learning.objective import LossWeights
 from nsrm_harness.learning.stages import TrainingError
 from nsrm_harness.learning.train import TRAINS, Callbacks, Curriculum, Fit, Result, train
 
-WORKSHOP = Path(__file__).resolve().parent / "domains" / "workshop.toml"
 BRIEF = StageConfig(epochs=2, learning_rate=1e-3, batch=8)
 NONE = dataclasses.replace(BRIEF, epochs=0)
 FEW_STEPS = TrainingConfig(
@@ -166,24 +164,6 @@ def test_what_a_stage_does_not_train_stays(
     np.testing.assert_array_equal(whole.model.action.simulator.location_mean, mean)
     np.testing.assert_array_equal(whole.model.action.simulator.location_scale, scale)
     np.testing.assert_array_equal(whole.model.camera.weight, np.eye(3, 6))
-
-
-def test_another_domain_trains_and_exports(tmp_path: Path) -> None:
-    domain = domains.load(WORKSHOP)
-    one, two = make_toys(domain, 16, 1, 3, attributes=1), make_toys(domain, 16, 2, 4, attributes=3)
-    data = concatenate([one.data, two.data])
-    config = dataclasses.replace(
-        FEW_STEPS, joint=NONE, simulator=NONE, perception=NONE, parser=NONE
-    )
-    result = train(Curriculum(domain, data, config, seed=0), tmp_path, quiet=True)
-    fit = fit_thresholds(result.model, data)
-    file = ModelFile(result.model, domain, fit.thresholds, WorkSpace((0, 0, 0), (1, 1, 1)))
-    path = tmp_path / "workshop.safetensors"
-    write_model(path, file)
-    shapes = {name: array.shape for name, array in tensors(read_model(path).model).items()}
-    assert shapes["vision.concept.weight"] == (8, 16)
-    assert shapes["action.simulator.input.weight"] == (64, 12)
-    assert shapes["vision.operator.face.hidden.weight"] == (32, 32)
 
 
 def test_actions_and_objects_are_learned_from_the_outcome_alone(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from another_process import elsewhere
 from arm_scenes import (
     BESIDE,
     KINEMATICS,
@@ -261,15 +260,3 @@ def test_only_the_fingers_touch_and_only_what_they_carry(world: ArmWorld) -> Non
     touched = set().union(*body.touched)
     assert touched == {(finger, "1") for finger in panda.FINGERS}
     assert 20 < sum(map(bool, body.touched)) < len(body.touched)
-
-
-def carried() -> str:
-    """The poses of all blocks and the joints after a carrying, to the last bit."""
-    with closing(ArmWorld()) as world:
-        three(world)
-        reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", ON_THE_LARGE_ONE)
-        return f"{world.poses()!r} {world.joints().tolist()!r}"
-
-
-def test_the_same_carrying_in_another_process_ends_in_the_same_bytes() -> None:
-    assert elsewhere("import test_pick_and_place as t; print(t.carried())") == carried()

@@ -19,7 +19,14 @@ from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.learning import calibrate
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
 from nsrm_harness.learning.dataset import training_set
-from nsrm_harness.learning.export import ModelFile, WorkSpace, write_metrics, write_model
+from nsrm_harness.learning.export import (
+    ModelFile,
+    WorkSpace,
+    read_model,
+    write_metrics,
+    write_model,
+)
+from nsrm_harness.learning.model import tensors
 from nsrm_harness.learning.train import TRAINS, Curriculum, train
 from nsrm_harness.simulation.layout import WORK_SPACE
 
@@ -109,6 +116,13 @@ def test_the_loaded_model_knows_the_second_domain_and_no_other(trained: Trained)
     with pytest.raises(nsrm.Refused) as refused:
         model.parse("put the red block on the small blue block")
     assert refused.value.kind == "unknown_word"
+
+
+def test_its_network_has_the_second_domains_dimensions(trained: Trained) -> None:
+    shapes = {name: array.shape for name, array in tensors(read_model(trained.model).model).items()}
+    assert shapes["vision.concept.weight"] == (8, 16)
+    assert shapes["action.simulator.input.weight"] == (64, 12)
+    assert shapes["vision.operator.face.hidden.weight"] == (32, 32)
 
 
 def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:

@@ -9,6 +9,8 @@ import click
 
 from nsrm_harness.cli.commands.options import episodes_options, workers_of
 
+QUICK = 5
+"""Number of episodes per row with `--quick`."""
 WORST, BEST = 20, 4
 """Numbers of worst and best episodes that are filmed."""
 
@@ -17,7 +19,9 @@ WORST, BEST = 20, 4
 @click.option(
     "--episodes", type=click.IntRange(1), default=500, show_default=True, help="Episodes per row."
 )
-@click.option("--quick", is_flag=True, help="Ten episodes per row, from scratch and without films.")
+@click.option(
+    "--quick", is_flag=True, help="Five episodes per row, from scratch and without films."
+)
 @click.option(
     "--disturbed",
     is_flag=True,
@@ -54,7 +58,7 @@ def command(
     if unknown := sorted(set(names) - set(known)):
         raise click.BadParameter(f"{unknown[0]!r}: expected one of {', '.join(known)}")
     rows = [known[name] for name in names] or [*(DISTURBED_ROWS if disturbed else ROWS)]
-    count = 10 if quick else episodes
+    count = QUICK if quick else episodes
     if quick:
         (out / "trials.jsonl").unlink(missing_ok=True)
     with workers_of(jobs, ray) as workers:
