@@ -230,7 +230,7 @@ def test_an_arm_whose_joints_do_not_follow_begins_nothing_more(
     assert scene.world.time_s == time_s
     assert scene.arm.held == {scene.steps[0].object_id}
     np.testing.assert_array_equal(scene.world.joints(), joints)
-    assert "look at the arm and start its controller anew" in caplog.text
+    assert "check the arm, then restart its controller" in caplog.text
 
 
 def test_an_arm_whose_fingers_do_not_close_begins_nothing_more(

@@ -203,29 +203,29 @@ def test_what_is_given_up_is_given_up_for_what_was_disturbed(
     arm: FaultyArm, kind: str, error: Exception, is_right: bool
 ) -> None:
     episode = begun(arm, kind)
-    if isinstance(episode._disturbance, SceneFrozen):
-        episode._disturbance._is_for_ever = True
-    if isinstance(episode._disturbance, GraspFails):
-        episode._disturbance._is_jam = True
+    if isinstance(episode._fault, SceneFrozen):
+        episode._fault._is_for_ever = True
+    if isinstance(episode._fault, GraspFails):
+        episode._fault._is_jam = True
     told = EpisodeEnd("failed", str(error))
     assert episode._stopped(told, error).end == ("succeeded" if is_right else "failed")
     assert episode._stopped(EpisodeEnd("refused", "no room", "no room"), error).end == "refused"
-    episode._disturbance.has_acted = False
+    episode._fault.has_acted = False
     assert episode._stopped(told, error).end == "failed"
 
 
 def test_fingers_that_slip_are_no_reason_for_fingers_that_do_not_move(arm: FaultyArm) -> None:
     episode = begun(arm, "grasp_fails")
-    assert isinstance(episode._disturbance, GraspFails)
-    episode._disturbance._is_jam = False
+    assert isinstance(episode._fault, GraspFails)
+    episode._fault._is_jam = False
     error = GripperError("the fingers")
     assert episode._stopped(EpisodeEnd("failed", str(error)), error).end == "failed"
 
 
 def test_a_scene_that_is_frozen_for_a_second_is_not_given_up(arm: FaultyArm) -> None:
     episode = begun(arm, "scene_frozen")
-    assert isinstance(episode._disturbance, SceneFrozen)
-    episode._disturbance._is_for_ever = False
+    assert isinstance(episode._fault, SceneFrozen)
+    episode._fault._is_for_ever = False
     error = NoObservationError("the picture is old")
     assert episode._stopped(EpisodeEnd("failed", str(error)), error).end == "failed"
 

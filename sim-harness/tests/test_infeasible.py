@@ -63,7 +63,7 @@ def test_what_turns_too_far_is_refused_for_that_and_set_down_on_the_way(
     monkeypatch.setattr(pick_and_place, "HOLDS", HOLDS[:1])
     put_long(world, NEAR_THE_BASE)
     why = refusal(known(world)(), "1", FAR_AND_TURNED)
-    assert why.why is RefusalReason.NO_WAY and why.in_the_way == ()
+    assert why.why is RefusalReason.NO_PATH and why.in_the_way == ()
     assert "turns it by 294°, and 120° are allowed" in str(why) and "reach" not in str(why)
     set_down_on_the_way(world, FAR_AND_TURNED)
 
@@ -83,7 +83,7 @@ def test_what_the_way_turns_around_is_moved_aside(
     )
     goal = Pose.upright(0.5, 0.16, 0.02)
     why = refusal(known(world)(), "1", goal)
-    assert why.why is RefusalReason.NO_WAY and why.in_the_way == ("3",)
+    assert why.why is RefusalReason.NO_PATH and why.in_the_way == ("3",)
     assert "1° are allowed; straight there, 3 would" in str(why)
     lower = world.pose(2)
     performed = reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", goal)
@@ -96,8 +96,8 @@ def test_what_the_way_turns_around_is_moved_aside(
 def test_what_no_hold_reaches_at_both_ends_is_set_down_on_the_way(world: ArmWorld) -> None:
     put_long(world, ONE_LEAN)
     why = refusal(known(world)(), "1", OTHER_LEAN)
-    assert why.why is RefusalReason.NO_WAY and why.in_the_way == ()
-    assert "no way to hold it reaches both" in str(why)
+    assert why.why is RefusalReason.NO_PATH and why.in_the_way == ()
+    assert "no grasp reaches both" in str(why)
     set_down_on_the_way(world, OTHER_LEAN)
 
 

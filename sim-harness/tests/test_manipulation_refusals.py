@@ -80,8 +80,8 @@ def goal_unstable(world: ArmWorld) -> tuple[str, Pose]:
         (goal_unseen, RefusalReason.UNSEEN, ["7"]),
         (goal_covered, RefusalReason.COVERED, ["1", "2"]),
         (goal_far, RefusalReason.OUT_OF_REACH, ["1"]),
-        (goal_out_of_a_gap, RefusalReason.NO_WAY, ["1", "finger"]),
-        (goal_in_a_gap, RefusalReason.NO_WAY, ["1", "finger"]),
+        (goal_out_of_a_gap, RefusalReason.NO_PATH, ["1", "finger"]),
+        (goal_in_a_gap, RefusalReason.NO_PATH, ["1", "finger"]),
         (goal_without_support, RefusalReason.NO_SUPPORT, ["40 mm"]),
         (goal_without_room, RefusalReason.NO_ROOM, ["3"]),
         (goal_unstable, RefusalReason.UNSTABLE, ["3"]),
@@ -124,7 +124,7 @@ def test_a_block_that_no_hand_can_hold_is_refused_with_its_measures(
     a, b, height = (edge / 1000 for edge in edges_mm)
     block = Cuboid(Pose.upright(0.5, 0.1, height / 2), (a, b, height))
     goal = Pose.upright(0.5, -0.1, height / 2)
-    with pytest.raises(RefusedError, match="the hand can't hold block") as caught:
+    with pytest.raises(RefusedError, match="the hand cannot hold block") as caught:
         PickAndPlacePlanner().carry({"block": block}, "block", goal, panda.READY_RAD)
     assert all(word in str(caught.value) for word in words), str(caught.value)
     assert "reach" not in str(caught.value)

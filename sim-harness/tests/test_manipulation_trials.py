@@ -151,7 +151,7 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     all_ended = [
         ended("steps_1", 0, "succeeded", GOOD),
         ended("steps_1", 1, "failed", touched),
-        ended("steps_1", 2, "refused", kind="no way"),
+        ended("steps_1", 2, "refused", kind="no path"),
         replace(control, corrected_m=(0.0,)),
     ]
     lines = report.counted(rows, all_ended)
@@ -165,7 +165,7 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
     text = report.text(lines)
     assert "| one step | 3 | 33.3 % | 99.0 % | 1 | 1 | 5.00 mm | 8.60 mm | 5.00 |" in text
     # The control's are not the model's.
-    assert "Of 3 sub-goals of the model, refused: no way 1 (33.3 %)" in text
+    assert "Of 3 sub-goals of the model, refused: no path 1 (33.3 %)" in text
     assert "unexpected contact of the arm or its block: 1." in text
     assert "100.0 % by more than 1.0 mm, 2.0 mm in the median" in text
     assert "- steps_1 2: refused: so it was" in text and "steps_1 0" not in text
@@ -179,7 +179,7 @@ def test_rows_are_counted_and_told(tmp_path: Path) -> None:
 def test_a_row_without_a_step_has_no_figures_of_steps(tmp_path: Path) -> None:
     row = BY_NAME["steps_1"]
     refused = [
-        replace(ended("steps_1", index, "refused", kind="no way"), corrected_m=())
+        replace(ended("steps_1", index, "refused", kind="no path"), corrected_m=())
         for index in range(100)
     ]
     lines = report.counted([row], refused)

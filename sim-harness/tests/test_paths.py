@@ -81,7 +81,7 @@ def test_where_there_is_no_way_it_is_told_what_stands_in_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     wall = {"wall": Cuboid(Pose((0.5, 0.0, 0.6)), (1.4, 0.02, 1.18))}
-    monkeypatch.setattr(paths, "MAX_LOOKS", 100)
+    monkeypatch.setattr(paths, "MAX_CHECKS", 100)
     touch = around(wall)
     assert isinstance(touch, Nearest) and "wall" in touch.pair
     # At an end already.

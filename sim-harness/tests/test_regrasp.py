@@ -48,7 +48,7 @@ def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) 
     before = world.poses()
     with pytest.raises(RefusedError) as caught:
         PickAndPlacePlanner().carry(objects(world), "1", LEFT, world.joints())
-    assert caught.value.why is RefusalReason.NO_WAY
+    assert caught.value.why is RefusalReason.NO_PATH
     marks: list[str] = []
     performed = reach_sub_goal(
         world,
@@ -66,12 +66,12 @@ def test_a_hand_that_leans_one_way_at_each_end_takes_two_turns(world: ArmWorld) 
     assert after[1].distance_m(LEFT) < PLACED_M + performed.corrected_m
     assert all(after[number].distance_m(before[number]) < STAYED_M for number in (2, 3, 4))
     assert marks.count("grasped") == 2 and at_home(world)
-    assert "; 1 was set down on the way, to be held otherwise" in str(performed)
+    assert "; 1 was set down on the way, to be regrasped" in str(performed)
 
 
 def test_from_there_it_can_be_carried_on_and_each_time_it_is_the_same(world: ArmWorld) -> None:
     seen, ready = objects(world), panda.READY_RAD
-    why = RefusedError(RefusalReason.NO_WAY, "")
+    why = RefusedError(RefusalReason.NO_PATH, "")
     ((name, place),) = plan_regrasp(PickAndPlacePlanner(), seen, "1", LEFT, ready, why)
     assert ((name, place),) == plan_regrasp(PickAndPlacePlanner(), seen, "1", LEFT, ready, why)
     moved = {**seen, name: Cuboid(place, seen[name].edges_m)}
@@ -83,7 +83,7 @@ def test_where_one_lean_does_nothing_is_set_down(world: ArmWorld) -> None:
     assert reach_sub_goal(world, PickAndPlacePlanner(), known(world), "1", FREE).cleared == ()
 
 
-@pytest.mark.parametrize("why", [why for why in RefusalReason if why is not RefusalReason.NO_WAY])
+@pytest.mark.parametrize("why", [why for why in RefusalReason if why is not RefusalReason.NO_PATH])
 def test_no_other_refusal_leads_to_one(world: ArmWorld, why: RefusalReason) -> None:
     planner = Endless()
     seen = objects(world)
@@ -97,7 +97,7 @@ def test_where_it_does_not_help_the_first_refusal_stands(world: ArmWorld) -> Non
         reach_sub_goal(
             Still(world), planner, known(world), "4", FREE, ExecutionOptions(keep=("1", "2", "3"))
         )
-    assert caught.value.why is RefusalReason.NO_WAY
+    assert caught.value.why is RefusalReason.NO_PATH
     # To its sub-goal, and to where it would be set down.
     assert planner.count == 2
 
@@ -119,7 +119,7 @@ def test_what_fails_on_the_way_is_told_in_words(world: ArmWorld) -> None:
 def test_what_fails_after_it_is_told_in_words(world: ArmWorld) -> None:
     body = Numb(world, since="cleared")
     with pytest.raises(
-        ManipulationError, match=r"^1 was set down on the way, to be held otherwise; then"
+        ManipulationError, match=r"^1 was set down on the way, to be regrasped; then"
     ):
         reach_sub_goal(
             body,

@@ -64,7 +64,7 @@ NO_ROOM = {"block": cube(0.45, -0.1), "near": cube(0.6, 0.0), "far": cube(0.4, 0
 BESIDE_NEAR = Pose.upright(0.6, 0.042, 0.02)
 
 BETWEEN = Pose.upright(0.591, 0.117, 0.02)
-NO_WAY = {
+NO_PATH = {
     "block": cube(0.594, -0.034),
     "reference": cube(0.59, 0.186, yaw=-0.17, edges=LARGE),
     "near": cube(0.534, 0.11),
@@ -200,7 +200,7 @@ def test_where_nothing_is_too_near_nothing_is_moved_aside(world: ArmWorld) -> No
 
 
 def test_those_in_the_way_are_named_and_nothing_else() -> None:
-    assert set(refusal(NO_WAY, BETWEEN).in_the_way) == {"reference", "near"}
+    assert set(refusal(NO_PATH, BETWEEN).in_the_way) == {"reference", "near"}
     # The one that needs to go less far comes first; the message names the nearest.
     objects = {"nearer": cube(0.6, 0.083), **NO_ROOM}
     why = refusal(objects, BESIDE_NEAR)
@@ -209,9 +209,9 @@ def test_those_in_the_way_are_named_and_nothing_else() -> None:
 
 
 def test_what_is_to_be_kept_is_kept() -> None:
-    assert [name for name, _ in cleared(NO_WAY, BETWEEN, ["reference"])] == ["near"]
-    assert [name for name, _ in cleared(NO_WAY, BETWEEN, ["near"])] == ["reference"]
-    assert cleared(NO_WAY, BETWEEN, ["near", "reference"]) == ()
+    assert [name for name, _ in cleared(NO_PATH, BETWEEN, ["reference"])] == ["near"]
+    assert [name for name, _ in cleared(NO_PATH, BETWEEN, ["near"])] == ["reference"]
+    assert cleared(NO_PATH, BETWEEN, ["near", "reference"]) == ()
 
 
 def test_without_a_clearing_the_first_refusal_stands(world: ArmWorld) -> None:
@@ -227,7 +227,7 @@ def test_without_a_clearing_the_first_refusal_stands(world: ArmWorld) -> None:
             goal,
             ExecutionOptions(keep=("2", "3")),
         )
-    assert caught.value.why is RefusalReason.NO_WAY
+    assert caught.value.why is RefusalReason.NO_PATH
     assert str(caught.value) == str(expected.value)
 
 
@@ -328,8 +328,8 @@ def test_a_blocker_is_put_where_the_blocks_stand_at_the_start() -> None:
 
 
 def test_the_same_is_moved_to_the_same_place_in_another_process() -> None:
-    found = cleared(NO_WAY, BETWEEN)
-    there = elsewhere("import test_relocation as t; print(t.cleared(t.NO_WAY, t.BETWEEN))")
+    found = cleared(NO_PATH, BETWEEN)
+    there = elsewhere("import test_relocation as t; print(t.cleared(t.NO_PATH, t.BETWEEN))")
     assert found and there == repr(found)
 
 
@@ -371,7 +371,7 @@ class Doubting(Asked):
     ) -> PickAndPlace:
         planned = super().carry(objects, name, goal, begin, **how)
         if name == "block" and "near" in objects:
-            raise RefusedError(RefusalReason.NO_WAY, "not proven", ("near",))
+            raise RefusedError(RefusalReason.NO_PATH, "not proven", ("near",))
         return planned
 
 
@@ -424,13 +424,13 @@ class Endless(PickAndPlacePlanner):
     ) -> PickAndPlace:
         self.count += 1
         raise RefusedError(
-            RefusalReason.NO_WAY, "", tuple(other for other in objects if other != name)
+            RefusalReason.NO_PATH, "", tuple(other for other in objects if other != name)
         )
 
 
 def test_planning_ends() -> None:
     planner = Endless()
-    why = RefusedError(RefusalReason.NO_WAY, "", tuple(FULL))
+    why = RefusedError(RefusalReason.NO_PATH, "", tuple(FULL))
     asides = plan_relocations(planner, FULL, "block", BESIDE_NEAR, panda.READY_RAD, why)
     assert asides == () and planner.count == MAX_PLANS
 

@@ -17,7 +17,13 @@ from nsrm_harness.manipulation.execute import execute, retreat
 from nsrm_harness.manipulation.kinematics import Joints
 from nsrm_harness.manipulation.pick_and_place import PickAndPlace, PickAndPlacePlanner
 from nsrm_harness.manipulation.robot_interface import wait
-from nsrm_harness.manipulation.stopping import BACK_RAD, Braking, PathPart, StoppedError, back_along
+from nsrm_harness.manipulation.stopping import (
+    BACK_RAD,
+    Braking,
+    PathPart,
+    StoppedError,
+    reversed_from,
+)
 from nsrm_harness.manipulation.trajectory import Backwards, Trajectory
 from nsrm_harness.simulation.arm_world import ArmWorld
 from nsrm_harness.simulation.blocks import block_from_attributes
@@ -105,7 +111,7 @@ def test_back_from_what_was_met_it_goes_where_it_has_been_looked_at(
         for share in np.linspace(0.0, 1.0, 11):
             on_it = way.at(np.array([share * way.duration_s])).joints[0]
             joints = on_it + pushed_rad * rng.choice((-1.0, 1.0), panda.JOINTS)
-            onto, along = back_along(joints, way)
+            onto, along = reversed_from(joints, way)
             np.testing.assert_array_equal(onto.begin, joints)
             np.testing.assert_allclose(onto.end, along.begin, atol=1e-9)
             np.testing.assert_allclose(along.end, way.begin, atol=1e-5)

@@ -56,7 +56,7 @@ ALLOWED_COLLISIONS: frozenset[frozenset[str]] = frozenset(
 )
 """The allowed collision matrix: pairs that are not checked, with the reason for each."""
 
-LOOK_S = 0.0002
+SAMPLE_S = 0.0002
 """Sampling interval of a trajectory: at the maximum speed of all joints, no point moves more than
 2.6 mm within it."""
 FAR_M = 0.10
@@ -166,19 +166,19 @@ class CollisionChecker:
         A pair that is farther apart than the margin stays so for a while: steps at which no point
         can have moved far enough to close the gap are skipped.
         """
-        way = steps(trajectory, MARGIN_M)
+        sampled = steps(trajectory, MARGIN_M)
         index = 0
-        while index < len(way.joints):
+        while index < len(sampled.joints):
             self._alive()
-            free_m = self.free_m(way.joints[index], opening_m)
+            free_m = self.free_m(sampled.joints[index], opening_m)
             if free_m <= 0.0:
-                touch = self.touches(way.joints[index], opening_m)
+                touch = self.touches(sampled.joints[index], opening_m)
                 if touch is not None:
                     return touch
                 # The distance equals the margin to the last bit: free, and checked again at the
                 # very next step.
             # All steps up to which no point has moved farther than that are free too.
-            free = np.searchsorted(way.moved_m, way.moved_m[index] + free_m)
+            free = np.searchsorted(sampled.moved_m, sampled.moved_m[index] + free_m)
             index = max(index + 1, int(free))
         return None
 
@@ -225,9 +225,9 @@ def steps(trajectory: Trajectory, margin_m: float) -> Steps:
     """Configurations from the beginning to the end of a trajectory. Between two of them, no point
     moves farther than twice the margin, so it is within one margin of either.
 
-    * `margin_m`: at least 1.3 mm, half of the most that a point moves in `LOOK_S`
+    * `margin_m`: at least 1.3 mm, half of the most that a point moves in `SAMPLE_S`
     """
-    count = math.ceil(trajectory.duration_s / LOOK_S) + 1
+    count = math.ceil(trajectory.duration_s / SAMPLE_S) + 1
     joints = trajectory.at(np.linspace(0.0, trajectory.duration_s, count)).joints
     moved_m = np.abs(np.diff(joints, axis=0)) @ REACH_M
     way_m = np.concatenate([[0.0], np.cumsum(moved_m)])

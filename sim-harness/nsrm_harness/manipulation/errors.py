@@ -17,7 +17,7 @@ class RefusalReason(Enum):
     UNSTABLE = "unstable"
     NO_ROOM = "no room"
     OUT_OF_REACH = "out of reach"
-    NO_WAY = "no way"
+    NO_PATH = "no path"
 
 
 class RefusedError(HarnessError):

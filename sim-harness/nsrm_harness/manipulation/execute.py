@@ -20,10 +20,10 @@ from nsrm_harness.manipulation.stopping import (
     RetreatPath,
     Stop,
     StoppedError,
-    back_along,
     back_from,
     never_stopped,
     on_from,
+    reversed_from,
 )
 from nsrm_harness.manipulation.trajectory import Backwards, Moments, Trajectory
 
@@ -57,7 +57,7 @@ class ExecutionResult(Enum):
     PLACED = "placed"
     NOT_GRASPED = "not grasped"
     SLIPPED = "slipped"
-    TAKEN_BACK = "taken back, as something is in the way"
+    TAKEN_BACK = "put back where it was, as something is in the way"
 
 
 def execute(
@@ -74,11 +74,11 @@ def execute(
     body.drive(begin, np.zeros_like(begin))
     open_fingers(body, grasp.opening_m)
     _follow(body, carry.reach, _Halt(stop, back_from, RetreatPath()))
-    from_here = RetreatPath(ways=tuple(Backwards(way) for way in carry.reach[::-1]))
+    from_here = RetreatPath(trajectories=tuple(Backwards(each) for each in carry.reach[::-1]))
     try:
         _follow(body, [carry.descend], _Halt(stop, back_from, from_here), lag_rad=TOUCH_RAD)
     except StuckError:
-        up = back_along(body.joints(), carry.descend)
+        up = reversed_from(body.joints(), carry.descend)
         _follow(body, (*up, *carry.back), _Halt(stop, on_from, RetreatPath()))
         mark("not grasped")
         return ExecutionResult.NOT_GRASPED
@@ -95,12 +95,12 @@ def execute(
     if not _follow(body, [carry.lift], _Halt(stop, back_from, away), least_m):
         return _without_it(body, grasp, carry.back, mark, stop)
     mark("lifted")
-    down = replace(away, ways=(Backwards(carry.lift),))
+    down = replace(away, trajectories=(Backwards(carry.lift),))
     if not _follow(body, carry.transfer, _Halt(stop, back_from, down), least_m):
         return _without_it(body, grasp, carry.home, mark, stop)
     mark("above")
-    back = tuple(Backwards(way) for way in carry.transfer[::-1])
-    over = replace(down, ways=(*back, *down.ways))
+    back = tuple(Backwards(each) for each in carry.transfer[::-1])
+    over = replace(down, trajectories=(*back, *down.trajectories))
     try:
         holds = _follow(body, [carry.lower], _Halt(stop, back_from, over), least_m, TOUCH_RAD)
     except StuckError:
@@ -118,7 +118,7 @@ def retreat(body: RobotInterface, back: RetreatPath, stop: Stop = never_stopped)
 
     Raises `StuckError` and `StoppedError`, as `execute`.
     """
-    _follow(body, back.ways, _Halt(stop, on_from, replace(back, ways=())))
+    _follow(body, back.trajectories, _Halt(stop, on_from, replace(back, trajectories=())))
     if back.grasp is not None:
         wait(body, CALM_S)
         open_fingers(body, back.grasp.opening_m)
@@ -143,15 +143,15 @@ def _take_back(
     Raises `StuckError` if what the joints have met was not a block.
     """
     away = RetreatPath(grasp=carry.grasp, home=(carry.lift, *carry.back))
-    down = replace(away, ways=(Backwards(carry.lift),))
-    up = back_along(body.joints(), carry.lower)
-    ways = (*up, *(Backwards(way) for way in carry.transfer[::-1]))
-    _follow(body, ways, _Halt(stop, on_from, down))
+    down = replace(away, trajectories=(Backwards(carry.lift),))
+    up = reversed_from(body.joints(), carry.lower)
+    trajectories = (*up, *(Backwards(each) for each in carry.transfer[::-1]))
+    _follow(body, trajectories, _Halt(stop, on_from, down))
     try:
-        _follow(body, down.ways, _Halt(stop, on_from, away), lag_rad=TOUCH_RAD)
+        _follow(body, down.trajectories, _Halt(stop, on_from, away), lag_rad=TOUCH_RAD)
     except StuckError:
         # What the block met may hang below it, and has touched down now.
-        up = back_along(body.joints(), down.ways[0])
+        up = reversed_from(body.joints(), down.trajectories[0])
         away = replace(away, home=(*up, *carry.back))
     retreat(body, away, stop)
     mark("taken back")
@@ -164,13 +164,13 @@ class _Halt:
     what was done, and what follows then."""
 
     stop: Stop
-    way_back: Callable[[Sequence[Trajectory], int, float, RetreatPath], RetreatPath]
+    retreat_from: Callable[[Sequence[Trajectory], int, float, RetreatPath], RetreatPath]
     then: RetreatPath
 
 
 def _follow(
     body: RobotInterface,
-    ways: Sequence[Trajectory],
+    trajectories: Sequence[Trajectory],
     halt: _Halt,
     least_m: float = 0.0,
     lag_rad: float = LAG_RAD,
@@ -181,19 +181,21 @@ def _follow(
     come to rest after a stop.
     """
     holds = True
-    for index, way in enumerate(ways):
-        moments = _at_ticks(body, way)
+    for index, trajectory in enumerate(trajectories):
+        moments = _at_ticks(body, trajectory)
         for tick, (joints, speeds) in enumerate(zip(moments.joints, moments.speeds, strict=True)):
             if halt.stop():
-                braking = Braking(way, tick * body.tick_s)
+                braking = Braking(trajectory, tick * body.tick_s)
                 _brake(body, braking)
-                raise StoppedError(halt.way_back(ways, index, braking.stopped_s, halt.then))
+                raise StoppedError(
+                    halt.retreat_from(trajectories, index, braking.stopped_s, halt.then)
+                )
             body.drive(joints, speeds)
             body.tick()
             _check_lag(body, joints, lag_rad)
             holds &= body.opening_m() >= least_m
-    if ways:
-        _check_lag(body, ways[-1].end, ARRIVED_RAD)
+    if trajectories:
+        _check_lag(body, trajectories[-1].end, ARRIVED_RAD)
     return holds
 
 
@@ -205,11 +207,11 @@ def _brake(body: RobotInterface, braking: Braking) -> None:
         _check_lag(body, joints, LAG_RAD)
 
 
-def _at_ticks(body: RobotInterface, way: Trajectory | Braking) -> Moments:
+def _at_ticks(body: RobotInterface, trajectory: Trajectory | Braking) -> Moments:
     """The trajectory's states at the ticks to come; the last tick is at or after its end, where it
     is at rest."""
-    ticks = math.ceil(way.duration_s / body.tick_s)
-    return way.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
+    ticks = math.ceil(trajectory.duration_s / body.tick_s)
+    return trajectory.at(np.linspace(body.tick_s, ticks * body.tick_s, ticks, dtype=np.float64))
 
 
 def _check_lag(body: RobotInterface, told: Joints, most_rad: float) -> None:

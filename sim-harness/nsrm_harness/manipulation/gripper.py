@@ -7,7 +7,7 @@ import math
 from nsrm_harness.geometry.panda import GRIP_N
 from nsrm_harness.manipulation.robot_interface import RobotInterface, StuckError, wait
 
-LOOK_S = 0.02
+POLL_S = 0.02
 """Interval between two readings of the opening."""
 STILL_M = 1e-5
 """The fingers count as at rest if they move by less than this between two readings."""
@@ -57,8 +57,8 @@ def _move(body: RobotInterface, opening_m: float) -> None:
 
 
 def _has_begun(body: RobotInterface, begin_m: float) -> bool:
-    for _ in range(round(BEGIN_S / LOOK_S)):
-        wait(body, LOOK_S)
+    for _ in range(round(BEGIN_S / POLL_S)):
+        wait(body, POLL_S)
         if abs(body.opening_m() - begin_m) > BEGUN_M:
             return True
     return False
@@ -66,8 +66,8 @@ def _has_begun(body: RobotInterface, begin_m: float) -> bool:
 
 def _stands(body: RobotInterface) -> bool:
     before_m = math.inf
-    for _ in range(round(MOVE_S / LOOK_S)):
-        wait(body, LOOK_S)
+    for _ in range(round(MOVE_S / POLL_S)):
+        wait(body, POLL_S)
         now_m = body.opening_m()
         if abs(before_m - now_m) < STILL_M:
             return True

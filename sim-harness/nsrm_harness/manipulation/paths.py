@@ -26,7 +26,7 @@ RANGE_RAD = 0.6
 """The planner's longest single move (Euclidean norm over the joints)."""
 TURN_S = 0.05
 """Sampling interval for the hand's rotation: no joint turns by more than 0.14 rad within it."""
-MAX_LOOKS = 4000
+MAX_CHECKS = 4000
 """How often the planner may evaluate its termination condition: it ends by a count, not by time."""
 SEED = 1
 
@@ -52,13 +52,13 @@ def line(kinematics: Kinematics, begin: Pose, end: Pose, near: Joints, pace: flo
     return along if along.off_rad <= MAX_OFF_RAD else None
 
 
-def turned_rad(kinematics: Kinematics, ways: Sequence[Trajectory]) -> float:
+def turned_rad(kinematics: Kinematics, path: Sequence[Trajectory]) -> float:
     """How far the hand rotates about the vertical along its path: between the two moments that are
     the farthest apart, full turns included."""
     yaws_rad = [
         kinematics.hand(joints).yaw_rad()
-        for way in ways
-        for joints in way.at(np.arange(0.0, way.duration_s + TURN_S, TURN_S)).joints
+        for segment in path
+        for joints in segment.at(np.arange(0.0, segment.duration_s + TURN_S, TURN_S)).joints
     ]
     return float(np.ptp(np.unwrap(yaws_rad)))
 
@@ -115,12 +115,12 @@ def _sampled(
         for joint in range(panda.JOINTS):
             state[joint] = float(joints[joint])
     setup.setStartAndGoalStates(*states)
-    looks = 0
+    checks = 0
 
     def enough() -> bool:
-        nonlocal looks
-        looks += 1
-        return looks > MAX_LOOKS
+        nonlocal checks
+        checks += 1
+        return checks > MAX_CHECKS
 
     setup.solve(base.PlannerTerminationCondition(enough))
     if not setup.haveExactSolutionPath():

@@ -117,7 +117,7 @@ class _TurnsTooFar:
 
     def __str__(self) -> str:
         text = (
-            f"the way there turns it by {math.degrees(self.turn_rad):.0f}°, and "
+            f"the path there turns it by {math.degrees(self.turn_rad):.0f}°, and "
             f"{math.degrees(MAX_TURN_RAD):.0f}° are allowed"
         )
         return text if self.around is None else f"{text}; straight there, {self.around}"
@@ -172,12 +172,12 @@ class PickAndPlacePlanner:
                 tuple(on_it),
             )
         if why := why_not_held(block):
-            raise RefusedError(RefusalReason.NO_GRASP, f"the hand can't hold {name}: {why}")
+            raise RefusedError(RefusalReason.NO_GRASP, f"the hand cannot hold {name}: {why}")
         try:
             put = placement(goal, block, others)
         except RefusedError as refusal:
             raise RefusedError(
-                refusal.why, f"{name} can't stand there: {refusal}", refusal.in_the_way
+                refusal.why, f"{name} cannot stand there: {refusal}", refusal.in_the_way
             ) from None
         before = self._checker(objects, ignored=_fingers_and(name))
         tasks = [
@@ -195,8 +195,8 @@ class PickAndPlacePlanner:
         failed: list[_Failed] = []
         leans_rad = LEANS_RAD if leaning else UPRIGHT
         for places, clear_m in HOLDS:
-            ways = _least_turns_first(grasps(block, leans_rad, places, clear_m))
-            for task, grasp in itertools.product(tasks, ways):
+            candidates = _least_turns_first(grasps(block, leans_rad, places, clear_m))
+            for task, grasp in itertools.product(tasks, candidates):
                 found = self._by(grasp, task)
                 if isinstance(found, PickAndPlace):
                     return found
@@ -299,8 +299,8 @@ class PickAndPlacePlanner:
                 key for touch in (*around, *touches) for key in sorted(touch.pair)
             )
             return RefusedError(
-                RefusalReason.NO_WAY,
-                f"{name} can't be carried there: {turns[0] if turns else touches[0]}",
+                RefusalReason.NO_PATH,
+                f"{name} cannot be carried there: {turns[0] if turns else touches[0]}",
                 tuple(key for key in touched if key in others),
             )
         if all(each.why is _OutOfReach.BLOCK for each in failed):
@@ -311,8 +311,8 @@ class PickAndPlacePlanner:
         elsewhere = (each for each in failed if each.why is _OutOfReach.BLOCK)
         if any(self._up_from(task.held_by(grasp)[1], task.begin) for grasp, task, _ in elsewhere):
             return RefusedError(
-                RefusalReason.NO_WAY,
-                f"{name} can't be carried there: no way to hold it reaches both where it stands "
+                RefusalReason.NO_PATH,
+                f"{name} cannot be carried there: no grasp reaches both where it stands "
                 "and where it goes",
             )
         return RefusedError(

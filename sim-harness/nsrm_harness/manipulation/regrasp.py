@@ -30,7 +30,7 @@ def plan_regrasp(
     * `objects`, `begin`: see `PickAndPlacePlanner.carry`
     * `refusal`: why the block cannot be carried directly
     """
-    if refusal.why is not RefusalReason.NO_WAY:
+    if refusal.why is not RefusalReason.NO_PATH:
         return ()
     block = objects[name]
     others = [cuboid for key, cuboid in objects.items() if key != name]

@@ -55,9 +55,9 @@ def plan_relocations(
 
     An object that supports something stays too. Bounded: at most `MAX_PLANS` pick and place plans.
     """
-    if refusal.why not in (RefusalReason.NO_ROOM, RefusalReason.NO_WAY):
+    if refusal.why not in (RefusalReason.NO_ROOM, RefusalReason.NO_PATH):
         return ()
-    return _Search(planner, objects, name, goal, begin, keep).asides(refusal)
+    return _Search(planner, objects, name, goal, begin, keep).relocations(refusal)
 
 
 class _Search:
@@ -80,7 +80,7 @@ class _Search:
         self._refusals: dict[frozenset[str], RefusedError | None] = {}
         self._plans = 0
 
-    def asides(self, refusal: RefusedError) -> tuple[Relocation, ...]:
+    def relocations(self, refusal: RefusedError) -> tuple[Relocation, ...]:
         """The relocations: with one blocker first, then with more."""
         refusals: dict[tuple[str, ...], RefusedError] = {(): refusal}
         for _ in range(MAX_BLOCKERS):
@@ -141,7 +141,7 @@ class _Search:
     ) -> RefusedError | None:
         if self._plans == MAX_PLANS:
             # Names nothing in the way, so the search ends.
-            return RefusedError(RefusalReason.NO_WAY, "enough was planned")
+            return RefusedError(RefusalReason.NO_PATH, f"gave up after {MAX_PLANS} plans")
         self._plans += 1
         try:
             self._planner.carry(objects, name, goal, begin, leaning=False)

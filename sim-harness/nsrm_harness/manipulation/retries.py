@@ -226,15 +226,15 @@ class _Execution:
             try:
                 carry = self.planner.carry(objects, name, goal, self.body.joints())
             except RefusedError as refusal:
-                asides = before(objects, refusal)
-                if not asides and number == 1:
+                relocations = before(objects, refusal)
+                if not relocations and number == 1:
                     raise
-                if not asides:
+                if not relocations:
                     why = f"{name}: {done.value} at try {number - 1}, and now {refusal}"
                     failed = self._failed(name, cleared, why, why=refusal.why, after=done)
                     raise failed from None
-                cleared += asides
-                first += self._clear(objects, name, asides)
+                cleared += relocations
+                first += self._clear(objects, name, relocations)
                 objects = self.see()
                 ready(objects)
                 carry = self._carry_after(cleared, objects, name, goal)
@@ -266,13 +266,13 @@ class _Execution:
         raise self._failed(name, cleared, why, done)
 
     def _clear(
-        self, objects: Mapping[str, Cuboid], name: str, asides: tuple[Relocation, ...]
+        self, objects: Mapping[str, Cuboid], name: str, relocations: tuple[Relocation, ...]
     ) -> list[SubGoalReached]:
         """Moves aside what prevents a block from being carried. Raises `ManipulationError`."""
-        self.options.tell([blocker for blocker, _ in asides])
+        self.options.tell([blocker for blocker, _ in relocations])
         self.options.mark("clearing")
         done = []
-        for blocker, place in asides:
+        for blocker, place in relocations:
             try:
                 done.append(self.carry(objects, blocker, place))
             except (RefusedError, ManipulationError) as error:
@@ -303,7 +303,7 @@ class _Execution:
     def _failed(
         self,
         name: str,
-        asides: tuple[Relocation, ...],
+        relocations: tuple[Relocation, ...],
         what: str,
         done: ExecutionResult | None = None,
         why: RefusalReason | None = None,
@@ -311,7 +311,7 @@ class _Execution:
     ) -> ManipulationError:
         """The error: what was moved aside first, what went wrong then, and which other objects have
         moved."""
-        what = f"{_first(name, asides)}; then: {what}" if asides else what
+        what = f"{_first(name, relocations)}; then: {what}" if relocations else what
         return ManipulationError(what, done, why, self.shifts.besides(name), after)
 
 
@@ -342,9 +342,9 @@ def _long_yaw_rad(cuboid: Cuboid) -> float:
     return cuboid.pose.yaw_rad() + (math.pi / 2 if b > a else 0.0)
 
 
-def _first(name: str, asides: tuple[Relocation, ...]) -> str:
+def _first(name: str, relocations: tuple[Relocation, ...]) -> str:
     """What was done before a block was carried to its sub-goal, in words."""
-    names = list(dict(asides))
+    names = list(dict(relocations))
     if names == [name]:
-        return f"{name} was set down on the way, to be held otherwise"
+        return f"{name} was set down on the way, to be regrasped"
     return f"{' and '.join(names)} {'was' if len(names) == 1 else 'were'} moved aside first"

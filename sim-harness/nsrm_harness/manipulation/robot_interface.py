@@ -34,7 +34,7 @@ class RobotInterface(Protocol):
         ...
 
     def opening_m(self) -> float:
-        """The measured opening of the fingers: updated within each `gripper.LOOK_S`, possibly with
+        """The measured opening of the fingers: updated within each `gripper.POLL_S`, possibly with
         latency."""
         ...
 

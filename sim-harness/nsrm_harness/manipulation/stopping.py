@@ -55,12 +55,12 @@ class RetreatPath:
     """The path from where the arm was stopped to its ready pose, on which it puts down what it
     holds.
 
-    * `ways`: the first trajectories, with the fingers as they are
+    * `trajectories`: the first trajectories, with the fingers as they are
     * `grasp`: then the fingers open as far as it says; None if they hold nothing
     * `home`: the trajectories after that
     """
 
-    ways: tuple[Trajectory, ...] = ()
+    trajectories: tuple[Trajectory, ...] = ()
     grasp: Grasp | None = None
     home: tuple[Trajectory, ...] = ()
 
@@ -76,8 +76,8 @@ class StoppedError(HarnessError):
 class Braking:
     """Stops a trajectory: from one moment on, slows down along its path until it is at rest."""
 
-    def __init__(self, way: Trajectory, since_s: float) -> None:
-        self._way, self._since_s = way, since_s
+    def __init__(self, trajectory: Trajectory, since_s: float) -> None:
+        self._trajectory, self._since_s = trajectory, since_s
         for deceleration in BRAKING:
             self._timed = _slowed(deceleration)
             accelerations = self.at(np.arange(0.0, self.duration_s, LOOKED_S)).accelerations
@@ -92,20 +92,20 @@ class Braking:
     def stopped_s(self) -> float:
         """The moment of the trajectory at which the arm comes to rest."""
         gone_s = float(self._timed.at_time(self.duration_s)[0][0])
-        return min(self._since_s + gone_s, self._way.duration_s)
+        return min(self._since_s + gone_s, self._trajectory.duration_s)
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
         """Its states at these times."""
         gone_s, pace, change = moments_of(self._timed, times_s)
-        return _at_pace(self._way, self._since_s + gone_s, pace, change)
+        return _at_pace(self._trajectory, self._since_s + gone_s, pace, change)
 
 
 class PathPart:
     """A part of a trajectory, forwards or backwards, slowly and from rest to rest."""
 
-    def __init__(self, way: Trajectory, begin_s: float, end_s: float) -> None:
-        self._way, self._begin_s, self._span_s = way, begin_s, end_s - begin_s
-        self.begin, self.end = way.at(np.array([begin_s, end_s])).joints
+    def __init__(self, trajectory: Trajectory, begin_s: float, end_s: float) -> None:
+        self._trajectory, self._begin_s, self._span_s = trajectory, begin_s, end_s - begin_s
+        self.begin, self.end = trajectory.at(np.array([begin_s, end_s])).joints
         span_s = max(abs(self._span_s), 1e-6)
         self._timed = rest_to_rest(PACE / span_s, ACCELERATION / span_s, JERK / span_s)
 
@@ -115,29 +115,37 @@ class PathPart:
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
         place, pace, change = (self._span_s * each for each in moments_of(self._timed, times_s))
-        return _at_pace(self._way, self._begin_s + place, pace, change)
+        return _at_pace(self._trajectory, self._begin_s + place, pace, change)
 
 
 def back_from(
-    ways: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
+    trajectories: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
 ) -> RetreatPath:
     """The retreat path from a moment of one of these trajectories: back along them, and then
     `then`."""
-    before = tuple(Backwards(way) for way in ways[:index][::-1])
-    return replace(then, ways=(PathPart(ways[index], moment_s, 0.0), *before, *then.ways))
-
-
-def on_from(
-    ways: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
-) -> RetreatPath:
-    """The rest of these trajectories from a moment of one of them, and then `then`."""
-    way = ways[index]
+    before = tuple(Backwards(each) for each in trajectories[:index][::-1])
     return replace(
-        then, ways=(PathPart(way, moment_s, way.duration_s), *ways[index + 1 :], *then.ways)
+        then,
+        trajectories=(PathPart(trajectories[index], moment_s, 0.0), *before, *then.trajectories),
     )
 
 
-def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]:
+def on_from(
+    trajectories: Sequence[Trajectory], index: int, moment_s: float, then: RetreatPath
+) -> RetreatPath:
+    """The rest of these trajectories from a moment of one of them, and then `then`."""
+    trajectory = trajectories[index]
+    return replace(
+        then,
+        trajectories=(
+            PathPart(trajectory, moment_s, trajectory.duration_s),
+            *trajectories[index + 1 :],
+            *then.trajectories,
+        ),
+    )
+
+
+def reversed_from(joints: Joints, trajectory: Trajectory) -> tuple[Trajectory, Trajectory]:
     """Backs off from an obstacle that was met on a trajectory: rejoins the trajectory slightly
     before the contact, and follows it back to its beginning. No new path has to be checked: the
     trajectory has been, and on the short piece to it the arm is never farther off it than at
@@ -145,23 +153,25 @@ def back_along(joints: Joints, way: Trajectory) -> tuple[Trajectory, Trajectory]
 
     * `joints`: where the arm is, less than a few hundredths of a radian off the trajectory
     """
-    times_s = np.arange(0.0, way.duration_s, LOOKED_S)
-    path = way.at(times_s).joints
+    times_s = np.arange(0.0, trajectory.duration_s, LOOKED_S)
+    path = trajectory.at(times_s).joints
     off_rad = np.abs(path - joints).max(axis=1)
     before = np.flatnonzero(off_rad[: int(off_rad.argmin())] >= BACK_RAD)
     index = int(before[-1]) if len(before) else 0
-    return Straight(joints, path[index], BACK_PACE), PathPart(way, float(times_s[index]), 0.0)
+    return Straight(joints, path[index], BACK_PACE), PathPart(
+        trajectory, float(times_s[index]), 0.0
+    )
 
 
 def _at_pace(
-    way: Trajectory,
+    trajectory: Trajectory,
     moments_s: NDArray[np.float64],
     pace: NDArray[np.float64],
     change: NDArray[np.float64],
 ) -> Moments:
     """The states of a trajectory at moments of it that pass at a pace `[n, 1]`, which changes,
     1/s."""
-    own = way.at(moments_s[:, 0])
+    own = trajectory.at(moments_s[:, 0])
     return Moments(own.joints, own.speeds * pace, own.accelerations * pace**2 + own.speeds * change)
 
 

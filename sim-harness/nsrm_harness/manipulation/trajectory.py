@@ -84,16 +84,16 @@ class Straight:
 class Backwards:
     """A trajectory from its end to its beginning."""
 
-    def __init__(self, way: Trajectory) -> None:
-        self.begin, self.end = way.end, way.begin
-        self._way = way
+    def __init__(self, trajectory: Trajectory) -> None:
+        self.begin, self.end = trajectory.end, trajectory.begin
+        self._trajectory = trajectory
 
     @property
     def duration_s(self) -> float:
-        return self._way.duration_s
+        return self._trajectory.duration_s
 
     def at(self, times_s: NDArray[np.float64]) -> Moments:
-        moments = self._way.at(self.duration_s - times_s)
+        moments = self._trajectory.at(self.duration_s - times_s)
         return Moments(moments.joints, -moments.speeds, moments.accelerations)
 
 
@@ -201,5 +201,5 @@ def rest_to_rest(speed: float, acceleration: float, jerk: float) -> Timed:
     timed = Timed(1)
     result = Ruckig(1).calculate(wanted, timed)
     if result not in (Result.Working, Result.Finished):
-        raise ValueError(f"no time for a way at {speed}, {acceleration}, {jerk}: {result}")
+        raise ValueError(f"no time-optimal profile at {speed}, {acceleration}, {jerk}: {result}")
     return timed

@@ -46,7 +46,7 @@ REFUSALS = {
     RefusalReason.UNSTABLE: Outcome.WOULD_FALL,
     RefusalReason.NO_ROOM: Outcome.NO_PATH,
     RefusalReason.OUT_OF_REACH: Outcome.OUT_OF_REACH,
-    RefusalReason.NO_WAY: Outcome.NO_PATH,
+    RefusalReason.NO_PATH: Outcome.NO_PATH,
 }
 """The outcome for a pick and place that was refused, at first or before a retry."""
 
@@ -138,7 +138,7 @@ class ArmMover:
         its way first."""
         self.tidy_up()
         if self._stuck:
-            what = "not begun: %s; look at the arm and start its controller anew"
+            what = "not begun: %s; check the arm, then restart its controller"
             self._log.error(what, self._stuck)
             return Answer(Outcome.NOT_FOLLOWING)
         self._carried = frozenset([command.object_id])

@@ -61,15 +61,15 @@ class DisturbedRow(TrialRow):
 DISTURBED_ROWS = tuple(
     DisturbedRow(
         f"{kind}_{loop}",
-        f"{disturbance.title}: loop {loop}",
+        f"{fault.title}: loop {loop}",
         0.95 if loop == "closed" else 0.0,
         MOST_STEPS,
-        is_stack=disturbance.is_stack,
+        is_stack=fault.is_stack,
         is_disturbed=True,
         kind=kind,
         loop=loop,
     )
-    for kind, disturbance in FAULTS.items()
+    for kind, fault in FAULTS.items()
     for loop in ("closed", "open")
 )
 """For each kind of fault, the closed loop, and the open loop for comparison, which has no goal to
@@ -94,8 +94,8 @@ def run_disturbed(
     number = list(FAULTS).index(kind)
     rng = generator(seed, "arm_disturbed", MOST_KINDS * index + number)
     with closing(FaultyArm()) as arm:
-        drawn, disturbance = _draw(kind, arm, rng, domain or domains.load())
-        episode = _Disturbed(arm, drawn, films, disturbance, loop)
+        drawn, fault = _draw(kind, arm, rng, domain or domains.load())
+        episode = _Disturbed(arm, drawn, films, fault, loop)
         return episode.carry_out(f"{kind}_{loop}", index)
 
 
@@ -103,13 +103,13 @@ def _draw(
     kind: str, arm: FaultyArm, rng: np.random.Generator, domain: Domain
 ) -> tuple[Drawn, InjectedFault]:
     """A scene with one or two steps in which the fault is possible."""
-    disturbance = FAULTS[kind]
+    fault = FAULTS[kind]
     for _ in range(MAX_TRIES):
-        steps = MOST_STEPS if disturbance.is_stack else int(rng.integers(1, MOST_STEPS + 1))
-        row = TrialRow(kind, "", 0.0, steps, is_stack=disturbance.is_stack)
+        steps = MOST_STEPS if fault.is_stack else int(rng.integers(1, MOST_STEPS + 1))
+        row = TrialRow(kind, "", 0.0, steps, is_stack=fault.is_stack)
         drawn = draw(row, rng, domain)
         try:
-            return drawn, disturbance(arm, drawn, rng)
+            return drawn, fault(arm, drawn, rng)
         except LayoutError:
             continue
     raise HarnessError(f"{kind}: no scene in which it can be done after {MAX_TRIES} tries")
@@ -121,11 +121,11 @@ class _Disturbed(TrialEpisode):
         arm: FaultyArm,
         drawn: Drawn,
         films: Path | None,
-        disturbance: InjectedFault,
+        fault: InjectedFault,
         loop: Loop,
     ) -> None:
         super().__init__(arm, drawn, films)
-        self._arm, self._disturbance, self._loop_kind = arm, disturbance, loop
+        self._arm, self._fault, self._loop_kind = arm, fault, loop
         self._is_clearing, self._reached_before = False, 0
         self._put_aside, self._cleared = set[int](), set[int]()
         self._before = arm.poses()
@@ -138,7 +138,7 @@ class _Disturbed(TrialEpisode):
             return EpisodeEnd("failed", "it is not at rest")
         if others := self._others():
             return EpisodeEnd("failed", f"{others} moved")
-        if not self._disturbance.has_acted:
+        if not self._fault.has_acted:
             return EpisodeEnd("failed", "it ended before it was disturbed")
         return EpisodeEnd("succeeded")
 
@@ -169,13 +169,13 @@ class _Disturbed(TrialEpisode):
             return replace(told, end="failed", why=f"{told.why}; {others} moved")
         if not (isinstance(error, StuckError) or self._is_ready()):
             return replace(told, end="failed", why=f"{told.why}; it is not in its ready pose")
-        is_right = self._disturbance.has_acted and self._disturbance.explains(error)
+        is_right = self._fault.has_acted and self._fault.explains(error)
         if is_right and told.end == "failed":
             return replace(told, end="succeeded")
         return told
 
-    def _eyes(self) -> Observer:
-        return Observer(FaultyCamera(renderer(), self._arm, default_camera(), self._disturbance))
+    def _observer(self) -> Observer:
+        return Observer(FaultyCamera(renderer(), self._arm, default_camera(), self._fault))
 
     def _follow(self) -> None:
         loop = self._loop()
@@ -199,11 +199,11 @@ class _Disturbed(TrialEpisode):
         if event in ("clearing", "cleared"):
             self._is_clearing = event == "clearing"
         elif not self._is_clearing:
-            self._disturbance.mark(self._step, event)
+            self._fault.mark(self._step, event)
 
     def _tick(self) -> None:
         self._others_tick()
-        self._disturbance.tick()
+        self._fault.tick()
         self._judge.tick()
 
     def _end(self, index: int) -> None:
@@ -231,7 +231,7 @@ class _Disturbed(TrialEpisode):
         """The indices of the blocks that were expected to move: by a step, moved aside as reported,
         or by the fault."""
         moved = {move.moved for move in self._moves}
-        return moved | self._put_aside | self._disturbance.meddled
+        return moved | self._put_aside | self._fault.meddled
 
     def _others(self) -> str:
         """The names of the blocks that are displaced although nothing was to move them."""

@@ -125,7 +125,7 @@ class TrialEpisode(ABC):
         loop = ClosedLoop(
             self._world,
             planner(),
-            self._eyes(),
+            self._observer(),
             model(),
             mark=self._mark,
             begin=self._begin,
@@ -135,7 +135,7 @@ class TrialEpisode(ABC):
         return loop
 
     @abstractmethod
-    def _eyes(self) -> Observer: ...
+    def _observer(self) -> Observer: ...
 
     @abstractmethod
     def _aside(self) -> list[Pose]:

@@ -339,11 +339,11 @@ class FaultyCamera(SimulatedCamera):
     """A camera whose images a fault can change."""
 
     def __init__(
-        self, renderer: Renderer, arm: FaultyArm, camera: Camera, disturbance: InjectedFault
+        self, renderer: Renderer, arm: FaultyArm, camera: Camera, fault: InjectedFault
     ) -> None:
         super().__init__(renderer, arm, camera)
-        self._disturbance = disturbance
+        self._fault = fault
 
     def take(self) -> RgbdImage:
         """See `CameraSource`."""
-        return self._disturbance.picture(super().take())
+        return self._fault.picture(super().take())

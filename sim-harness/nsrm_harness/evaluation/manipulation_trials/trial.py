@@ -49,7 +49,7 @@ def run(
 class _ByModel(TrialEpisode):
     """An episode in which the model plans from images."""
 
-    def _eyes(self) -> Observer:
+    def _observer(self) -> Observer:
         return Observer(SimulatedCamera(renderer(), self._world, default_camera()))
 
     def _aside(self) -> list[Pose]:

@@ -98,7 +98,7 @@ class _Episode:
         self._domain = domain
         self._judge = PlacementJudge(world, scene.arrangement.blocks)
         world.on_tick = self._judge.tick
-        self._eyes = Observer(SimulatedCamera(renderer(), world, default_camera()))
+        self._observer = Observer(SimulatedCamera(renderer(), world, default_camera()))
         self._number, self._has_reached = 0, False
         self.done: list[CompletedStep] = []
 
@@ -116,7 +116,7 @@ class _Episode:
         loop = ClosedLoop(
             self._world,
             planner(),
-            self._eyes,
+            self._observer,
             model(),
             known.spoken,
             looked=self._looked,
@@ -138,10 +138,10 @@ class _Episode:
         return "succeeded", ""
 
     def _plan(self, sentence: str) -> tuple[nsrm.Plan, ObjectNames]:
-        sight = self._eyes.look()
+        sight = self._observer.look()
         known = name_objects(model(), self._domain, sight)
         self.sheet.add_scene(sight, known)
-        plan = model().plan(sight.scene(model(), self._eyes.camera), sentence)
+        plan = model().plan(sight.scene(model(), self._observer.camera), sentence)
         self.sheet.add_plan(plan)
         return plan, known
 
