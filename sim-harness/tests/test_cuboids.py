@@ -33,7 +33,7 @@ FLAT: Vector3 = (0.06, 0.03, 0.03)
 FREE = Pose.upright(0.55, 0.2, 0.02)
 
 
-class Eyes:
+class Tracking:
     """A picture after the other, and who is who in them."""
 
     def __init__(self, renderer: Renderer, world: World) -> None:
@@ -116,8 +116,8 @@ def test_blocks_are_where_and_as_they_are(
     world.reset()
     world.spawn(blocks, sample_layout(rng, blocks, max_yaw_rad=math.radians(max_yaw)))
     assert world.settle().at_rest
-    eyes = Eyes(renderer, world)
-    numbers, cuboids = eyes.numbers(), eyes.look()
+    tracking = Tracking(renderer, world)
+    numbers, cuboids = tracking.numbers(), tracking.look()
     assert len(cuboids) == 6 and len(set(numbers.values())) == 6
     for block_id, number in numbers.items():
         check(world, block_id, cuboids[number], f"seed {seed}, block {block_id}")
@@ -131,11 +131,11 @@ def test_a_block_keeps_its_box_when_another_is_put_on_it(renderer: Renderer, wor
         (large("blue"), large("blue")),
     ):
         put(world, (lower, 0.5, 0.1, 0), (upper, 0.45, -0.1, 0), (small("white"), 0.6, 0.0, 0))
-        eyes = Eyes(renderer, world)
-        numbers, before = eyes.numbers(), eyes.look()
+        tracking = Tracking(renderer, world)
+        numbers, before = tracking.numbers(), tracking.look()
         move(world, 2, onto(world, 2, 1))
         for _ in range(3):
-            cuboids = eyes.look()
+            cuboids = tracking.look()
             assert sorted(cuboids) == sorted(numbers.values())
             for block_id, number in numbers.items():
                 check(world, block_id, cuboids[number], (lower.values, upper.values, block_id))
@@ -152,27 +152,27 @@ def test_a_tower_is_seen_as_its_blocks_while_it_is_built(renderer: Renderer, wor
         (small("blue"), 0.5, -0.15, 0),
         (small("yellow"), 0.6, -0.15, 0),
     )
-    eyes = Eyes(renderer, world)
-    numbers = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    numbers = tracking.numbers()
     for moved in (2, 3, 4):
         move(world, moved, onto(world, moved, moved - 1))
-        cuboids = eyes.look()
+        cuboids = tracking.look()
         for block_id, number in numbers.items():
             check(world, block_id, cuboids[number], (moved, block_id))
     # And while it is taken down.
     for moved in (4, 3):
         move(world, moved, Pose.upright(0.4 + 0.05 * moved, -0.15, 0.02, YAW))
-        cuboids = eyes.look()
+        cuboids = tracking.look()
         for block_id, number in numbers.items():
             check(world, block_id, cuboids[number], (moved, block_id))
 
 
 def test_a_block_that_was_moved_is_only_where_it_is_now(renderer: Renderer, world: World) -> None:
     put(world, (small("red"), 0.45, 0.1, 0), (small("green"), 0.55, -0.1, 0))
-    eyes = Eyes(renderer, world)
-    numbers = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    numbers = tracking.numbers()
     move(world, 1, Pose.upright(0.6, 0.15, 0.02, 0.3))
-    cuboids = eyes.look()
+    cuboids = tracking.look()
     assert sorted(cuboids) == sorted(numbers.values())
     for block_id, number in numbers.items():
         check(world, block_id, cuboids[number])
@@ -185,23 +185,23 @@ def out_of_sight(world: World, moved: int) -> None:
 
 def test_a_block_that_was_taken_away_is_believed_no_more(renderer: Renderer, world: World) -> None:
     put(world, (small("red"), 0.45, 0.1, 0), (small("green"), 0.55, -0.1, 0))
-    eyes = Eyes(renderer, world)
-    numbers = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    numbers = tracking.numbers()
     out_of_sight(world, 1)
-    assert list(eyes.look()) == [numbers[2]]
+    assert list(tracking.look()) == [numbers[2]]
     # From a tower too: then the lower one is still there.
     put(world, (small("red"), 0.45, 0.1, 0), (small("green"), 0.55, -0.1, 0))
-    eyes = Eyes(renderer, world)
-    numbers = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    numbers = tracking.numbers()
     move(world, 2, onto(world, 2, 1))
-    eyes.look()
+    tracking.look()
     out_of_sight(world, 2)
-    cuboids = eyes.look()
+    cuboids = tracking.look()
     assert list(cuboids) == [numbers[1]]
     check(world, 1, cuboids[numbers[1]])
 
 
-def in_the_open(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
+def in_the_open(renderer: Renderer, world: World) -> tuple[Tracking, dict[int, int]]:
     """A red block, and two large ones that don't hide it yet."""
     put(
         world,
@@ -209,57 +209,57 @@ def in_the_open(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]
         (large("green"), 0.5, 0.15, 0),
         (large("blue"), 0.5, -0.15, 0),
     )
-    eyes = Eyes(renderer, world)
-    numbers = eyes.numbers()
-    return eyes, numbers
+    tracking = Tracking(renderer, world)
+    numbers = tracking.numbers()
+    return tracking, numbers
 
 
-def hidden(renderer: Renderer, world: World) -> tuple[Eyes, dict[int, int]]:
+def hidden(renderer: Renderer, world: World) -> tuple[Tracking, dict[int, int]]:
     """The red block, seen before a tower of two large ones was built in front of it."""
-    eyes, numbers = in_the_open(renderer, world)
+    tracking, numbers = in_the_open(renderer, world)
     move(world, 2, Pose.upright(0.46, 0.0, 0.025, YAW))
-    eyes.look()
+    tracking.look()
     move(world, 3, onto(world, 3, 2))
-    return eyes, numbers
+    return tracking, numbers
 
 
 def test_a_block_that_is_wholly_hidden_is_believed_to_be_there(
     renderer: Renderer, world: World
 ) -> None:
-    eyes, numbers = hidden(renderer, world)
+    tracking, numbers = hidden(renderer, world)
     for _ in range(3):
-        cuboids = eyes.look()
-        assert sorted(eyes.seen) == sorted((numbers[2], numbers[3]))
+        cuboids = tracking.look()
+        assert sorted(tracking.seen) == sorted((numbers[2], numbers[3]))
         for block_id, number in numbers.items():
             check(world, block_id, cuboids[number], block_id)
     # It comes to light again as the same one.
     for moved, y in ((3, -0.15), (2, 0.15)):
         move(world, moved, Pose.upright(0.5, y, 0.025, YAW))
-        cuboids = eyes.look()
+        cuboids = tracking.look()
         for block_id, number in numbers.items():
             check(world, block_id, cuboids[number], (moved, block_id))
-    assert sorted(eyes.seen) == sorted(numbers.values())
+    assert sorted(tracking.seen) == sorted(numbers.values())
 
 
 def test_a_block_that_went_unseen_is_believed_until_its_place_is_seen(
     renderer: Renderer, world: World
 ) -> None:
-    eyes, numbers = hidden(renderer, world)
-    eyes.look()
+    tracking, numbers = hidden(renderer, world)
+    tracking.look()
     out_of_sight(world, 1)
-    assert numbers[1] in eyes.look()
+    assert numbers[1] in tracking.look()
     move(world, 3, Pose.upright(0.5, -0.15, 0.025, YAW))
     move(world, 2, Pose.upright(0.5, 0.15, 0.025, YAW))
-    assert sorted(eyes.look()) == sorted((numbers[2], numbers[3]))
+    assert sorted(tracking.look()) == sorted((numbers[2], numbers[3]))
 
 
 def test_a_block_that_is_partly_hidden_keeps_its_box(renderer: Renderer, world: World) -> None:
-    eyes, numbers = in_the_open(renderer, world)
+    tracking, numbers = in_the_open(renderer, world)
     move(world, 2, Pose.upright(0.46, 0.03, 0.025, YAW))
-    eyes.look()
+    tracking.look()
     move(world, 3, Pose.upright(0.46, 0.03, 0.075, YAW))
-    cuboids = eyes.look()
-    assert len(eyes.seen) == 3
+    cuboids = tracking.look()
+    assert len(tracking.seen) == 3
     assert sorted(cuboids) == sorted(numbers.values())
     for block_id, number in numbers.items():
         check(world, block_id, cuboids[number], block_id)
@@ -269,13 +269,13 @@ def test_where_all_of_a_covered_block_is_is_remembered_until_it_moves(renderer: 
     with World() as world:
         world.spawn([small("red"), small("blue")], [Pose.upright(0.45, 0.0, 0.02), FREE])
         world.settle()
-        eyes = observer.Observer(SimulatedCamera(renderer, world, default_camera()))
-        first = eyes.look()
+        tracking = observer.Observer(SimulatedCamera(renderer, world, default_camera()))
+        first = tracking.look()
         lower = next(key for key in first.cuboids if first.cuboids[key].pose.position[1] < 0.1)
         assert all((first.whole[key] == first.locations[key]).all() for key in first.locations)
         world.place(2, on_top(world, 2, 1))
         world.settle()
-        covered = eyes.look()
+        covered = tracking.look()
         np.testing.assert_array_equal(covered.whole[lower], first.locations[lower])
         assert (first.covered, covered.covered) == (set(), {lower})
         # Its upper part is behind the other one.
@@ -284,14 +284,16 @@ def test_where_all_of_a_covered_block_is_is_remembered_until_it_moves(renderer: 
             x, y, z = world.pose(block_id).position
             world.place(block_id, Pose((x, y - 0.1, z), (0.0, 0.0, 0.0, 1.0)))
         world.settle()
-        moved = eyes.look()
+        moved = tracking.look()
         np.testing.assert_array_equal(moved.whole[lower], moved.locations[lower])
         # Half of it is visible there: what the camera shows of it is not how it looks.
         assert moved.covered == {lower}
         world.place(2, FREE)
         world.settle()
-        assert not eyes.look().covered
-        np.testing.assert_array_equal(eyes.look().whole[lower], eyes.look().locations[lower])
+        assert not tracking.look().covered
+        np.testing.assert_array_equal(
+            tracking.look().whole[lower], tracking.look().locations[lower]
+        )
 
 
 @pytest.mark.parametrize(("y", "yaw"), [(0.052, 0.0), (0.055, 0.1)])
@@ -305,15 +307,15 @@ def test_a_block_that_is_moved_behind_a_tower_keeps_its_edges(
         tower = [Pose.upright(0.56, 0.12, 0.025 + 0.05 * level) for level in range(2)]
         world.spawn([large] * 2 + [moved], [*tower, Pose.upright(0.42, -0.22, half)])
         world.settle()
-        eyes = Eyes(renderer, world)
-        number = eyes.numbers()[3]
+        tracking = Tracking(renderer, world)
+        number = tracking.numbers()[3]
         world.place(3, Pose.upright(0.515 - moved.edges_m[0] / 2, 0.12 + y, half + 0.003, yaw))
         world.settle()
-        seen = eyes.look()[number]
+        seen = tracking.look()[number]
         assert seen.pose.distance_m(world.pose(3)) < 0.002
         assert sorted(seen.edges_m) == pytest.approx(sorted(moved.edges_m), abs=EDGE_M)
         # Only a part of it is in view.
-        alone = Eyes(renderer, world).look()
+        alone = Tracking(renderer, world).look()
         parts = [c for c in alone.values() if c.pose.distance_m(world.pose(3)) < 0.03]
         assert parts and min(parts[0].edges_m[:2]) < min(moved.edges_m[:2]) - EDGE_M
 
@@ -328,19 +330,19 @@ def test_a_block_that_is_moved_to_where_a_sliver_is_seen_keeps_its_number(
         (large("red"), 0.426, 0.088, 0.0),
         (small("cyan"), 0.42, 0.18, 0.0),
     )
-    eyes = Eyes(renderer, world)
-    named = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    named = tracking.numbers()
     move(world, 4, Pose.upright(0.426, 0.013, 0.02, YAW))
-    eyes.look()
-    assert sorted(eyes.seen) == sorted(named.values())
+    tracking.look()
+    assert sorted(tracking.seen) == sorted(named.values())
     # It is that little that is in view.
-    alone = Eyes(renderer, world).look()
+    alone = Tracking(renderer, world).look()
     parts = [c for c in alone.values() if c.pose.distance_m(world.pose(4)) < 0.03]
     assert parts and min(parts[0].edges_m[:2]) < 0.5 * min(small("cyan").edges_m[:2])
     # And it is known by its whole again.
     move(world, 4, Pose.upright(0.36, 0.2, 0.02, YAW))
-    assert eyes.numbers() == named
-    check(world, 4, eyes.look()[named[4]])
+    assert tracking.numbers() == named
+    check(world, 4, tracking.look()[named[4]])
 
 
 def test_what_is_left_to_see_of_one_is_not_taken_for_another_that_was_moved(
@@ -354,15 +356,15 @@ def test_what_is_left_to_see_of_one_is_not_taken_for_another_that_was_moved(
         (large("red"), 0.606, -0.16, 0.0),
         (large("green"), 0.501, 0.013, 0.0),
     )
-    eyes = Eyes(renderer, world)
-    named = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    named = tracking.numbers()
     for moved, reference in ((4, 3), (5, 4), (1, 5)):
         move(world, moved, onto(world, moved, reference))
-        cuboids = eyes.look()
+        cuboids = tracking.look()
         assert cuboids[named[moved]].pose.distance_m(world.pose(moved)) < 0.003
     # The large one behind the tower is believed where it stands.
     check(world, 2, cuboids[named[2]])
-    assert named[2] in eyes.seen
+    assert named[2] in tracking.seen
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.36, -0.2), (0.6, 0.2), (0.45, 0.0)])
@@ -376,13 +378,13 @@ def test_one_that_lies_where_another_of_its_colour_stood_is_not_what_is_left_to_
         (large("white"), 0.5, 0.1, 0.05),
         (small("white"), 0.42, -0.1, 0.0),
     )
-    eyes = Eyes(renderer, world)
-    named = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    named = tracking.numbers()
     world.place(2, Pose.upright(x, y, 0.025, YAW))
     move(world, 3, onto(world, 3, 1))
-    assert eyes.numbers() == named
-    check(world, 2, eyes.look()[named[2]])
-    check(world, 3, eyes.look()[named[3]])
+    assert tracking.numbers() == named
+    check(world, 2, tracking.look()[named[2]])
+    check(world, 3, tracking.look()[named[3]])
 
 
 @pytest.mark.parametrize(
@@ -393,11 +395,11 @@ def test_a_block_keeps_its_height_where_little_is_seen_of_what_it_stands_on(
 ) -> None:
     """Both were moved at once, as when the fingers take along what a block was lowered onto."""
     put(world, (small("magenta"), 0.498, 0.148, 0.0), (small("cyan"), 0.561, 0.162, 0.0))
-    eyes = Eyes(renderer, world)
-    named = eyes.numbers()
+    tracking = Tracking(renderer, world)
+    named = tracking.numbers()
     world.place(2, Pose.upright(0.498, 0.148, 0.02, yaw))
     move(world, 1, Pose.upright(0.498 + dx, 0.148 + dy, 0.06, yaw))
-    check(world, 1, eyes.look()[named[1]])
+    check(world, 1, tracking.look()[named[1]])
 
 
 TOWER = (("green", 0.0), ("blue", 0.05), ("green", 0.1))
@@ -412,12 +414,12 @@ def test_a_block_of_which_a_part_was_seen_first_keeps_its_number_when_it_comes_t
         *((large(color), 0.465, 0.045, foot) for color, foot in TOWER),
         (small("red"), 0.45, -0.2, 0.0),
     )
-    eyes = Eyes(renderer, world)
-    named = eyes.numbers()
-    first = eyes.look()[named[1]]
+    tracking = Tracking(renderer, world)
+    named = tracking.numbers()
+    first = tracking.look()[named[1]]
     assert min(first.edges_m[:2]) < min(large("red").edges_m[:2]) - 0.006
     for moved, y in ((4, -0.1), (3, 0.0), (2, 0.15)):
         move(world, moved, Pose.upright(0.6, y, 0.025, YAW))
-        eyes.look()
-    assert eyes.numbers() == named
-    check(world, 1, eyes.look()[named[1]])
+        tracking.look()
+    assert tracking.numbers() == named
+    check(world, 1, tracking.look()[named[1]])

@@ -32,7 +32,7 @@ fn what_is_said_to_another_asker_is_passed_over() {
         silence_ns,
     )
     .unwrap();
-    let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    let mut request = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
     let active = server.receive().unwrap().unwrap();
     let own = ReplyTo {
         client: active.client,
@@ -50,7 +50,7 @@ fn what_is_said_to_another_asker_is_passed_over() {
         let reply = PlanReply::refused(to, "busy", "as it is");
         active.send_copy(reply).unwrap();
     }
-    let reply = client.hear(&mut conversation, now_ns()).unwrap().unwrap();
+    let reply = client.poll(&mut request, now_ns()).unwrap().unwrap();
     assert_eq!((reply.request, reply.number), (own.request, 1));
 }
 
@@ -68,12 +68,12 @@ fn that_a_request_was_lost_is_detected_while_the_planner_lives() {
         (State::Busy, None),
         (State::Idle, Some(RequestError::ReplyLost { number: 1 })),
     ] {
-        let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+        let mut request = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
         let begun_ns = now_ns().max(begun_ns);
         let heard = (0..40).find_map(|beat| {
             let now_ns = begun_ns + beat * 100 * MS;
             heartbeats.beat(state, now_ns).unwrap();
-            client.hear(&mut conversation, now_ns).err()
+            client.poll(&mut request, now_ns).err()
         });
         assert_eq!(heard, expected);
     }
@@ -93,20 +93,20 @@ fn a_clock_that_is_set_back_loses_no_planner_that_lives_and_keeps_none_that_does
         (State::Busy, 5, lost),
         (State::Idle, 40, RequestError::ReplyLost { number: 1 }),
     ] {
-        let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+        let mut request = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
         let late_ns = now_ns() + 100_000 * MS;
         heartbeats.beat(state, late_ns).unwrap();
-        assert_eq!(client.hear(&mut conversation, late_ns), Ok(None));
+        assert_eq!(client.poll(&mut request, late_ns), Ok(None));
         // Before the planner has detected and reported it.
         let back_ns = late_ns - 50_000 * MS;
-        assert_eq!(client.hear(&mut conversation, back_ns), Ok(None));
+        assert_eq!(client.poll(&mut request, back_ns), Ok(None));
         let (ticks, error) = (0..60)
             .find_map(|tick| {
                 let now_ns = back_ns + tick * 100 * MS;
                 if tick < beats {
                     heartbeats.beat(state, now_ns).unwrap();
                 }
-                let heard = client.hear(&mut conversation, now_ns);
+                let heard = client.poll(&mut request, now_ns);
                 heard.err().map(|error| (tick, error))
             })
             .expect("it does not wait for ever");
@@ -122,7 +122,7 @@ struct Stage<'m> {
     scene: RawScene,
     scenes: Sender<SceneMessage>,
     client: Client,
-    conversation: Request,
+    request: Request,
 }
 
 impl Stage<'_> {
@@ -131,7 +131,7 @@ impl Stage<'_> {
         self.scene.header.timestamp_ns = now_ns;
         self.scenes.send(&SceneMessage::from(&self.scene)).unwrap();
         let _ = self.planner.poll(now_ns);
-        self.client.hear(&mut self.conversation, now_ns).unwrap()
+        self.client.poll(&mut self.request, now_ns).unwrap()
     }
 }
 
@@ -155,13 +155,13 @@ fn a_controller_that_is_silent_is_commanded_nothing() {
     )
     .unwrap();
     let planner = PlannerNode::begin(join(Role::Planner, &memory), &model, limits).unwrap();
-    let conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    let request = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
     let mut stage = Stage {
         planner,
         scene: raw_scene(&model, &[block("small", "red"), block("lego", "blue")]),
         scenes: join(Role::Perception, &memory).sender().unwrap(),
         client,
-        conversation,
+        request,
     };
     let late_ns = now_ns() + limits.silence_ns + MS;
     let replies = (0..).find_map(|tick| {

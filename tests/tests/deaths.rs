@@ -212,7 +212,7 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
             let robot = join("left", Role::Watcher, &memory.config);
             let heartbeats: Receiver<Heartbeat> = robot.receiver().unwrap();
             let mut watcher = Watcher::begin(robot).unwrap();
-            let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+            let mut request = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
             // Of two heartbeats the first is in all queues, and is received now, however long ago
             // the request was sent.
             while heartbeats.receive().unwrap().is_some() {}
@@ -225,14 +225,14 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
                 let planner = nodes.find(|node| node.role == Role::Planner);
                 planner.is_some_and(|planner| planner.is_alive(silence_ns, now))
             };
-            assert_eq!(client.hear(&mut conversation, now), Ok(None));
+            assert_eq!(client.poll(&mut request, now), Ok(None));
             assert!(lives(&mut watcher, now) && lives(&mut watcher, now + silence_ns));
-            assert_eq!(client.hear(&mut conversation, now + silence_ns), Ok(None));
+            assert_eq!(client.poll(&mut request, now + silence_ns), Ok(None));
             let noticed = now + PROMISE_NS - 2 * NAP_NS;
             assert!(!lives(&mut watcher, noticed));
             let lost = Err(RequestError::PlannerLost("left".parse().unwrap()));
-            assert_eq!(client.hear(&mut conversation, noticed), lost, "{signal}");
-            drop((planner, client, watcher, heartbeats, conversation));
+            assert_eq!(client.poll(&mut request, noticed), lost, "{signal}");
+            drop((planner, client, watcher, heartbeats, request));
             cleanup_dead_nodes(&memory);
         }
     }

@@ -301,15 +301,16 @@ fn who_asks_takes_no_nonsense_for_an_answer() {
         planner.sender::<Heartbeat>().unwrap(),
         planner.plan_server().unwrap(),
     );
-    for line in [Transport::Connection, Transport::Broadcast] {
-        let mut client = Client::begin(join("left", Role::Client, config), line, u64::MAX).unwrap();
-        let mut conversation = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
+    for transport in [Transport::Connection, Transport::Broadcast] {
+        let mut client =
+            Client::begin(join("left", Role::Client, config), transport, u64::MAX).unwrap();
+        let mut request = client.ask(SENTENCE, Mode::ClosedLoop).unwrap();
         let active = server.receive().unwrap();
-        let request = match &active {
+        let received = match &active {
             Some(active) => **active,
             None => *asked.receive().unwrap().expect("one of both"),
         };
-        let done = PlanReply::refused(to(&request, 1), "busy", "another sentence");
+        let done = PlanReply::refused(to(&received, 1), "busy", "another sentence");
         let reply = |message: PlanReply| match &active {
             Some(active) => active.send_copy(message).unwrap(),
             None => assert_eq!(answers.send(&message), Ok(1)),
@@ -322,11 +323,11 @@ fn who_asks_takes_no_nonsense_for_an_answer() {
             let message = broken(&HEARTBEAT, HEARTBEATS, round, &mut seed);
             heartbeats.send(&message).unwrap();
             let now = now_ns();
-            assert_eq!(client.hear(&mut conversation, now), Ok(None), "{line:?}");
-            assert_eq!(client.rejected(), 9 * (round + 1), "{line:?}");
+            assert_eq!(client.poll(&mut request, now), Ok(None), "{transport:?}");
+            assert_eq!(client.rejected(), 9 * (round + 1), "{transport:?}");
         }
         reply(done);
-        assert_eq!(client.hear(&mut conversation, now_ns()), Ok(Some(done)));
+        assert_eq!(client.poll(&mut request, now_ns()), Ok(Some(done)));
     }
 }
 

@@ -191,7 +191,7 @@ fn as_many_as_may_ask_find_a_place_and_one_more_is_told_so() {
             let mut asked = client.ask("put the red block", Mode::PlanOnly).unwrap();
             let reply = loop {
                 planner.poll(now_ns());
-                if let Some(reply) = client.hear(&mut asked, now_ns()).unwrap() {
+                if let Some(reply) = client.poll(&mut asked, now_ns()).unwrap() {
                     break reply;
                 }
             };

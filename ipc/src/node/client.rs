@@ -160,7 +160,7 @@ impl Client {
     /// let mut request = client.ask("put the red block on the blue block", Mode::ClosedLoop)?;
     /// loop {
     ///     // An error if the planner is lost.
-    ///     let Some(reply) = client.hear(&mut request, now_ns())? else {
+    ///     let Some(reply) = client.poll(&mut request, now_ns())? else {
     ///         std::thread::sleep(std::time::Duration::from_millis(1));
     ///         continue;
     ///     };
@@ -190,8 +190,8 @@ impl Client {
     }
 
     /// Cancels a request; it then ends with `cancelled`, once the robot has stopped.
-    pub fn cancel(&mut self, conversation: &Request) -> Result<(), RequestError> {
-        self.send(PlanRequest::cancel(self.client, conversation.sequence))
+    pub fn cancel(&mut self, request: &Request) -> Result<(), RequestError> {
+        self.send(PlanRequest::cancel(self.client, request.sequence))
             .map(|_| ())
     }
 
@@ -220,12 +220,12 @@ impl Client {
     /// next one arrives.
     fn receive(
         &mut self,
-        conversation: &Request,
+        request: &Request,
         now_ns: u64,
     ) -> Result<Option<PlanReply>, RequestError> {
         let says = |error: &dyn fmt::Debug| RequestError::Iceoryx(format!("{error:?}"));
         for _ in 0..REPLIES_AT_ONCE {
-            let reply = match (&self.ports, &conversation.pending) {
+            let reply = match (&self.ports, &request.pending) {
                 (Ports::Broadcast { answers, .. }, _) => {
                     let reply = answers.receive().map_err(|error| says(&error))?;
                     reply.map(|reply| *reply)
@@ -242,7 +242,7 @@ impl Client {
             // A client that reuses a dead client's slot in shared memory may get its replies, too.
             if let Err(error) = reply.read() {
                 self.heartbeats.reject(PLAN, &error, now_ns);
-            } else if (reply.client, reply.request) == (self.client, conversation.sequence) {
+            } else if (reply.client, reply.request) == (self.client, request.sequence) {
                 return Ok(Some(reply));
             }
         }
@@ -258,49 +258,49 @@ impl Client {
     /// [`PlanReply::read`] can no longer fail.
     ///
     /// * `now_ns`: the time, on the machine's clock
-    pub fn hear(
+    pub fn poll(
         &mut self,
-        conversation: &mut Request,
+        request: &mut Request,
         now_ns: u64,
     ) -> Result<Option<PlanReply>, RequestError> {
         // Times in the future come from a clock that was set back since.
         self.planner.not_after(now_ns);
-        conversation.began_ns = conversation.began_ns.min(now_ns);
-        conversation.idle_ns = conversation.idle_ns.map(|since_ns| since_ns.min(now_ns));
+        request.began_ns = request.began_ns.min(now_ns);
+        request.idle_ns = request.idle_ns.map(|since_ns| since_ns.min(now_ns));
         let planner = &mut self.planner;
         let mut is_other = false;
         self.heartbeats.receive(now_ns, |role, state, heartbeat| {
             if role == Role::Planner {
                 is_other |= planner.hear(heartbeat, now_ns);
                 match state {
-                    State::Idle => _ = conversation.idle_ns.get_or_insert(now_ns),
-                    _ => conversation.idle_ns = None,
+                    State::Idle => _ = request.idle_ns.get_or_insert(now_ns),
+                    _ => request.idle_ns = None,
                 }
             }
         });
         // It can receive even if nobody receives its heartbeats.
         let _ = self.heartbeats.beat(State::Busy, now_ns);
         // Checked first, since replies may arrive in between.
-        let pending = conversation.pending.as_ref();
+        let pending = request.pending.as_ref();
         let goes_on = pending.is_none_or(PendingResponse::is_connected);
-        if let Some(reply) = self.receive(conversation, now_ns)? {
-            let number = conversation.number;
+        if let Some(reply) = self.receive(request, now_ns)? {
+            let number = request.number;
             if reply.number != number {
                 return Err(RequestError::ReplyLost { number });
             }
-            conversation.number = number.saturating_add(1);
-            conversation.idle_ns = None;
+            request.number = number.saturating_add(1);
+            request.idle_ns = None;
             return Ok(Some(reply));
         }
         // A planner that ends a request on its own sends a last reply.
-        let (began_ns, silence_ns) = (conversation.began_ns, self.silence_ns);
+        let (began_ns, silence_ns) = (request.began_ns, self.silence_ns);
         if !goes_on || is_other || !self.planner.may_be_alive(began_ns, silence_ns, now_ns) {
             return Err(RequestError::PlannerLost(self.robot.name().clone()));
         }
         // Without a connection, this is the only sign that the request, or its end, was lost.
-        let idle_ns = conversation.idle_ns;
+        let idle_ns = request.idle_ns;
         if idle_ns.is_some_and(|since_ns| now_ns.saturating_sub(since_ns) > IDLE_NS) {
-            let number = conversation.number;
+            let number = request.number;
             return Err(RequestError::ReplyLost { number });
         }
         Ok(None)

@@ -89,7 +89,7 @@ class _Task:
 
 
 @dataclass(frozen=True, eq=False)
-class _Lines:
+class _VerticalMotions:
     """The vertical motions with one grasp; see `PickAndPlace`."""
 
     descend: Along
@@ -207,11 +207,11 @@ class PickAndPlacePlanner:
         """Plans all motions with one grasp; returns the reason if that is impossible."""
         self._alive()
         lines = self._lines(grasp, task)
-        if not isinstance(lines, _Lines):
+        if not isinstance(lines, _VerticalMotions):
             return lines
         return self._between(lines, grasp, task)
 
-    def _lines(self, grasp: Grasp, task: _Task) -> _Lines | Nearest | _OutOfReach:
+    def _lines(self, grasp: Grasp, task: _Task) -> _VerticalMotions | Nearest | _OutOfReach:
         """Plans the vertical motions with one grasp; returns the reason if that is impossible."""
         opening_m, held_m = grasp.opening_m, grasp.width_m
         in_hand, let_go = task.held_by(grasp)
@@ -228,7 +228,7 @@ class PickAndPlacePlanner:
         retreat = self._up_from(let_go, lift.end)
         if retreat is None:
             return _OutOfReach.GOAL
-        lines = _Lines(lift.reversed(), lift, retreat.reversed(), retreat)
+        lines = _VerticalMotions(lift.reversed(), lift, retreat.reversed(), retreat)
         standing = [(HELD, support) for support in standing_on(task.block, task.others)]
         put = [(HELD, support) for support in task.put.support]
         for checker, trajectory, fingers_m in (
@@ -243,7 +243,7 @@ class PickAndPlacePlanner:
         return lines
 
     def _between(
-        self, lines: _Lines, grasp: Grasp, task: _Task
+        self, lines: _VerticalMotions, grasp: Grasp, task: _Task
     ) -> PickAndPlace | Nearest | _TurnsTooFar:
         """Plans the motions to, between and after the vertical ones; returns the reason if that is
         impossible."""

@@ -37,7 +37,7 @@ pub(super) fn say(
         config.transport,
         config.limits.silence_ns,
     )?;
-    let mut conversation = client.ask(sentence, mode).map_err(not_heard)?;
+    let mut request = client.ask(sentence, mode).map_err(not_heard)?;
     // When the stop is sent next.
     let mut again_ns = None;
     let mut told = Told::default();
@@ -46,14 +46,14 @@ pub(super) fn say(
         let is_due = |next_ns| is_due(next_ns, now_ns, SAID_AGAIN_NS);
         if stop.load(Ordering::Relaxed) && again_ns.is_none_or(is_due) {
             let is_first = again_ns.replace(now_ns + SAID_AGAIN_NS).is_none();
-            let said = client.cancel(&conversation);
+            let said = client.cancel(&request);
             // Whether the planner is still there is checked below.
             if is_first {
                 eprintln!("nsrm: stopping the robot …");
                 said.map_err(not_heard)?;
             }
         }
-        let Some(reply) = client.hear(&mut conversation, now_ns).map_err(not_heard)? else {
+        let Some(reply) = client.poll(&mut request, now_ns).map_err(not_heard)? else {
             std::thread::sleep(NAP);
             continue;
         };

@@ -44,7 +44,7 @@ GIVEN_UP = "given_up"
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class RowResult:
     """A row of the table with its episodes."""
 
     row: TrialRow
@@ -117,12 +117,12 @@ def _decimals(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
 
 
-def counted(rows: Sequence[TrialRow], ended: Sequence[EpisodeResult]) -> list[Line]:
+def counted(rows: Sequence[TrialRow], ended: Sequence[EpisodeResult]) -> list[RowResult]:
     """Groups the results of the episodes by row."""
-    return [Line(row, tuple(each for each in ended if each.row == row.name)) for row in rows]
+    return [RowResult(row, tuple(each for each in ended if each.row == row.name)) for row in rows]
 
 
-def text(lines: Sequence[Line]) -> str:
+def text(lines: Sequence[RowResult]) -> str:
     """A Markdown table for people, and the reason of each episode that did not succeed."""
     disturbed = _has_disturbed(lines)
     columns = ["", "episodes", "succeeded", "goal", "refused", "failed", "error, p50", "p95"]
@@ -153,7 +153,7 @@ def _columns(texts: Sequence[str]) -> str:
     return f"| {' | '.join(texts)} |".replace("|  |", "| |")
 
 
-def _beside(lines: Sequence[Line]) -> list[str]:
+def _beside(lines: Sequence[RowResult]) -> list[str]:
     """Remarks on all rows together."""
     told = []
     # The other rows are given true poses and sub-goals, or have no closed loop.
@@ -185,11 +185,11 @@ def _beside(lines: Sequence[Line]) -> list[str]:
     return [*told, f"- Sub-goals that took more than one try: {again}."]
 
 
-def _has_disturbed(lines: Sequence[Line]) -> bool:
+def _has_disturbed(lines: Sequence[RowResult]) -> bool:
     return any(line.row.is_disturbed for line in lines)
 
 
-def missed(lines: Sequence[Line]) -> list[str]:
+def missed(lines: Sequence[RowResult]) -> list[str]:
     """Lists the missed goals: rows that do significantly worse than their goal; in undisturbed rows
     also unexpected contacts and, from `ENOUGH` episodes on, too many refused sub-goals and steps
     that were too inaccurate or too slow in simulated time."""
@@ -212,7 +212,7 @@ def missed(lines: Sequence[Line]) -> list[str]:
     return found
 
 
-def _too_much(line: Line) -> list[str]:
+def _too_much(line: RowResult) -> list[str]:
     """Violations of the limits that all rows share."""
     p95_mm = CONTROL_P95_MM if line.row.is_control else OFF_P95_MM
     told = [
@@ -235,19 +235,19 @@ def _percent(count: int, whole: int) -> str:
     return f"{100 * count / max(whole, 1):.1f} %"
 
 
-def worst(lines: Sequence[Line], count: int) -> list[EpisodeResult]:
+def worst(lines: Sequence[RowResult], count: int) -> list[EpisodeResult]:
     """The worst episodes of rows with a goal: failed, then refused, then the largest errors."""
     order = ("failed", "refused", "succeeded")
     return sorted(_aimed(lines), key=lambda each: (order.index(each.end), -_off_m(each)))[:count]
 
 
-def best(lines: Sequence[Line], count: int) -> list[EpisodeResult]:
+def best(lines: Sequence[RowResult], count: int) -> list[EpisodeResult]:
     """The best episodes of rows with a goal: most steps, then the smallest errors."""
     done = [each for each in _aimed(lines) if each.end == "succeeded"]
     return sorted(done, key=lambda each: (-len(each.steps), _off_m(each)))[:count]
 
 
-def _aimed(lines: Sequence[Line]) -> list[EpisodeResult]:
+def _aimed(lines: Sequence[RowResult]) -> list[EpisodeResult]:
     return [each for line in lines if line.row.goal for each in line.ended]
 
 
@@ -255,7 +255,7 @@ def _off_m(ended: EpisodeResult) -> float:
     return max((step.off_m for step in ended.steps), default=0.0)
 
 
-def write_csv(lines: Sequence[Line], path: Path) -> None:
+def write_csv(lines: Sequence[RowResult], path: Path) -> None:
     """Writes one line per row."""
     disturbed = _has_disturbed(lines)
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -265,7 +265,7 @@ def write_csv(lines: Sequence[Line], path: Path) -> None:
             writer.writerow((*line.values(), line.given_up) if disturbed else line.values())
 
 
-def draw(lines: Sequence[Line], path: Path) -> None:
+def draw(lines: Sequence[RowResult], path: Path) -> None:
     """Plots how the episodes ended, and the errors and times of steps in rows with a goal, as a
     PNG."""
     figure, (ends, off, seconds) = plt.subplots(1, 3, figsize=(16.0, 4.2), layout="constrained")
