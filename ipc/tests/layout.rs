@@ -26,7 +26,7 @@ fn the_committed_bindings_are_what_is_written_from_the_structs() {
         let committed = std::fs::read_to_string(&path).unwrap();
         assert!(
             committed == expected,
-            "{file}: write it anew with cargo run -p nsrm-ipc --bin nsrm-bindings"
+            "{file}: rewrite it with cargo run -p nsrm-ipc --bin nsrm-bindings"
         );
     }
 }

@@ -97,10 +97,10 @@ def test_a_step_that_a_later_one_undoes_is_judged_too(
     index, end, told = 4, PlacementJudge.end, list[bool]()
 
     def first_is_off(
-        self: PlacementJudge, aside: Sequence[Pose] = (), *, anew: bool = False
+        self: PlacementJudge, aside: Sequence[Pose] = (), *, by_current_reference: bool = False
     ) -> PlacementVerdict:
-        told.append(anew)
-        verdict = end(self, aside, anew=anew)
+        told.append(by_current_reference)
+        verdict = end(self, aside, by_current_reference=by_current_reference)
         return replace(verdict, off_m=0.02) if len(told) == 1 else verdict
 
     ended = run_disturbed("camera_dark", loop, 771, index)

@@ -147,9 +147,9 @@ def test_a_reference_that_someone_moves_is_the_reference_where_it_is_then(
     standing.place(1, Pose.upright(0.45, 0.0, 0.06))
     assert judge.end().off_m == pytest.approx(0.05, abs=1e-4)
     assert not judge.end().is_in_place
-    assert judge.end(anew=True).is_in_place
+    assert judge.end(by_current_reference=True).is_in_place
     # It was moved all the same.
-    assert not judge.end(anew=True).is_as_said
+    assert not judge.end(by_current_reference=True).is_as_said
 
 
 def test_a_block_looks_the_same_after_a_quarter_of_a_turn() -> None:

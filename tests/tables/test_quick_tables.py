@@ -1,4 +1,4 @@
-"""The paper's tables in small, from nothing, by the command that a researcher types.
+"""A reduced run of the paper's tables, from scratch, by the command that a researcher types.
 
 `cargo tables` takes 2,500 episodes for training and three seeds; with --quick it takes a few
 minutes and shows that data, every stage of training, calibration, export, baseline, evaluation

@@ -72,7 +72,7 @@ pub fn read(room: &mut [u8]) -> Option<usize> {
     usize::try_from(read).ok().filter(|read| *read > 0)
 }
 
-/// Writes to standard output; what cannot be written is missed by the reader.
+/// Writes to standard output; what cannot be written is lost.
 pub fn write(bytes: &[u8]) {
     // SAFETY: the kernel only reads these bytes.
     unsafe { call(WRITE, 1, bytes.as_ptr() as usize, bytes.len()) };

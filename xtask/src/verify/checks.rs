@@ -132,8 +132,8 @@ pub(super) const CHECKS: &[Check] = &[
     ),
     Check::new(
         "trials",
-        "50 random kills lose nothing and repeat nothing; a soak, latencies and the arm's \
-         trials in small",
+        "50 random kills lose nothing and repeat nothing; short runs of soak, latency and the \
+         arm's trials",
         "4 min, in parallel",
         trials,
     )

@@ -215,7 +215,7 @@ class _Disturbed(TrialEpisode):
         super()._end(index)
 
     def _verdict(self) -> PlacementVerdict:
-        return self._judge.end(self._aside(), anew=True)
+        return self._judge.end(self._aside(), by_current_reference=True)
 
     def _nearest(self, pose: Pose) -> int:
         """The index of the block nearest to this pose."""

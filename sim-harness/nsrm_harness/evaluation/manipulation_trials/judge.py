@@ -111,11 +111,14 @@ class PlacementJudge:
         for number in self._held:
             self._hold(number, now)
 
-    def end(self, aside: Sequence[Pose] = (), *, anew: bool = False) -> PlacementVerdict:
+    def end(
+        self, aside: Sequence[Pose] = (), *, by_current_reference: bool = False
+    ) -> PlacementVerdict:
         """Ends the step and returns its verdict.
 
         * `aside`: the poses of other blocks that were reported as moved aside
-        * `anew`: judge by where the reference is now; otherwise by where it was before the step
+        * `by_current_reference`: judge by where the reference is now; otherwise by where it was
+          before the step
         """
         moved, after = self._move.moved, self._poses()
         put = {moved, *(self._world.nearest(pose.position)[0] - 1 for pose in aside)}
@@ -133,7 +136,7 @@ class PlacementJudge:
             for it in (self._seen - rightly) | on_the_way
             if not set(it) & set(panda.FINGERS) or not set(it) & carried
         )
-        there = target(self._move, self._blocks, after) if anew else self._target
+        there = target(self._move, self._blocks, after) if by_current_reference else self._target
         return PlacementVerdict(
             after[moved].distance_m(there),
             turned_rad(after[moved], there),
