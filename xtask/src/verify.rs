@@ -291,7 +291,8 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
     let child = without_cargo_variables(&mut command)
         .spawn()
         .with_context(|| format!("{shown}: cannot be started"))?;
-    let status = limit::wait(child, LIMIT).with_context(|| shown.clone())?;
+    let printed = || fs::metadata(log).map_or(0, |file| file.len());
+    let status = limit::wait(child, LIMIT, printed).with_context(|| shown.clone())?;
     let written = fs::read(log).with_context(|| format!("reading {}", log.display()))?;
     let printed = String::from_utf8_lossy(&written[before..]);
     let counts = step.tests.map_or(Ok(Counts::default()), |kind| {

@@ -1,4 +1,4 @@
-//! A time limit for commands: one test that hangs must not block the other checks.
+//! A time limit for silent commands: one test that hangs must not block the other checks.
 
 use std::fs;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -7,24 +7,34 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
 
-/// How long a command may take; the slowest take a third of it on two cores.
-pub(super) const LIMIT: Duration = Duration::from_secs(20 * 60);
+/// How long a command may print nothing. Not how long it may take: on a busy machine, that is a
+/// multiple. The slowest is silent for seven minutes on two idle cores, while it trains.
+pub(super) const LIMIT: Duration = Duration::from_secs(40 * 60);
 
 /// How often a running command is polled.
 const NAP: Duration = Duration::from_millis(20);
 
-/// Waits until a command has ended; at the limit, kills it and its descendants.
-pub(super) fn wait(mut child: Child, limit: Duration) -> Result<ExitStatus> {
-    let start = Instant::now();
+/// Waits until a command has ended; kills it and its descendants if it is silent for too long.
+///
+/// * `printed`: how much it has printed so far
+pub(super) fn wait(
+    mut child: Child,
+    limit: Duration,
+    printed: impl Fn() -> u64,
+) -> Result<ExitStatus> {
+    let (mut before, mut since) = (printed(), Instant::now());
     loop {
         if let Some(status) = child.try_wait().context("waiting for a command")? {
             return Ok(status);
         }
-        if start.elapsed() > limit {
+        let now = printed();
+        if now != before {
+            (before, since) = (now, Instant::now());
+        } else if since.elapsed() > limit {
             kill(child.id());
             child.wait().context("waiting for a command")?;
             bail!(
-                "did not end within {} min and was killed; the last lines of the log show where it was",
+                "printed nothing for {} min and was killed; the last lines of the log show where it was",
                 limit.as_secs() / 60
             );
         }
@@ -70,6 +80,7 @@ fn children(process: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
     use std::io::{BufRead as _, BufReader, Read as _};
     use std::process::{Child, Command, Stdio};
     use std::time::Duration;
@@ -86,16 +97,26 @@ mod tests {
 
     #[test]
     fn what_ends_by_itself_is_waited_for() {
-        assert_eq!(wait(shell("exit 3"), LIMIT).unwrap().code(), Some(3));
+        assert_eq!(wait(shell("exit 3"), LIMIT, || 0).unwrap().code(), Some(3));
     }
 
     #[test]
-    fn what_does_not_end_is_killed_with_all_that_it_started() {
+    fn what_prints_now_and_then_is_not_limited() {
+        let printed = Cell::new(0);
+        let status = wait(shell("sleep 0.2"), Duration::ZERO, || {
+            printed.set(printed.get() + 1);
+            printed.get()
+        });
+        assert!(status.unwrap().success());
+    }
+
+    #[test]
+    fn what_hangs_is_killed_with_all_that_it_started() {
         let mut child = shell("(sh -c 'echo begun; sleep 1000; true'; true) & wait");
         let mut output = BufReader::new(child.stdout.take().unwrap());
         output.read_line(&mut String::new()).unwrap();
-        let error = wait(child, Duration::ZERO).unwrap_err();
-        assert!(error.to_string().contains("did not end within"));
+        let error = wait(child, Duration::ZERO, || 0).unwrap_err();
+        assert!(error.to_string().contains("printed nothing for"));
         // Nobody holds the other end any more.
         assert_eq!(output.read_to_end(&mut Vec::new()).unwrap(), 0);
     }
