@@ -22,6 +22,8 @@ mod info;
 pub mod json;
 mod models;
 #[cfg(feature = "scene-files")]
+mod png_file;
+#[cfg(feature = "scene-files")]
 mod scenes;
 
 pub use info::{info_json, info_text};

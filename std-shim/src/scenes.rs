@@ -4,13 +4,15 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
-use image::{ImageError, ImageFormat, ImageReader};
 use nsrm_core::model::Model;
 use nsrm_core::scene::{ObjectFault, ObservedObject};
 use nsrm_core::vision::{self, Crop, Detection, ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Camera, MAX_OBJECTS, RawScene, Scene, SceneError};
+use png::DecodingError;
 use serde::Deserialize;
 use thiserror::Error;
+
+use crate::png_file::{self, Picture};
 
 /// Schema version of the scene file.
 const SCHEMA: u32 = 1;
@@ -61,7 +63,7 @@ pub enum SceneFileError {
         /// Its path.
         path: PathBuf,
         /// Why.
-        source: Box<ImageError>,
+        source: DecodingError,
     },
     /// A decoded image has an invalid size.
     #[error("{}: {source}", .path.display())]
@@ -281,28 +283,27 @@ fn from_crops(
 /// A decoded image.
 struct Pixels {
     path: PathBuf,
-    image: image::RgbImage,
+    picture: Picture,
 }
 
 impl Pixels {
     /// Decodes a PNG file; transparency is dropped.
     fn read(path: &Path) -> Result<Self, SceneFileError> {
         let file = File::open(path).map_err(|source| read_error(path, source))?;
-        // With the decoder's default limits, 512 MiB.
-        let decoded = ImageReader::with_format(BufReader::new(file), ImageFormat::Png).decode();
-        let image = decoded.map_err(|source| SceneFileError::Image {
+        let decoded = png_file::decode(BufReader::new(file));
+        let picture = decoded.map_err(|source| SceneFileError::Image {
             path: path.into(),
-            source: Box::new(source),
+            source,
         })?;
         Ok(Self {
             path: path.into(),
-            image: image.into_rgb8(),
+            picture,
         })
     }
 
     fn image(&self) -> Result<RgbImage<'_>, SceneFileError> {
-        let (width, height) = self.image.dimensions();
-        RgbImage::new(self.image.as_raw(), width, height, 3 * width as usize).map_err(|source| {
+        let Picture { width, height, rgb } = &self.picture;
+        RgbImage::new(rgb, *width, *height, 3 * *width as usize).map_err(|source| {
             SceneFileError::Pixels {
                 path: self.path.clone(),
                 source,

@@ -1,6 +1,9 @@
 //! An image of coloured squares with its boxes, unlike any image in training: for properties that
 //! hold for any image.
 
+use std::fs::File;
+use std::path::Path;
+
 use nsrm_core::Camera;
 use nsrm_core::vision::Detection;
 use nsrm_ipc::message::{CameraFrame, DetectedBox};
@@ -100,4 +103,13 @@ pub fn squares() -> Picture {
         detections.push(Detection::whole(index + 1, location));
     }
     Picture { pixels, detections }
+}
+
+/// Writes red, green and blue of an image, row by row, as a PNG file.
+pub fn write_png(path: &Path, [width, height]: [u32; 2], rgb: &[u8]) {
+    let file = File::create(path).expect("a file can be made");
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().expect("a header can be written");
+    writer.write_image_data(rgb).expect("pixels can be written");
 }

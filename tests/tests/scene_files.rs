@@ -6,6 +6,7 @@ use std::path::Path;
 use nsrm::{SceneFileError, read_scene};
 use nsrm_core::Planner;
 use nsrm_tabletop::TABLETOP;
+use nsrm_tests::picture::write_png;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
@@ -29,9 +30,9 @@ fn read(folder: &Path, bytes: &[u8]) -> Result<(), SceneFileError> {
 /// A folder with an image of 8 × 6 pixels.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    image::RgbImage::from_fn(8, 6, |x, y| image::Rgb([x as u8 * 30, y as u8 * 40, 90]))
-        .save(folder.path().join("image.png"))
-        .expect("a temporary folder can be written to");
+    let pixels = (0..6).flat_map(|y| (0..8).flat_map(move |x| [x * 30, y * 40, 90]));
+    let pixels: Vec<u8> = pixels.collect();
+    write_png(&folder.path().join("image.png"), [8, 6], &pixels);
     folder
 }
 

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use nsrm_codegen::{ModelError, OwnedModel};
+use nsrm_tests::picture::write_png;
 use serde_json::{Value, json};
 
 /// A model file as names, shapes and values.
@@ -249,18 +250,23 @@ impl Bench {
         };
         bench.write("model.safetensors", model.bytes());
         bench.write("scene.json", scene().to_string());
-        let mut image = image::RgbImage::from_pixel(WIDTH, HEIGHT, image::Rgb([120, 110, 100]));
+        let mut image = [120, 110, 100].repeat((WIDTH * HEIGHT) as usize);
         std::fs::create_dir(bench.path("crops")).expect("a folder");
         for (id, [x1, y1, x2, y2], color) in OBJECTS {
-            let color = image::Rgb(color);
-            for (x, y) in (x1..x2).flat_map(|x| (y1..y2).map(move |y| (x, y))) {
-                image.put_pixel(x, y, color);
+            let [width, height] = [x2 - x1, y2 - y1];
+            for y in y1..y2 {
+                let begin = 3 * (y * WIDTH + x1) as usize;
+                let row = &mut image[begin..begin + 3 * width as usize];
+                row.copy_from_slice(&color.repeat(width as usize));
             }
-            let crop = image::RgbImage::from_pixel(x2 - x1, y2 - y1, color);
-            let path = bench.path(&format!("crops/{id}.png"));
-            crop.save(path).expect("a crop");
+            let crop = color.repeat((width * height) as usize);
+            write_png(
+                &bench.path(&format!("crops/{id}.png")),
+                [width, height],
+                &crop,
+            );
         }
-        image.save(bench.path("initial.png")).expect("an image");
+        write_png(&bench.path("initial.png"), [WIDTH, HEIGHT], &image);
         bench
     }
 

@@ -2,6 +2,7 @@
 //!
 //! `scene/` was written by `cargo demo --seed 4`.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
@@ -49,29 +50,39 @@ pub(crate) struct World {
     table: Vec<u8>,
 }
 
+/// Red, green and blue of the scene's image, row by row.
+fn picture(width: u32, height: u32) -> Result<Vec<u8>> {
+    let mut reader = png::Decoder::new(Cursor::new(PICTURE)).read_info()?;
+    let mut pixels = vec![0; 3 * (width * height) as usize];
+    let size = reader.output_buffer_size();
+    ensure!(size == Some(pixels.len()), "another size");
+    reader.next_frame(&mut pixels)?;
+    Ok(pixels)
+}
+
 impl World {
     /// The initial world.
     pub(crate) fn new() -> Result<Self> {
         let scene = read_scene_text(Path::new("scene.json"), SCENE, &TABLETOP)?;
-        let picture = image::load_from_memory(PICTURE).context("camera.png")?;
-        let picture = picture.into_rgb8();
         let (width, height) = (scene.camera.width, scene.camera.height);
-        ensure!(picture.dimensions() == (width, height), "camera.png: size");
+        let picture = picture(width, height).context("camera.png")?;
+        let color = |x: usize, y: usize| -> [u8; 3] {
+            let at = 3 * (y * width as usize + x);
+            [picture[at], picture[at + 1], picture[at + 2]]
+        };
         let blocks = scene.detections.iter().map(|detection| {
             let found = DetectedBox::whole(detection.id, detection.location);
             let [left, top, right, bottom] = pixels(&found.visible, width, height);
             let patch = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
             Block {
                 found,
-                patch: patch
-                    .flat_map(|(x, y)| picture.get_pixel(x as u32, y as u32).0)
-                    .collect(),
+                patch: patch.flat_map(|(x, y)| color(x, y)).collect(),
                 columns: right - left,
             }
         });
         let blocks = blocks.collect();
         // The lower left corner shows the bare table.
-        let table = picture.get_pixel(0, height - 1).0;
+        let table = color(0, height as usize - 1);
         Ok(Self {
             blocks,
             table: table.repeat((width * height) as usize),
