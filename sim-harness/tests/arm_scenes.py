@@ -79,14 +79,14 @@ def known(world: ArmWorld) -> Look:
 
 def pictured(world: ArmWorld, renderer: Renderer) -> Look:
     """All blocks where pictures show them."""
-    eyes = Observer(SimulatedCamera(renderer, world, default_camera()))
+    observer = Observer(SimulatedCamera(renderer, world, default_camera()))
     names = {
         number: str(world.nearest(cuboid.pose.position)[0])
-        for number, cuboid in eyes.look().cuboids.items()
+        for number, cuboid in observer.look().cuboids.items()
     }
 
     def look() -> Mapping[str, Cuboid]:
-        cuboids = eyes.look().cuboids
+        cuboids = observer.look().cuboids
         return {names.get(number, f"new {number}"): cuboids[number] for number in cuboids}
 
     return look

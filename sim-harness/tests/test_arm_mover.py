@@ -50,9 +50,9 @@ class Scene:
         self.world = FaultyArm()
         self.world.spawn(scene.arrangement.blocks, scene.arrangement.poses)
         self.world.settle()
-        self.eyes = Observer(SimulatedCamera(renderer, self.world, default_camera()))
+        self.observer = Observer(SimulatedCamera(renderer, self.world, default_camera()))
         model = nsrm.Model.pretrained()
-        self.sight: Observation = self.eyes.look()
+        self.sight: Observation = self.observer.look()
         plan = model.plan(self.sight.scene(model, default_camera()), sentence or scene.sentence)
         self.steps = list(plan.steps)
         self.said: list[Outcome] = []
@@ -87,7 +87,7 @@ class Scene:
     def look(self) -> Mapping[int, Cuboid]:
         if self.world.time_s < self.dark_until_s:
             raise PerceptionError("the camera's picture is dark")
-        self.sight = self.eyes.look()
+        self.sight = self.observer.look()
         return self.sight.cuboids
 
     def close(self) -> None:

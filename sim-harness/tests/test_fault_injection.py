@@ -134,14 +134,14 @@ def arm() -> Iterator[FaultyArm]:
 
 
 def begun(arm: FaultyArm, kind: str, steps: int = 2) -> disturbed_episode._Disturbed:
-    """An episode that has begun, with the disturbance behind it."""
+    """An episode that has begun, with the fault behind it."""
     for index in range(100):
         rng = generator(SEED, "arm_disturbed", index)
-        drawn, disturbance = disturbed_episode._draw(kind, arm, rng, DOMAIN)
+        drawn, fault = disturbed_episode._draw(kind, arm, rng, DOMAIN)
         if len(drawn.task.moves) == steps and len(drawn.arrangement.blocks) > 4:
-            episode = disturbed_episode._Disturbed(arm, drawn, None, disturbance, "closed")
+            episode = disturbed_episode._Disturbed(arm, drawn, None, fault, "closed")
             episode._begin(0)
-            disturbance.has_acted = True
+            fault.has_acted = True
             return episode
     raise AssertionError(f"no {kind} of {steps} steps")
 

@@ -199,9 +199,9 @@ def test_the_heights_of_a_picture_are_taken_once_a_look(
 
     for module in ("nsrm_harness.perception.observer", "nsrm_harness.perception.detector"):
         monkeypatch.setattr(f"{module}.relief", counted)
-    eyes = Observer(SimulatedCamera(renderer, world, CAMERA))
+    observer = Observer(SimulatedCamera(renderer, world, CAMERA))
     for looks in (1, 2):
-        eyes.look()
+        observer.look()
         assert len(taken) == looks
 
 

@@ -257,8 +257,8 @@ def test_no_other_refusal_leads_to_a_clearing(
     assert len(planner.asked) == 1
     # Whatever is said to stand there.
     other = RefusedError(why, "", ("near",))
-    asides = plan_relocations(planner, objects, "block", goal, panda.READY_RAD, other)
-    assert asides == () and len(planner.asked) == 1
+    relocations = plan_relocations(planner, objects, "block", goal, panda.READY_RAD, other)
+    assert relocations == () and len(planner.asked) == 1
 
 
 def test_where_there_is_no_free_place_nothing_is_moved(world: ArmWorld) -> None:
@@ -431,8 +431,8 @@ class Endless(PickAndPlacePlanner):
 def test_planning_ends() -> None:
     planner = Endless()
     why = RefusedError(RefusalReason.NO_PATH, "", tuple(FULL))
-    asides = plan_relocations(planner, FULL, "block", BESIDE_NEAR, panda.READY_RAD, why)
-    assert asides == () and planner.count == MAX_PLANS
+    relocations = plan_relocations(planner, FULL, "block", BESIDE_NEAR, panda.READY_RAD, why)
+    assert relocations == () and planner.count == MAX_PLANS
 
 
 def test_a_blocker_that_can_not_be_moved_is_given_up_in_words(world: ArmWorld) -> None:

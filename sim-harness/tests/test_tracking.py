@@ -154,14 +154,14 @@ def world() -> Iterator[World]:
 def test_a_hidden_block_keeps_its_number_however_long_it_is_hidden(
     renderer: Renderer, world: World
 ) -> None:
-    eyes, numbers = hidden(renderer, world)
+    observer, numbers = hidden(renderer, world)
     for _ in range(UNSEEN_PICTURES + 5):
-        cuboids = eyes.look()
+        cuboids = observer.look()
         assert sorted(cuboids) == sorted(numbers.values())
     for moved, y in ((3, -0.15), (2, 0.15)):
         move(world, moved, Pose.upright(0.5, y, 0.025))
-        eyes.look()
-    assert sorted(eyes.seen) == sorted(numbers.values())
+        observer.look()
+    assert sorted(observer.seen) == sorted(numbers.values())
 
 
 @pytest.mark.slow
@@ -169,19 +169,19 @@ def test_what_was_taken_away_is_forgotten_unless_the_hand_holds_it(
     renderer: Renderer, world: World
 ) -> None:
     put(world, (small("red"), 0.45, 0.1, 0), (large("green"), 0.55, -0.1, 0))
-    eyes = Observer(SimulatedCamera(renderer, world, CAMERA))
+    observer = Observer(SimulatedCamera(renderer, world, CAMERA))
     for _ in range(CONFIRMED):
-        first = eyes.look()
+        first = observer.look()
     (red,) = (n for n, cuboid in first.cuboids.items() if cuboid.pose.position[1] > 0.0)
     there = world.pose(1)
     out_of_sight(world, 1)
     for _ in range(UNSEEN_PICTURES + 5):
-        eyes.look(held=[red])
+        observer.look(held=[red])
     move(world, 1, there)
-    assert red in eyes.look().locations
+    assert red in observer.look().locations
     out_of_sight(world, 1)
     for _ in range(UNSEEN_PICTURES):
-        eyes.look()
+        observer.look()
     move(world, 1, there)
-    again = set(eyes.look().locations) - set(first.locations)
+    again = set(observer.look().locations) - set(first.locations)
     assert again == {max(first.locations) + 1}
