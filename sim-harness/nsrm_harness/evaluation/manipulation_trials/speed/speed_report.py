@@ -218,7 +218,7 @@ def draw(speed: Speed, path: Path) -> None:
         _tail(looks, each.touches_s, f"{each.where},\n{held}", style, color)
     looks.axvline(1000 * GOAL_S, c="black", lw=1, label="goal")
     looks.set(
-        title=f"check whether anything is too near, {BLOCKS} blocks",
+        title=f"one check, too near: {BLOCKS} blocks",
         xlabel="milliseconds",
         ylabel="share that takes longer",
         yscale="log",
