@@ -7,6 +7,7 @@ use rustix::time::{ClockId, clock_gettime};
 /// The clock of a process. All processes of a robot must use the same one, or they refuse each
 /// other's scenes and commands as too old or from the future.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Clock {
     /// The machine's monotonic clock (`CLOCK_MONOTONIC`; Python's `time.monotonic_ns`), which all
     /// its processes share and which is never set back.

@@ -358,20 +358,21 @@ def test_the_ready_pose_is_free_of_everything() -> None:
 
 def test_along_a_trajectory_the_first_touch_is_told() -> None:
     begin, end = pointing_down(0.5, -0.2, 0.1, 0.0), pointing_down(0.5, 0.2, 0.1, 0.0)
-    way = line(KINEMATICS, begin, end, panda.READY_RAD, 1.0)
-    assert way is not None
+    trajectory = line(KINEMATICS, begin, end, panda.READY_RAD, 1.0)
+    assert trajectory is not None
     # Both ends are clear of them.
     thin = {
         name: Cuboid(Pose((0.5, y, 0.07)), (0.04, 0.002, 0.14))
         for name, y in (("first", -0.04), ("second", 0.04))
     }
     guard = CollisionChecker(KINEMATICS, thin)
-    assert guard.touches(way.begin, 0.02) is None and guard.touches(way.end, 0.02) is None
-    there, back = guard.along(way, 0.02), guard.along(way.reversed(), 0.02)
+    ends = (trajectory.begin, trajectory.end)
+    assert all(guard.touches(joints, 0.02) is None for joints in ends)
+    there, back = guard.along(trajectory, 0.02), guard.along(trajectory.reversed(), 0.02)
     assert there is not None and "first" in there.pair
     assert back is not None and "second" in back.pair
     low = {name: Cuboid(Pose((0.5, 0.0, 0.02)), (0.04, 0.04, 0.04)) for name in thin}
-    assert CollisionChecker(KINEMATICS, low).along(way, 0.02) is None
+    assert CollisionChecker(KINEMATICS, low).along(trajectory, 0.02) is None
 
 
 def moving_points(joints: Joints) -> NDArray[np.float64]:
@@ -387,7 +388,7 @@ def moving_points(joints: Joints) -> NDArray[np.float64]:
     return np.concatenate(points)
 
 
-def fast_ways() -> list[Trajectory]:
+def fast_trajectories() -> list[Trajectory]:
     """At the full pace, stretched far out and near, with one joint and with all."""
     rng = np.random.default_rng(6)
     far = np.array([-1.5, 1.2, 0.0, -0.07, 0.0, 1.9, 0.8])
@@ -415,15 +416,15 @@ def away_m(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 def test_no_point_gets_farther_than_the_margin_from_where_it_was_looked_at(
     margin_m: float,
 ) -> None:
-    for way in fast_ways():
-        looked = [moving_points(joints) for joints in steps(way, margin_m).joints]
-        assert away_m(looked[0], moving_points(way.begin)) < 1e-5
-        assert away_m(looked[-1], moving_points(way.end)) < 1e-5
+    for trajectory in fast_trajectories():
+        looked = [moving_points(joints) for joints in steps(trajectory, margin_m).joints]
+        assert away_m(looked[0], moving_points(trajectory.begin)) < 1e-5
+        assert away_m(looked[-1], moving_points(trajectory.end)) < 1e-5
         for one, following in itertools.pairwise(looked):
             assert away_m(one, following) <= 2 * margin_m
         # Each moment in between is near to the look before it or to the next.
         at = 0
-        for joints in way.at(np.linspace(0.0, way.duration_s, 1500)).joints:
+        for joints in trajectory.at(np.linspace(0.0, trajectory.duration_s, 1500)).joints:
             points = moving_points(joints)
             nearest_m = away_m(points, looked[at])
             while at + 1 < len(looked):
@@ -465,14 +466,14 @@ def test_only_steps_are_left_out_in_which_nothing_can_have_come_near() -> None:
         held = Cuboid(Pose((0.0, 0.0, 0.1)), (0.04, 0.04, 0.06)) if number % 2 else None
         guard = Watched(KINEMATICS, blocks, held)
         guard.looked = []
-        way = Straight(
+        trajectory = Straight(
             panda.READY_RAD + rng.normal(0, 0.4, panda.JOINTS),
             panda.READY_RAD + rng.normal(0, 0.4, panda.JOINTS),
         )
-        every = steps(way, MARGIN_M)
+        every = steps(trajectory, MARGIN_M)
         touches = [guard.touches(joints, OPEN_M) for joints in every.joints]
         first = next((touch for touch in touches if touch is not None), None)
-        assert guard.along(way, OPEN_M) == first
+        assert guard.along(trajectory, OPEN_M) == first
         at = [int(np.flatnonzero((every.joints == it).all(axis=1))[0]) for it, _ in guard.looked]
         free_m = [free_m for _, free_m in guard.looked]
         for one, following, far_m in zip(at, at[1:], free_m, strict=False):
@@ -501,17 +502,18 @@ class Rounded(CollisionChecker):
 def test_behind_a_place_that_is_as_near_as_the_margin_it_is_looked_at_too() -> None:
     in_hand = Cuboid(Pose((0.0, 0.0, panda.FINGERTIP_M)), (0.04, 0.04, 0.04))
     begin, end = (pointing_down(0.5, y, 0.12, 0.0) for y in (-0.15, 0.15))
-    way = line(KINEMATICS, begin, end, panda.READY_RAD, 1.0)
-    assert way is not None
+    trajectory = line(KINEMATICS, begin, end, panda.READY_RAD, 1.0)
+    assert trajectory is not None
     # What is held is as near to the first as the margin at the beginning, and hits the second.
     objects = {"first": block_at(0.5, -0.15, 0.08 - MARGIN_M), "second": block_at(0.5, 0.1, 0.12)}
     guard = Rounded(KINEMATICS, objects, in_hand)
-    assert guard.free_m(way.begin, 0.04) == 0.0 and guard.touches(way.begin, 0.04) is None
-    touch = guard.along(way, 0.04)
+    assert guard.free_m(trajectory.begin, 0.04) == 0.0
+    assert guard.touches(trajectory.begin, 0.04) is None
+    touch = guard.along(trajectory, 0.04)
     assert touch is not None and "second" in touch.pair
     # And it is free if nothing but that is near.
     del objects["second"]
-    assert Rounded(KINEMATICS, objects, in_hand).along(way, 0.04) is None
+    assert Rounded(KINEMATICS, objects, in_hand).along(trajectory, 0.04) is None
 
 
 def test_two_that_move_are_near_after_half_the_way() -> None:

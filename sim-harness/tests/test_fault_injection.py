@@ -62,7 +62,7 @@ def test_what_is_disturbed_ends_as_said_or_in_words(kind: str) -> None:
 
 
 @pytest.mark.parametrize("index", [6, 20])
-def test_what_wedges_itself_into_the_hand_is_taken_back_with_what_is_held(index: int) -> None:
+def test_what_wedges_itself_into_the_hand_is_put_back_with_what_is_held(index: int) -> None:
     """The block in the hand is pressed onto another one, and both come along: the joints lag for a
     while, and one tower is seen where they are put down."""
     ended = run_disturbed("goal_taken", "closed", 2061, index)
@@ -163,7 +163,7 @@ def begun(arm: FaultyArm, kind: str, steps: int = 2) -> disturbed_episode._Distu
         ),
         (
             "grasp_fails",
-            ManipulationError("red: no room now", after=ExecutionResult.TAKEN_BACK),
+            ManipulationError("red: no room now", after=ExecutionResult.PUT_BACK),
             False,
         ),
         # Whatever is said of it.
@@ -171,7 +171,7 @@ def begun(arm: FaultyArm, kind: str, steps: int = 2) -> disturbed_episode._Distu
         ("grasp_fails", ManipulationError("red was tried 3 times", ExecutionResult.PLACED), False),
         (
             "grasp_fails",
-            ManipulationError("red was tried 3 times", ExecutionResult.TAKEN_BACK),
+            ManipulationError("red was tried 3 times", ExecutionResult.PUT_BACK),
             False,
         ),
         ("grasp_fails", NoObservationError("the picture is old"), False),
@@ -340,7 +340,8 @@ def test_the_fingers_do_not_close_where_the_arm_has_not_quite_arrived(arm: Fault
     carry = planned(arm)
     times_s = np.arange(0.0, carry.descend.duration_s, arm.tick_s)
     off_rad = np.abs(carry.descend.at(times_s).joints - carry.descend.end).max(axis=1)
-    almost_s = float(times_s[off_rad > 0.006][-1]) + sum(way.duration_s for way in carry.reach)
+    reached_s = sum(trajectory.duration_s for trajectory in carry.reach)
+    almost_s = float(times_s[off_rad > 0.006][-1]) + reached_s
     begun_s = arm.time_s
 
     def tick() -> None:
@@ -370,7 +371,7 @@ def test_an_arm_that_opens_its_fingers_where_it_is_not_to_be_is_found_out(
     assert arm.has_opened_astray
 
 
-def test_a_block_that_meets_another_one_is_taken_back(arm: FaultyArm) -> None:
+def test_a_block_that_meets_another_one_is_put_back(arm: FaultyArm) -> None:
     put(arm)
     before = arm.pose(1)
 
@@ -378,7 +379,7 @@ def test_a_block_that_meets_another_one_is_taken_back(arm: FaultyArm) -> None:
         if done == "lifted":
             arm.place(2, GOAL)
 
-    assert carried(arm, mark) is ExecutionResult.TAKEN_BACK
+    assert carried(arm, mark) is ExecutionResult.PUT_BACK
     assert float(np.abs(arm.joints() - panda.READY_RAD).max()) < HOME_RAD
     wait(arm, 0.5)
     assert arm.slow()

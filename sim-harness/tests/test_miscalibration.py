@@ -50,7 +50,7 @@ def test_other_units_and_conventions_are_told_as_such(report: MiscalibrationRepo
 
 
 def test_a_shift_along_the_table_is_not_found(report: MiscalibrationReport) -> None:
-    """What the documentation says can't be."""
+    """What the documentation says is impossible."""
     assert report.share("principal point +20 px in x") == 0.0
 
 

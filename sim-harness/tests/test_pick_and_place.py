@@ -103,7 +103,7 @@ def test_a_block_is_carried_to_its_sub_goal_and_nothing_else_moves(
     seen_m = 0.001 if by_pictures else 0.0
     assert after[1].distance_m(target) < PLACED_M + seen_m
     assert after[1].angle_rad(target) < PLACED_RAD
-    # It is square: a quarter turn can't be seen.
+    # It is square: a quarter turn cannot be seen.
     assert abs(turn_rad(goal, after[1], math.pi / 2)) < PLACED_RAD
     assert target.distance_m(goal) == pytest.approx(performed.corrected_m)
     assert performed.corrected_m < 0.0015 and performed.miss_m < PLACED_M + seen_m
@@ -147,8 +147,8 @@ def test_a_block_is_not_turned_the_long_way_round(monkeypatch: pytest.MonkeyPatc
         carry = PickAndPlacePlanner().carry(objects, "red", beside_blue, panda.READY_RAD)
         yaws = [
             KINEMATICS.hand(joints).yaw_rad()
-            for way in carry.transfer
-            for joints in way.at(np.linspace(0.0, way.duration_s, 200)).joints
+            for trajectory in carry.transfer
+            for joints in trajectory.at(np.linspace(0.0, trajectory.duration_s, 200)).joints
         ]
         return float(np.ptp(np.unwrap(yaws)))
 

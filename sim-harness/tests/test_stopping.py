@@ -54,34 +54,34 @@ def planned(world: ArmWorld) -> PickAndPlace:
     return PickAndPlacePlanner().carry(objects, "1", GOAL, world.joints())
 
 
-def all_ways(carry: PickAndPlace) -> list[Trajectory]:
-    ways = [*carry.reach, carry.descend, carry.lift, *carry.transfer]
-    return [*ways, carry.lower, carry.retreat, *carry.home]
+def all_trajectories(carry: PickAndPlace) -> list[Trajectory]:
+    trajectories = [*carry.reach, carry.descend, carry.lift, *carry.transfer]
+    return [*trajectories, carry.lower, carry.retreat, *carry.home]
 
 
-def off_path_rad(joints: Joints, way: Trajectory) -> float:
+def off_path_rad(joints: Joints, trajectory: Trajectory) -> float:
     """From each of some joints `[n, 7]` to the nearest on a trajectory, at most."""
-    path = way.at(np.linspace(0.0, way.duration_s, 2000)).joints
+    path = trajectory.at(np.linspace(0.0, trajectory.duration_s, 2000)).joints
     return max(float(np.abs(path - each).max(axis=1).min()) for each in joints)
 
 
 def test_braking_and_going_on_keep_to_the_path_and_the_makers_limits(world: ArmWorld) -> None:
     longest_s = 0.0
-    for way in all_ways(planned(world)):
-        for since_s in np.linspace(0.0, way.duration_s, 9):
-            braking = Braking(way, float(since_s))
+    for trajectory in all_trajectories(planned(world)):
+        for since_s in np.linspace(0.0, trajectory.duration_s, 9):
+            braking = Braking(trajectory, float(since_s))
             longest_s = max(longest_s, braking.duration_s)
-            first = way.at(np.array([since_s]))
+            first = trajectory.at(np.array([since_s]))
             stopped_s = braking.stopped_s
-            assert since_s <= stopped_s <= way.duration_s
+            assert since_s <= stopped_s <= trajectory.duration_s
             parts = [
                 braking,
-                PathPart(way, stopped_s, 0.0),
-                PathPart(way, stopped_s, way.duration_s),
+                PathPart(trajectory, stopped_s, 0.0),
+                PathPart(trajectory, stopped_s, trajectory.duration_s),
             ]
             for part in parts:
                 moments = part.at(np.arange(0.0, part.duration_s + TICK_S, TICK_S))
-                assert off_path_rad(moments.joints, way) < 0.002
+                assert off_path_rad(moments.joints, trajectory) < 0.002
                 assert (np.abs(moments.speeds) <= panda.MAX_SPEED_RAD_S).all()
                 limits = panda.MAX_ACCELERATION_RAD_S2
                 assert (np.abs(moments.accelerations) <= limits).all()
@@ -96,8 +96,8 @@ def test_braking_and_going_on_keep_to_the_path_and_the_makers_limits(world: ArmW
             ends = [part.at(np.array([part.duration_s])).joints[0] for part in parts]
             for start in starts[1:]:
                 np.testing.assert_allclose(start.joints[0], ends[0], atol=1e-9)
-            np.testing.assert_allclose(ends[1], way.begin, atol=1e-5)
-            np.testing.assert_allclose(ends[2], way.end, atol=1e-5)
+            np.testing.assert_allclose(ends[1], trajectory.begin, atol=1e-5)
+            np.testing.assert_allclose(ends[2], trajectory.end, atol=1e-5)
     assert 0.1 < longest_s < BRAKED_S
 
 
@@ -107,24 +107,24 @@ def test_back_from_what_was_met_it_goes_where_it_has_been_looked_at(
 ) -> None:
     rng = np.random.default_rng(5)
     carry = planned(world)
-    for way in (carry.descend, carry.lower, Backwards(carry.lift)):
+    for trajectory in (carry.descend, carry.lower, Backwards(carry.lift)):
         for share in np.linspace(0.0, 1.0, 11):
-            on_it = way.at(np.array([share * way.duration_s])).joints[0]
+            on_it = trajectory.at(np.array([share * trajectory.duration_s])).joints[0]
             joints = on_it + pushed_rad * rng.choice((-1.0, 1.0), panda.JOINTS)
-            onto, along = reversed_from(joints, way)
+            onto, along = reversed_from(joints, trajectory)
             np.testing.assert_array_equal(onto.begin, joints)
             np.testing.assert_allclose(onto.end, along.begin, atol=1e-9)
-            np.testing.assert_allclose(along.end, way.begin, atol=1e-5)
+            np.testing.assert_allclose(along.end, trajectory.begin, atol=1e-5)
             # Not on towards what was met, and by no large piece beside its path.
             heights = [KINEMATICS.hand(each).position[2] for each in (on_it, onto.end, along.end)]
             assert heights == sorted(heights)
             assert float(np.abs(onto.end - joints).max()) < 2 * BACK_RAD
             for part, most_rad in ((onto, pushed_rad + 1e-3), (along, 1e-3)):
                 moments = part.at(np.arange(0.0, part.duration_s + TICK_S, TICK_S))
-                assert off_path_rad(moments.joints, way) < most_rad
+                assert off_path_rad(moments.joints, trajectory) < most_rad
                 assert (np.abs(moments.speeds) <= panda.MAX_SPEED_RAD_S).all()
             # It has left what it has met, unless it has hardly begun.
-            begun_rad = float(np.abs(way.begin - joints).max())
+            begun_rad = float(np.abs(trajectory.begin - joints).max())
             assert float(np.abs(onto.end - joints).max()) >= min(BACK_RAD, begun_rad) - 1e-5
 
 
@@ -193,7 +193,8 @@ def test_a_stop_on_the_way_back_is_one_too(world: ArmWorld) -> None:
     heights = []
     with pytest.raises(StoppedError) as caught:
         # In the middle of the transfer.
-        length_s = sum(way.duration_s for way in (*carry.reach, carry.descend, carry.lift))
+        first = (*carry.reach, carry.descend, carry.lift)
+        length_s = sum(trajectory.duration_s for trajectory in first)
         ticks = round((length_s + carry.transfer[0].duration_s / 2) / world.tick_s)
         execute(world, carry, stop=lambda: after(ticks))
     back = caught.value.back

@@ -237,21 +237,21 @@ def test_a_way_along_joints_begins_and_ends_with_them_and_tells_how_near_it_is()
     bent = [
         panda.READY_RAD + turn for turn in (0.0, 0.05, 0.3, 0.32, 0.31, 0.4, 0.41, 0.4, 0.5, 0.6)
     ]
-    way = Along(bent)
-    reached = way.at(np.array([0.0, way.duration_s])).joints
+    trajectory = Along(bent)
+    reached = trajectory.at(np.array([0.0, trajectory.duration_s])).joints
     np.testing.assert_allclose(reached, [bent[0], bent[-1]], atol=1e-12)
-    assert 0.005 < way.off_rad < 0.1
+    assert 0.005 < trajectory.off_rad < 0.1
     even = [panda.READY_RAD + turn for turn in np.linspace(0.0, 0.5, 10)]
     assert Along(even).off_rad < 1e-12
 
 
 def test_before_it_begins_and_after_it_ends_a_trajectory_is_at_its_ends() -> None:
-    for way in (
+    for trajectory in (
         Straight(panda.READY_RAD, panda.READY_RAD + 0.5),
         lifted(0.5, 0.0, 0.0, panda.READY_RAD),
     ):
-        moments = way.at(np.array([-1.0, way.duration_s + 1.0]))
-        np.testing.assert_allclose(moments.joints, [way.begin, way.end], atol=1e-12)
+        moments = trajectory.at(np.array([-1.0, trajectory.duration_s + 1.0]))
+        np.testing.assert_allclose(moments.joints, [trajectory.begin, trajectory.end], atol=1e-12)
         np.testing.assert_allclose(moments.speeds, 0.0, atol=1e-9)
 
 
@@ -269,18 +269,19 @@ def test_a_straight_move_turns_all_joints_in_one_proportion() -> None:
 
 @pytest.mark.parametrize("pace", [1.0, 0.3])
 def test_the_way_back_is_the_same_way(pace: float) -> None:
-    ways_there: tuple[Trajectory, ...] = (
+    trajectories: tuple[Trajectory, ...] = (
         Straight(panda.READY_RAD, panda.READY_RAD + np.linspace(-0.5, 0.7, panda.JOINTS), pace),
         lifted(0.42, 0.17, 0.6, panda.READY_RAD, pace),
     )
-    for way in ways_there:
-        is_line = isinstance(way, Along)
-        back = way.reversed() if is_line else Straight(way.end, way.begin, pace)
-        assert back.duration_s == pytest.approx(way.duration_s)
-        np.testing.assert_array_equal(back.begin, way.end)
-        np.testing.assert_array_equal(back.end, way.begin)
-        times = np.linspace(0.0, way.duration_s, 100)
-        there, again = way.at(times), back.at(way.duration_s - times)
+    for trajectory in trajectories:
+        is_line = isinstance(trajectory, Along)
+        reverse = Straight(trajectory.end, trajectory.begin, pace)
+        back = trajectory.reversed() if is_line else reverse
+        assert back.duration_s == pytest.approx(trajectory.duration_s)
+        np.testing.assert_array_equal(back.begin, trajectory.end)
+        np.testing.assert_array_equal(back.end, trajectory.begin)
+        times = np.linspace(0.0, trajectory.duration_s, 100)
+        there, again = trajectory.at(times), back.at(trajectory.duration_s - times)
         np.testing.assert_allclose(again.joints, there.joints, atol=1e-6)
         np.testing.assert_allclose(again.speeds, -there.speeds, atol=1e-5)
 

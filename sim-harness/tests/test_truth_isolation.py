@@ -77,7 +77,7 @@ class Watch:
     WORLDS = ("nsrm_harness.simulation.world", "nsrm_harness.simulation.arm_world")
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.askers: set[str] = set()
+        self.readers: set[str] = set()
         self._is_on = False
         for name in self.ASKED:
             monkeypatch.setattr(ArmWorld, name, self._watched(getattr(ArmWorld, name)))
@@ -86,7 +86,7 @@ class Watch:
     def _watched(self, function: Callable[..., Any]) -> Callable[..., Any]:
         def asked(*arguments: Any) -> Any:
             if self._is_on:
-                self.askers.add(self._asker())
+                self.readers.add(self._reader())
             return function(*arguments)
 
         return asked
@@ -101,7 +101,7 @@ class Watch:
 
         return follow
 
-    def _asker(self) -> str:
+    def _reader(self) -> str:
         """The first module up the stack that is not the world's own."""
         frame = sys._getframe()
         while frame.f_globals["__name__"] in (__name__, *self.WORLDS):
@@ -114,13 +114,13 @@ WATCHING = ("judge", "fault_injection", "disturbed_episode")
 """Of `nsrm_harness.evaluation.manipulation_trials`."""
 
 
-def others(askers: set[str]) -> set[str]:
+def others(readers: set[str]) -> set[str]:
     """Those that are to know no truth; what draws the pictures does."""
     known = {f"nsrm_harness.evaluation.manipulation_trials.{name}" for name in WATCHING}
     return {
-        asker
-        for asker in askers
-        if asker not in known and not asker.startswith("nsrm_harness.simulation.render.")
+        reader
+        for reader in readers
+        if reader not in known and not reader.startswith("nsrm_harness.simulation.render.")
     }
 
 
@@ -129,13 +129,13 @@ def test_nobody_but_judge_and_disturber_asks_for_the_truth(monkeypatch: pytest.M
     watch = Watch(monkeypatch)
     assert trial.run(row, 5, 0).steps
     # It was watched.
-    assert "nsrm_harness.evaluation.manipulation_trials.judge" in watch.askers
-    assert any(asker.startswith("nsrm_harness.simulation.render.") for asker in watch.askers)
-    assert others(watch.askers) == set()
+    assert "nsrm_harness.evaluation.manipulation_trials.judge" in watch.readers
+    assert any(reader.startswith("nsrm_harness.simulation.render.") for reader in watch.readers)
+    assert others(watch.readers) == set()
     for loop in ("closed", "open"):
         assert disturbed_episode.run_disturbed("goal_taken", loop, 771, 0).steps
-    assert "nsrm_harness.evaluation.manipulation_trials.fault_injection" in watch.askers
-    assert others(watch.askers) == set()
+    assert "nsrm_harness.evaluation.manipulation_trials.fault_injection" in watch.readers
+    assert others(watch.readers) == set()
 
 
 @pytest.mark.parametrize("question", ["poses()", "placed()", "nearest((0.4, 0.0, 0.0))"])
@@ -154,7 +154,7 @@ def test_an_arm_that_asks_for_the_truth_is_noticed(
 
     monkeypatch.setattr(arm_mover, "reach_sub_goal", peeks)
     trial.run(row, 5, 0)
-    assert others(watch.askers) == {"nsrm_harness.manipulation.peeking"}
+    assert others(watch.readers) == {"nsrm_harness.manipulation.peeking"}
 
 
 def test_the_truth_would_be_noticed() -> None:

@@ -21,7 +21,7 @@ PICTURES = ["initial.png", "predicted.png", "result.png", "overview.png"]
 FILMS = ["film.gif", "strip.png"]
 #: What has no room for the fingers until another block is moved aside, and where.
 CROWDED = ("put the white block to the left of the magenta block", "221")
-#: What can't be done, and where: its second step would have the arm move a block that bears one.
+#: What cannot be done, and where: its second step would have the arm move a block that bears one.
 BEARING = (
     "put the white block on the red block and put the red block to the left of the cyan block",
     "207",

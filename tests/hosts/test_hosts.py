@@ -25,7 +25,7 @@ SHARED_MEMORY = Path("/dev/shm")
 
 ROBOT = "left"
 SERVICES = ("ask", "answer", "feedback", "heartbeat", "scene", "sub_goal")
-"""What goes through the tunnel: not `camera`, which is large, nor `plan`, which can't."""
+"""What goes through the tunnel: not `camera`, which is large, nor `plan`, which cannot."""
 SENTENCE = "put the yellow block to the left of the red block"
 CAMERA, PLANNER = "camera", "planner"
 ADDRESSES = {CAMERA: "10.77.0.1/24", PLANNER: "10.77.0.2/24"}
@@ -233,7 +233,7 @@ def until_done(
 
 def until_scenes_are_late(hosts: Both) -> None:
     """Says it until no scene came for two seconds that may be acted upon: from then on none does,
-    since what waits at the cable only grows, or can't pass."""
+    since what waits at the cable only grows, or cannot pass."""
 
     def are_late() -> bool:
         return reason(hosts.planner.say(SENTENCE)) == "no_scene"

@@ -21,7 +21,7 @@ fn join(role: Role, memory: &IsolatedMemory) -> Robot {
 
 /// iceoryx2 was seen to hand the reply for a client that was killed to the next one.
 #[test]
-fn what_is_said_to_another_asker_is_passed_over() {
+fn replies_to_another_client_are_ignored() {
     let memory = IsolatedMemory::new("another-client");
     let planner = join(Role::Planner, &memory);
     let server = planner.plan_server().unwrap();

@@ -204,11 +204,11 @@ fn a_planner_that_dies_or_hangs_is_detected_within_half_a_second() {
     let silence_ns = Limits::default().silence_ns;
     let mut corners = 1..;
     for signal in ["-STOP", "-KILL"] {
-        for line in [Transport::Connection, Transport::Broadcast] {
+        for transport in [Transport::Connection, Transport::Broadcast] {
             let memory = IsolatedMemory::new(&format!("detected{}", corners.next().unwrap()));
             let mut planner = Other::start("planner", &memory);
             let robot = join("left", Role::Client, &memory.config);
-            let mut client = Client::begin(robot, line, silence_ns).unwrap();
+            let mut client = Client::begin(robot, transport, silence_ns).unwrap();
             let robot = join("left", Role::Watcher, &memory.config);
             let heartbeats: Receiver<Heartbeat> = robot.receiver().unwrap();
             let mut watcher = Watcher::begin(robot).unwrap();

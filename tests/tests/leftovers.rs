@@ -124,7 +124,7 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     };
     let watched = file("4711.node_monitor_context");
     // The process that cleaned up this one was killed after the first of three files.
-    let buried = ["4713.node_monitor_context", "4713.node_monitor_owner_lock"].map(file);
+    let half_removed = ["4713.node_monitor_context", "4713.node_monitor_owner_lock"].map(file);
     // This one was killed before it set the permissions of its context, which show that it is alive.
     let begun = [
         "4715.node_monitor",
@@ -136,7 +136,7 @@ fn a_node_that_was_begun_and_given_up_is_removed() {
     std::fs::set_permissions(&begun[2], Permissions::from_mode(0o200)).unwrap();
     let old_ones = [&old, &watched, &of_begun]
         .into_iter()
-        .chain(&buried)
+        .chain(&half_removed)
         .chain(&begun);
     for part in old_ones.clone() {
         age(part);
@@ -170,7 +170,7 @@ fn controller(memory: &IsolatedMemory) -> Child {
 /// The state after the process that cleaned it up was killed, too, with a tag half written.
 #[test]
 fn the_last_of_a_dead_node_is_removed() {
-    let memory = IsolatedMemory::new("half-buried");
+    let memory = IsolatedMemory::new("half-removed");
     // For the whole process: no other test in this file may do so, or clean up a dead process.
     set_global_config(&memory.config).unwrap();
     let heir = join(Role::Planner, &memory);

@@ -181,8 +181,8 @@ fn as_many_as_may_ask_find_a_place_and_one_more_is_told_so() {
         let robot = join("north", role, config);
         (Heartbeats::begin(&robot, role, now_ns()).unwrap(), robot)
     });
-    for line in [Transport::Connection, Transport::Broadcast] {
-        let begin = || Client::begin(join("north", Role::Client, config), line, u64::MAX);
+    for transport in [Transport::Connection, Transport::Broadcast] {
+        let begin = || Client::begin(join("north", Role::Client, config), transport, u64::MAX);
         let mut clients: Vec<_> = (0..CLIENTS).map(|_| begin().unwrap()).collect();
         let refused = begin().unwrap_err();
         assert!(matches!(refused, ServiceError::Full { .. }), "{refused}");

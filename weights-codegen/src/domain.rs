@@ -45,6 +45,7 @@ pub struct Attribute {
 /// The part of a crop that an attribute operator sees.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum View {
     /// Red, green and blue.
     Color,

@@ -20,6 +20,7 @@ pub struct Field {
 
 /// The type of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Type {
     /// `u8`
     U8,

@@ -63,6 +63,7 @@ type Pending = PendingResponse<ipc::Service, PlanRequest, (), PlanReply, ()>;
 
 /// The services over which a client sends requests to the planner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Transport {
     /// `plan`: the planner detects at once when the client disconnects.
     #[default]

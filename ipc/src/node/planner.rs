@@ -18,6 +18,7 @@ use crate::service::{Carried, PLAN, PlanServer, Receiver, Robot, Sender, Service
 
 /// Whether there is more work to do now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PollStatus {
     /// Nothing to do until something arrives or time passes.
     Idle,

@@ -21,6 +21,7 @@ pub struct Quality {
 
 /// Whether a robot's processes run on one host or several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Hosts {
     /// All run on one machine.
     #[default]

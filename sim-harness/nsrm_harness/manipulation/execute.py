@@ -57,7 +57,7 @@ class ExecutionResult(Enum):
     PLACED = "placed"
     NOT_GRASPED = "not grasped"
     SLIPPED = "slipped"
-    TAKEN_BACK = "put back where it was, as something is in the way"
+    PUT_BACK = "put back where it was, as something is in the way"
 
 
 def execute(
@@ -154,8 +154,8 @@ def _take_back(
         up = reversed_from(body.joints(), down.trajectories[0])
         away = replace(away, home=(*up, *carry.back))
     retreat(body, away, stop)
-    mark("taken back")
-    return ExecutionResult.TAKEN_BACK
+    mark("put back")
+    return ExecutionResult.PUT_BACK
 
 
 @dataclass(frozen=True)

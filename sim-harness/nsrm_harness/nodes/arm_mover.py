@@ -34,7 +34,7 @@ FAILURES = {
     ExecutionResult.PLACED: Outcome.MISPLACED,
     ExecutionResult.NOT_GRASPED: Outcome.NOT_GRASPED,
     ExecutionResult.SLIPPED: Outcome.DROPPED,
-    ExecutionResult.TAKEN_BACK: Outcome.MISPLACED,
+    ExecutionResult.PUT_BACK: Outcome.MISPLACED,
 }
 """The controller's outcome for each result of a pick and place after which the block is not seen at
 its goal."""

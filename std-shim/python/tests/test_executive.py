@@ -174,7 +174,7 @@ def test_modes(model: nsrm.Model) -> None:
     world.executive.ask(SENTENCE, "open_loop")
     world.next(nsrm.Planned)
     world.hear(world.next(nsrm.Command), REACHED)
-    # Nobody looks.
+    # The scene is not observed again.
     assert math.isnan(world.next(nsrm.Reached).off_m)
     assert world.next(nsrm.Ended).why is None
     with pytest.raises(nsrm.NsrmError, match="mode: expected closed_loop, open_loop or plan_only"):

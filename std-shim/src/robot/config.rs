@@ -127,14 +127,11 @@ impl Config {
         let robot = robot.or(file.robot.as_deref()).unwrap_or(ROBOT);
         let limits = file.limits.over(Limits::default());
         limits.check().map_err(ConfigError::Limits)?;
-        let hosts = match file.hosts {
-            None | Some(HostsFile::One) => Hosts::One,
-            Some(HostsFile::Several) => Hosts::Several,
+        let (hosts, clock) = match file.hosts {
+            None | Some(HostsFile::One) => (Hosts::One, Clock::Machine),
+            Some(HostsFile::Several) => (Hosts::Several, Clock::Wall),
         };
-        go_by(match hosts {
-            Hosts::One => Clock::Machine,
-            Hosts::Several => Clock::Wall,
-        });
+        go_by(clock);
         Ok(Self {
             hosts,
             robot: robot.parse().map_err(ConfigError::Robot)?,

@@ -27,7 +27,7 @@ use serde_json::json;
 
 use self::alone::sentence;
 use self::answering::{Answering, feedback, stay_on};
-pub(crate) use self::answering::{Looks, Peer, answer};
+pub(crate) use self::answering::{Peer, WaitMode, answer};
 use self::beside::{Beside, ByPipe};
 use crate::process_group::ROBOT;
 use crate::world::World;
@@ -67,12 +67,12 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let mut book = Book { file };
     let samples = options.samples;
     let mut pipe = Times::new();
-    for looks in [Looks::Spinning, Looks::Waiting] {
-        let word = looks.word();
+    for wait in [WaitMode::Spinning, WaitMode::Waiting] {
+        let word = wait.word();
         for (what, measure) in [("sentence", sentences as Measure), ("frame", scenes)] {
             let mut measured = Measured::default();
             on_both_cores(samples, |share, core| {
-                measure(looks, share, core, &mut measured)
+                measure(wait, share, core, &mut measured)
             })?;
             book.write(&format!("{what}, computation alone"), word, &measured.alone)?;
             book.write(&format!("{what}, overhead"), word, &measured.above)?;
@@ -85,9 +85,9 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let mut event = Times::new();
     on_both_cores(samples, |share, core| {
         for (size, times) in &mut sizes {
-            hand_over(Looks::Spinning, *size, share, core, times)?;
+            hand_over(WaitMode::Spinning, *size, share, core, times)?;
         }
-        hand_over(Looks::Waiting, SIZES[0], share, core, &mut event)
+        hand_over(WaitMode::Waiting, SIZES[0], share, core, &mut event)
     })?;
     for ((width, height), times) in &sizes {
         book.write("hand-over", &format!("{width}x{height}"), times)?;
@@ -128,7 +128,7 @@ impl Measured {
 
 /// Measures, given how the answering process receives, the number of measurements, and the core of
 /// the answering process.
-type Measure = fn(Looks, u32, usize, &mut Measured) -> Result<()>;
+type Measure = fn(WaitMode, u32, usize, &mut Measured) -> Result<()>;
 
 /// Measures half on one core and half on the other in turn, with the answering process on the other
 /// one: no core is equally fast all the time.
@@ -163,7 +163,7 @@ impl Book {
 
 /// Waits until `take` returns something: spinning, or woken by a notification.
 fn until<T>(
-    looks: Looks,
+    wait: WaitMode,
     wait_set: &WaitSet<1>,
     mut take: impl FnMut() -> Result<Option<T>>,
 ) -> Result<T> {
@@ -175,7 +175,7 @@ fn until<T>(
         if now_ns() > end_ns {
             bail!("no answer after {} s", PATIENCE_NS / 1_000_000_000);
         }
-        if looks == Looks::Waiting {
+        if wait == WaitMode::Waiting {
             let _ = wait_set.wait(Duration::from_millis(100));
         } else {
             std::hint::spin_loop();
@@ -187,10 +187,10 @@ fn until<T>(
 struct Way(Option<ByPipe>);
 
 impl Way {
-    fn start(looks: Looks, core: usize) -> Result<Self> {
-        Ok(Self(match looks {
-            Looks::Spinning => None,
-            Looks::Waiting => Some(ByPipe::start(Peer::Pipe, core)?),
+    fn start(wait: WaitMode, core: usize) -> Result<Self> {
+        Ok(Self(match wait {
+            WaitMode::Spinning => None,
+            WaitMode::Waiting => Some(ByPipe::start(Peer::Pipe, core)?),
         }))
     }
 
@@ -211,16 +211,16 @@ impl Way {
 }
 
 /// From a sentence to its first sub-goal: a [`Measure`].
-fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> Result<()> {
-    let mut peer = Answering::start(Peer::Planner, looks, core)?;
+fn sentences(wait: WaitMode, samples: u32, core: usize, measured: &mut Measured) -> Result<()> {
+    let mut peer = Answering::start(Peer::Planner, wait, core)?;
     let robot = peer.join(ROBOT, Role::Controller)?;
     let (scenes, commands) = (robot.sender()?, robot.receiver::<SubGoal>()?);
     let feedbacks = robot.sender::<Feedback>()?;
     let (client, notifier) = (robot.plan_client()?, robot.notifier(PLAN)?);
     let wait_set = robot.wait_set([SubGoal::SERVICE])?;
     let mut heartbeats = Heartbeats::begin(&robot, Role::Controller, now_ns())?;
-    let mut beside = Beside::start(looks, Peer::SentenceByPipe, &peer, core)?;
-    let mut way = Way::start(looks, core)?;
+    let mut beside = Beside::start(wait, Peer::SentenceByPipe, &peer, core)?;
+    let mut way = Way::start(wait, core)?;
     let world = World::new()?;
     let mut image = vec![0; world.bytes()];
     world.paint(&mut image);
@@ -245,7 +245,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
             continue;
         }
         let mut ended = None;
-        let command = until(looks, &wait_set, || {
+        let command = until(wait, &wait_set, || {
             let command = commands.receive()?.map(|command| *command);
             if command.is_none() {
                 // A planner that has just started has no scene yet.
@@ -267,7 +267,7 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
         for outcome in [Outcome::Accepted, Outcome::Reached] {
             feedbacks.send(&feedback(command.plan, command.command, number, outcome))?;
         }
-        until(Looks::Spinning, &wait_set, || {
+        until(WaitMode::Spinning, &wait_set, || {
             let has_ended = !pending.is_connected();
             Ok((pending.receive()?.is_none() && has_ended).then_some(()))
         })?;
@@ -278,17 +278,17 @@ fn sentences(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -
 }
 
 /// From a frame to its scene: a [`Measure`].
-fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> Result<()> {
-    let mut peer = Answering::start(Peer::Perception, looks, core)?;
+fn scenes(wait: WaitMode, samples: u32, core: usize, measured: &mut Measured) -> Result<()> {
+    let mut peer = Answering::start(Peer::Perception, wait, core)?;
     let robot = peer.join(ROBOT, Role::Camera)?;
     let world = World::new()?;
     let frames = robot.frames_out(world.bytes())?;
     let scenes = robot.receiver::<SceneMessage>()?;
     let wait_set = robot.wait_set([SceneMessage::SERVICE])?;
-    let mut beside = Beside::start(looks, Peer::FrameByPipe, &peer, core)?;
+    let mut beside = Beside::start(wait, Peer::FrameByPipe, &peer, core)?;
     let frames_beside = beside.robot().frames_out(world.bytes())?;
-    let mut way = Way::start(looks, core)?;
-    until(Looks::Spinning, &wait_set, || {
+    let mut way = Way::start(wait, core)?;
+    until(WaitMode::Spinning, &wait_set, || {
         std::thread::sleep(Duration::from_millis(5));
         let sent = frames.send(CameraFrame::default(), world.bytes(), |_| {})?;
         Ok((sent > 0).then_some(()))
@@ -311,7 +311,7 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
         while scenes.receive()?.is_some() {}
 
         let begun_ns = send(&frames, number)?;
-        until(looks, &wait_set, || {
+        until(wait, &wait_set, || {
             let scene = scenes.receive()?;
             Ok(scene.filter(|scene| scene.sequence == number).map(|_| ()))
         })?;
@@ -326,14 +326,14 @@ fn scenes(looks: Looks, samples: u32, core: usize, measured: &mut Measured) -> R
 /// written to the frame meanwhile: that would evict everything else from the caches, the more the
 /// larger it is.
 fn hand_over(
-    looks: Looks,
+    wait: WaitMode,
     (width, height): (u32, u32),
     samples: u32,
     core: usize,
     times: &mut Times,
 ) -> Result<()> {
     let bytes = (width * height * 7) as usize;
-    let mut peer = Answering::start(Peer::Frames, looks, core)?;
+    let mut peer = Answering::start(Peer::Frames, wait, core)?;
     let robot = peer.join(ROBOT, Role::Camera)?;
     let frames = robot.frames_out(bytes)?;
     let said = robot.receiver::<Feedback>()?;
@@ -346,7 +346,7 @@ fn hand_over(
             sequence: number,
             ..CameraFrame::default()
         };
-        if looks == Looks::Waiting {
+        if wait == WaitMode::Waiting {
             std::thread::sleep(REST);
         }
         let mut begun_ns = 0;
@@ -355,7 +355,7 @@ fn hand_over(
             std::thread::sleep(Duration::from_millis(5));
             continue;
         }
-        until(looks, &wait_set, || {
+        until(wait, &wait_set, || {
             let said = said.receive()?;
             Ok(said.filter(|said| said.sequence == number).map(|_| ()))
         })?;

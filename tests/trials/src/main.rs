@@ -16,7 +16,7 @@ use anyhow::Result;
 use clap::Parser;
 use iceoryx2::prelude::{LogLevel, set_log_level};
 
-use parts::Place;
+use parts::RobotArgs;
 
 /// Run a robot's processes under load.
 #[derive(Parser)]
@@ -32,23 +32,23 @@ enum Trial {
     #[command(hide = true)]
     Answer {
         #[command(flatten)]
-        place: Place,
+        robot: RobotArgs,
         #[arg(long)]
         peer: latency::Peer,
         #[arg(long)]
-        looks: latency::Looks,
+        wait: latency::WaitMode,
         /// The core to run on.
         #[arg(long)]
         core: usize,
     },
     /// Run the camera of a trial.
     #[command(hide = true)]
-    Camera(Place),
+    Camera(RobotArgs),
     /// Run the controller of a trial.
     #[command(hide = true)]
     Controller {
         #[command(flatten)]
-        place: Place,
+        robot: RobotArgs,
         #[arg(long)]
         seed: u64,
     },
@@ -71,12 +71,12 @@ fn run(trial: &Trial) -> Result<()> {
         Trial::Soak(options) => soak::run(options),
         Trial::Latency(options) => latency::run(options),
         Trial::Answer {
-            place,
+            robot,
             peer,
-            looks,
+            wait,
             core,
-        } => latency::answer(place, *peer, *looks, *core),
-        Trial::Camera(place) => parts::camera(place),
-        Trial::Controller { place, seed } => parts::controller(place, *seed),
+        } => latency::answer(robot, *peer, *wait, *core),
+        Trial::Camera(robot) => parts::camera(robot),
+        Trial::Controller { robot, seed } => parts::controller(robot, *seed),
     }
 }

@@ -27,7 +27,7 @@ const MOVE_MS: std::ops::Range<u64> = 20..200;
 
 /// The robot that a process belongs to.
 #[derive(Debug, Clone, clap::Args)]
-pub(crate) struct Place {
+pub(crate) struct RobotArgs {
     /// The robot's name.
     #[arg(long)]
     robot: RobotName,
@@ -45,7 +45,7 @@ pub(crate) struct Place {
     several_hosts: bool,
 }
 
-impl Place {
+impl RobotArgs {
     pub(crate) fn join(&self, role: Role) -> Result<Robot> {
         self.join_other(&self.robot, role)
     }
@@ -92,10 +92,10 @@ impl Cleanups {
 }
 
 /// Publishes an image of the world thirty times a second.
-pub(crate) fn camera(place: &Place) -> Result<()> {
+pub(crate) fn camera(robot: &RobotArgs) -> Result<()> {
     let stop = stop_on_signals()?;
-    let (mut world, mut moves) = World::of(place.journal())?;
-    let robot = place.join(Role::Camera)?;
+    let (mut world, mut moves) = World::of(robot.journal())?;
+    let robot = robot.join(Role::Camera)?;
     let frames = robot.frames_out(world.bytes())?;
     let mut heartbeats = Heartbeats::begin(&robot, Role::Camera, now_ns())?;
     let (mut cleanups, mut sequence) = (Cleanups::default(), 0);
@@ -115,10 +115,10 @@ pub(crate) fn camera(place: &Place) -> Result<()> {
 }
 
 /// Executes each command once: after some time, the block is at its sub-goal.
-pub(crate) fn controller(place: &Place, seed: u64) -> Result<()> {
+pub(crate) fn controller(robot: &RobotArgs, seed: u64) -> Result<()> {
     let stop = stop_on_signals()?;
-    let journal = Journal::open(place.journal(), "controller")?;
-    let robot = place.join(Role::Controller)?;
+    let journal = Journal::open(robot.journal(), "controller")?;
+    let robot = robot.join(Role::Controller)?;
     let wait_set = robot.wait_set([SubGoal::SERVICE])?;
     let mut controller = Controller {
         commands: robot.receiver()?,

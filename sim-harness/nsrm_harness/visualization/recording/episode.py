@@ -24,7 +24,7 @@ WORLD, TABLE, SUB_GOALS = "world", "world/table", "world/sub_goals"
 PLAN, EVENTS = "plan", "events"
 TABLE_RGB: RGB = (0.65, 0.6, 0.55)
 
-UNPLANNED = ("not grasped", "slipped", "taken back", "clearing")
+UNPLANNED = ("not grasped", "slipped", "put back", "clearing")
 """Events that happen only if something goes wrong."""
 
 

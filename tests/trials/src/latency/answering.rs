@@ -19,7 +19,7 @@ use rustix::thread::{CpuSet, sched_setaffinity};
 
 use super::alone::{FrameAlone, Nothing, SentenceAlone};
 use super::beside::{Answers, BESIDE, answer_bytes};
-use crate::parts::{Place, stop_on_signals};
+use crate::parts::{RobotArgs, stop_on_signals};
 use crate::process_group::ROBOT;
 
 /// The kinds of answering processes.
@@ -41,14 +41,14 @@ pub(crate) enum Peer {
 
 /// How a process receives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Looks {
+pub(crate) enum WaitMode {
     /// By spinning.
     Spinning,
     /// When it is woken up.
     Waiting,
 }
 
-impl Looks {
+impl WaitMode {
     pub(super) const fn word(self) -> &'static str {
         match self {
             Self::Spinning => "spinning",
@@ -58,17 +58,17 @@ impl Looks {
 }
 
 /// Answers until it is stopped, in a process of its own.
-pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Result<()> {
+pub(crate) fn answer(robot: &RobotArgs, peer: Peer, wait: WaitMode, core: usize) -> Result<()> {
     let stop = stop_on_signals()?;
     stay_on(core)?;
-    let is_spinning = looks == Looks::Spinning;
-    let beside = |role| place.join_other(&BESIDE.parse()?, role);
+    let is_spinning = wait == WaitMode::Spinning;
+    let beside = |role| robot.join_other(&BESIDE.parse()?, role);
     match peer {
         Peer::Pipe => answer_bytes(&mut Nothing)?,
         Peer::SentenceByPipe => answer_bytes(&mut SentenceAlone::new()?)?,
         Peer::FrameByPipe => answer_bytes(&mut FrameAlone::new(&beside(Role::Perception)?)?)?,
         Peer::Planner => {
-            let robot = place.join(Role::Planner)?;
+            let robot = robot.join(Role::Planner)?;
             let mut node = PlannerNode::begin(robot, &TABLETOP, Limits::default())?;
             if !is_spinning {
                 return Ok(node.run(&stop)?);
@@ -80,7 +80,7 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
             }
         }
         Peer::Perception => {
-            let robot = place.join(Role::Perception)?;
+            let robot = robot.join(Role::Perception)?;
             let mut node = PerceptionNode::begin(robot, &TABLETOP)?;
             if !is_spinning {
                 return Ok(node.run(&stop)?);
@@ -92,14 +92,14 @@ pub(crate) fn answer(place: &Place, peer: Peer, looks: Looks, core: usize) -> Re
                 beside.poll()?;
             }
         }
-        Peer::Frames => take_frames(place, looks, &stop)?,
+        Peer::Frames => take_frames(robot, wait, &stop)?,
     }
     Ok(())
 }
 
 /// Receives frames in place and acknowledges them.
-fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
-    let robot = place.join(Role::Controller)?;
+fn take_frames(robot: &RobotArgs, wait: WaitMode, stop: &AtomicBool) -> Result<()> {
+    let robot = robot.join(Role::Controller)?;
     let frames = robot.frames_in()?;
     let wait_set = robot.wait_set([CAMERA])?;
     let said = robot.sender::<Feedback>()?;
@@ -107,7 +107,7 @@ fn take_frames(place: &Place, looks: Looks, stop: &AtomicBool) -> Result<()> {
         if let Some(frame) = frames.receive()? {
             let number = frame.user_header().sequence;
             said.send(&feedback(1, 1, number, Outcome::Accepted))?;
-        } else if looks == Looks::Waiting {
+        } else if wait == WaitMode::Waiting {
             let _ = wait_set.wait(Duration::from_millis(100));
         }
     }
@@ -132,14 +132,14 @@ pub(super) struct Answering {
 }
 
 impl Answering {
-    pub(super) fn start(peer: Peer, looks: Looks, core: usize) -> Result<Self> {
-        let memory = IsolatedMemory::new(&format!("latency-{}", looks.word()));
+    pub(super) fn start(peer: Peer, wait: WaitMode, core: usize) -> Result<Self> {
+        let memory = IsolatedMemory::new(&format!("latency-{}", wait.word()));
         let name = |value: &dyn ValueEnumName| value.name();
         let child = Command::new(std::env::current_exe()?)
             .args(["answer", "--robot", ROBOT, "--journal", "none", "--root"])
             .arg(memory.root())
             .args(["--prefix", memory.prefix()])
-            .args(["--peer", &name(&peer), "--looks", &name(&looks)])
+            .args(["--peer", &name(&peer), "--wait", &name(&wait)])
             .args(["--core", &core.to_string()])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

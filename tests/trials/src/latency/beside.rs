@@ -11,7 +11,7 @@ use nsrm_ipc::message::{Feedback, Outcome, Role, SubGoal};
 use nsrm_ipc::service::{Receiver, Robot, Sender};
 
 use super::alone::Alone;
-use super::answering::{Answering, Looks, Peer};
+use super::answering::{Answering, Peer, WaitMode};
 use super::{PATIENCE_NS, REST};
 
 /// The robot for the baseline, besides the measured one.
@@ -57,7 +57,7 @@ pub(super) struct ByPipe {
 
 impl ByPipe {
     pub(super) fn start(peer: Peer, core: usize) -> Result<Self> {
-        let mut peer = Answering::start(peer, Looks::Waiting, core)?;
+        let mut peer = Answering::start(peer, WaitMode::Waiting, core)?;
         let (input, output) = peer.pipes().context("no pipe")?;
         Ok(Self {
             input,
@@ -181,18 +181,18 @@ impl Beside {
     /// * `computing`: the process to wake, if the answering process waits
     /// * `peer`: the answering process, which computes if it spins
     pub(super) fn start(
-        looks: Looks,
+        wait: WaitMode,
         computing: Peer,
         peer: &Answering,
         core: usize,
     ) -> Result<Self> {
         let join = |at: &Answering| at.join(BESIDE, Role::Camera);
-        let (robot, asked): (_, Box<dyn Asked>) = match looks {
-            Looks::Waiting => {
+        let (robot, asked): (_, Box<dyn Asked>) = match wait {
+            WaitMode::Waiting => {
                 let asked = ByPipe::start(computing, core)?;
                 (join(&asked.peer)?, Box::new(asked))
             }
-            Looks::Spinning => {
+            WaitMode::Spinning => {
                 let robot = join(peer)?;
                 let asked = ByMemory::new(&robot)?;
                 (robot, Box::new(asked))
