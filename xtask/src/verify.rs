@@ -10,10 +10,11 @@ mod context;
 mod count;
 mod fuzz;
 mod limit;
-mod packages;
+mod package;
 mod report;
 mod slow;
 mod step;
+mod system_packages;
 mod tools;
 
 use std::ffi::OsString;
@@ -114,7 +115,7 @@ pub(crate) fn run(words: &[OsString]) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let project = Project::find()?;
-    packages::prepare(arguments.install)?;
+    system_packages::prepare(arguments.install)?;
     let logs = project.target().join("verify");
     fs::create_dir_all(&logs).with_context(|| format!("making {}", logs.display()))?;
     let run = Run {

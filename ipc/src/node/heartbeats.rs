@@ -11,6 +11,26 @@ use crate::service::{Carried, Receiver, Robot, SendFailure, Sender, ServiceError
 pub const HEARTBEAT_NS: u64 = 100_000_000;
 
 /// A node's own heartbeat, and those of others.
+///
+/// ```no_run
+/// use core::time::Duration;
+///
+/// use iceoryx2::config::Config;
+/// use nsrm_ipc::clock::now_ns;
+/// use nsrm_ipc::message::{Role, State};
+/// use nsrm_ipc::node::Heartbeats;
+/// use nsrm_ipc::service::Robot;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let robot = Robot::join("left".parse()?, Role::Controller, Config::global_config())?;
+/// let mut heartbeats = Heartbeats::begin(&robot, Role::Controller, now_ns())?;
+/// loop {
+///     heartbeats.beat(State::Idle, now_ns())?;
+///     // … the node's work …
+///     std::thread::sleep(Duration::from_millis(20));
+/// }
+/// # }
+/// ```
 #[derive(Debug)]
 pub struct Heartbeats {
     sender: Sender<Heartbeat>,

@@ -263,6 +263,41 @@ impl Robot {
     }
 
     /// A publisher of frames of up to `bytes` bytes.
+    ///
+    /// ```no_run
+    /// use iceoryx2::config::Config;
+    /// use nsrm_core::Camera;
+    /// use nsrm_ipc::clock::now_ns;
+    /// use nsrm_ipc::message::{CameraFrame, CameraMessage, DetectedBox, Role};
+    /// use nsrm_ipc::service::Robot;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let camera = Camera {
+    ///     width: 640,
+    ///     height: 480,
+    ///     fx: 936.0,
+    ///     fy: 936.0,
+    ///     cx: 320.0,
+    ///     cy: 240.0,
+    ///     position: [1.3, 0.0, 0.8], // world frame, metres
+    ///     orientation: [0.6395828, 0.6395828, -0.30155238, -0.30155238], // x, y, z, w
+    /// };
+    /// let robot = Robot::join("left".parse()?, Role::Camera, Config::global_config())?;
+    /// let bytes = 7 * camera.width as usize * camera.height as usize;
+    /// let frames = robot.frames_out(bytes)?;
+    /// let mut header = CameraFrame {
+    ///     sequence: 1,
+    ///     timestamp_ns: now_ns(), // when the image was taken
+    ///     camera: CameraMessage::from(camera),
+    ///     count: 1,
+    ///     ..CameraFrame::default()
+    /// };
+    /// // Object 1 covers these fractions of the image, 0.9 m from the camera.
+    /// header.boxes[0] = DetectedBox::whole(1, [0.4, 0.4, 0.5, 0.5, 0.9]);
+    /// frames.send(header, bytes, |image| image.fill(0))?;
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn frames_out(&self, bytes: usize) -> Result<FramesOut, ServiceError> {
         let frames = FRAMES_AT_ONCE.saturating_mul(bytes as u64);
         find_room(&self.name, CAMERA, frames.saturating_add(ROOM))?;

@@ -5,6 +5,7 @@ use anyhow::Result;
 use super::context::Context;
 use super::count::Runner;
 use super::fuzz;
+use super::package;
 use super::step::Step;
 use super::tools::Tool;
 
@@ -16,15 +17,6 @@ const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
 
 /// The Python packages, and their tests.
 const PYTHON_PACKAGES: [&str; 2] = ["sim-harness", "std-shim/python"];
-
-/// The published crates. Their manifests have `rust-version` and everything else that users see.
-const PUBLISHED: [&str; 5] = [
-    "nsrm-core",
-    "nsrm-tabletop",
-    "nsrm-codegen",
-    "nsrm-ipc",
-    "nsrm",
-];
 
 /// One check.
 pub(super) struct Check {
@@ -127,8 +119,8 @@ pub(super) const CHECKS: &[Check] = &[
     Check::new(
         "package",
         "each published crate can be packaged and builds from its package",
-        "3 min",
-        package,
+        "1 min",
+        package::steps,
     ),
     Check::new(
         "trials",
@@ -312,15 +304,6 @@ fn proofs(_: &Context) -> Result<Vec<Step>> {
 fn docs(_: &Context) -> Result<Vec<Step>> {
     let step = Step::cargo(&["doc", "--locked", "--workspace", "--no-deps"]);
     Ok(vec![step.with("RUSTDOCFLAGS", "--deny warnings")])
-}
-
-/// Packages that depend on each other are made, and built, as if those before them were published.
-fn package(_: &Context) -> Result<Vec<Step>> {
-    let step = Step::cargo(&["package", "--locked", "--allow-dirty"]);
-    let published = PUBLISHED.map(|package| format!("--package={package}"));
-    // The profile of the workspace, which a package leaves behind: much is built already.
-    let step = step.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only");
-    Ok(vec![published.into_iter().fold(step, Step::argument)])
 }
 
 fn environment(context: &Context) -> Result<Vec<Step>> {
