@@ -1,0 +1,54 @@
+//! The committed model: what resembles a sentence that it can execute, but means something else, is
+//! refused. `docs/report` has the shares among thousands of such sentences.
+
+include!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../core/examples/observed/mod.rs"
+));
+
+use nsrm_core::Planner;
+use nsrm_tabletop::TABLETOP;
+
+const EXECUTED: [&str; 5] = [
+    "put the red block on the magenta block",
+    "put the small red block to the left of the magenta block",
+    "move the green block on the lego block",
+    "put the red block on the magenta block, then put the yellow block on the red block",
+    "put the yellow block to the right of the green one",
+];
+
+const REFUSED: [&str; 14] = [
+    // A relation inside a description, of a reference or of the moved block.
+    "put the small red block on the block left of the magenta block",
+    "put the small red block on the block to the left of the magenta block",
+    "move the red block on the cube on the left of the yellow block",
+    "put the block left of the magenta block on the red block",
+    "move the block to the right of the red one on the magenta block",
+    // Two relations at once.
+    "put the red block above and to the left of the magenta block",
+    "put the red block to the top left of the magenta block",
+    // Ordinals.
+    "put the first red block on the magenta block",
+    "put the red block on the second yellow block",
+    // Another order of time.
+    "put the red block on the magenta block, first put the yellow block on the green block",
+    "put the red block on the magenta block, but first put the yellow block on the green block",
+    // Two values of one attribute.
+    "put the red yellow block on the magenta block",
+    "put the red block on the magenta green block",
+    "put the small lego block on the red block",
+];
+
+#[test]
+fn what_is_meant_otherwise_is_refused() {
+    let scene = scene(&TABLETOP);
+    let planner = Planner::new(&TABLETOP);
+    for sentence in EXECUTED {
+        let plan = planner.plan(&scene, sentence);
+        assert!(plan.is_ok(), "{sentence}: {}", plan.unwrap_err());
+    }
+    for sentence in REFUSED {
+        let plan = planner.plan(&scene, sentence);
+        assert!(plan.is_err(), "{sentence}: {:?}", plan.unwrap().steps());
+    }
+}
