@@ -1,5 +1,5 @@
 //! The fuzz targets (`tests/fuzz`): the committed inputs on any machine, then new ones
-//! for ten seconds a target where libFuzzer can be built. CONTRIBUTING says how to fuzz for
+//! for half a minute a target where libFuzzer can be built. CONTRIBUTING says how to fuzz for
 //! longer.
 //!
 //! Without a sanitizer, for which cargo-fuzz needs no nightly toolchain: what is fuzzed
@@ -25,7 +25,7 @@ const CARGO_FUZZ: Tool = Tool {
 /// The package of the targets.
 const FOLDER: &str = "tests/fuzz";
 /// How long each target is given new inputs, seconds.
-const TIME_S: u32 = 10;
+const TIME_S: u32 = 25;
 /// The longest that one input may take, seconds, before it counts as a find.
 const INPUT_S: u32 = 20;
 
