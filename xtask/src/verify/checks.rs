@@ -212,9 +212,8 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
         let mut step = vec!["clippy", "--locked", "--no-default-features"];
         step.extend(["--manifest-path", manifest]);
         step.extend(strict);
-        // With the profile of the workspace, for which much is built already.
         let step = Step::cargo(&step).building_in(context.project().target());
-        steps.push(step.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only"));
+        steps.push(step.with_workspace_profile());
     }
     Ok(steps)
 }

@@ -1,4 +1,4 @@
-//! The published crates, packaged and built as if each were published.
+//! The published crates.
 
 use std::fs;
 use std::path::PathBuf;
@@ -17,6 +17,7 @@ const PUBLISHED: [&str; 5] = [
     "nsrm",
 ];
 
+/// Packages each crate and builds it from its package, as if those that it depends on were published.
 pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
     // A published version never changes. So cargo would take what it unpacked and built in the
     // last run of this check, for packages of the same version.
@@ -26,8 +27,7 @@ pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
         steps.push(of_each(Step::cargo(&["clean", "--quiet"])));
     }
     let package = of_each(Step::cargo(&["package", "--locked", "--allow-dirty"]));
-    // The profile of the workspace, which a package leaves behind: much is built already.
-    steps.push(package.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only"));
+    steps.push(package.with_workspace_profile());
     Ok(steps)
 }
 

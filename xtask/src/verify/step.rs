@@ -62,6 +62,12 @@ impl Step {
         self
     }
 
+    /// Builds with the workspace's profile, for packages that do not inherit it: their dependencies
+    /// are then built already.
+    pub(super) fn with_workspace_profile(self) -> Self {
+        self.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only")
+    }
+
     pub(super) fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
         self.variables.push((name, value.into()));
         self
