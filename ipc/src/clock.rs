@@ -25,12 +25,12 @@ static IS_WALL: AtomicBool = AtomicBool::new(false);
 /// Sets the clock of this process; call it before the first use of the time.
 ///
 /// ```standalone_crate
-/// use nsrm_ipc::clock::{Clock, go_by, now_ns};
+/// use nsrm_ipc::clock::{Clock, now_ns, set_clock};
 ///
-/// go_by(Clock::Wall); // for a robot on several hosts
+/// set_clock(Clock::Wall); // for a robot on several hosts
 /// assert!(now_ns() > 0);
 /// ```
-pub fn go_by(clock: Clock) {
+pub fn set_clock(clock: Clock) {
     IS_WALL.store(clock == Clock::Wall, Ordering::Relaxed);
 }
 

@@ -104,7 +104,7 @@ def execute(
     try:
         holds = _follow(body, [carry.lower], _Halt(stop, back_from, over), least_m, TOUCH_RAD)
     except StuckError:
-        return _take_back(body, carry, mark, stop)
+        return _put_back(body, carry, mark, stop)
     wait(body, CALM_S)
     open_fingers(body, grasp.opening_m)
     mark("let go")
@@ -135,9 +135,7 @@ def _without_it(
     return ExecutionResult.SLIPPED
 
 
-def _take_back(
-    body: RobotInterface, carry: PickAndPlace, mark: Mark, stop: Stop
-) -> ExecutionResult:
+def _put_back(body: RobotInterface, carry: PickAndPlace, mark: Mark, stop: Stop) -> ExecutionResult:
     """After contact while lowering: puts the block back where it was picked up.
 
     Raises `StuckError` if what the joints have met was not a block.

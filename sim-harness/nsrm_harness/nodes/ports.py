@@ -54,11 +54,11 @@ _clock = time.monotonic_ns
 
 def now_ns() -> int:
     """The time by the common clock of a robot's processes (`nsrm_ipc::clock`): the machine's
-    monotonic clock, or the wall clock after `go_by_wall_clock`."""
+    monotonic clock, or the wall clock after `use_wall_clock`."""
     return _clock()
 
 
-def go_by_wall_clock() -> None:
+def use_wall_clock() -> None:
     """Switches this process to the clock that several hosts synchronise."""
     global _clock
     _clock = time.time_ns
@@ -71,7 +71,7 @@ class RobotServices:
         """Raises `PortError` for an invalid robot name, and if processes cannot meet."""
         name, shared_memory = config.robot, config.shared_memory or iox2.config.global_config()
         if config.several_hosts:
-            go_by_wall_clock()
+            use_wall_clock()
         if NAME.fullmatch(name) is None:
             raise PortError(
                 f"{name!r}: a robot's name has 1 to 32 characters: a to z, 0 to 9, '-' and '_'"

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use iceoryx2::config::Config as Iceoryx;
 use iceoryx2::prelude::{FileName, Path, SemanticString};
-use nsrm_ipc::clock::{Clock, go_by};
+use nsrm_ipc::clock::{Clock, set_clock};
 use nsrm_ipc::executive::{Limits, LimitsError};
 use nsrm_ipc::node::Transport;
 use nsrm_ipc::service::{Hosts, RobotName, RobotNameError, set_global_config};
@@ -131,7 +131,7 @@ impl Config {
             None | Some(HostsFile::One) => (Hosts::One, Clock::Machine),
             Some(HostsFile::Several) => (Hosts::Several, Clock::Wall),
         };
-        go_by(clock);
+        set_clock(clock);
         Ok(Self {
             hosts,
             robot: robot.parse().map_err(ConfigError::Robot)?,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
-use nsrm_ipc::clock::{Clock, go_by, now_ns};
+use nsrm_ipc::clock::{Clock, now_ns, set_clock};
 use nsrm_ipc::executive::CommandId;
 use nsrm_ipc::message::{Feedback, Order, Outcome, Role, State, SubGoal, SubGoalError};
 use nsrm_ipc::node::{HEARTBEAT_NS, Heartbeats};
@@ -58,7 +58,7 @@ impl RobotArgs {
         if !self.several_hosts {
             return Ok(robot);
         }
-        go_by(Clock::Wall);
+        set_clock(Clock::Wall);
         Ok(robot.with_hosts(Hosts::Several))
     }
 
