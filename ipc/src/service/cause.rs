@@ -5,7 +5,7 @@ use rustix::fs::{Access, access};
 use rustix::io::Errno;
 use rustix::process::{Resource, getrlimit};
 
-use super::folder;
+use super::open::folder;
 
 /// The longest path of a socket, bytes: Linux's `sockaddr_un`, without the terminating zero.
 const SOCKET_PATH: usize = 107;

@@ -15,7 +15,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
-use super::folder;
+use super::open::folder;
 
 /// Creating any of them takes a millisecond; after this time, one that is half created is
 /// abandoned.
