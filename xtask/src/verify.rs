@@ -1,5 +1,5 @@
 //! `cargo verify`: runs every check and ends with a table. Two sequences run in parallel: checks
-//! that mostly wait for processes, and checks that compute.
+//! that leave a processor free, and checks that compute on all.
 //!
 //! A check that fails or times out prints all of its output, and the others still run, so that one
 //! run shows everything that is wrong. The output of a check is kept in
@@ -150,14 +150,14 @@ struct Run {
 }
 
 impl Run {
-    /// Runs all checks: those that wait in parallel with the others. Each kind keeps its order, and a
-    /// check that waits starts only after all checks before it have ended.
+    /// Runs all checks in two sequences, those that run in parallel and the others. Each keeps its
+    /// order, and the former start only after all of the others before them have ended.
     fn all(&self, checks: &[&'static Check]) -> Result<()> {
-        let (queue, waiting) = mpsc::channel::<&Check>();
+        let (queue, parallel) = mpsc::channel::<&Check>();
         thread::scope(|scope| {
-            let beside = scope.spawn(|| waiting.into_iter().try_for_each(|check| self.one(check)));
+            let beside = scope.spawn(|| parallel.into_iter().try_for_each(|check| self.one(check)));
             for check in checks {
-                if check.waits {
+                if check.in_parallel {
                     // The receiver stays until the end, except after an error of ours, which is
                     // reported below.
                     let _ = queue.send(check);
@@ -358,7 +358,7 @@ mod tests {
             Step::new("sh", &["-c", script]).argument(mark(context)),
         ])
     })
-    .waiting();
+    .in_parallel();
     const COMPUTING: Check = Check::new("computing", "", "", |context| {
         Ok(vec![Step::new("touch", &[]).argument(mark(context))])
     })

@@ -68,7 +68,9 @@ impl Step {
         self.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only")
     }
 
+    /// Sets an environment variable, in place of what it was set to before.
     pub(super) fn with(mut self, name: &'static str, value: impl Into<OsString>) -> Self {
+        self.variables.retain(|(other, _)| *other != name);
         self.variables.push((name, value.into()));
         self
     }
