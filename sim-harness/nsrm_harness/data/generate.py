@@ -25,6 +25,7 @@ from nsrm import MAX_OBJECTS, MAX_STEPS
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import EpisodeFileError, EpisodeSettingsError
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.common.workers import LocalProcesses, Workers
 from nsrm_harness.data.demonstrator import Demonstrator, EpisodeRequest
 from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
@@ -194,7 +195,7 @@ def generate(
     missing = [start for start in starts if start not in ready]
     tasks = [(start, (settings, domain.as_json(), start)) for start in missing]
     for start, content in (workers or LocalProcesses(1)).each(make_shard, tasks):
-        _write_whole(_shard(work, start), content)
+        write_whole(_shard(work, start), content)
         rejected += _rejected(_shard(work, start))
         done += min(SHARD, settings.count - start)
         report(ShardProgress(done, rejected))
@@ -257,13 +258,7 @@ def _prepare(work: Path, settings: Settings, domain: domains.Domain) -> None:
             )
         return
     work.mkdir(parents=True, exist_ok=True)
-    _write_whole(note, content.encode())
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    unfinished = path.with_suffix(".unfinished")
-    unfinished.write_bytes(content)
-    unfinished.replace(path)
+    write_whole(note, content.encode())
 
 
 def _check_same(path: Path, settings: Settings, domain: domains.Domain) -> None:

@@ -12,6 +12,7 @@ import equinox as eqx
 
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.whole_file import write_whole
 
 
 class CheckpointError(HarnessError):
@@ -48,10 +49,8 @@ class Checkpoints:
         self._folder.mkdir(parents=True, exist_ok=True)
         name = f"checkpoint-{progress.stage}-{progress.epoch}.eqx"
         eqx.tree_serialise_leaves(self._folder / name, state)
-        partial = self._index.with_suffix(".part")
         content = {"run": self._run, "state": name, "progress": asdict(progress)}
-        partial.write_text(json_text(content), encoding="utf-8")
-        partial.replace(self._index)
+        write_whole(self._index, json_text(content).encode())
         for old in self._folder.glob("checkpoint-*.eqx"):
             if old.name != name:
                 old.unlink()

@@ -21,6 +21,7 @@ from safetensors import SafetensorError, safe_open
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.domain import Domain
 from nsrm_harness.learning import hashes
 from nsrm_harness.learning import model as network
@@ -149,14 +150,6 @@ def safetensors_bytes(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, s
 def write_model(path: Path, file: ModelFile) -> None:
     """Writes the model file atomically."""
     write_whole(path, model_bytes(file))
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file atomically."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".part")
-    partial.write_bytes(content)
-    partial.replace(path)
 
 
 def read_model(path: Path) -> ModelFile:

@@ -12,12 +12,13 @@ import nsrm
 import numpy as np
 
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation.metrics import Metrics, PlainStep, evaluate, judge_plans
 from nsrm_harness.learning import decode, reference
 from nsrm_harness.learning.dataset import training_set
-from nsrm_harness.learning.export import ModelFile, write_model, write_whole
+from nsrm_harness.learning.export import ModelFile, write_model
 from nsrm_harness.learning.run_training import Files, fit
 from nsrm_harness.paper.tables import variants
 from nsrm_harness.paper.tables.judging import Contender, Judging

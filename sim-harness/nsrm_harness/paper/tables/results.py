@@ -11,6 +11,7 @@ from typing import Any
 
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.evaluation.metrics import Metrics
 
 MEASURES = ("program", "o1", "o2", "iou_2d", "iou_3d")
@@ -108,9 +109,7 @@ def read_rows(path: Path) -> list[ResultRow]:
 
 def write_json(path: Path, content: Any) -> None:
     """Writes a file atomically."""
-    partial = path.with_name(path.name + ".part")
-    partial.write_text(json_text(content, indent=1), encoding="utf-8")
-    partial.replace(path)
+    write_whole(path, json_text(content, indent=1).encode())
 
 
 def _row(values: Sequence[str]) -> ResultRow:

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import jax
 
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.learning.baseline.run_baseline import run as run_baseline
 from nsrm_harness.learning.baseline.train import BaselineConfig
 from nsrm_harness.learning.config import TrainingConfig
-from nsrm_harness.learning.export import write_whole
 from nsrm_harness.learning.run_training import Files, finish, fit
 
 DONE = "trained.json"
