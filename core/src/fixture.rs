@@ -206,6 +206,7 @@ pub(crate) fn model() -> Model<'static> {
             thresholds: Thresholds {
                 match_score: 0.6,
                 decision: 0.6,
+                confidence: 0.0,
             },
             work_space: WorkSpace {
                 min: [0.0, -0.5, 0.0],

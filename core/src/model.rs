@@ -108,6 +108,8 @@ pub struct Thresholds {
     pub match_score: f32,
     /// The smallest accepted probability of a split, an action or an argument.
     pub decision: f32,
+    /// The smallest accepted [`crate::Plan::confidence`]; 0 accepts every plan.
+    pub confidence: f32,
 }
 
 /// The box in which sub-goals may lie: world frame, metres, bounds included.

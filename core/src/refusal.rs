@@ -149,6 +149,13 @@ pub enum Refusal {
         /// Tag of the model that parsed it.
         got: u64,
     },
+    /// The plan as a whole is not confident enough.
+    LowConfidence {
+        /// Its [`crate::Plan::confidence`].
+        confidence: f32,
+        /// The required confidence.
+        threshold: f32,
+    },
     /// The scene disagrees with the camera's calibration: sub-goals would be wrong.
     Calibration(CalibrationFault),
     /// The model has an invalid index, or lacks the objects' sizes; impossible if
@@ -317,6 +324,7 @@ kinds! {
     Self::Calibration(_) => "calibration",
     Self::ParsedByOtherModel { .. } => "parsed_by_other_model",
     Self::InvalidModel => "invalid_model",
+    Self::LowConfidence { .. } => "low_confidence",
 }
 
 impl core::error::Error for Refusal {}

@@ -516,7 +516,8 @@ enum nsrm_reason {
     NSRM_REASON_CONFLICTING_VALUES = 32,
     NSRM_REASON_CALIBRATION = 33,
     NSRM_REASON_PARSED_BY_OTHER_MODEL = 34,
-    NSRM_REASON_OTHER = 35,
+    NSRM_REASON_LOW_CONFIDENCE = 35,
+    NSRM_REASON_OTHER = 36,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

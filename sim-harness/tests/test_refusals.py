@@ -43,6 +43,7 @@ from nsrm_harness.simulation.layout import sample_layout
 
 TABLETOP = domains.load()
 WORKSHOP = domains.load(Path(__file__).parent / "domains" / "workshop.toml")
+PRETRAINED = Path(__file__).parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 COUNT = 12
 
 
@@ -341,18 +342,26 @@ def test_the_picture_shows_both_diagrams(tmp_path: Path) -> None:
         assert len(image.convert("RGB").getcolors(1 << 24) or []) > 20
 
 
+def run(*arguments: str | Path) -> int:
+    """The exit code of a command."""
+    with pytest.raises(SystemExit) as caught:
+        main([str(argument) for argument in arguments])
+    return caught.value.code if isinstance(caught.value.code, int) else 0
+
+
+@pytest.fixture(scope="module")
+def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A few episodes of the split `test`."""
+    path = tmp_path_factory.mktemp("episodes") / "few.h5"
+    make = ("--split", "test", "--count", "12", "--jobs", "1", "--renderer", "pybullet")
+    assert run("episodes", *make, "--out", path) == 0
+    return path
+
+
 @pytest.mark.slow
 def test_the_command_counts_what_the_core_refuses(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    episodes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def run(*arguments: str | Path) -> int:
-        with pytest.raises(SystemExit) as caught:
-            main([str(argument) for argument in arguments])
-        return caught.value.code if isinstance(caught.value.code, int) else 0
-
-    episodes = tmp_path / "few.h5"
-    make = ("--split", "test", "--count", "12", "--jobs", "1", "--renderer", "pybullet")
-    assert run("episodes", *make, "--out", episodes) == 0
     capsys.readouterr()
     options = ("--data", episodes, "--count", "3", "--out", tmp_path)
     assert run("refusals", *options, "--json") == 0
@@ -372,3 +381,35 @@ def test_the_command_counts_what_the_core_refuses(
     assert "has the split 'test', but the set 'validation'" in capsys.readouterr().err
     assert run("refusals", *options, "--model", tmp_path / "none.safetensors") == 2
     assert "cannot read" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_least_confidence_is_found_counted_and_written(
+    episodes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capsys.readouterr()
+    model, written = tmp_path / "model.safetensors", tmp_path / "calibrated.safetensors"
+    model.write_bytes(nsrm.with_confidence(PRETRAINED.read_bytes(), 1.0))
+    options = ("--validation", episodes, "--also", episodes, "--count", "2", "--model", model)
+    options = (*options, "--out", tmp_path, "--json")
+    # Of 12 accepted plans, none wrong, at least half are right; not all but a thousandth.
+    assert run("calibrate", *options) == 2
+    error = capsys.readouterr().err
+    assert "accepted plans are too few for this limit" in error and str(episodes) in error
+    assert run("calibrate", *options, "--risk", "0.5", "--write", written) == 0
+    told = json.loads(capsys.readouterr().out)
+    # Refused by the calibration before, and judged all the same.
+    assert told["thresholds"][0]["accepted"] >= 11
+    names = ["test", "test, near misses"]
+    assert [row["set"] for row in told["sets"]] == names * 2
+    for row in told["sets"]:
+        assert row["wrong"] <= row["accepted"] <= row["sentences"]
+    found = nsrm.Model.load(written).info()["thresholds"]["confidence"]
+    assert found == pytest.approx(told["confidence"])
+    with (tmp_path / "calibration.csv").open(encoding="utf-8") as file:
+        assert [row["set"] for row in csv.DictReader(file)] == names * 2
+    assert (tmp_path / "calibration.png").exists()
+    assert run("calibrate", *options[:-3], "--model", tmp_path / "none.safetensors") == 2
+    assert "none.safetensors" in capsys.readouterr().err
+    assert run("calibrate", "--validation", episodes, "--write", written) == 2
+    assert "--write needs --model" in capsys.readouterr().err

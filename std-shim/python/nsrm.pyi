@@ -508,3 +508,44 @@ class Executive:
 
 def crop(image: NDArray[np.uint8], box: ArrayLike) -> NDArray[np.float32]:
     """What the encoder sees of a box [4] of an image [H, W, 3]: float32 [3, 32, 32], 0 to 1."""
+
+@final
+class Accepted:
+    """Which judged plans are accepted at a confidence."""
+
+    @property
+    def threshold(self) -> float:
+        """Plans of at least this confidence are accepted."""
+    @property
+    def count(self) -> int: ...
+    @property
+    def wrong(self) -> int: ...
+    @property
+    def bound(self) -> float:
+        """The greatest share of wrong ones that agrees with these numbers, at the given level for
+        all thresholds together."""
+
+def least_confidence(
+    confidences: NDArray[np.float32],
+    right: NDArray[np.bool_],
+    wrong: float = 0.001,
+    level: float = 0.95,
+) -> Accepted:
+    """The smallest of some fixed thresholds on the confidence of a plan at which, with probability
+    `level`, at most the share `wrong` of the accepted plans are wrong (Learn then Test).
+
+    * `confidences`: float32 [N], `Plan.confidence` of sentences whose meaning is known; NaN if
+      refused
+    * `right`: bool [N], whether the plan does what was meant
+
+    Raises NsrmError if the plans guarantee that at no threshold.
+    """
+
+def accepted(
+    confidences: NDArray[np.float32], right: NDArray[np.bool_], level: float = 0.95
+) -> list[Accepted]:
+    """What is accepted at each of these thresholds, from the smallest."""
+
+def with_confidence(model: bytes, confidence: float) -> bytes:
+    """The content of a model file with another least confidence of a plan; its hash and its
+    identity follow. Raises ModelError."""

@@ -69,6 +69,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "thresholds": {
             "match_score": decimal(header.thresholds.match_score),
             "decision": decimal(header.thresholds.decision),
+            "confidence": decimal(header.thresholds.confidence),
         },
         "work_space": {
             "min": decimals(&header.work_space.min),
@@ -113,8 +114,8 @@ pub fn info_text(any: &AnyModel) -> String {
     line(
         "thresholds",
         format!(
-            "match_score {}, decision {}",
-            thresholds.match_score, thresholds.decision
+            "match_score {}, decision {}, confidence {}",
+            thresholds.match_score, thresholds.decision, thresholds.confidence
         ),
     );
     let space = header.work_space;

@@ -119,6 +119,13 @@ fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
             "probability": decimal(*probability),
             "threshold": decimal(*threshold),
         }),
+        Refusal::LowConfidence {
+            confidence,
+            threshold,
+        } => json!({
+            "confidence": decimal(*confidence),
+            "threshold": decimal(*threshold),
+        }),
         _ => return None,
     })
 }

@@ -23,12 +23,14 @@ pub mod json;
 mod models;
 #[cfg(feature = "scene-files")]
 mod png_file;
+#[cfg(feature = "risk")]
+pub mod risk;
 #[cfg(feature = "scene-files")]
 mod scenes;
 
 pub use info::{info_json, info_text};
 pub use models::{AnyModel, LoadError, load_model};
-pub use nsrm_codegen::{ModelError, OwnedModel};
+pub use nsrm_codegen::{ModelError, OwnedModel, with_confidence};
 #[cfg(feature = "scene-files")]
 pub use scenes::{SceneFileError, SceneText, read_scene, read_scene_text};
 

@@ -1,5 +1,6 @@
 //! The command `nsrm`.
 
+mod calibrate;
 mod robot;
 
 use std::path::PathBuf;
@@ -59,6 +60,12 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Find the least confidence at which few of the accepted commands are wrong.
+    ///
+    /// Plans your own sentences in your own scenes, and judges the plans by what was meant. Then it
+    /// guarantees the limit for sentences and scenes like these. Exit code 2 if they guarantee it at
+    /// no confidence.
+    Calibrate(calibrate::Calibrate),
     #[command(flatten)]
     Robot(robot::RobotCommand),
 }
@@ -103,6 +110,7 @@ fn main() -> ExitCode {
     let as_json = match &command {
         Command::Parse { options, .. } | Command::Plan { options, .. } => options.json,
         Command::Info { json, .. } | Command::Check { json, .. } => *json,
+        Command::Calibrate(command) => command.json,
         Command::Robot(command) => command.wants_json(),
     };
     match run(&command) {
@@ -168,6 +176,7 @@ fn run(command: &Command) -> Result<String, Failure> {
                 info_text(&any)
             })
         }
+        Command::Calibrate(command) => Ok(command.run()?),
         Command::Robot(command) => command.run().map(|()| String::new()),
         Command::Check { model: path, json } => {
             let any = AnyModel::load(path)?;

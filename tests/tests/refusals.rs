@@ -313,6 +313,17 @@ fn place_cases() -> Vec<Case> {
     ]
 }
 
+fn confidence_cases() -> Vec<Case> {
+    vec![spoilt(
+        |parts| parts.header.thresholds.confidence = 1.0,
+        |refusal| {
+            matches!(*refusal, Refusal::LowConfidence { confidence, threshold: 1.0 }
+                if (0.99..1.0).contains(&confidence))
+        },
+        "not sure enough of the plan: confidence 0.9",
+    )]
+}
+
 fn model_cases() -> Vec<Case> {
     fn of(refusal: &Refusal, quantity: Quantity) -> bool {
         *refusal == Refusal::NotFinite { step: 0, quantity }
@@ -375,6 +386,7 @@ fn cases() -> Vec<Case> {
     cases.extend(doubt_cases());
     cases.extend(object_cases());
     cases.extend(place_cases());
+    cases.extend(confidence_cases());
     cases.extend(model_cases());
     cases
 }

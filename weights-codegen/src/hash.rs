@@ -28,7 +28,7 @@ pub(crate) fn verify(
     if named.len() != 64 || !named.bytes().all(is_digit) {
         return Err(ModelError::HashForm { got: named.clone() });
     }
-    let got = hexadecimal(&of_all(file, metadata));
+    let got = file_hash(file, metadata);
     if *named != got {
         let expected = named.clone();
         return Err(ModelError::Hash { expected, got });
@@ -36,9 +36,9 @@ pub(crate) fn verify(
     Ok(())
 }
 
-/// The hash of the whole content, except the hash itself.
-fn of_all(file: &SafeTensors<'_>, metadata: &HashMap<String, String>) -> [u8; 32] {
-    digest(file, metadata, &[HASH])
+/// The hash of the whole content, except the hash itself, as the file has it.
+pub(crate) fn file_hash(file: &SafeTensors<'_>, metadata: &HashMap<String, String>) -> String {
+    hexadecimal(&digest(file, metadata, &[HASH]))
 }
 
 /// The hash of what the model's results depend on; independent of its description.
@@ -114,7 +114,7 @@ mod tests {
         });
         let bytes = safetensors::serialize(views, Some(metadata.clone())).expect("a file");
         let file = SafeTensors::deserialize(&bytes).expect("a file");
-        assert_eq!(example["hash"], hexadecimal(&of_all(&file, &metadata)));
+        assert_eq!(example["hash"], file_hash(&file, &metadata));
         assert_eq!(
             example["identity"],
             hexadecimal(&identity(&file, &metadata))

@@ -31,6 +31,7 @@ mod metadata;
 mod nn;
 mod owned;
 mod report;
+mod rewrite;
 mod statics;
 mod tensors;
 mod tree;
@@ -40,6 +41,7 @@ pub use emit::{InvalidName, Options, rust_source};
 pub use error::ModelError;
 pub use owned::OwnedModel;
 pub use report::{ArraySize, MemoryReport, memory_report};
+pub use rewrite::with_confidence;
 
 /// Two lower-case digits per byte.
 pub fn hexadecimal(bytes: &[u8]) -> String {

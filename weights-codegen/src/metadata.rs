@@ -27,6 +27,8 @@ pub(crate) struct Metadata {
 struct ThresholdsText {
     match_score: f32,
     decision: f32,
+    #[serde(default)]
+    confidence: f32,
 }
 
 #[derive(Deserialize)]
@@ -113,12 +115,14 @@ fn json<T: DeserializeOwned>(
 fn thresholds(text: ThresholdsText) -> Result<Thresholds, ModelError> {
     in_range("match_score", text.match_score)?;
     in_range("decision", text.decision)?;
+    in_range("confidence", text.confidence)?;
     Ok(Thresholds::new()
         .with_match_score(text.match_score)
-        .with_decision(text.decision))
+        .with_decision(text.decision)
+        .with_confidence(text.confidence))
 }
 
-fn in_range(name: &'static str, got: f32) -> Result<(), ModelError> {
+pub(crate) fn in_range(name: &'static str, got: f32) -> Result<(), ModelError> {
     if (0.0..=1.0).contains(&got) {
         return Ok(());
     }

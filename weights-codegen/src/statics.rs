@@ -22,7 +22,7 @@ pub(crate) struct Static {
 
 describe! {
     Header<'_> { domain, identity, thresholds, work_space, placed_orientation }
-    Thresholds { match_score, decision }
+    Thresholds { match_score, decision, confidence }
     WorkSpace { min, max }
     Word<'_> { text, parameters }
     WordParameters {

@@ -116,6 +116,14 @@ impl fmt::Display for Message<'_> {
             | Refusal::IncompleteStep { .. }
             | Refusal::SameReference { .. }
             | Refusal::Unsure { .. } => self.step(f),
+            Refusal::LowConfidence {
+                confidence,
+                threshold,
+            } => write!(
+                f,
+                "not sure enough of the plan: confidence {confidence:.4}, needed {threshold:.4}; \
+                 say it in other words"
+            ),
             Refusal::NoSuchObject { .. }
             | Refusal::Ambiguous { .. }
             | Refusal::SameObject { .. }

@@ -64,6 +64,8 @@ builder! {
     [] Thresholds {
         match_score, with_match_score: f32 = UNSET;
         decision, with_decision: f32 = UNSET;
+        // Files of models that nobody calibrated have none.
+        confidence, with_confidence: f32 = 0.0;
     }
     [] WorkSpace {
         min, with_min: [f32; 3] = [UNSET; 3];

@@ -150,7 +150,11 @@ impl<'a> Model<'a> {
 
     fn check_header(&self) -> Result<(), ModelFault<'a>> {
         let thresholds = self.header.thresholds;
-        let fractions = [thresholds.match_score, thresholds.decision];
+        let fractions = [
+            thresholds.match_score,
+            thresholds.decision,
+            thresholds.confidence,
+        ];
         if !fractions.iter().all(|value| (0.0..=1.0).contains(value)) {
             return Err(ModelFault::Threshold);
         }
@@ -299,6 +303,7 @@ mod tests {
         };
         let threshold = Err(ModelFault::Threshold);
         assert_eq!(check(|m| m.header.thresholds.decision = -0.1), threshold);
+        assert_eq!(check(|m| m.header.thresholds.confidence = 1.1), threshold);
         assert_eq!(
             check(|m| m.header.thresholds.match_score = f32::NAN),
             threshold

@@ -198,8 +198,18 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         if step < self.plan.program().steps().len() {
             Stage::ScoreObject { step }
         } else {
-            Stage::Done(None)
+            Stage::Done(self.doubt())
         }
+    }
+
+    /// Why the finished plan is refused, if it is.
+    fn doubt(&self) -> Option<Refusal> {
+        let confidence = self.plan.confidence();
+        let threshold = self.model.header.thresholds.confidence;
+        (confidence < threshold).then_some(Refusal::LowConfidence {
+            confidence,
+            threshold,
+        })
     }
 
     /// Compares the next object with a description; false if none is left.

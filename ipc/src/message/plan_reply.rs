@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 35] = [
+pub const REASONS: [&str; 36] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -88,6 +88,7 @@ pub const REASONS: [&str; 35] = [
     "conflicting_values",
     "calibration",
     "parsed_by_other_model",
+    "low_confidence",
     OTHER,
 ];
 

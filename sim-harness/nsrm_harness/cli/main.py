@@ -27,6 +27,7 @@ COMMANDS = {
     "evaluate": "Evaluate a model on an episode file with the paper's metrics.",
     "baseline": "Train and measure the paper's baseline, a network without programs.",
     "refusals": "Measure how many of the sentences that must be refused a model refuses.",
+    "calibrate": "Find the least confidence at which few of the accepted commands are wrong.",
     "miscalibration": "Measure how many camera miscalibrations the core detects.",
     "tables": "Reproduce the paper's tables, from scratch to a report.",
     "publish": "Copy a finished report and its model into the project.",

@@ -45,6 +45,12 @@ class Thresholds:
     """Smallest filtered cosine of an object that matches a description."""
     decision: float
     """Smallest probability of an accepted split, action or argument."""
+    confidence: float | None = None
+    """Smallest confidence of an accepted plan, if it was calibrated."""
+
+    def as_json(self) -> dict[str, float]:
+        """Those that are set."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -114,7 +120,7 @@ def metadata_of(file: ModelFile) -> dict[str, str]:
         "domain": file.domain.as_json(),
         "vocabulary": json_text(file.domain.vocabulary(), ensure_ascii=False),
         "dimensions": json_text(sizes),
-        "thresholds": json_text(asdict(file.thresholds)),
+        "thresholds": json_text(file.thresholds.as_json()),
         "work_space": json_text(asdict(file.work_space)),
         "placed_orientation": json_text(file.placed_orientation),
         "training": json_text(file.training),

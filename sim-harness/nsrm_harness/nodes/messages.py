@@ -44,6 +44,7 @@ REASONS = (
     "conflicting_values",
     "calibration",
     "parsed_by_other_model",
+    "low_confidence",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""

@@ -12,6 +12,7 @@ mod limits;
 mod model;
 mod observed;
 mod plan;
+mod risk;
 mod scene;
 mod values;
 
@@ -36,6 +37,8 @@ mod module {
     use crate::observed::Observed;
     #[pymodule_export]
     use crate::plan::{Plan, PlannedStep, Program, Step};
+    #[pymodule_export]
+    use crate::risk::{Accepted, accepted, least_confidence, with_confidence};
     #[pymodule_export]
     use crate::scene::{Scene, crop};
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import beta
 
 import nsrm
 
@@ -398,3 +399,49 @@ def test_capacities_are_those_of_the_core(
         model.parse(sentence)
     assert refused.value.kind == "sentence_too_long"
     assert refused.value.details == {"unit": unit, "limit": limit}
+
+
+def test_the_least_confidence_keeps_the_limit() -> None:
+    rng = np.random.default_rng(3)
+    confidences = rng.uniform(0.3, 1.0, 4000).astype(np.float32)
+    # Wrong below 0.9 as often as not.
+    right = (confidences > 0.9) | (rng.uniform(size=4000) < 0.5)
+    confidences[::10] = np.nan
+    found = nsrm.least_confidence(confidences, right, wrong=0.05)
+    assert found.threshold == pytest.approx(0.9)
+    taken = confidences >= found.threshold
+    assert (found.count, found.wrong) == (taken.sum(), (taken & ~right).sum())
+    rows = nsrm.accepted(confidences, right)
+    assert rows[0].count == np.isfinite(confidences).sum()
+    assert found in rows
+    for row in rows:
+        if row.wrong < row.count:
+            exact = beta.ppf(1 - 0.05 / len(rows), row.wrong + 1, row.count - row.wrong)
+            assert row.bound == pytest.approx(exact, abs=1e-9)
+    with pytest.raises(nsrm.NsrmError, match="risk: no threshold keeps the limit"):
+        nsrm.least_confidence(confidences, np.zeros(4000, bool), wrong=0.05)
+    with pytest.raises(nsrm.NsrmError, match="risk: 3600 accepted plans are too few"):
+        nsrm.least_confidence(confidences, right)
+    with pytest.raises(nsrm.NsrmError, match="right: expected 4000 values"):
+        nsrm.least_confidence(confidences, right[1:])
+    with pytest.raises(nsrm.NsrmError, match="level 1"):
+        nsrm.accepted(confidences, right, level=1.0)
+
+
+def test_a_calibrated_model_refuses_what_is_less_confident(
+    model: nsrm.Model, scene: nsrm.Scene, image: np.ndarray, tmp_path: Path
+) -> None:
+    content = MODEL_FILE.read_bytes()
+    path = tmp_path / "calibrated.safetensors"
+    path.write_bytes(nsrm.with_confidence(content, 1.0))
+    calibrated = nsrm.Model.load(path)
+    assert calibrated.info()["thresholds"]["confidence"] == 1.0
+    sure = model.plan(scene, SENTENCE).confidence
+    scene = calibrated.observe(image, list(BLOCKS), boxes(), depths(), camera())
+    with pytest.raises(nsrm.Refused, match="not sure enough of the plan") as refused:
+        calibrated.plan(scene, SENTENCE)
+    assert refused.value.kind == "low_confidence"
+    assert refused.value.details["confidence"] == pytest.approx(sure)
+    assert refused.value.details["threshold"] == 1.0
+    with pytest.raises(nsrm.ModelError, match="confidence"):
+        nsrm.with_confidence(content, 1.5)

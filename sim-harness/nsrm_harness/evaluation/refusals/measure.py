@@ -30,7 +30,7 @@ from nsrm_harness.evaluation.refusals.certainty import (
     calibration_error,
     risk_curve,
 )
-from nsrm_harness.evaluation.refusals.sentences import COUNT, Item, make_items
+from nsrm_harness.evaluation.refusals.sentences import COUNT, SETS, Item, make_items
 from nsrm_harness.evaluation.refusals.spoiler import KINDS, Situation
 
 COLUMNS = ("kind", "set", "count", "refused", "wrongly_accepted")
@@ -150,15 +150,34 @@ def measure(
     model: nsrm.Model, path: Path, which: str, count: int = COUNT, quiet: bool = False
 ) -> RefusalReport:
     """Plans the sentences of a file, and those that must be refused in its scenes."""
-    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
+    with Demonstrations(path) as demonstrations:
         _check(model, demonstrations, which)
+    items = near_misses(path, count)
+    meant: dict[str, str | None] = {item.sentence: item.meant for item in items}
+    return report(plan_sentences(model, path, items, quiet), which, meant)
+
+
+def near_misses(path: Path, count: int = COUNT) -> list[Item]:
+    """Sentences that must be refused in the scenes of a file, `count` of each kind; none if its
+    split is not one of `SETS`."""
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
+        which, domain = demonstrations.split, demonstrations.domain
+        if which not in SETS:
+            return []
         truths = [judge.truth(index) for index in range(len(judge))]
-        items = make_items(demonstrations.domain, situations(truths), which, count)
-        by_scene: dict[int, list[Item]] = {}
-        for item in items:
-            by_scene.setdefault(item.scene, []).append(item)
-        outcomes: list[SentenceResult] = []
-        meant: dict[str, str | None] = {item.sentence: item.meant for item in items}
+    return make_items(domain, situations(truths), which, count)
+
+
+def plan_sentences(
+    model: nsrm.Model, path: Path, items: Sequence[Item] = (), quiet: bool = False
+) -> list[SentenceResult]:
+    """Plans the sentences of a file, and others in its scenes that must be refused."""
+    by_scene: dict[int, list[Item]] = {}
+    for item in items:
+        by_scene.setdefault(item.scene, []).append(item)
+    outcomes: list[SentenceResult] = []
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
+        check_domain(model, demonstrations)
         for chunk in chunks(demonstrations, "refusals", quiet):
             planned: list[Item] = []
             observed: list[nsrm.Observed] = []
@@ -170,10 +189,10 @@ def measure(
                 observed += [observe_episode(demonstrations, index, objects)] * len(own)
             plans = model.plan_all(observed, [item.sentence for item in planned])
             outcomes += [
-                outcome_of(item, plan, truths[item.scene] if item.kind == GOOD else None)
+                outcome_of(item, plan, judge.truth(item.scene) if item.kind == GOOD else None)
                 for item, plan in zip(planned, plans, strict=True)
             ]
-    return report(outcomes, which, meant)
+    return outcomes
 
 
 def situations(truths: Sequence[Truth]) -> list[Situation]:
