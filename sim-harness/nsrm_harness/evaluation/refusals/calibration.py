@@ -17,6 +17,7 @@ import nsrm
 import numpy as np
 from matplotlib import pyplot as plt
 
+from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.evaluation.metrics import EvaluationError, load_model
 from nsrm_harness.evaluation.refusals.measure import (
@@ -52,8 +53,9 @@ class SetRow:
     sentences: int
     accepted: int
     wrong: int
-    bound: float
-    """Greatest share of wrong ones that agrees with these numbers, at the limit's level."""
+    bound: float | None
+    """Greatest share of wrong ones that agrees with these numbers, at the limit's level; None for
+    sentences of which none should be accepted."""
 
 
 @dataclass(frozen=True)
@@ -86,12 +88,14 @@ class CalibrationReport:
     def __str__(self) -> str:
         lines = [f"{'set':<24}{'sentences':>10}{'accepted':>10}{'wrong':>7}{'at most':>11}"]
         lines += [
-            f"{row.set:<24}{row.sentences:>10}{row.accepted:>10}{row.wrong:>7}{row.bound:>11.3%}"
+            f"{row.set:<24}{row.sentences:>10}{row.accepted:>10}{row.wrong:>7}"
+            f"{or_dash(row.bound, '.3%'):>11}"
             for row in self.rows
         ]
         lines.append(
             f"least confidence {self.found.threshold:.4g}: of the accepted commands, at most "
-            f"{self.limit.wrong:.3g} are wrong, with a probability of {self.limit.level:.3g}"
+            f"{100 * self.limit.wrong:.4g} % are wrong, with a probability of "
+            f"{100 * self.limit.level:.4g} %"
         )
         return "\n".join(lines)
 
@@ -201,7 +205,7 @@ def _rows(
             for each in nsrm.accepted(*_arrays(own), limit.level)
             if each.threshold == found.threshold
         )
-        rows.append(SetRow(name, len(own), at.count, at.wrong, at.bound))
+        rows.append(SetRow(name, len(own), at.count, at.wrong, at.bound if good else None))
     return rows
 
 
