@@ -86,10 +86,16 @@ pub struct Accepted {
 #[non_exhaustive]
 pub enum RiskError {
     /// The limit is not a share, or its level not a probability.
-    #[error("the limit {} and the level {} have to be above 0 and below 1", .0.wrong, .0.level)]
+    #[error(
+        "expected a limit and a level between 0 and 1, got a limit of {} and a level of {}",
+        .0.wrong, .0.level
+    )]
     Limit(RiskLimit),
     /// Even without a wrong plan, so few say too little.
-    #[error("{accepted} accepted plans are too few for this limit; at least {needed} are needed")]
+    #[error(
+        "{accepted} accepted plans are too few for this limit; at least {needed} are needed: judge \
+         more sentences, or set a greater limit"
+    )]
     TooFew {
         /// How many are accepted at the lowest threshold.
         accepted: usize,
@@ -99,7 +105,7 @@ pub enum RiskError {
     /// At each threshold, too many are wrong or too few accepted.
     #[error(
         "no threshold keeps the limit; at the best one, {}, {} of {} plans are wrong, and the share \
-         of wrong ones may be {:.5}",
+         of wrong ones may be {:.5}: judge more sentences, or set a greater limit",
         .best.threshold, .best.wrong, .best.count, .best.bound
     )]
     NotKept {

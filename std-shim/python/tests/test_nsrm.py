@@ -424,7 +424,7 @@ def test_the_least_confidence_keeps_the_limit() -> None:
         nsrm.least_confidence(confidences, right)
     with pytest.raises(nsrm.NsrmError, match="right: expected 4000 values"):
         nsrm.least_confidence(confidences, right[1:])
-    with pytest.raises(nsrm.NsrmError, match="level 1"):
+    with pytest.raises(nsrm.NsrmError, match="a level of 1"):
         nsrm.accepted(confidences, right, level=1.0)
 
 

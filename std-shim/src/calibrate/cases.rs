@@ -48,13 +48,24 @@ pub(crate) enum CasesError {
 #[derive(Debug, Error)]
 pub(crate) enum LineProblem {
     #[error("expected {{\"scene\": FILE, \"sentence\": TEXT, \"steps\": LIST or null}}: {0}")]
-    Json(#[from] serde_json::Error),
+    Json(String),
     #[error(transparent)]
     Scene(#[from] SceneFileError),
     #[error("unknown action {action:?}; the model has {known}")]
     Action { action: String, known: String },
     #[error("the scene has no object {0}")]
     Object(u32),
+}
+
+impl From<serde_json::Error> for LineProblem {
+    /// Without the parser's own line, which is always the first.
+    fn from(error: serde_json::Error) -> Self {
+        let text = error.to_string();
+        let what = text
+            .rsplit_once(" at line ")
+            .map_or(&*text, |(what, _)| what);
+        Self::Json(format!("{what} (column {})", error.column()))
+    }
 }
 
 /// Plans the sentences of a file and judges the plans.

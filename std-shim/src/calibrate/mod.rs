@@ -46,7 +46,7 @@ pub(crate) enum CalibrateError {
     Load(#[from] LoadError),
     #[error(transparent)]
     Cases(#[from] CasesError),
-    #[error("{0}; calibrate with more sentences, or allow more with --risk")]
+    #[error(transparent)]
     Risk(#[from] RiskError),
     #[error("{}: {source}", .path.display())]
     Model { path: PathBuf, source: ModelError },
