@@ -9,19 +9,12 @@ import time
 from pathlib import Path
 
 import pytest
+from harness_command import run
 
-from nsrm_harness.cli.main import main
 from nsrm_harness.common.errors import EpisodeFileError
 from nsrm_harness.data.calibration import Calibration
 
 ROOT = Path(__file__).parent.parent
-
-
-def run(*arguments: str | Path) -> int:
-    """The exit code of ``harness`` with these arguments."""
-    with pytest.raises(SystemExit) as caught:
-        main([str(argument) for argument in arguments])
-    return caught.value.code if isinstance(caught.value.code, int) else 0
 
 
 def test_help_lists_the_commands_without_importing_them() -> None:

@@ -10,21 +10,14 @@ import h5py
 import nsrm
 import numpy as np
 import pytest
+from harness_command import run
 
-from nsrm_harness.cli.main import main
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.evaluation.metrics import evaluate
 from nsrm_harness.evaluation.observed import objects_of
 
 COUNT = 6
-
-
-def run(*arguments: str | Path) -> int:
-    """The exit code of ``harness`` with these arguments."""
-    with pytest.raises(SystemExit) as caught:
-        main([str(argument) for argument in arguments])
-    return caught.value.code if isinstance(caught.value.code, int) else 0
 
 
 @pytest.fixture(scope="module")

@@ -11,10 +11,10 @@ from typing import Any
 
 import nsrm
 import pytest
+from harness_command import run as run_harness
 from PIL import Image
 
 from nsrm_harness import domain as domains
-from nsrm_harness.cli.main import main
 from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.domain.program import Step, canonical
 from nsrm_harness.evaluation.manipulation_trials.judge import PlacementVerdict
@@ -30,9 +30,7 @@ pytestmark = pytest.mark.slow
 
 
 def exit_code(*arguments: str | int | Path) -> int:
-    with pytest.raises(SystemExit) as caught:
-        main(["figures", *(str(argument) for argument in arguments)])
-    return caught.value.code if isinstance(caught.value.code, int) else 0
+    return run_harness("figures", *arguments)
 
 
 def test_the_sentences_mean_what_the_judge_goes_by() -> None:

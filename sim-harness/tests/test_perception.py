@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from harness_command import run
 from world_scenes import DOMAIN, build_scene
 
-from nsrm_harness.cli.main import main
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.evaluation.detector.match import match, overlaps
 from nsrm_harness.evaluation.detector.measure import measure
@@ -333,11 +333,6 @@ def test_the_command_measures_a_file_and_draws(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, picture = tmp_path / "few.h5", tmp_path / "found.png"
-
-    def run(*arguments: object) -> int:
-        with pytest.raises(SystemExit) as caught:
-            main([str(argument) for argument in arguments])
-        return caught.value.code if isinstance(caught.value.code, int) else 0
 
     assert run("episodes", "--split", "test", "--count", 2, "--out", path, "--jobs", 1) == 0
     capsys.readouterr()

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from harness_command import run
 from PIL import Image
 from rerun.chunk import RrdReader
 
-from nsrm_harness.cli.main import main
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.camera import FAR_M, default_camera
 from nsrm_harness.geometry.cuboid import Cuboid
@@ -76,9 +76,7 @@ def scalars(rows: list[Row]) -> np.ndarray:
 
 
 def demo(*arguments: str | int | Path) -> int:
-    with pytest.raises(SystemExit) as caught:
-        main(["demo", "--seed", str(SEED), *(str(argument) for argument in arguments)])
-    return caught.value.code if isinstance(caught.value.code, int) else 0
+    return run("demo", "--seed", SEED, *arguments)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from pathlib import Path
 import nsrm
 import numpy as np
 import pytest
+from harness_command import run
 
 from nsrm_harness import domain as domains
-from nsrm_harness.cli.main import main
 from nsrm_harness.data.moves import Arrangement
 from nsrm_harness.data.programs import Descriptions, sample_blocks, sample_task
 from nsrm_harness.domain import Domain
@@ -340,13 +340,6 @@ def test_the_picture_shows_both_diagrams(tmp_path: Path) -> None:
     with Image.open(tmp_path / "refusals.png") as image:
         assert image.width > 900
         assert len(image.convert("RGB").getcolors(1 << 24) or []) > 20
-
-
-def run(*arguments: str | Path) -> int:
-    """The exit code of a command."""
-    with pytest.raises(SystemExit) as caught:
-        main([str(argument) for argument in arguments])
-    return caught.value.code if isinstance(caught.value.code, int) else 0
 
 
 @pytest.fixture(scope="module")

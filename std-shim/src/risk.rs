@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn bounds_are_those_of_clopper_and_pearson() {
-        // Without a wrong one the bound is 1 - error^(1/count); the others from R's binom.test.
+        // Without a wrong one the bound is 1 - error^(1/count); the others are SciPy's beta.ppf.
         for (wrong, count, error, expected) in [
             (0, 2995, 0.05, 1.0 - 0.05_f64.powf(1.0 / 2995.0)),
             (1, 100, 0.025, 0.054_459_39),
