@@ -206,7 +206,12 @@ def test_groups_hold_neighbours_only() -> None:
     assert tokens.groups == ((8, 1), (7, 0), (0,))
 
 
-@pytest.mark.parametrize("word", ["sofa", GROUP_TOKEN, '"', "rot"])
+def test_quotation_marks_are_white_space_and_apostrophes_are_one() -> None:
+    assert split("“Put 'the' \"red\" block’s.”") == split("put 'the' red block's")
+    assert split("„red” 1. blue:") == ["red", "1", ".", "blue", ":"]
+
+
+@pytest.mark.parametrize("word", ["sofa", GROUP_TOKEN, "'", "rot"])
 def test_unknown_words_are_named(word: str) -> None:
     with pytest.raises(UnknownWordError) as caught:
         Tokenizer(domains.load())(f"put {word} on blue")

@@ -74,6 +74,8 @@ def test_every_word_that_the_grammar_says_is_known_to_the_core(
         ("grün\x1c", False),
         ("grün\u2003rouge", True),
         ("grün\x85rouge", True),
+        ('"grün" “rouge”', True),
+        ('grün"rouge', True),
     ],
 )
 def test_both_know_the_same_words(

@@ -69,9 +69,10 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 ///
 /// Words are separated by white space and compared in lower case, letter by letter
 /// ([`char::to_lowercase`]), independent of context: `Σ` is `σ` also at the end of a word, and
-/// `WEISS` is not `weiß`. `,` is a separate word and `;` is read as `,`; the marks `. ! ? : " '`
-/// are split off at both ends of a word and, since the model has no such words, refused, except
-/// that `. ! ?` at the very end of the sentence are dropped.
+/// `WEISS` is not `weiß`; the apostrophe `’` is read as `'`. Quotation marks (`" “ ” „`) are white
+/// space. `,` is a separate word and `;` is read as `,`; each of the marks `. ! ? : '` at either end
+/// of a word is a separate word, too, which most models do not know, except that `. ! ?` at the very
+/// end of the sentence are dropped.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
@@ -108,7 +109,7 @@ impl Reader {
         Ok(Self {
             rest_from: 0,
             end: sentence
-                .trim_end_matches(|c: char| c.is_whitespace() || is_full_stop(c))
+                .trim_end_matches(|c: char| is_space(c) || is_full_stop(c))
                 .len(),
             tokens: Tokens::new(),
         })
@@ -200,7 +201,11 @@ const fn is_full_stop(c: char) -> bool {
 }
 
 const fn is_mark(c: char) -> bool {
-    is_full_stop(c) || matches!(c, ':' | '"' | '\'')
+    is_full_stop(c) || matches!(c, ':' | '\'' | '’')
+}
+
+fn is_space(c: char) -> bool {
+    c.is_whitespace() || matches!(c, '"' | '“' | '”' | '„')
 }
 
 const fn is_comma(c: char) -> bool {
@@ -210,14 +215,14 @@ const fn is_comma(c: char) -> bool {
 /// The first non-empty word at or after byte `from`, and its place.
 fn next_word(sentence: &str, from: usize) -> Option<(&str, Span)> {
     let rest = sentence.get(from..)?;
-    let word = rest.trim_start();
+    let word = rest.trim_start_matches(is_space);
     let start = from + (rest.len() - word.len());
     let first = word.chars().next()?;
     let length = if is_comma(first) || is_mark(first) {
         first.len_utf8()
     } else {
         let length = word
-            .find(|c: char| c.is_whitespace() || is_comma(c))
+            .find(|c: char| is_space(c) || is_comma(c))
             .unwrap_or(word.len());
         word.get(..length)?.trim_end_matches(is_mark).len()
     };
@@ -228,14 +233,16 @@ fn next_word(sentence: &str, from: usize) -> Option<(&str, Span)> {
     Some((word.get(..length)?, span))
 }
 
+/// The letters of a word in lower case.
+fn letters(word: &str) -> impl Iterator<Item = char> + '_ {
+    let plain = |c| if c == '’' { '\'' } else { c };
+    word.chars().map(plain).flat_map(char::to_lowercase)
+}
+
 /// The entry whose text is `word` in lower case, and its index.
 fn find<'a, T>(entries: &'a [T], word: &str, text: fn(&T) -> &str) -> Option<(usize, &'a T)> {
     let index = entries
-        .binary_search_by(|entry| {
-            text(entry)
-                .chars()
-                .cmp(word.chars().flat_map(char::to_lowercase))
-        })
+        .binary_search_by(|entry| text(entry).chars().cmp(letters(word)))
         .ok()?;
     entries.get(index).map(|entry| (index, entry))
 }
@@ -260,23 +267,25 @@ mod tests {
     fn words_are_parted_at_white_space_commas_and_marks_at_their_ends() {
         assert_eq!(words("  put\tthe\u{a0}red "), ["put", "the", "red"]);
         assert_eq!(words("red,blue;then"), ["red", ",", "blue", ";", "then"]);
-        assert_eq!(words("\"red\" don't."), ["\"", "red", "\"", "don't", "."]);
+        assert_eq!(words("\"red\" “don't”."), ["red", "don't", "."]);
+        assert_eq!(words("1. 'red' \""), ["1", ".", "'", "red", "'"]);
         assert_eq!(words("größe 1.5!?"), ["größe", "1.5", "!", "?"]);
         assert_eq!(words(" \n"), [""; 0]);
     }
 
     #[test]
     fn case_is_folded_letter_by_letter() {
-        let known = ["kırmızı", "weiß", "λευκός"];
+        let known = ["don't", "kırmızı", "weiß", "λευκός"];
         for (word, expected) in [
-            ("WEIß", Some(1)),
-            ("WEIẞ", Some(1)),
+            ("WEIß", Some(2)),
+            ("WEIẞ", Some(2)),
             ("WEISS", None),
-            ("KıRMıZı", Some(0)),
+            ("KıRMıZı", Some(1)),
             ("KIRMIZI", None),
             ("KİRMİZİ", None),
-            ("ΛΕΥΚΌς", Some(2)),
+            ("ΛΕΥΚΌς", Some(3)),
             ("ΛΕΥΚΌΣ", None),
+            ("Don’t", Some(0)),
         ] {
             let found = find(&known, word, |text| text).map(|(index, _)| index);
             assert_eq!(found, expected, "{word}");

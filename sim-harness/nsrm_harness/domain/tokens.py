@@ -1,10 +1,10 @@
 """Splits a sentence into tokens: the reference for the trainer and the core.
 
-1. The sentence is split at white space and read in lower case, letter by letter: see
-   `letters`.
+1. The sentence is split at white space and quotation marks (``" “ ” „``) and read in lower case,
+   letter by letter: see `letters`. The apostrophe ``’`` is read as ``'``.
 2. ``,`` and ``;`` become the token ``,`` everywhere.
-3. ``. ! ?`` at the very end of the sentence are dropped. Elsewhere, each of ``. ! ? : " '`` at the
-   start or end of a word is a separate token, which no vocabulary has.
+3. ``. ! ?`` at the very end of the sentence are dropped. Elsewhere, each of ``. ! ? : '`` at the
+   start or end of a word is a separate token.
 4. Adjacent words that name attribute values, the paper's only lexicon, form a group, which one
   group token replaces (section IV-B).
 5. Every other token must be in the vocabulary.
@@ -13,6 +13,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nsrm_harness.common.errors import HarnessError
@@ -20,7 +21,8 @@ from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.domain.letters import SPACE, lower_case
 
 _BETWEEN = rf"(?:[,;]|{SPACE})"
-_PIECES = re.compile(rf"""[,;]|[.!?:"']+(?={_BETWEEN}|\Z)|(?:(?<={_BETWEEN})|^)[.!?:"']+""")
+_PIECES = re.compile(rf"""[,;]|[.!?:']+(?={_BETWEEN}|\Z)|(?:(?<={_BETWEEN})|^)[.!?:']+""")
+_QUOTES = str.maketrans(dict.fromkeys('"“”„', " ") | {"’": "'"})
 _END = re.compile(rf"(?:[.!?]|{SPACE})+\Z")
 _SPACES = re.compile(rf"{SPACE}+")
 
@@ -71,6 +73,10 @@ class Tokenizer:
             in_group = concept is not None
         return Tokens(tuple(words), tuple(groups))
 
+    def pattern(self, words: Sequence[str]) -> list[int]:
+        """Row of each token of a sentence in these words."""
+        return self.rows(self(" ".join(words)))
+
     def rows(self, tokens: Tokens) -> list[int]:
         """Row of each token in the embeddings."""
         return [self.row[word] for word in tokens.words]
@@ -78,6 +84,6 @@ class Tokenizer:
 
 def split(sentence: str) -> list[str]:
     """Rules 1 to 3: lower-case words and punctuation, before any lookup."""
-    text = _END.sub("", lower_case(sentence))
+    text = _END.sub("", lower_case(sentence.translate(_QUOTES)))
     spaced = _PIECES.sub(lambda match: f" {' '.join(match.group())} ", text)
     return ["," if piece == ";" else piece for piece in _SPACES.split(spaced) if piece]
