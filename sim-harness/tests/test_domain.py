@@ -121,7 +121,11 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("attribute", "color", "attribute: expected a list, got 'color'"),
         ("attribute.0", "color", "attribute[0]: expected a table, got 'color'"),
         ("attributes", [], "attributes: unknown key; expected some of: action, attribute, "),
-        ("document", "{}", "document: unknown key; expected some of: action, attribute, grammar, "),
+        (
+            "document",
+            "{}",
+            "document: unknown key; expected some of: action, attribute, every",
+        ),
         ("attribute.0.values.1.attribute", "color", "attribute[0].values[1].attribute: unknown"),
         ("attribute.0.values.1.color", [], "color: unknown key; expected some of: edges_m, name, "),
         ("attribute.0.values.1.name", 5, "attribute[0].values[1].name: should be a valid string"),

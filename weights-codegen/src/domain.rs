@@ -29,6 +29,30 @@ pub struct Domain {
     /// The wording of commands: lists of phrases and of patterns with `{placeholders}`; an empty
     /// string if a phrase is optional.
     pub grammar: BTreeMap<String, Vec<String>>,
+    /// Everyday wording, if the model was taught it.
+    pub everyday: Option<Everyday>,
+}
+
+/// How people say commands: rules whose alternatives contain words and `{rules}`.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Everyday {
+    /// By action: the name of its relations' rule under `rule`, and what the rule's placeholders
+    /// stand for.
+    pub relations: BTreeMap<String, BTreeMap<String, String>>,
+    /// The alternatives of each rule.
+    pub rules: BTreeMap<String, Vec<String>>,
+}
+
+impl Everyday {
+    /// All texts that contain words.
+    fn texts(&self) -> impl Iterator<Item = &String> {
+        let filled_in = self
+            .relations
+            .values()
+            .flatten()
+            .filter_map(|(name, text)| (name != "rule").then_some(text));
+        self.rules.values().flatten().chain(filled_in)
+    }
 }
 
 /// An attribute type.
@@ -75,14 +99,15 @@ pub struct Action {
 }
 
 impl Domain {
-    /// Every word of the grammar outside the lexicon, sorted: the vocabulary without the group
-    /// token.
+    /// Every word of the grammar and of everyday wording outside the lexicon, sorted: the vocabulary
+    /// without the group token.
     pub fn words(&self) -> BTreeSet<String> {
         let phrases = self.action.iter().map(|action| &action.phrases);
         self.grammar
             .values()
             .chain(phrases)
             .flatten()
+            .chain(self.everyday.iter().flat_map(Everyday::texts))
             .flat_map(|text| words_of(text))
             .collect()
     }
@@ -213,12 +238,13 @@ fn words_of(text: &str) -> Vec<String> {
 /// Whether the tokeniser of core can produce this word: see
 /// `nsrm_core::language`.
 fn readable(word: &str) -> bool {
-    const AT_WORD_ENDS: &[char] = &['.', '!', '?', ';', ':', '"', '\'', ','];
-    word == ","
+    const AT_WORD_ENDS: &[char] = &['.', '!', '?', ';', ':', '\'', ','];
+    const NOWHERE: &[char] = &['"', '“', '”', '„', '’', ','];
+    matches!(word, "," | "." | "!" | "?" | ":")
         || (!word.is_empty()
             && word.to_lowercase() == word
             && !word.chars().any(char::is_whitespace)
-            && !word.contains(',')
+            && !word.contains(NOWHERE)
             && !word.starts_with(AT_WORD_ENDS)
             && !word.ends_with(AT_WORD_ENDS))
 }

@@ -22,10 +22,12 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
 from nsrm_harness.domain.wording import (
+    Alternatives,
     Commands,
     ConceptWords,
     Descriptions,
     Identifier,
+    Phrase,
     Phrases,
     Relations,
     Words,
@@ -147,6 +149,19 @@ class HeldOut:
 
 
 @dataclass(frozen=True)
+class EverydayWords:
+    """How people say commands: see ``everyday.toml`` and :mod:`nsrm_harness.domain.everyday`."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: For each action, by its name: the rule of its relations under ``rule``, and what the
+    #: placeholders in that rule stand for.
+    relations: Mapping[str, Mapping[str, Phrase]]
+    #: The alternatives of each rule.
+    rules: Annotated[Mapping[Identifier, Alternatives], Field(min_length=1)]
+
+
+@dataclass(frozen=True)
 class Domain:
     """A checked domain file."""
 
@@ -157,6 +172,7 @@ class Domain:
     actions: Annotated[tuple[Action, ...], Field(alias="action", min_length=1)]
     grammar: GrammarWords
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
+    everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
     #: The text of :meth:`as_json`, kept so that the content of the file is passed on unchanged.
     document: Derived
 
@@ -198,6 +214,14 @@ class Domain:
             *grammar.connectives,
             *(phrase for action in self.actions for phrase in action.phrases),
         ]
+        if self.everyday is not None:
+            texts += [text for rule in self.everyday.rules.values() for text in rule]
+            texts += [
+                text
+                for relation in self.everyday.relations.values()
+                for name, text in relation.items()
+                if name != "rule"
+            ]
         return {word for text in texts for word in text.split() if not word.startswith("{")}
 
     def as_json(self) -> str:

@@ -4,6 +4,7 @@ several tables."""
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +22,32 @@ DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
 MAX_ATTRIBUTES = 4
 #: Indices of concepts and actions are bytes in the core.
 MAX_CONCEPTS = 255
+
+#: Largest number of steps of a program, a capacity of the core.
+MAX_STEPS = 8
+#: The rules that everyday wording must have.
+NEEDED_RULES = (
+    "starting",
+    "listing",
+    "before",
+    "command",
+    "after",
+    "next",
+    "please",
+    "order",
+    "description",
+    "possessor",
+)
+#: Rules with an alternative for each step.
+COUNTING = ("number", "numbered", "ordinal")
+#: What is filled in from the program, and the rules that it uses.
+FILLED_IN = {
+    "moved": ("description",),
+    "reference": ("description",),
+    "values": (),
+    "relation": (),
+}
+_FIELD = re.compile(r"\{([a-z_]+)\}")
 
 Faults = Iterator[tuple[str, str]]
 """Dotted keys, each with its problem."""
@@ -51,7 +78,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         attributes=tuple(map(_with_its_name, read.attributes)),
         document=json_text(document, ensure_ascii=False),
     )
-    for check in (_names, _appearance, _words, _held_out_actions, _held_out):
+    for check in (_names, _appearance, _words, _held_out_actions, _held_out, _everyday):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -138,3 +165,58 @@ def _held_out(domain: Domain) -> Faults:
         for word in text.split():
             if not word.startswith("{") and word not in known:
                 yield "held_out", f"{word!r} in {text!r} is not a word of the grammar"
+
+
+def _everyday(domain: Domain) -> Faults:
+    """Everyday wording has the rules that its reader needs, and they end."""
+    if domain.everyday is None:
+        return
+    rules, names = domain.everyday.rules, [action.name for action in domain.actions]
+    for name in NEEDED_RULES:
+        if name not in rules:
+            yield f"everyday.rules.{name}", "is missing"
+    for name in COUNTING:
+        if len(rules.get(name, ())) not in (0, MAX_STEPS):
+            yield f"everyday.rules.{name}", f"expected {MAX_STEPS} alternatives, one for each step"
+    for name in names:
+        relation = domain.everyday.relations.get(name)
+        if relation is None:
+            yield f"everyday.relations.{name}", "is missing"
+        elif relation.get("rule") not in rules:
+            yield (
+                f"everyday.relations.{name}.rule",
+                f"expected the name of a rule, got {relation.get('rule')!r}",
+            )
+    for name in domain.everyday.relations:
+        if name not in names:
+            yield f"everyday.relations.{name}", f"unknown action; expected {', '.join(names)}"
+    placeholders = {
+        name for relation in domain.everyday.relations.values() for name in relation
+    } - {"rule"}
+    uses: dict[str, set[str]] = {}
+    for name, texts in rules.items():
+        if name in FILLED_IN or name in placeholders:
+            yield f"everyday.rules.{name}", "has a meaning of its own: use another name"
+        uses[name] = {found for text in texts for found in _FIELD.findall(text)}
+        for used in sorted(uses[name] - rules.keys() - FILLED_IN.keys() - placeholders):
+            yield f"everyday.rules.{name}", f"unknown rule {{{used}}}"
+    for used, by in FILLED_IN.items():
+        uses.setdefault(used, set(by))
+    uses["relation"] = {relation.get("rule", "") for relation in domain.everyday.relations.values()}
+    if (looped := _loop(uses)) is not None:
+        yield f"everyday.rules.{looped}", "contains itself"
+
+
+def _loop(uses: Mapping[str, set[str]]) -> str | None:
+    """A rule that contains itself."""
+    left = {name: set(used) & uses.keys() for name, used in uses.items()}
+    while left:
+        done = {name for name, used in left.items() if not used}
+        if not done:
+            passed, name = set(), min(left)
+            while name not in passed:
+                passed.add(name)
+                name = min(left[name])
+            return name
+        left = {name: used - done for name, used in left.items() if name not in done}
+    return None

@@ -12,9 +12,10 @@ from nsrm_harness.common.toml_file import Text
 from nsrm_harness.domain.letters import lower_case
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-# A token of a sentence in lower case: text without white space and without the punctuation that
-# the tokenizer removes; or the comma.
-_WORD = re.compile(r"""[^\s,.!?;:"'{}\[\]]+|,""")
+# A token of a sentence in lower case: text without white space, brackets, quotation marks and
+# punctuation, except for an apostrophe inside; or a punctuation mark.
+_WORD = re.compile(r"""[^\s,.!?;:"'{}\[\]]+(?:'[^\s,.!?;:"'{}\[\]]+)*|[,.!?:]""")
+_FIELD = re.compile(r"\{[a-z_]+\}")
 
 Texts = tuple[str, ...]
 
@@ -80,12 +81,21 @@ def _command(template: str) -> str:
     return template
 
 
+def _alternative(text: str) -> str:
+    for word in text.split(" ") if text else ():
+        if not _FIELD.fullmatch(word) and not _is_word(word):
+            raise ValueError(f"{_not_words(text)}, or {{rules}}")
+    return text
+
+
 def _is_word(word: str) -> bool:
     return bool(_WORD.fullmatch(word)) and lower_case(word) == word
 
 
 def _not_words(text: str) -> str:
-    return f"expected lower-case words or commas with single spaces between, got {text!r}"
+    return (
+        f"expected lower-case words or punctuation marks with single spaces between, got {text!r}"
+    )
 
 
 _ONE_OR_MORE = Field(min_length=1)
@@ -124,3 +134,5 @@ Commands = Annotated[
     _EACH_ONCE,
 ]
 """Templates with ``{verb}``, ``{moved}``, ``{relation}``, ``{reference}``, each once."""
+Alternatives = Annotated[tuple[Annotated[Text, AfterValidator(_alternative)], ...], _ONE_OR_MORE]
+"""One or more texts of words and ``{rules}``, some of them perhaps more than once."""

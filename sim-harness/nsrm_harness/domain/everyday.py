@@ -1,0 +1,297 @@
+"""Everyday wording: generates commands as people say them, and recognises them.
+
+The rules are those of a domain's ``everyday`` table; ``everyday.toml`` describes them. They contain
+no recursion, so they have finitely many sentences, and every one of them is recognised.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nsrm_harness.common.errors import DomainError
+from nsrm_harness.common.toml_file import read_toml
+from nsrm_harness.domain.domain import GROUP_TOKEN, Domain, EverydayWords
+from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
+
+#: The wording of the paper's domain.
+EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
+#: Share of sentences whose steps are listed, and of those that begin with an order word.
+LISTED, STARTED = 0.08, 0.1
+
+_FIELD = re.compile(r"\{(#?[a-z_]+)\}")
+#: How steps are joined, generously: what is recognised is not used as an example of nonsense.
+_SENTENCE = {
+    "#first": ("", "{starting}", "{#first_listed}"),
+    "#later": ("{next}", "{#later_listed}", ". {#later_listed}", ", {#later_listed}"),
+    "#told": tuple(
+        f"{{before}} {please} {{command}} {{after}} {end}".strip()
+        for please in ("", "{please}")
+        for end in ("", ".", ",")
+    ),
+}
+_DESCRIPTIONS = {"moved": "description", "reference": "description", "possessor": "possessor"}
+
+
+def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
+    """The domain with the everyday wording of a file. Raises ``DomainError`` with the problem."""
+    words = read_toml(path, DomainError, "everyday wording")
+    document = _document(domain)
+    synonyms = words.pop("synonyms", {})
+    if not isinstance(synonyms, dict):
+        raise DomainError(f"{path}: synonyms: expected a table, got {synonyms!r}")
+    values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
+    for name, added in synonyms.items():
+        if name not in values:
+            raise DomainError(
+                f"{path}: synonyms.{name}: unknown attribute value; expected some of: "
+                f"{', '.join(values)}"
+            )
+        values[name]["words"] = [*values[name]["words"], *added]
+    document["everyday"] = words
+    return parse(document, str(path))
+
+
+def _document(domain: Domain) -> dict[str, Any]:
+    return json.loads(domain.as_json())
+
+
+class Speaker:
+    """Says programs of one domain in everyday wording."""
+
+    def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
+        self._words = everyday_of(domain)
+        self._domain = domain
+        self._lexicon = {*domain.lexicon(), GROUP_TOKEN}
+        self._rng = rng
+
+    def sentence(self, program: Program) -> list[str]:
+        """The words of a random wording of `program`."""
+        return [word for step in self.steps(program) for word in step]
+
+    def steps(self, program: Program) -> list[list[str]]:
+        """The words of each step in a random wording of `program`."""
+        listing = None
+        if self._rng.random() < LISTED:
+            listing = self._choose(self._words.rules["listing"])
+        steps: list[list[str]] = []
+        for index, step in enumerate(program):
+            lead = listing
+            if lead is None and index > 0:
+                lead = "{next}"
+            elif lead is None:
+                lead = "{starting}" if self._rng.random() < STARTED else ""
+            steps.append(self.step(step, index, lead, behind=steps[-1] if steps else ()))
+        return steps
+
+    def step(
+        self, step: Step | None, index: int, lead: str = "", behind: Sequence[str] = ()
+    ) -> list[str]:
+        """The words of a random wording of one step.
+
+        * `step`: without one, its action is random and its descriptions are group tokens
+        * `lead`: the alternative that joins it to the previous step
+        * `behind`: the words before it
+        """
+        return self.words(f"{lead} {{before}} {{command}} {{after}}", step, index, behind)
+
+    def words(
+        self,
+        text: str,
+        step: Step | None = None,
+        index: int = 0,
+        behind: Sequence[str] = (),
+    ) -> list[str]:
+        """Random words for an alternative of a rule, in which no description follows another one
+        directly: both would be read as one."""
+        while True:
+            parts = list(self._expanded(text, _Context(step, index)))
+            ends_described = bool(behind) and behind[-1] in self._lexicon
+            described = [ends_described, *(isinstance(part, tuple) for part in parts)]
+            if not any(pair == (True, True) for pair in pairwise(described)):
+                return [
+                    word for part in parts for word in ([part] if isinstance(part, str) else part)
+                ]
+
+    def _expanded(self, text: str, context: _Context) -> Iterator[str | tuple[str, ...]]:
+        """The words, with those of a description's values together."""
+        for word in text.split():
+            found = _FIELD.fullmatch(word)
+            if found is None:
+                yield word
+                continue
+            name = found.group(1)
+            if name in COUNTING:
+                yield self._words.rules[name][context.index]
+            elif name == "values":
+                yield self._values(context)
+            elif name == "relation":
+                relation = self._words.relations[context.action(self._words, self._rng)]
+                filled = self._choose(self._words.rules[relation["rule"]])
+                yield from self._expanded(filled_in(filled, relation), context)
+            elif name in _DESCRIPTIONS:
+                context.is_moved = name == "moved"
+                chosen = self._choose(self._words.rules[_DESCRIPTIONS[name]])
+                yield from self._expanded(chosen, context)
+            else:
+                yield from self._expanded(self._choose(self._words.rules[name]), context)
+
+    def _values(self, context: _Context) -> tuple[str, ...]:
+        if context.step is None:
+            return (GROUP_TOKEN,)
+        concepts = context.step.object if context.is_moved else context.step.reference
+        said = [self._choose(self._domain.concept(name).words) for name in concepts]
+        return tuple(said[index] for index in self._rng.permutation(len(said)))
+
+    def _choose(self, texts: Sequence[str]) -> str:
+        return texts[int(self._rng.integers(len(texts)))]
+
+
+@dataclass
+class _Context:
+    """What the words of one step depend on."""
+
+    step: Step | None
+    index: int
+    #: Whether the description being said is that of the object to be moved.
+    is_moved: bool = False
+
+    def action(self, words: EverydayWords, rng: np.random.Generator) -> str:
+        if self.step is not None:
+            return self.step.action
+        names = list(words.relations)
+        return names[int(rng.integers(len(names)))]
+
+
+@dataclass(frozen=True)
+class Recogniser:
+    """Recognises the commands of a domain's everyday wording."""
+
+    _tries: Mapping[str, _Node] = field(repr=False)
+
+    @classmethod
+    def of(cls, domain: Domain) -> Recogniser:
+        """The recogniser of a domain with everyday wording."""
+        words = everyday_of(domain)
+        relations = [
+            filled_in(text, relation)
+            for relation in words.relations.values()
+            for text in words.rules[relation["rule"]]
+        ]
+        rules = {
+            **words.rules,
+            "relation": relations,
+            "values": (GROUP_TOKEN,),
+            "moved": ("{description}",),
+            "reference": ("{description}",),
+            **_SENTENCE,
+            "#first_listed": [_counted(text, words, 0) for text in words.rules["listing"]],
+            "#later_listed": [
+                _counted(text, words, index)
+                for text in words.rules["listing"]
+                for index in range(1, MAX_STEPS)
+            ],
+        }
+        return cls({name: _trie(texts) for name, texts in rules.items()})
+
+    def step(self, words: Sequence[str]) -> bool:
+        """Whether the words, with group tokens, are one step of a command: the first or a later
+        one."""
+        memo: dict[tuple[str, int], frozenset[int]] = {}
+        begun = self._through(("#first",), {0}, words, memo)
+        begun |= self._through(("#later",), {0}, words, memo)
+        return len(words) in self._through(("#told",), begun, words, memo)
+
+    def program(self, words: Sequence[str]) -> bool:
+        """Whether the words, with group tokens, are a command of one or more steps."""
+        memo: dict[tuple[str, int], frozenset[int]] = {}
+        reached = set(self._through(("#first", "#told"), {0}, words, memo))
+        while True:
+            if len(words) in reached:
+                return True
+            further = self._through(("#later", "#told"), reached, words, memo) - reached
+            if not further:
+                return False
+            reached |= further
+
+    def _through(
+        self,
+        rules: Sequence[str],
+        places: set[int],
+        words: Sequence[str],
+        memo: dict[tuple[str, int], frozenset[int]],
+    ) -> set[int]:
+        for rule in rules:
+            places = {end for place in places for end in self._ends(rule, place, words, memo)}
+        return places
+
+    def _ends(
+        self,
+        rule: str,
+        start: int,
+        words: Sequence[str],
+        memo: dict[tuple[str, int], frozenset[int]],
+    ) -> frozenset[int]:
+        """Where the rule may end if it begins at word `start`."""
+        found = memo.get((rule, start))
+        if found is None:
+            ends: set[int] = set()
+            left = [(self._tries[rule], start)]
+            while left:
+                node, place = left.pop()
+                if node.is_end:
+                    ends.add(place)
+                if place < len(words) and (behind := node.words.get(words[place])) is not None:
+                    left.append((behind, place + 1))
+                for name, behind in node.rules.items():
+                    left += [(behind, end) for end in self._ends(name, place, words, memo)]
+            found = memo[rule, start] = frozenset(ends)
+        return found
+
+
+@dataclass
+class _Node:
+    """The alternatives of a rule with the same beginning."""
+
+    words: dict[str, _Node] = field(default_factory=dict)
+    rules: dict[str, _Node] = field(default_factory=dict)
+    is_end: bool = False
+
+
+def _trie(texts: Sequence[str]) -> _Node:
+    root = _Node()
+    for text in texts:
+        node = root
+        for word in text.split():
+            found = _FIELD.fullmatch(word)
+            if found is None:
+                node = node.words.setdefault(word, _Node())
+            else:
+                node = node.rules.setdefault(found.group(1), _Node())
+        node.is_end = True
+    return root
+
+
+def _counted(text: str, words: EverydayWords, index: int) -> str:
+    """An alternative with the words for the number of a step."""
+    return filled_in(text, {name: words.rules[name][index] for name in COUNTING})
+
+
+def everyday_of(domain: Domain) -> EverydayWords:
+    """The everyday wording of a domain; ``DomainError`` if it has none."""
+    if domain.everyday is None:
+        raise DomainError(f"the domain {domain.name!r} has no everyday wording")
+    return domain.everyday
+
+
+def filled_in(text: str, relation: Mapping[str, str]) -> str:
+    """An alternative with what a relation's placeholders stand for."""
+    return _FIELD.sub(lambda found: relation.get(found.group(1), found.group()), text)
