@@ -43,6 +43,8 @@ STREAMS = {
     "arm_disturbed": 59,
     "arm_checks": 60,
     "miscalibration": 71,
+    "told": 81,
+    "near_misses": 82,
 }
 
 

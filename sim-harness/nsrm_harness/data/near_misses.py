@@ -1,0 +1,286 @@
+"""Near misses: sentences of known words that mean no program, made from everyday wording.
+
+After such a sentence a demonstrator does nothing. A near miss is a command with a few words changed
+(`_edited`), a sentence with the parts of commands in the wrong places (`_rearranged`), or two
+commands in an order of time that no program has. Nothing that the recogniser takes for a command is
+a near miss.
+
+Each has two descriptions, or four if it is about the order of time: with another number, the core
+refuses it anyway.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from nsrm_harness.domain import GROUP_TOKEN, Domain
+from nsrm_harness.domain.everyday import MAX_STEPS, Recogniser, Speaker, everyday_of, filled_in
+
+#: Share of near misses about the order of time.
+UNTIMELY = 0.1
+#: Of the others, share of those that are rearranged, and of those with a relation that is none.
+REARRANGED, RELATED = 0.15, 0.4
+#: Of the wrong relations, share of two at once, of a few random words, and of some of the words of
+#: one; the others have one word more, less or another.
+DOUBLED, FEW, THINNED = 0.25, 0.3, 0.2
+#: Share of the others that have more than one change.
+CHANGED_TWICE = 0.25
+#: Rules of the parts of a command that stand in for each other.
+PARTS = (
+    "asking",
+    "wishing",
+    "minding",
+    "letting",
+    "shall",
+    "goes",
+    "done",
+    "doing",
+    "do",
+    "be",
+)
+#: Rules whose words are inserted.
+INSERTED = (*PARTS, "degree", "towards", "please", "opening", "address", "noun", "article", "next")
+#: Words that join two relations.
+JOINTS = ("and", ",", "", ", and")
+#: Who might be said to do something, and how: "I have put …", "we should …".
+SUBJECTS = ("i", "we", "you", "it")
+AUXILIARIES = (
+    "is",
+    "are",
+    "has",
+    "have",
+    "will",
+    "can",
+    "could",
+    "would",
+    "should",
+    "do",
+    "am",
+    "want",
+    "may",
+)
+
+Item = TypeVar("Item")
+
+
+class NearMisses:
+    """Makes near misses of one domain's everyday wording."""
+
+    def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
+        words = everyday_of(domain)
+        self._domain = domain
+        self._rng = rng
+        self._speaker = Speaker(domain, rng)
+        self._recogniser = Recogniser.of(domain)
+        self._vocabulary = domain.vocabulary()[1:]
+        self._inserted = [name for name in INSERTED if name in words.rules]
+        self._parts = [name for name in PARTS if name in words.rules]
+        self._who = [word for word in SUBJECTS if word in self._vocabulary]
+        self._how = [word for word in AUXILIARIES if word in self._vocabulary]
+        self._rules = words.rules
+        self._relation_texts = [
+            filled_in(text, relation).split()
+            for relation in words.relations.values()
+            for text in words.rules[relation["rule"]]
+        ]
+        self._relations = [
+            [word for word in text if not word.startswith("{")] for text in self._relation_texts
+        ]
+        self._order_words = domain.grammar.order_words or ("first",)
+        # Half of them plain, as there are many.
+        joints = ("and", "then", "and then", ",", ", and", ", then", ", and then", ".", ". then")
+        self._joints = (*joints, *("{next}" for _ in joints))
+        # With a comma, "…, first, put …" says that what stands before it comes first.
+        self._starting = [text for text in words.rules["starting"] if "," not in text]
+        self._changes: tuple[Callable[[list[str]], list[str]], ...] = (
+            self._with_words_left_out,
+            self._with_words_inserted,
+            self._with_a_word_replaced,
+            self._with_words_swapped,
+            self._with_another_end,
+            self._with_a_relation,
+            self._with_a_part,
+            self._with_words_shuffled,
+            self._with_order_word,
+            self._with_relation_words,
+            self._with_relation_words_behind,
+        )
+
+    def sentence(self) -> str:
+        """A near miss."""
+        while True:
+            is_untimely = self._rng.random() < UNTIMELY
+            words = self._untimely() if is_untimely else self._changed()
+            if words is not None:
+                return " ".join(self._described(words))
+
+    def _changed(self) -> list[str] | None:
+        """A step that is none; None if it is one after all, or would be refused anyway."""
+        draw = self._rng.random()
+        if draw < REARRANGED:
+            words = self._rearranged()
+        elif draw < REARRANGED + RELATED:
+            words = self._with_no_relation()
+        else:
+            words = self._step()
+            changes = 1 if self._rng.random() > CHANGED_TWICE else 2 + self._any(2)
+            for _ in range(changes):
+                words = self._choose(self._changes)(words) or self._step()
+        groups = [place for place, word in enumerate(words) if word == GROUP_TOKEN]
+        if len(groups) != 2 or groups[1] == groups[0] + 1 or self._recogniser.step(words):
+            return None
+        return words
+
+    def _untimely(self) -> list[str] | None:
+        """A second command that must come first: "…, first put the green block there".
+
+        With a connective it is meaningless without the first one, too, which is left out: "and then
+        first put the green block there".
+        """
+        start = self._choose((*self._order_words, "{starting}"))
+        if self._rng.random() < 0.6:
+            words = self._speaker.step(None, 0, f"{self._choose(self._joints)} {start}")
+            return None if self._recogniser.step(words) else words
+        if start not in self._order_words:
+            start = self._choose(self._starting)
+        second = self._speaker.step(None, 0, start)
+        words = [*self._speaker.step(None, 0), *second]
+        return None if self._recogniser.program(words) else words
+
+    def _step(self) -> list[str]:
+        if self._rng.random() < 0.5:
+            lead = "{starting}" if self._rng.random() < 0.1 else ""
+            return self._speaker.step(None, 0, lead)
+        lead = "{listing}" if self._rng.random() < 0.1 else "{next}"
+        return self._speaker.step(None, 1 + self._any(MAX_STEPS - 1), lead)
+
+    def _rearranged(self) -> list[str]:
+        """A command with its parts exchanged: "you put …", "the red block placed on …"."""
+        objects = ["{moved}", "{where}"]
+        if self._rng.random() < 0.25:
+            objects.reverse()
+        around: list[list[str]] = [[], [], []]
+        for _ in range(self._any(4)):
+            around[self._any(3)].append(f"{{{self._choose(self._parts)}}}")
+        if self._who and self._rng.random() < 0.35:
+            around[0].insert(0, self._choose(self._who))
+        if self._how and self._rng.random() < 0.5:
+            # "I have put …", "have I put …", "the red block is on …", "is the red block on …"
+            place = around[self._any(2)]
+            place.insert(self._any(len(place) + 1), self._choose(self._how))
+        text = [*around[0], objects[0], *around[1], objects[1], *around[2]]
+        return self._speaker.words(f"{{before}} {' '.join(text)} {{after}}")
+
+    def _with_no_relation(self) -> list[str]:
+        """A command with a relation that is none: "to the blue", "on the blue block's top"."""
+        text, order = (self._choose(self._rules[name]) for name in ("command", "order"))
+        relation = list(self._choose(self._relation_texts))
+        draw = self._rng.random()
+        if draw < DOUBLED:
+            other = self._choose(self._relations)
+            relation = [*other, *self._choose(JOINTS).split(), *relation]
+        elif draw < DOUBLED + FEW:
+            # A few words: "to", "at the", or none at all.
+            some = [self._choose(self._choose(self._relations)) for _ in range(self._any(4))]
+            relation = [*some, "{reference}"]
+        elif draw < DOUBLED + FEW + THINNED:
+            kept = self._rng.random()
+            relation = [w for w in relation if w.startswith("{") or self._rng.random() < kept]
+        else:
+            places = [at for at, word in enumerate(relation) if not word.startswith("{")]
+            at, change = self._choose(places), self._any(3)
+            word = self._choose(self._choose(self._relations)) if self._any(2) else self._word()
+            relation[at : at + (change > 0)] = [word] if change < 2 else []
+        lead = "{next}" if self._any(2) else ""
+        text = text.replace("{order}", order).replace("{where}", " ".join(relation))
+        return self._speaker.words(f"{lead} {{before}} {text} {{after}}")
+
+    def _with_words_left_out(self, words: list[str]) -> list[str]:
+        first = self._any(len(words))
+        behind = first + 1 + self._any(3)
+        return [
+            word
+            for place, word in enumerate(words)
+            if word == GROUP_TOKEN or not first <= place < behind
+        ]
+
+    def _with_words_inserted(self, words: list[str]) -> list[str]:
+        return self._insert(words, [self._word() for _ in range(1 + self._any(2))])
+
+    def _with_a_word_replaced(self, words: list[str]) -> list[str]:
+        place = self._any(len(words))
+        return [
+            self._word() if at == place and word != GROUP_TOKEN else word
+            for at, word in enumerate(words)
+        ]
+
+    def _with_words_swapped(self, words: list[str]) -> list[str]:
+        place = self._any(len(words))
+        return [*words[:place], *reversed(words[place : place + 2]), *words[place + 2 :]]
+
+    def _with_another_end(self, words: list[str]) -> list[str]:
+        other = self._step()
+        return [*words[: self._any(len(words))], *other[self._any(len(other)) :]]
+
+    def _with_a_relation(self, words: list[str]) -> list[str]:
+        relation = self._choose(self._relations)
+        if self._rng.random() < 0.5:
+            first = self._any(len(relation))
+            relation = relation[first : first + 1 + self._any(3)]
+        return self._insert(words, relation)
+
+    def _with_a_part(self, words: list[str]) -> list[str]:
+        part = self._speaker.words(
+            f"{{{self._choose(self._inserted)}}}", index=self._any(MAX_STEPS)
+        )
+        return self._insert(words, [word for word in part if word != GROUP_TOKEN])
+
+    def _with_words_shuffled(self, words: list[str]) -> list[str]:
+        first = self._any(len(words))
+        behind = first + 2 + self._any(5)
+        some = words[first:behind]
+        shuffled = [some[index] for index in self._rng.permutation(len(some))]
+        return [*words[:first], *shuffled, *words[behind:]]
+
+    def _with_order_word(self, words: list[str]) -> list[str]:
+        """An ordinal, "the first red block", or an order word anywhere else."""
+        places = [at for at, word in enumerate(words) if word == GROUP_TOKEN or self._any(8) == 0]
+        at = self._choose(places) if places else 0
+        return [*words[:at], self._choose(self._order_words), *words[at:]]
+
+    def _with_relation_words(self, words: list[str]) -> list[str]:
+        return self._insert(words, self._relation_words())
+
+    def _with_relation_words_behind(self, words: list[str]) -> list[str]:
+        return [*words, *self._relation_words()]
+
+    def _relation_words(self) -> list[str]:
+        return [self._choose(self._choose(self._relations)) for _ in range(1 + self._any(2))]
+
+    def _insert(self, words: list[str], added: Sequence[str]) -> list[str]:
+        place = self._any(len(words) + 1)
+        return [*words[:place], *added, *words[place:]]
+
+    def _word(self) -> str:
+        return self._choose(self._vocabulary)
+
+    def _described(self, words: Sequence[str]) -> list[str]:
+        """The words with random attribute values for the group tokens."""
+        described: list[str] = []
+        for word in words:
+            described += self._values() if word == GROUP_TOKEN else [word]
+        return described
+
+    def _values(self) -> list[str]:
+        attributes = self._domain.attributes
+        kinds = self._rng.permutation(len(attributes))[: 1 + self._any(min(2, len(attributes)))]
+        return [self._choose(self._choose(attributes[kind].values).words) for kind in kinds]
+
+    def _choose(self, items: Sequence[Item]) -> Item:
+        return items[self._any(len(items))]
+
+    def _any(self, count: int) -> int:
+        return int(self._rng.integers(count))
