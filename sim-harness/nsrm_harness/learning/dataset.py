@@ -20,6 +20,7 @@ from nsrm_harness.learning.model import GROUP_TOKEN
 
 if TYPE_CHECKING:
     from nsrm_harness.data.file import Demonstrations
+    from nsrm_harness.domain import Domain
 
 GROUPS_PER_STEP = 2
 """The moved object and the reference."""
@@ -148,6 +149,24 @@ class TrainingSet:
         x1, y1, x2, y2, depth = np.moveaxis(self.before[self.present].astype(np.float64), -1, 0)
         values = np.stack([(x1 + x2) / 2, (y1 + y2) / 2, x2 - x1, y2 - y1, depth], axis=-1)
         return values.mean(axis=0).astype(np.float32), values.std(axis=0).astype(np.float32)
+
+
+def told(
+    data: TrainingSet, domain: Domain, sentences: Sequence[str], episodes: Sequence[int]
+) -> TrainingSet:
+    """The demonstrations with other sentences: each with the scenes of the episode given for it.
+
+    `domain`: that of the sentences.
+    """
+    tokenizer, chosen = Tokenizer(domain), np.asarray(episodes, np.int64)
+    return TrainingSet(
+        sentences=Sentences.of(tokenizer, [tokenizer(sentence) for sentence in sentences]),
+        crops=data.crops,
+        crop_of=data.crop_of[chosen],
+        present=data.present[chosen],
+        before=data.before[chosen],
+        after=data.after[chosen],
+    )
 
 
 def training_set(demonstrations: Demonstrations, quiet: bool = False) -> TrainingSet:

@@ -1,0 +1,381 @@
+"""Teaches a trained model everyday wording, from many sentences about demonstrations.
+
+Perception and actions stay as they are: with them, the final scene shows what a sentence means
+(`explain`), and the parser is trained on that. Of near misses, sentences after which
+nothing was done, it learns to be sure of no action, and of commands in an impossible order of time
+the splitter learns to leave them whole, which the core refuses.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from itertools import dropwhile, pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from tqdm import tqdm
+
+from nsrm_harness.common.json_text import json_text
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.told import read_told
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.everyday import with_everyday
+from nsrm_harness.domain.patterns import is_reserved
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.learning import calibrate, curves
+from nsrm_harness.learning.checkpoint import Checkpoints, TrainingProgress
+from nsrm_harness.learning.config import StageConfig, TrainingConfig
+from nsrm_harness.learning.dataset import (
+    GROUPS_PER_STEP,
+    Sentences,
+    TrainingSet,
+    told,
+    training_set,
+)
+from nsrm_harness.learning.explain import explain
+from nsrm_harness.learning.export import ModelFile
+from nsrm_harness.learning.model import GROUP_TOKEN, Dimensions, Language, Model, Parse
+from nsrm_harness.learning.splits import end_log_probability
+from nsrm_harness.learning.stages import PARSER, SPLITTER, Stage, TrainingError
+from nsrm_harness.learning.train import Fit
+
+NAME = "wording"
+MOST_TOKENS = 28
+"""Steps with more tokens are left out."""
+AHEAD = 8
+"""Number of tokens of the next step that the splitter sees in training; it looks two ahead."""
+ROUNDS = 3
+"""Rounds of `first_ends`."""
+RARE = 1e-2
+"""Count of a pair of words that was not found."""
+LEAST_BEGUN = 0.002
+"""Smallest share of second steps that begin with a word."""
+ALONE = 0.4
+"""Share of steps that are shown to the splitter without the next one."""
+
+
+@dataclass(frozen=True)
+class WordingConfig:
+    """Everything that the lesson depends on, except data and seed."""
+
+    stage: StageConfig = field(
+        default_factory=lambda: StageConfig(epochs=8, learning_rate=3e-3, batch=480)
+    )
+    """A batch has as many steps, near misses and commands in an impossible order."""
+    training: TrainingConfig = field(default_factory=TrainingConfig)
+    """Its loss and its bound decide which program explains a final scene."""
+
+    def with_epochs(self, epochs: int) -> WordingConfig:
+        """The same with another number of epochs."""
+        return replace(self, stage=replace(self.stage, epochs=epochs))
+
+
+class ToldSteps(NamedTuple):
+    """Steps of told sentences, and what the final scene shows that they mean."""
+
+    tokens: Array
+    """Right-padded with row 0, `[T]`."""
+    length: Array
+    joined: Array
+    """The same tokens with those of the next step behind them, `[T + AHEAD]`."""
+    joined_length: Array
+    meant: Parse
+    """Index of the action, and of each argument's group token in the step."""
+
+
+class NearMisses(NamedTuple):
+    """Sentences with two descriptions that mean nothing."""
+
+    tokens: Array
+    length: Array
+
+
+class Untimely(NamedTuple):
+    """Sentences with four descriptions whose steps have no order."""
+
+    tokens: Array
+    length: Array
+
+
+def told_steps(
+    model: Model, data: TrainingSet, config: TrainingConfig, rng: np.random.Generator
+) -> ToldSteps:
+    """The steps of the sentences that the final scenes explain, without reserved patterns.
+
+    The last step of a sentence gets one of another sentence behind it: commands may have more steps
+    than any demonstration.
+    """
+    found = explain(model, data, config)
+    s, ends = data.sentences, first_ends(data.sentences)
+    rows: list[tuple[np.ndarray, np.ndarray, int, int, int]] = []
+    later: list[np.ndarray] = []
+    for index, actions, orders in zip(*found, strict=True):
+        tokens = s.tokens[index, : s.length[index]]
+        cuts = [0, len(tokens)]
+        if s.group_count[index] > GROUPS_PER_STEP:
+            cuts.insert(1, int(ends[index]))
+        for number, (first, end) in enumerate(pairwise(cuts)):
+            step = tokens[first:end]
+            places = np.flatnonzero(step == GROUP_TOKEN)
+            if (
+                len(step) > MOST_TOKENS
+                or len(places) != GROUPS_PER_STEP
+                or is_reserved(step.tolist())
+            ):
+                continue
+            moved, reference = places if orders[number] else places[::-1]
+            behind = tokens[end : end + AHEAD]
+            rows.append((step, behind, int(actions[number]), int(moved), int(reference)))
+            if number > 0:
+                later.append(step[:AHEAD])
+    if not rows:
+        raise TrainingError("the model's perception and actions explain none of the sentences")
+    joined = [
+        np.concatenate([step, behind if len(behind) or not later else _any(rng, later)])
+        for step, behind, *_ in rows
+    ]
+    tokens, length = _padded([row[0] for row in rows], MOST_TOKENS)
+    both, both_length = _padded(joined, MOST_TOKENS + AHEAD)
+    meant = Parse(*(jnp.asarray([row[part] for row in rows]) for part in (2, 3, 4)))
+    return ToldSteps(tokens, length, both, both_length, meant)
+
+
+def first_ends(sentences: Sentences) -> np.ndarray:
+    """The number of tokens of the first step of each sentence; of one step, all of them. `[N]`
+
+    It is the longest end that some sentence has and behind which a word stands with which steps
+    begin: "…, on its right" is an end, and ", on the right" of ", on the right of the blue block
+    put …" is none, since no step begins with "of". With which words steps begin follows from the
+    most likely divisions of what stands between two: into an end, and words in pairs that are
+    frequent in the divisions found before.
+    """
+    found = sentences.usual_ends() + 1
+    rows = [
+        tuple(row[:length].tolist())
+        for row, length in zip(sentences.tokens, sentences.length, strict=True)
+    ]
+    places = [[at for at, token in enumerate(row) if token == GROUP_TOKEN] for row in rows]
+    tails = [row[at[-1] + 1 :] for row, at in zip(rows, places, strict=True) if at]
+    # Nouns, and words that may stand behind a description alone: any of them, or none.
+    alone = {tail[0] for tail in tails if len(tail) == 1}
+
+    def bare(tail: tuple[int, ...]) -> tuple[int, ...]:
+        return tuple(dropwhile(alone.__contains__, tail))
+
+    ends = Counter(map(bare, tails))
+    double = np.flatnonzero(sentences.group_count == 2 * GROUPS_PER_STEP).tolist()
+    for _ in range(ROUNDS):
+        pairs: Counter[tuple[int, int]] = Counter()
+        for n in double:
+            pairs.update(pairwise((GROUP_TOKEN, *rows[n][found[n] : places[n][2] + 1])))
+        firsts: Counter[int] = Counter()
+        for (first, _), count in pairs.items():
+            firsts[first] += count
+
+        for n in double:
+            first, behind = places[n][1] + 1, places[n][2]
+            likelihood = {
+                at: math.log(ends[bare(rows[n][first:at])])
+                + _log_likelihood((GROUP_TOKEN, *rows[n][at : behind + 1]), pairs, firsts)
+                for at in range(first, behind + 1)
+                if bare(rows[n][first:at]) in ends
+            }
+            found[n] = max(likelihood, key=likelihood.__getitem__, default=first)
+    # The longest end before a word that steps begin with.
+    begins = Counter(rows[n][found[n]] for n in double)
+    for n in double:
+        first, behind = places[n][1] + 1, places[n][2]
+        good = [
+            at
+            for at in range(first, behind + 1)
+            if bare(rows[n][first:at]) in ends and begins[rows[n][at]] > LEAST_BEGUN * len(double)
+        ]
+        found[n] = max(good, default=int(found[n]))
+    return found
+
+
+def _log_likelihood(
+    words: tuple[int, ...], pairs: Mapping[tuple[int, int], int], firsts: Mapping[int, int]
+) -> float:
+    """Log likelihood of words, but for a constant, by how often each follows the one before."""
+    return sum(math.log((pairs[pair] + RARE) / (firsts[pair[0]] + 1.0)) for pair in pairwise(words))
+
+
+def _any(rng: np.random.Generator, rows: Sequence[np.ndarray]) -> np.ndarray:
+    return rows[int(rng.integers(len(rows)))]
+
+
+def wording_stage(
+    config: WordingConfig, steps: ToldSteps, misses: NearMisses, untimely: Untimely
+) -> Stage:
+    """Parser and splitter on told steps and near misses."""
+
+    def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+        steps, misses, untimely = batch
+        alone = jax.random.bernoulli(key, ALONE, steps.length.shape)
+        meaning = jax.vmap(lambda step, alone: _step_loss(model.language, step, alone))
+        nothing = jax.vmap(lambda miss: _nothing_loss(model.language, miss))
+        whole = jax.vmap(lambda command: _whole_loss(model.language, command))
+        return meaning(steps, alone).mean() + nothing(misses).mean() + whole(untimely).mean()
+
+    return Stage(NAME, config.stage, (steps, misses, untimely), (), loss)
+
+
+def _step_loss(language: Language, step: ToldSteps, alone: Array) -> Array:
+    """Surprise, in nats, at the meaning of a step and at its end."""
+    parse = language.parse(step.tokens, jnp.arange(MOST_TOKENS) < step.length)
+    meaning = sum(
+        -jax.nn.log_softmax(logits)[meant] for logits, meant in zip(parse, step.meant, strict=True)
+    )
+    length = jnp.where(alone, step.length, step.joined_length)
+    end = end_log_probability(language.splitter, step.joined, length)[step.length - 1]
+    return meaning - end
+
+
+def _nothing_loss(language: Language, miss: NearMisses) -> Array:
+    """Divergence, in nats, of the action probabilities from uniform."""
+    parse = language.parse(miss.tokens, jnp.arange(MOST_TOKENS) < miss.length)
+    actions = jax.nn.log_softmax(parse.action)
+    return -actions.mean() - jnp.log(actions.shape[0])
+
+
+def _whole_loss(language: Language, command: Untimely) -> Array:
+    """Surprise, in nats, if a command is not split."""
+    ends = end_log_probability(language.splitter, command.tokens, command.length)
+    return -ends[command.length - 1]
+
+
+def near_misses(tokenizer: Tokenizer, sentences: Sequence[str]) -> tuple[NearMisses, Untimely]:
+    """The near misses as arrays, without reserved patterns."""
+    single: list[np.ndarray] = []
+    double: list[np.ndarray] = []
+    for sentence in sentences:
+        tokens = np.array(tokenizer.rows(tokenizer(sentence)), np.int32)
+        groups = int(np.sum(tokens == GROUP_TOKEN))
+        if (
+            groups == GROUPS_PER_STEP
+            and len(tokens) <= MOST_TOKENS
+            and not is_reserved(tokens.tolist())
+        ):
+            single.append(tokens)
+        elif groups > GROUPS_PER_STEP:
+            # The splitter has to pass the second step's beginning.
+            double.append(tokens[: MOST_TOKENS + AHEAD])
+    if not (single and double):
+        raise TrainingError("too few near misses: make more with 'harness sentences'")
+    return NearMisses(*_padded(single, MOST_TOKENS)), Untimely(
+        *_padded(double, MOST_TOKENS + AHEAD)
+    )
+
+
+def _padded(rows: Sequence[np.ndarray], width: int) -> tuple[Array, Array]:
+    """The rows, right-padded with row 0, and their lengths."""
+    padded = np.zeros((len(rows), width), np.int32)
+    for padding, row in zip(padded, rows, strict=True):
+        padding[: len(row)] = row
+    return jnp.asarray(padded), jnp.asarray([len(row) for row in rows])
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """What the lesson is made from: a trained model and told demonstrations."""
+
+    base: ModelFile
+    domain: Domain
+    """That of the model, with everyday wording."""
+    data: TrainingSet
+    misses: list[str]
+
+    @classmethod
+    def read(cls, base: ModelFile, episodes: Path, sentences: Path, wording: Path) -> Lesson:
+        """Reads the demonstrations and the sentences about them."""
+        domain = with_everyday(base.domain, wording)
+        found = read_told(sentences, episodes)
+        with Demonstrations(episodes) as demonstrations:
+            shown = training_set(demonstrations)
+        data = told(shown, domain, found.sentences, found.episodes)
+        return cls(base, domain, data, found.near_misses)
+
+    def untaught(self, seed: int) -> Model:
+        """The model with random embeddings for the words that are new to it."""
+        fresh = Model(Dimensions.of(self.domain), jax.random.key(seed))
+        base, row = self.base.model, {word: n for n, word in enumerate(self.domain.vocabulary())}
+        known = jnp.array([row[word] for word in self.base.domain.vocabulary()])
+
+        def embeddings(model: Model) -> tuple[Array, Array]:
+            language = model.language
+            return language.embedding.weight, language.splitter.embedding.weight
+
+        grown = [
+            new.at[known].set(old)
+            for new, old in zip(embeddings(fresh), embeddings(base), strict=True)
+        ]
+        return eqx.tree_at(embeddings, base, grown)
+
+
+def teach(
+    lesson: Lesson,
+    config: WordingConfig,
+    seed: int,
+    folder: Path,
+    resume: bool = False,
+    say: Callable[[str], None] = print,
+) -> Model:
+    """Trains the language part; `KeyboardInterrupt` leaves a checkpoint in `folder`."""
+    model = lesson.untaught(seed)
+    run = json_text([asdict(config), seed, lesson.data.hash(), lesson.domain.as_json()])
+    checkpoints = Checkpoints(folder, run)
+    progress = (checkpoints.progress() if resume else None) or TrainingProgress()
+    steps = told_steps(model, lesson.data, config.training, np.random.default_rng(seed))
+    misses, untimely = near_misses(Tokenizer(lesson.domain), lesson.misses)
+    say(
+        f"{len(lesson.data)} sentences, {len(steps.length)} steps explained by their final scenes, "
+        f"{len(misses.length)} near misses and {len(untimely.length)} in an impossible order"
+    )
+    fit = Fit(wording_stage(config, steps, misses, untimely), PARSER + SPLITTER, seed, 0)
+    state = fit.start(model)
+    if progress.epoch > 0:
+        state = checkpoints.state(state)
+    began = time.monotonic() - progress.seconds.get(NAME, 0.0)
+    epochs = config.stage.epochs
+    with tqdm(total=epochs, initial=progress.epoch, desc=NAME) as bar:
+        while progress.epoch < epochs:
+            state, loss = fit.epoch(state, progress.epoch)
+            if not np.isfinite(loss):
+                raise TrainingError(f"{NAME}: the loss is not finite: {loss}")
+            progress.epoch += 1
+            progress.seconds[NAME] = time.monotonic() - began
+            progress.losses.setdefault(NAME, []).append(loss)
+            bar.set_postfix(loss=f"{loss:.5f}", refresh=False)
+            bar.update()
+            checkpoints.save(progress, state)
+    curves.draw_curves(progress, folder / "curves.png")
+    return state.model
+
+
+def fitted(
+    lesson: Lesson, model: Model, validation: TrainingSet, config: WordingConfig, seed: int
+) -> ModelFile:
+    """The model file, with the certainty of actions fitted to told validation demonstrations."""
+    certainty = calibrate.fit_certainty(model, validation)
+    model = calibrate.with_certainty(model, certainty)
+    training = {
+        **lesson.base.training,
+        NAME: {
+            "seed": seed,
+            "sentences": len(lesson.data),
+            "near_misses": len(lesson.misses),
+            "data_hash": lesson.data.hash(),
+            "stage": asdict(config.stage),
+        },
+    }
+    return replace(lesson.base, model=model, domain=lesson.domain, training=training, metrics={})
