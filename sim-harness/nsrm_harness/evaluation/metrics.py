@@ -22,9 +22,14 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, StepTruth, Truth
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.everyday import with_everyday
 from nsrm_harness.evaluation.detector.match import match
 from nsrm_harness.evaluation.observed import Boxes, chunks, objects_of, observe_episode
 from nsrm_harness.perception.relief import PerceptionError
+
+DEFAULT_DOMAIN = "tabletop"
+"""The domain that everyday wording is written for."""
 
 
 class EvaluationError(HarnessError):
@@ -254,6 +259,14 @@ def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
             f"{demonstrations.path}: has episodes of the domain {demonstrations.domain.name!r}, "
             f"but the model has {domain!r}"
         )
+
+
+def domain_of(model: nsrm.Model, domain: Domain) -> Domain:
+    """The domain of the episodes, with everyday wording if the model was taught it."""
+    if domain.name != DEFAULT_DOMAIN:
+        return domain
+    everyday = with_everyday(domain)
+    return everyday if everyday.other_words() <= set(model.info()["words"]) else domain
 
 
 def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:

@@ -188,7 +188,7 @@ def _split_of(path: Path) -> str:
 
 
 def _planned(model: nsrm.Model, path: Path, count: int, quiet: bool) -> list[SentenceResult]:
-    return plan_sentences(model, path, near_misses(path, count), quiet)
+    return plan_sentences(model, path, near_misses(model, path, count), quiet)
 
 
 def _rows(

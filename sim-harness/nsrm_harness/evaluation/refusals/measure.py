@@ -21,7 +21,7 @@ from nsrm_harness.common.errors import EpisodeFileError
 from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
-from nsrm_harness.evaluation.metrics import EvaluationError, check_domain, judge_plan
+from nsrm_harness.evaluation.metrics import EvaluationError, check_domain, domain_of, judge_plan
 from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
 from nsrm_harness.evaluation.refusals.certainty import (
     Bin,
@@ -152,16 +152,16 @@ def measure(
     """Plans the sentences of a file, and those that must be refused in its scenes."""
     with Demonstrations(path) as demonstrations:
         _check(model, demonstrations, which)
-    items = near_misses(path, count)
+    items = near_misses(model, path, count)
     meant: dict[str, str | None] = {item.sentence: item.meant for item in items}
     return report(plan_sentences(model, path, items, quiet), which, meant)
 
 
-def near_misses(path: Path, count: int = COUNT) -> list[Item]:
-    """Sentences that must be refused in the scenes of a file, `count` of each kind; none if its
-    split is not one of `SETS`."""
+def near_misses(model: nsrm.Model, path: Path, count: int = COUNT) -> list[Item]:
+    """Sentences that the model must refuse in the scenes of a file, `count` of each kind; none if
+    its split is not one of `SETS`."""
     with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
-        which, domain = demonstrations.split, demonstrations.domain
+        which, domain = demonstrations.split, domain_of(model, demonstrations.domain)
         if which not in SETS:
             return []
         truths = [judge.truth(index) for index in range(len(judge))]

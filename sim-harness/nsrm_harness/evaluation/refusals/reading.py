@@ -2,7 +2,8 @@
 
 Articles, nouns, openings and commas are ignored everywhere, and any run of concept words is a
 description. So it accepts more than the grammar generates, for example "on white now set the red";
-what it rejects has lost the word order of a command.
+what it rejects has lost the word order of a command. In a domain with everyday wording, so are
+the commands of that.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ import re
 from collections.abc import Iterable, Sequence
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.tokens import split
+from nsrm_harness.domain.everyday import Recogniser
+from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError, split
 
 
 class Reading:
@@ -19,6 +21,8 @@ class Reading:
 
     def __init__(self, domain: Domain) -> None:
         grammar = domain.grammar
+        self._tokenizer = Tokenizer(domain)
+        self._everyday = Recogniser.of(domain) if domain.everyday is not None else None
         self._left_aside = {
             ",",
             *(
@@ -49,7 +53,15 @@ class Reading:
 
     def __call__(self, sentence: str) -> bool:
         """Whether the sentence has the word order of a program."""
-        return self._program.fullmatch(self._bones(split(sentence))) is not None
+        if self._program.fullmatch(self._bones(split(sentence))) is not None:
+            return True
+        if self._everyday is None:
+            return False
+        try:
+            words = self._tokenizer(sentence).words
+        except UnknownWordError:
+            return False
+        return self._everyday.program(words)
 
     def _bones(self, words: Sequence[str]) -> str:
         return "".join(f"{word} " for word in words if word not in self._left_aside)

@@ -19,6 +19,7 @@ from nsrm_harness.paper.tables.tables_report import TABLES as TABLES_FILE
 BEGIN = "<!-- figures: `cargo harness publish` replaces them -->"
 END = "<!-- end of figures -->"
 REPORT_FOLDER = Path("docs/report")
+LANGUAGE = "language.csv"
 README = Path("README.md")
 MODEL = Path("weights-codegen/tabletop/tabletop.safetensors")
 
@@ -34,9 +35,9 @@ def publish(report: Path, model: Path, root: Path) -> None:
             raise PublishError(f"{needed}: not found: create it with 'harness tables'")
     text = with_figures((root / README).read_text(encoding="utf-8"), report)
     target = root / REPORT_FOLDER
-    # Its folders are other reports.
+    # Its folders are other reports, and so is what `harness language` writes.
     for old in target.glob("*"):
-        if old.is_file():
+        if old.is_file() and old.name != LANGUAGE:
             old.unlink()
     shutil.copytree(report, target, dirs_exist_ok=True)
     shutil.copyfile(model, root / MODEL)

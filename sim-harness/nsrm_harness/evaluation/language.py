@@ -1,0 +1,177 @@
+"""Measures how many sentences a model understands, and how many it obeys that it should refuse,
+through the core.
+
+A sentence is right if its program is the one that was meant, whatever the scene. The sets are:
+
+* the sentences of episode files, in the grammar that a model is first trained on;
+* their programs in everyday wording, as `data.told` tells them, apart by whether training leaves
+  out the pattern of one of their steps (`domain.patterns`);
+* near misses, all of whose words the model knows;
+* lists of other people's sentences, with the program that they mean or none.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import nsrm
+
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.seeds import generator
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.everyday import Speaker
+from nsrm_harness.domain.patterns import is_reserved
+from nsrm_harness.domain.program import Program, Step, canonical
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.evaluation.metrics import EvaluationError, check_domain, domain_of
+
+
+@dataclass(frozen=True)
+class Counted:
+    """How a set of sentences was understood."""
+
+    set: str
+    count: int
+    right: int
+    refused: int
+    wrong: int
+    """Understood as another program; of near misses, as any."""
+
+    def __str__(self) -> str:
+        share = 100 / max(self.count, 1)
+        return (
+            f"{self.set}: {self.count} sentences, {self.right * share:.2f} % right, "
+            f"{self.refused * share:.2f} % refused, {self.wrong * share:.2f} % wrong ({self.wrong})"
+        )
+
+
+COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A sentence and what was made of it."""
+
+    sentence: str
+    #: The program, or None for a near miss.
+    meant: Program | None
+    #: None if it was refused.
+    understood: Program | None
+    #: The refusal in words.
+    refusal: str = ""
+
+    @property
+    def is_right(self) -> bool:
+        """Whether it was understood as it was meant."""
+        if self.meant is None or self.understood is None:
+            return False
+        return canonical(self.meant) == canonical(self.understood)
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether something else would be done than was said."""
+        return self.understood is not None and not self.is_right
+
+
+def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
+    """The sentences of an episode file, and its programs in everyday wording if the model was
+    taught that."""
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
+        check_domain(model, demonstrations)
+        domain, split = domain_of(model, demonstrations.domain), demonstrations.split
+        programs = [judge.truth(index).program for index in range(len(judge))]
+        meant: list[tuple[str, Program | None]] = list(
+            zip(demonstrations.sentences, programs, strict=True)
+        )
+    rows = [count(split, understand(model, meant))]
+    if domain.everyday is None:
+        return rows
+    heard: list[tuple[str, Program | None]] = []
+    held_out: list[tuple[str, Program | None]] = []
+    for number, program in enumerate(programs):
+        speaker = Speaker(domain, generator(seed, "told", number))
+        steps = speaker.steps(program)
+        patterns = [Tokenizer(domain).pattern(step) for step in steps]
+        chosen = held_out if any(map(is_reserved, patterns)) else heard
+        chosen.append((" ".join(word for step in steps for word in step), program))
+    return [
+        *rows,
+        count(f"{split}; everyday wording", understand(model, heard)),
+        count(f"{split}; everyday wording held out", understand(model, held_out)),
+    ]
+
+
+def measure_near_misses(model: nsrm.Model, domain: Domain, number: int, seed: int) -> Counted:
+    """So many near misses of everyday wording."""
+    misses = NearMisses(domain, generator(seed, "near_misses", 1))
+    sentences = [(misses.sentence(), None) for _ in range(number)]
+    return count("near misses", understand(model, sentences))
+
+
+def read_list(path: Path) -> list[tuple[str, Program | None]]:
+    """Other people's sentences: tab-separated columns `sentence`, with `\\n` for a new line, and
+    `expected`, which is a program as JSON or `REFUSE`. Raises `EvaluationError`."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            reader = csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)
+            return [
+                (row["sentence"].replace("\\n", "\n"), _program(row["expected"])) for row in reader
+            ]
+    except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
+        raise EvaluationError(
+            f"{path}: expected tab-separated columns 'sentence' and 'expected': {error!r}"
+        ) from error
+
+
+def measure_list(model: nsrm.Model, path: Path) -> list[Counted]:
+    """The sentences of a list: those that mean a program, and those that must be refused."""
+    every = read_list(path)
+    sets = (
+        (path.stem, [each for each in every if each[1] is not None]),
+        (f"{path.stem}; to refuse", [each for each in every if each[1] is None]),
+    )
+    return [count(name, understand(model, chosen)) for name, chosen in sets if chosen]
+
+
+def _program(text: str) -> Program | None:
+    if text == "REFUSE":
+        return None
+    return tuple(Step.from_json(step) for step in json.loads(text)["steps"])
+
+
+def understand(model: nsrm.Model, sentences: Iterable[tuple[str, Program | None]]) -> list[Outcome]:
+    """What the model makes of each sentence."""
+    outcomes = []
+    for sentence, meant in sentences:
+        try:
+            steps = model.parse(sentence).steps
+        except nsrm.Refused as refusal:
+            outcomes.append(Outcome(sentence, meant, None, str(refusal)))
+            continue
+        program = tuple(Step(s.action, tuple(s.object), tuple(s.reference)) for s in steps)
+        outcomes.append(Outcome(sentence, meant, program))
+    return outcomes
+
+
+def count(name: str, outcomes: Sequence[Outcome]) -> Counted:
+    """The numbers of a set."""
+    refused = sum(each.understood is None for each in outcomes)
+    right = sum(each.is_right for each in outcomes)
+    wrong = sum(each.is_wrong for each in outcomes)
+    return Counted(name, len(outcomes), right, refused, wrong)
+
+
+def write_rows(path: Path, rows: Sequence[tuple[int, Counted]]) -> None:
+    """Writes one row per set and seed, as CSV."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(
+            (row.set, seed, row.count, row.right, row.refused, row.wrong) for seed, row in rows
+        )

@@ -1,0 +1,308 @@
+"""Everyday wording: how it is said, recognised, told and learned."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import nsrm
+import numpy as np
+import pytest
+from harness_command import run
+
+from nsrm_harness import domain as domains
+from nsrm_harness.common.errors import DomainError, EpisodeFileError
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.tell import tell
+from nsrm_harness.data.told import Told, read_told, write_told
+from nsrm_harness.domain import GROUP_TOKEN
+from nsrm_harness.domain.everyday import EVERYDAY, Recogniser, Speaker, with_everyday
+from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.reader import COUNTING
+from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.evaluation import language
+from nsrm_harness.evaluation.metrics import EvaluationError
+
+TABLETOP = domains.load()
+DOMAIN = with_everyday(TABLETOP)
+LISTS = Path(__file__).parent / "language"
+PRETRAINED = Path(__file__).parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
+SETTINGS = replace(SPLITS["validation"], count=12, seed=6, final_image=False, renderer="pybullet")
+
+
+@pytest.fixture(scope="module")
+def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("told") / "validation.h5"
+    assert generate(SETTINGS, TABLETOP, path)
+    return path
+
+
+def random_program(rng: np.random.Generator, steps: int) -> Program:
+    def description() -> tuple[str, ...]:
+        kinds = rng.permutation(len(DOMAIN.attributes))[: int(rng.integers(1, 3))]
+        return tuple(str(rng.choice([v.name for v in DOMAIN.attributes[k].values])) for k in kinds)
+
+    actions = [action.name for action in DOMAIN.actions]
+    return tuple(Step(str(rng.choice(actions)), description(), description()) for _ in range(steps))
+
+
+def test_every_sentence_is_recognised_and_names_its_objects() -> None:
+    rng = np.random.default_rng(3)
+    speaker, tokenizer, recogniser = Speaker(DOMAIN, rng), Tokenizer(DOMAIN), Recogniser.of(DOMAIN)
+    used: set[str] = set()
+    for _ in range(1500):
+        program = random_program(rng, int(rng.integers(1, 9)))
+        words = speaker.sentence(program)
+        tokens = tokenizer(" ".join(words))
+        assert recogniser.program(tokens.words), " ".join(words)
+        used.update(words)
+        named = [{DOMAIN.concepts[index].name for index in group} for group in tokens.groups]
+        pairs = [[set(step.object), set(step.reference)] for step in program]
+        assert len(named) == 2 * len(program), " ".join(words)
+        for number, pair in enumerate(pairs):
+            assert named[2 * number : 2 * number + 2] in (pair, pair[::-1]), " ".join(words)
+    # Each word of the rules is said by some sentence.
+    assert DOMAIN.everyday is not None
+    rules = {k: rule for k, rule in DOMAIN.everyday.rules.items() if k not in COUNTING}
+    said = {word for rule in rules.values() for text in rule for word in text.split()}
+    assert {word for word in said if not word.startswith("{")} <= used
+    assert {"little", "tiny", "left-hand"} <= used
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "i put the red block on the blue block",
+        "the red block placed on the blue block",
+        "put the red block on the blue block first put green on white",
+        "second , put the red block on the blue block",
+        "put the red block next to the blue block",
+        "put the red block to the top left of the blue block",
+        "put the red block on the blue block and",
+    ],
+)
+def test_what_no_rule_has_is_not_recognised(sentence: str) -> None:
+    words = Tokenizer(DOMAIN)(sentence).words
+    assert not Recogniser.of(DOMAIN).program(words)
+
+
+def test_an_order_word_begins_only_the_first_step() -> None:
+    recogniser, tokenizer = Recogniser.of(DOMAIN), Tokenizer(DOMAIN)
+    first = "first put red on blue"
+    assert recogniser.program(tokenizer(f"{first} and then green on white").words)
+    assert recogniser.step(tokenizer(first).words)
+    assert recogniser.step(tokenizer("second , put red on blue").words)
+    assert not recogniser.step(tokenizer("and then first put red on blue").words)
+
+
+def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
+    """The everyday wording with a change."""
+    words = tomllib.loads(EVERYDAY.read_text(encoding="utf-8"))
+    edit(words)
+    lines = [f"synonyms = {json.dumps(words['synonyms']).replace(':', ' =')}"]
+    for table in ("relations", "rules"):
+        lines.append(f"[{table}]")
+        for key, value in words[table].items():
+            text = json.dumps(value, ensure_ascii=False)
+            inline = isinstance(value, dict)
+            lines.append(f"{key} = {text.replace(': ', ' = ') if inline else text}")
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("edit", "problem"),
+    [
+        (lambda w: w["rules"].pop("command"), r"everyday\.rules\.command: is missing"),
+        (lambda w: w["rules"]["do"].append("{pushing}"), r"rules\.do: unknown rule {pushing}"),
+        (lambda w: w["rules"]["noun"].append("{noun}"), r"rules\.noun: contains itself"),
+        (lambda w: w["rules"]["on"].append("{where}"), "contains itself"),
+        (lambda w: w["rules"]["ordinal"].pop(), r"rules\.ordinal: expected 8 alternatives"),
+        (lambda w: w["rules"].update(moved=["it"]), r"rules\.moved: has a meaning of its own"),
+        (lambda w: w["rules"]["do"].append("Put"), "lower-case words or punctuation marks"),
+        (lambda w: w["relations"].pop("MoveOn"), r"relations\.MoveOn: is missing"),
+        (lambda w: w["relations"].update(Fly={"rule": "on"}), r"relations\.Fly: unknown action"),
+        (lambda w: w["relations"]["MoveOn"].update(rule="in"), "expected the name of a rule"),
+        (lambda w: w["synonyms"].update(huge=["big"]), r"synonyms\.huge: unknown attribute value"),
+        (lambda w: w["synonyms"].update(small=["put"]), "'put' names the concept 'small'"),
+    ],
+)
+def test_faults_in_the_wording_are_named(
+    edit: Callable[[dict[str, Any]], object], problem: str, tmp_path: Path
+) -> None:
+    with pytest.raises(DomainError, match=problem):
+        with_everyday(TABLETOP, change(edit, tmp_path / "wording.toml"))
+
+
+def test_near_misses_are_of_known_words_and_no_commands() -> None:
+    misses = NearMisses(DOMAIN, np.random.default_rng(5))
+    tokenizer, recogniser = Tokenizer(DOMAIN), Recogniser.of(DOMAIN)
+    sentences = [misses.sentence() for _ in range(1000)]
+    for sentence in sentences:
+        words = tokenizer(sentence).words
+        assert not recogniser.program(words), sentence
+        assert words.count(GROUP_TOKEN) in (2, 4), sentence
+    assert len(set(sentences)) > 950
+    four = sum(tokenizer(sentence).words.count(GROUP_TOKEN) == 4 for sentence in sentences)
+    assert 20 < four < 200
+
+
+@pytest.mark.slow
+def test_told_sentences_come_back_from_their_file(episodes: Path, tmp_path: Path) -> None:
+    told = tell(DOMAIN, episodes, count=3, near_misses=20, seed=1)
+    assert told == tell(DOMAIN, episodes, count=3, near_misses=20, seed=1)
+    assert told != tell(DOMAIN, episodes, count=3, near_misses=20, seed=2)
+    path = tmp_path / "told.jsonl"
+    write_told(path, episodes, told)
+    assert read_told(path, episodes) == told
+    assert len(told.sentences) == 3 * SETTINGS.count and len(told.near_misses) == 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "not a file of sentences"),
+        ('{"kind": "other"}', "not a file of sentences"),
+        ("put red on blue", "cannot read the sentences"),
+        ("[1]", "line 1 is not a JSON object"),
+        ("FIRST\n{}", "line 2 has no sentence"),
+        ('FIRST\n{"sentence": "a", "episode": 12}', "expected an episode below 12 or null, got 12"),
+        ('{"kind": "nsrm sentences", "schema": 1, "episodes": {}}', "are not about the episodes"),
+    ],
+)
+def test_faults_in_a_file_of_sentences_are_named(
+    text: str, problem: str, episodes: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "told.jsonl"
+    write_told(path, episodes, Told([], [], []))
+    path.write_text(text.replace("FIRST", path.read_text(encoding="utf-8").strip()), "utf-8")
+    with pytest.raises(EpisodeFileError, match=problem):
+        read_told(path, episodes)
+
+
+@pytest.mark.slow
+def test_final_scenes_show_what_sentences_mean(episodes: Path) -> None:
+    from nsrm_harness.learning.config import TrainingConfig
+    from nsrm_harness.learning.dataset import told, training_set
+    from nsrm_harness.learning.explain import explain
+    from nsrm_harness.learning.export import read_model
+
+    file = read_model(PRETRAINED)
+    found = tell(DOMAIN, episodes, count=2, near_misses=0, seed=1)
+    with Demonstrations(episodes) as demonstrations:
+        data = told(training_set(demonstrations, True), DOMAIN, found.sentences, found.episodes)
+    with GroundTruth(episodes) as judge:
+        programs = [judge.truth(number).program for number in found.episodes]
+    explained = explain(file.model, data, TrainingConfig())
+    assert len(explained.sentence) > 0.6 * len(data)
+    names = [action.name for action in DOMAIN.actions]
+    for index, actions, orders in zip(*explained, strict=True):
+        groups = [
+            {DOMAIN.concepts[c].name for c in group if c >= 0}
+            for group in data.sentences.groups[index]
+        ]
+        for number, step in enumerate(programs[index]):
+            pair = groups[2 * number : 2 * number + 2]
+            moved, reference = pair if orders[number] else pair[::-1]
+            assert names[actions[number]] == step.action
+            assert (moved, reference) == (set(step.object), set(step.reference))
+
+
+@pytest.mark.slow
+def test_the_end_of_the_first_step_follows_from_how_sentences_begin_and_end() -> None:
+    from nsrm_harness.learning.dataset import Sentences
+    from nsrm_harness.learning.wording import first_ends
+
+    rng = np.random.default_rng(8)
+    speaker, tokenizer = Speaker(DOMAIN, rng), Tokenizer(DOMAIN)
+    said = [speaker.steps(random_program(rng, 1 + number % 2)) for number in range(6000)]
+    tokens = [tokenizer(" ".join(word for step in steps for word in step)) for steps in said]
+    found = first_ends(Sentences.of(tokenizer, tokens))
+    expected = np.array([len(tokenizer.pattern(steps[0])) for steps in said])
+    assert (found[::2] == expected[::2]).all(), "a sentence of one step is that step"
+    # Some ends are equally good: "… please | put …" and "… | please put …".
+    assert (found == expected)[1::2].mean() > 0.85
+    behind = [tokens[number].words[found[number]] for number in range(1, len(said), 2)]
+    assert sum(word in ("block", "cube", "of", "side") for word in behind) < 0.01 * len(said)
+
+
+@pytest.mark.slow
+def test_a_model_is_taught_by_commands_that_can_be_interrupted(
+    episodes: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    from nsrm_harness.learning.checkpoint import Checkpoints
+    from nsrm_harness.learning.export import read_model
+    from nsrm_harness.learning.wording import Lesson, WordingConfig, teach
+
+    assert run("sentences", "--episodes", episodes, "--count", 4, "--near-misses", 300) == 0
+    assert "48 sentences about 12 demonstrations, 300 near misses" in capsys.readouterr().out
+    files = ("--episodes", episodes, "--validation", episodes, "--test", episodes)
+    out = tmp_path / "taught"
+    assert run("wording", "--model", PRETRAINED, *files, "--epochs", 2, "--out", out) == 0
+    assert "steps explained by their final scenes" in capsys.readouterr().out
+    model = nsrm.Model.load(out / "model.safetensors")
+    assert {"brick", "belongs", "left-hand", "."} <= set(model.info()["words"])
+    assert model.info()["training"]["wording"]["near_misses"] == 300
+    assert (out / "curves.png").stat().st_size > 1000
+
+    table = tmp_path / "language.csv"
+    options = ("--data", episodes, "--near-misses", 50, "--out", table)
+    assert run("language", "--model", out / "model.safetensors", *options) == 0
+    rows = [line.split(",") for line in table.read_text(encoding="utf-8").splitlines()]
+    counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
+    assert all(sum(row[1:]) == row[0] for row in counts.values())
+    assert counts["validation"][0] == SETTINGS.count and counts["near misses"][0] == 50
+    told = [row for name, row in counts.items() if "everyday" in name]
+    assert sum(row[0] for row in told) == SETTINGS.count
+
+    save = Checkpoints.save
+
+    def interrupted(self: Checkpoints, progress: Any, state: Any) -> None:
+        save(self, progress, state)
+        if progress.epoch == 1:
+            raise KeyboardInterrupt
+
+    lesson = Lesson.read(read_model(PRETRAINED), episodes, episodes.with_suffix(".jsonl"), EVERYDAY)
+    config, again = WordingConfig().with_epochs(2), tmp_path / "again"
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr(Checkpoints, "save", interrupted)
+        teach(lesson, config, 0, again)
+    resumed = teach(lesson, config, 0, again, resume=True)
+    words = resumed.language.embedding.weight
+    taught = read_model(out / "model.safetensors").model.language.embedding.weight
+    np.testing.assert_array_equal(np.asarray(words), np.asarray(taught))
+
+
+@pytest.mark.slow
+def test_the_built_in_model_takes_no_sentence_of_other_people_for_another(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "language.csv"
+    lists = ("--sentences", LISTS / "sentences.tsv", "--sentences", LISTS / "probes.tsv")
+    assert run("language", *lists, "--out", out) == 0
+    rows = [line.split(",") for line in out.read_text(encoding="utf-8").splitlines()]
+    assert rows[0] == list(language.COLUMNS)
+    counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
+    count, right, _, wrong = counts["sentences"]
+    assert (count, wrong) == (57, 0) and right >= 12
+    assert counts["sentences; to refuse"] == [86, 0, 86, 0]
+    assert counts["probes; to refuse"] == [400, 0, 400, 0]
+    assert f"{out}: 3 rows" in capsys.readouterr().out
+
+
+def test_a_list_without_its_columns_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "list.tsv"
+    path.write_text("sentence\nput red on blue\n", encoding="utf-8")
+    with pytest.raises(EvaluationError, match="expected tab-separated columns"):
+        language.read_list(path)
