@@ -219,7 +219,7 @@ def test_final_scenes_show_what_sentences_mean(episodes: Path) -> None:
 @pytest.mark.slow
 def test_the_end_of_the_first_step_follows_from_how_sentences_begin_and_end() -> None:
     from nsrm_harness.learning.dataset import Sentences
-    from nsrm_harness.learning.wording import first_ends
+    from nsrm_harness.learning.first_ends import first_ends
 
     rng = np.random.default_rng(8)
     speaker, tokenizer = Speaker(DOMAIN, rng), Tokenizer(DOMAIN)

@@ -4,7 +4,7 @@ through the core.
 A sentence is right if its program is the one that was meant, whatever the scene. The sets are:
 
 * the sentences of episode files, in the grammar that a model is first trained on;
-* their programs in everyday wording, as `data.told` tells them, apart by whether training leaves
+* their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
 * near misses, all of whose words the model knows;
 * lists of other people's sentences, with the program that they mean or none.

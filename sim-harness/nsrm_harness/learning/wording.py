@@ -8,12 +8,10 @@ the splitter learns to leave them whole, which the core refuses.
 
 from __future__ import annotations
 
-import math
 import time
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import dropwhile, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,13 +34,13 @@ from nsrm_harness.learning.checkpoint import Checkpoints, TrainingProgress
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
 from nsrm_harness.learning.dataset import (
     GROUPS_PER_STEP,
-    Sentences,
     TrainingSet,
     told,
     training_set,
 )
 from nsrm_harness.learning.explain import explain
 from nsrm_harness.learning.export import ModelFile
+from nsrm_harness.learning.first_ends import first_ends
 from nsrm_harness.learning.model import GROUP_TOKEN, Dimensions, Language, Model, Parse
 from nsrm_harness.learning.splits import end_log_probability
 from nsrm_harness.learning.stages import PARSER, SPLITTER, Stage, TrainingError
@@ -53,12 +51,6 @@ MOST_TOKENS = 28
 """Steps with more tokens are left out."""
 AHEAD = 8
 """Number of tokens of the next step that the splitter sees in training; it looks two ahead."""
-ROUNDS = 3
-"""Rounds of `first_ends`."""
-RARE = 1e-2
-"""Count of a pair of words that was not found."""
-LEAST_BEGUN = 0.002
-"""Smallest share of second steps that begin with a word."""
 ALONE = 0.4
 """Share of steps that are shown to the splitter without the next one."""
 
@@ -147,67 +139,6 @@ def told_steps(
     both, both_length = _padded(joined, MOST_TOKENS + AHEAD)
     meant = Parse(*(jnp.asarray([row[part] for row in rows]) for part in (2, 3, 4)))
     return ToldSteps(tokens, length, both, both_length, meant)
-
-
-def first_ends(sentences: Sentences) -> np.ndarray:
-    """The number of tokens of the first step of each sentence; of one step, all of them. `[N]`
-
-    It is the longest end that some sentence has and behind which a word stands with which steps
-    begin: "…, on its right" is an end, and ", on the right" of ", on the right of the blue block
-    put …" is none, since no step begins with "of". With which words steps begin follows from the
-    most likely divisions of what stands between two: into an end, and words in pairs that are
-    frequent in the divisions found before.
-    """
-    found = sentences.usual_ends() + 1
-    rows = [
-        tuple(row[:length].tolist())
-        for row, length in zip(sentences.tokens, sentences.length, strict=True)
-    ]
-    places = [[at for at, token in enumerate(row) if token == GROUP_TOKEN] for row in rows]
-    tails = [row[at[-1] + 1 :] for row, at in zip(rows, places, strict=True) if at]
-    # Nouns, and words that may stand behind a description alone: any of them, or none.
-    alone = {tail[0] for tail in tails if len(tail) == 1}
-
-    def bare(tail: tuple[int, ...]) -> tuple[int, ...]:
-        return tuple(dropwhile(alone.__contains__, tail))
-
-    ends = Counter(map(bare, tails))
-    double = np.flatnonzero(sentences.group_count == 2 * GROUPS_PER_STEP).tolist()
-    for _ in range(ROUNDS):
-        pairs: Counter[tuple[int, int]] = Counter()
-        for n in double:
-            pairs.update(pairwise((GROUP_TOKEN, *rows[n][found[n] : places[n][2] + 1])))
-        firsts: Counter[int] = Counter()
-        for (first, _), count in pairs.items():
-            firsts[first] += count
-
-        for n in double:
-            first, behind = places[n][1] + 1, places[n][2]
-            likelihood = {
-                at: math.log(ends[bare(rows[n][first:at])])
-                + _log_likelihood((GROUP_TOKEN, *rows[n][at : behind + 1]), pairs, firsts)
-                for at in range(first, behind + 1)
-                if bare(rows[n][first:at]) in ends
-            }
-            found[n] = max(likelihood, key=likelihood.__getitem__, default=first)
-    # The longest end before a word that steps begin with.
-    begins = Counter(rows[n][found[n]] for n in double)
-    for n in double:
-        first, behind = places[n][1] + 1, places[n][2]
-        good = [
-            at
-            for at in range(first, behind + 1)
-            if bare(rows[n][first:at]) in ends and begins[rows[n][at]] > LEAST_BEGUN * len(double)
-        ]
-        found[n] = max(good, default=int(found[n]))
-    return found
-
-
-def _log_likelihood(
-    words: tuple[int, ...], pairs: Mapping[tuple[int, int], int], firsts: Mapping[int, int]
-) -> float:
-    """Log likelihood of words, but for a constant, by how often each follows the one before."""
-    return sum(math.log((pairs[pair] + RARE) / (firsts[pair[0]] + 1.0)) for pair in pairwise(words))
 
 
 def _any(rng: np.random.Generator, rows: Sequence[np.ndarray]) -> np.ndarray:
