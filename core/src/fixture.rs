@@ -26,6 +26,11 @@ const OPEN: f32 = 20.0;
 const RELATION: usize = 1;
 /// The encoder's unit that `right` sets.
 const RIGHT: usize = 3;
+/// Elements of an embedding, each for one word.
+const ON: usize = 0;
+const TO_RIGHT: usize = 1;
+const NEAR: usize = 2;
+const NOT: usize = 3;
 
 pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
     Linear {
@@ -42,8 +47,11 @@ fn identity<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> 
     layer
 }
 
-fn gru<const HIDDEN: usize>() -> Gru<HIDDEN> {
+/// A cell that keeps its state, whatever the word.
+fn gru<const INPUT: usize, const HIDDEN: usize>() -> Gru<INPUT, HIDDEN> {
     Gru {
+        weight_ih: [[[0.0; HIDDEN]; 3]; INPUT],
+        bias: [[0.0; HIDDEN], [OPEN; HIDDEN], [0.0; HIDDEN]],
         weight_hh: [[[0.0; HIDDEN]; 3]; HIDDEN],
         bias_n: [0.0; HIDDEN],
     }
@@ -64,78 +72,81 @@ fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
 }
 
 /// A word that leaves every state as it is.
-fn word() -> WordParameters {
-    let kept = [
-        [0.0; ENCODER_HIDDEN],
-        [OPEN; ENCODER_HIDDEN],
-        [0.0; ENCODER_HIDDEN],
-    ];
-    WordParameters {
-        forward_gates: kept,
-        backward_gates: kept,
-        splitter_gates: [[0.0; SPLITTER_HIDDEN]; 3],
-        hazard_next: [0.0; SPLITTER_HIDDEN],
-        hazard_after_next: [0.0; SPLITTER_HIDDEN],
+fn word() -> WordEmbeddings {
+    WordEmbeddings {
+        encoder: [0.0; WORD],
+        splitter: [0.0; SPLITTER_WORD],
     }
 }
 
-/// Sets a unit to about `value`, −1 to 1, whatever it was.
-fn set(gates: &mut [[f32; ENCODER_HIDDEN]; 3], unit: usize, value: f32) {
-    gates[1][unit] = SHUT;
-    gates[2][unit] = OPEN * value;
+/// A word with a 1 at an element of its embedding, which the encoder's cells know.
+fn meaning(element: usize) -> WordEmbeddings {
+    let mut word = word();
+    word.encoder[element] = 1.0;
+    word
+}
+
+/// Lets a cell set a unit to about `value`, −1 to 1, whatever it was, at a word with this element.
+fn set(cell: &mut Gru<WORD, ENCODER_HIDDEN>, element: usize, unit: usize, value: f32) {
+    cell.weight_ih[element][1][unit] = SHUT - OPEN;
+    cell.weight_ih[element][2][unit] = OPEN * value;
 }
 
 fn words() -> &'static [Word<'static>] {
-    let mut relation = word();
-    set(&mut relation.forward_gates, RELATION, 1.0);
-    set(&mut relation.backward_gates, RELATION, 1.0);
-    let mut on = relation;
-    set(&mut on.forward_gates, RIGHT, 0.0);
-    let mut right = relation;
-    set(&mut right.forward_gates, RIGHT, 1.0);
-    // Something between on and right.
-    let mut near = relation;
-    set(&mut near.forward_gates, RIGHT, 1.0);
-    near.forward_gates[2][RIGHT] = 0.549_306_15; // atanh(0.5)
-    // Takes back that a relation stood before.
-    let mut not = word();
-    set(&mut not.forward_gates, RELATION, 0.0);
     let mut then = word();
-    then.hazard_next[0] = OPEN;
+    then.splitter[0] = 1.0;
     // A hazard of σ(0.04): just enough to split, not enough to be sure.
     let mut perhaps = word();
-    perhaps.hazard_next[0] = 0.552_3;
+    perhaps.splitter[0] = 0.552_3 / OPEN;
     let words = [
         (",", word()),
-        ("near", near),
-        ("not", not),
-        ("on", on),
+        ("near", meaning(NEAR)),
+        ("not", meaning(NOT)),
+        ("on", meaning(ON)),
         ("perhaps", perhaps),
         ("put", word()),
-        ("right", right),
+        ("right", meaning(TO_RIGHT)),
         ("the", word()),
         ("then", then),
     ];
     Box::leak(Box::new(
-        words.map(|(text, parameters)| Word { text, parameters }),
+        words.map(|(text, embeddings)| Word { text, embeddings }),
     ))
 }
 
 fn language() -> Language<'static> {
+    let mut forward = gru();
+    let mut backward = gru();
+    for element in [ON, TO_RIGHT, NEAR] {
+        set(&mut forward, element, RELATION, 1.0);
+        set(&mut backward, element, RELATION, 1.0);
+    }
+    set(&mut forward, ON, RIGHT, 0.0);
+    set(&mut forward, TO_RIGHT, RIGHT, 1.0);
+    // Something between on and right.
+    set(&mut forward, NEAR, RIGHT, 1.0);
+    forward.weight_ih[NEAR][2][RIGHT] = 0.549_306_15; // atanh(0.5)
+    // Takes back that a relation stood before.
+    set(&mut forward, NOT, RELATION, 0.0);
     let mut object_decoder = linear();
     object_decoder.bias[ENCODER_HIDDEN + RELATION] = 10.0;
     let mut reference_decoder = linear();
     reference_decoder.bias[RELATION] = 10.0;
+    let mut hazard_hidden = linear();
+    hazard_hidden.weight[SPLITTER_HIDDEN][0] = OPEN;
     let mut hazard = linear();
     hazard.weight[0] = [20.0];
     hazard.bias = [-10.0];
     Language {
-        forward: Box::leak(Box::new(gru())),
-        backward: Box::leak(Box::new(gru())),
+        forward: Box::leak(Box::new(forward)),
+        backward: Box::leak(Box::new(backward)),
         object_decoder: Box::leak(Box::new(object_decoder)),
         reference_decoder: Box::leak(Box::new(reference_decoder)),
-        splitter: Box::leak(Box::new(gru())),
-        hazard_hidden: Box::leak(Box::new(linear())),
+        splitter: Box::leak(Box::new(Gru {
+            bias: [[0.0; SPLITTER_HIDDEN]; 3],
+            ..gru()
+        })),
+        hazard_hidden: Box::leak(Box::new(hazard_hidden)),
         hazard: Box::leak(Box::new(hazard)),
     }
 }

@@ -30,6 +30,8 @@ pub const INSTRUCTION: usize = 2 * ENCODER_HIDDEN;
 pub const SPLITTER_WORD: usize = 24;
 /// Hidden units of the splitter's GRU, and of its hazard's hidden layer.
 pub const SPLITTER_HIDDEN: usize = 32;
+/// Values from which the hazard is computed: the GRU's state and two words.
+pub const HAZARD_INPUT: usize = SPLITTER_HIDDEN + 2 * SPLITTER_WORD;
 /// Side of the square crop that the encoder sees, in pixels (section IV-C).
 pub const CROP: usize = 32;
 /// Channels after the first convolution, 4×4 with stride 4.
@@ -61,10 +63,10 @@ pub const SCHEMA: u32 = 3;
 pub struct Model<'a> {
     /// The header of the model file.
     pub header: Header<'a>,
-    /// Words outside the lexicon, with their folded parameters; sorted by text.
+    /// Words outside the lexicon, with their embeddings; sorted by text.
     pub words: &'a [Word<'a>],
     /// The token for a group of concept words, `[[X]]` in the paper.
-    pub group: &'a WordParameters,
+    pub group: &'a WordEmbeddings,
     /// Words that name a concept (the paper's only lexicon); sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
     /// Attribute types with their operators, in the domain's order (Table I).
@@ -128,24 +130,18 @@ pub struct WorkSpace {
 pub struct Word<'a> {
     /// In lower case; `","` is the comma.
     pub text: &'a str,
-    /// Its parameters.
-    pub parameters: WordParameters,
+    /// Its embeddings.
+    pub embeddings: WordEmbeddings,
 }
 
-/// A word's embeddings, with the products that depend only on the word folded in.
+/// A word's embeddings.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
-pub struct WordParameters {
-    /// `W_ih·e + b` of the encoder's forward cell: reset, update, new.
-    pub forward_gates: [[f32; ENCODER_HIDDEN]; 3],
-    /// The same of the encoder's backward cell.
-    pub backward_gates: [[f32; ENCODER_HIDDEN]; 3],
-    /// The same of the splitter's cell.
-    pub splitter_gates: [[f32; SPLITTER_HIDDEN]; 3],
-    /// Share in the hazard's hidden layer when this is the next token.
-    pub hazard_next: [f32; SPLITTER_HIDDEN],
-    /// Share in the hazard's hidden layer when this is the token after the next.
-    pub hazard_after_next: [f32; SPLITTER_HIDDEN],
+pub struct WordEmbeddings {
+    /// At the input of both of the encoder's cells.
+    pub encoder: [f32; WORD],
+    /// At the input of the splitter's cell and of the hazard's hidden layer.
+    pub splitter: [f32; SPLITTER_WORD],
 }
 
 /// A word that names a concept.
@@ -218,18 +214,19 @@ pub struct Action<'a> {
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Language<'a> {
-    /// Recurrent part of the encoder's forward cell.
-    pub forward: &'a Gru<ENCODER_HIDDEN>,
-    /// Recurrent part of the encoder's backward cell.
-    pub backward: &'a Gru<ENCODER_HIDDEN>,
+    /// The encoder's forward cell.
+    pub forward: &'a Gru<WORD, ENCODER_HIDDEN>,
+    /// The encoder's backward cell.
+    pub backward: &'a Gru<WORD, ENCODER_HIDDEN>,
     /// From the instruction embedding to `c_1`, compared with each group's state.
     pub object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
     /// From the instruction embedding to `c_2`.
     pub reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
-    /// Recurrent part of the splitter's cell.
-    pub splitter: &'a Gru<SPLITTER_HIDDEN>,
-    /// From the splitter's state to the hazard's hidden layer (tanh).
-    pub hazard_hidden: &'a Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN>,
+    /// The splitter's cell.
+    pub splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
+    /// From the splitter's state, the next token and the one after it to the hazard's hidden layer
+    /// (tanh).
+    pub hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN>,
     /// From the hazard's hidden layer to its logit.
     pub hazard: &'a Linear<SPLITTER_HIDDEN, 1>,
 }

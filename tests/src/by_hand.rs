@@ -10,10 +10,10 @@
 //! object at the reference's location.
 
 use nsrm_core::model::{
-    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LOCATION, Language,
-    LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera,
-    SIMULATOR_HIDDEN, SPLITTER_HIDDEN, Simulator, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
-    Vision, Word, WordParameters, WorkSpace,
+    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, INSTRUCTION,
+    LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING, PATCH_CHANNELS,
+    PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Thresholds,
+    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Conv, Gru, Linear};
 use nsrm_core::scene::ObservedObject;
@@ -44,7 +44,7 @@ pub struct Parts {
     /// See [`Model::words`].
     pub words: Vec<Word<'static>>,
     /// See [`Model::group`].
-    pub group: WordParameters,
+    pub group: WordEmbeddings,
     /// See [`Model::lexicon`].
     pub lexicon: Vec<LexiconEntry<'static>>,
     /// See [`Model::attributes`].
@@ -54,15 +54,15 @@ pub struct Parts {
     /// See [`Model::actions`].
     pub actions: Vec<Action<'static>>,
     /// See [`Language::forward`]; the backward cell is the same.
-    pub encoder: Gru<ENCODER_HIDDEN>,
+    pub encoder: Gru<WORD, ENCODER_HIDDEN>,
     /// See [`Language::object_decoder`].
     pub object_decoder: Linear<INSTRUCTION, INSTRUCTION>,
     /// See [`Language::reference_decoder`].
     pub reference_decoder: Linear<INSTRUCTION, INSTRUCTION>,
     /// See [`Language::splitter`].
-    pub splitter: Gru<SPLITTER_HIDDEN>,
+    pub splitter: Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
     /// See [`Language::hazard_hidden`].
-    pub hazard_hidden: Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN>,
+    pub hazard_hidden: Linear<HAZARD_INPUT, SPLITTER_HIDDEN>,
     /// See [`Language::hazard`].
     pub hazard: Linear<SPLITTER_HIDDEN, 1>,
     /// See [`Model::simulator`].
@@ -85,14 +85,10 @@ impl Parts {
             ],
             concepts: Vec::new(),
             actions: vec![action("MoveOn", "on", 0), action("MoveBeside", "beside", 1)],
-            encoder: Gru::new()
-                .with_weight_hh([[[0.0; ENCODER_HIDDEN]; 3]; ENCODER_HIDDEN])
-                .with_bias_n([0.0; ENCODER_HIDDEN]),
+            encoder: encoder(),
             object_decoder: pointer(-SURE),
             reference_decoder: pointer(SURE),
-            splitter: Gru::new()
-                .with_weight_hh([[[0.0; SPLITTER_HIDDEN]; 3]; SPLITTER_HIDDEN])
-                .with_bias_n([0.0; SPLITTER_HIDDEN]),
+            splitter: keeper(),
             hazard_hidden: zero(),
             hazard: zero(),
             simulator: Simulator::new()
@@ -130,6 +126,7 @@ impl Parts {
         parts.lexicon.sort_by_key(|entry| entry.text);
         // A step ends before a word whose share in the hazard's first hidden unit outweighs the
         // bias.
+        parts.hazard_hidden.weight[SPLITTER_HIDDEN][0] = SURE;
         parts.hazard.weight[0] = [2.0 * SURE];
         parts.hazard.bias = [-SURE];
         parts
@@ -234,17 +231,17 @@ fn words() -> Vec<Word<'static>> {
     let mut words: Vec<_> = [
         ",", "and", "beside", "block", "it", "maybe", "on", "put", "the", "then",
     ]
-    .map(|text| Word::new().with_text(text).with_parameters(silent_word()))
+    .map(|text| Word::new().with_text(text).with_embeddings(silent_word()))
     .into();
     for word in &mut words {
-        let parameters = &mut word.parameters;
+        let embeddings = &mut word.embeddings;
         match word.text {
-            "on" => remember(parameters, ACTION_UNIT),
-            "beside" => remember(parameters, ACTION_UNIT + 1),
-            "it" => remember(parameters, IT_UNIT),
-            "then" => parameters.hazard_next[0] = SURE,
+            "on" => embeddings.encoder[ACTION_UNIT] = 1.0,
+            "beside" => embeddings.encoder[ACTION_UNIT + 1] = 1.0,
+            "it" => embeddings.encoder[IT_UNIT] = 1.0,
+            "then" => embeddings.splitter[0] = 1.0,
             // 40·tanh(0.5583) − 20 = 0.27, of which the sigmoid is 0.57.
-            "maybe" => parameters.hazard_next[0] = 0.5583,
+            "maybe" => embeddings.splitter[0] = 0.5583 / SURE,
             _ => {}
         }
     }
@@ -252,25 +249,30 @@ fn words() -> Vec<Word<'static>> {
 }
 
 /// A word that changes nothing: all update gates keep the state.
-fn silent_word() -> WordParameters {
-    WordParameters::new()
-        .with_forward_gates(keep())
-        .with_backward_gates(keep())
-        .with_splitter_gates(keep())
-        .with_hazard_next([0.0; SPLITTER_HIDDEN])
-        .with_hazard_after_next([0.0; SPLITTER_HIDDEN])
+fn silent_word() -> WordEmbeddings {
+    WordEmbeddings::new()
+        .with_encoder([0.0; WORD])
+        .with_splitter([0.0; SPLITTER_WORD])
 }
 
-/// Gates, ordered reset, update, new, that keep the state.
-fn keep<const HIDDEN: usize>() -> [[f32; HIDDEN]; 3] {
-    [[0.0; HIDDEN], [SURE; HIDDEN], [0.0; HIDDEN]]
+/// A cell that keeps its state, whatever the word.
+fn keeper<const INPUT: usize, const HIDDEN: usize>() -> Gru<INPUT, HIDDEN> {
+    Gru::new()
+        .with_weight_ih([[[0.0; HIDDEN]; 3]; INPUT])
+        .with_bias([[0.0; HIDDEN], [SURE; HIDDEN], [0.0; HIDDEN]])
+        .with_weight_hh([[[0.0; HIDDEN]; 3]; HIDDEN])
+        .with_bias_n([0.0; HIDDEN])
 }
 
-/// Lets a word set a unit of the forward encoder to 1.
-fn remember(parameters: &mut WordParameters, unit: usize) {
-    let [_, update, new] = &mut parameters.forward_gates;
-    update[unit] = -SURE;
-    new[unit] = SURE;
+/// Sets a unit to 1 at a word whose embedding has a 1 at the same place.
+fn encoder() -> Gru<WORD, ENCODER_HIDDEN> {
+    let mut cell = keeper();
+    for unit in [ACTION_UNIT, ACTION_UNIT + 1, IT_UNIT] {
+        let [_, update, new] = &mut cell.weight_ih[unit];
+        update[unit] = -2.0 * SURE;
+        new[unit] = SURE;
+    }
+    cell
 }
 
 fn attribute(name: &'static str, view: View, first_concept: usize) -> Attribute<'static> {

@@ -77,30 +77,31 @@ fn golden_convolution() {
     golden.close("layer", output, &expected.values, "convolution");
 }
 
+/// Columns of a GRU's matrix, each divided into its three gates.
+fn by_gate<const COLUMNS: usize>(columns: &[[f32; 12]; COLUMNS]) -> [[[f32; 4]; 3]; COLUMNS] {
+    columns.map(|column| std::array::from_fn(|gate| fixed(&column[4 * gate..][..4])))
+}
+
 #[test]
 fn golden_gru() {
     let golden = Golden::read();
-    let hidden = golden.array("layer.gru.weight_hh");
-    assert_eq!(hidden.shape, [12, 4]);
-    let cell = Gru::<4>::new()
-        .with_weight_hh(std::array::from_fn(|column| {
-            std::array::from_fn(|gate| {
-                std::array::from_fn(|row| hidden.values[(4 * gate + row) * 4 + column])
-            })
-        }))
+    let weight_ih = golden.array("layer.gru.weight_ih");
+    let weight_hh = golden.array("layer.gru.weight_hh");
+    assert_eq!(weight_ih.shape, [12, 6]);
+    assert_eq!(weight_hh.shape, [12, 4]);
+    let bias: [f32; 12] = golden.array("layer.gru.bias").fixed();
+    let cell = Gru::<6, 4>::new()
+        .with_weight_ih(by_gate::<6>(&weight_ih.columns()))
+        .with_bias(std::array::from_fn(|gate| fixed(&bias[4 * gate..][..4])))
+        .with_weight_hh(by_gate::<4>(&weight_hh.columns()))
         .with_bias_n(golden.array("layer.gru.bias_n").fixed());
-    let from_input = Linear::<6, 12>::new()
-        .with_weight(golden.array("layer.gru.weight_ih").columns())
-        .with_bias(golden.array("layer.gru.bias").fixed());
     for kind in ["calm", "saturated"] {
         let array = |part: &str| golden.array(&format!("layer.gru.{kind}.{part}"));
         let (inputs, states) = (array("input"), array("states"));
         assert!(inputs.rows().len() > 1);
         let mut state = [0.0; 4];
         for (input, expected) in inputs.rows().zip(states.rows()) {
-            let folded = from_input.apply(&fixed(input));
-            let gates = std::array::from_fn(|gate| fixed(&folded[4 * gate..4 * gate + 4]));
-            state = cell.step(&gates, &state);
+            state = cell.step(&fixed(input), &state);
             golden.close("layer", &state, expected, &states.name);
         }
     }
@@ -222,10 +223,10 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         let mut splitter = Splitter::new();
         let mut decided = None;
         for (offset, expected) in hazards.values.iter().enumerate() {
-            let parameters = |at: usize| tokens.get(at).and_then(|token| token.parameters(model));
+            let embeddings = |at: usize| tokens.get(at).and_then(|token| token.embeddings(model));
             let at = first + offset;
-            let (this, next) = (parameters(at).unwrap(), parameters(at + 1).unwrap());
-            let hazard = splitter.hazard(&model.language, this, next, parameters(at + 2));
+            let (this, next) = (embeddings(at).unwrap(), embeddings(at + 1).unwrap());
+            let hazard = splitter.hazard(&model.language, this, next, embeddings(at + 2));
             golden.close("probability", &[hazard], &[*expected], &hazards.name);
             assert_eq!(hazard > SPLIT_HAZARD, at + 1 == end && end < tokens.len());
             decided = splitter.decide(hazard);
@@ -302,17 +303,17 @@ fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Val
 
 fn encoded(model: &Model<'_>, tokens: &[nsrm_core::language::Token]) -> Encoder {
     let mut encoder = Encoder::new();
-    let parameters = |token: &nsrm_core::language::Token| {
-        let parameters = token.parameters(model).expect("a token of this model");
-        (*parameters, token.description().is_some())
+    let embeddings = |token: &nsrm_core::language::Token| {
+        let embeddings = token.embeddings(model).expect("a token of this model");
+        (*embeddings, token.description().is_some())
     };
     for token in tokens {
-        let (parameters, group) = parameters(token);
-        assert!(encoder.forward(&model.language, &parameters, group));
+        let (embeddings, group) = embeddings(token);
+        assert!(encoder.forward(&model.language, &embeddings, group));
     }
     for token in tokens.iter().rev() {
-        let (parameters, group) = parameters(token);
-        encoder.backward(&model.language, &parameters, group);
+        let (embeddings, group) = embeddings(token);
+        encoder.backward(&model.language, &embeddings, group);
     }
     encoder
 }

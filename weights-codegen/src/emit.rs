@@ -22,7 +22,7 @@ const IMPORTS: &str = "\
 #[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Language, LexiconEntry, Model, PixelToCamera, Simulator,
-    Thresholds, View, ViewEncoder, Vision, Word, WordParameters, WorkSpace,
+    Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Conv, Gru, Linear};

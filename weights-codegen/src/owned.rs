@@ -2,7 +2,7 @@
 
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Language, LexiconEntry, Model, View, Vision, Word,
-    WordParameters,
+    WordEmbeddings,
 };
 use safetensors::SafeTensors;
 use self_cell::self_cell;
@@ -38,7 +38,7 @@ struct Owner {
 struct Parts<'a> {
     header: Header<'a>,
     words: Vec<Word<'a>>,
-    group: &'a WordParameters,
+    group: &'a WordEmbeddings,
     lexicon: Vec<LexiconEntry<'a>>,
     attributes: Vec<Attribute<'a>>,
     concepts: Vec<Concept<'a>>,
@@ -175,8 +175,8 @@ impl<'a> Parts<'a> {
         let domain = &owner.domain;
         let folded = &owner.folded;
         let no_group = || ModelError::GroupToken { got: String::new() };
-        let (group, parameters) = folded.language.words.split_first().ok_or_else(no_group)?;
-        let words = owner.vocabulary.iter().skip(1).zip(parameters);
+        let (group, embeddings) = folded.language.words.split_first().ok_or_else(no_group)?;
+        let words = owner.vocabulary.iter().skip(1).zip(embeddings);
         let mut lexicon: Vec<LexiconEntry<'a>> = domain
             .lexicon()
             .map(|(text, concept)| {
@@ -188,7 +188,7 @@ impl<'a> Parts<'a> {
         Ok(Self {
             header: header(&domain.name),
             words: words
-                .map(|(text, &parameters)| Word::new().with_text(text).with_parameters(parameters))
+                .map(|(text, &embeddings)| Word::new().with_text(text).with_embeddings(embeddings))
                 .collect(),
             group,
             lexicon,

@@ -1,8 +1,9 @@
 //! The statics of a model, in the order in which they are written.
 
 use nsrm_core::model::{
-    Action, Attribute, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LexiconEntry, Model,
-    PixelToCamera, SPLITTER_HIDDEN, Simulator, Thresholds, Word, WordParameters, WorkSpace,
+    Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, INSTRUCTION, LexiconEntry,
+    Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Thresholds, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 
 use crate::tree::{Describe, Node, describe};
@@ -24,10 +25,8 @@ describe! {
     Header<'_> { domain, identity, thresholds, work_space, placed_orientation }
     Thresholds { match_score, decision, confidence }
     WorkSpace { min, max }
-    Word<'_> { text, parameters }
-    WordParameters {
-        forward_gates, backward_gates, splitter_gates, hazard_next, hazard_after_next,
-    }
+    Word<'_> { text, embeddings }
+    WordEmbeddings { encoder, splitter }
     LexiconEntry<'_> { text, concept }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
@@ -84,7 +83,7 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
     let language = &model.language;
     vec![
         table("WORDS", "words", "Word<'static>", model.words),
-        single("GROUP", "group", "WordParameters", model.group),
+        single("GROUP", "group", "WordEmbeddings", model.group),
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
         table(
             "ATTRIBUTES",
@@ -97,13 +96,13 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         single(
             "FORWARD",
             "language.forward",
-            format!("Gru<{ENCODER_HIDDEN}>"),
+            format!("Gru<{WORD}, {ENCODER_HIDDEN}>"),
             language.forward,
         ),
         single(
             "BACKWARD",
             "language.backward",
-            format!("Gru<{ENCODER_HIDDEN}>"),
+            format!("Gru<{WORD}, {ENCODER_HIDDEN}>"),
             language.backward,
         ),
         single(
@@ -121,13 +120,13 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         single(
             "SPLITTER",
             "language.splitter",
-            format!("Gru<{SPLITTER_HIDDEN}>"),
+            format!("Gru<{SPLITTER_WORD}, {SPLITTER_HIDDEN}>"),
             language.splitter,
         ),
         single(
             "HAZARD_HIDDEN",
             "language.hazard_hidden",
-            format!("Linear<{SPLITTER_HIDDEN}, {SPLITTER_HIDDEN}>"),
+            format!("Linear<{HAZARD_INPUT}, {SPLITTER_HIDDEN}>"),
             language.hazard_hidden,
         ),
         single(

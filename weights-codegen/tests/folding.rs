@@ -4,7 +4,7 @@
 mod common;
 
 use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, WORDS};
-use nsrm_core::model::{Model, View, WordParameters};
+use nsrm_core::model::{Model, View, WordEmbeddings};
 
 /// Rounding of a sum in `f64` to `f32`, values below 10.
 const ROUNDED: f64 = 1e-6;
@@ -34,9 +34,9 @@ fn row(values: &[f32], index: usize, length: usize) -> Vec<f64> {
         .collect()
 }
 
-fn parameters<'a>(model: &'a Model<'_>, token: usize) -> &'a WordParameters {
+fn embeddings<'a>(model: &'a Model<'_>, token: usize) -> &'a WordEmbeddings {
     match token.checked_sub(1) {
-        Some(word) => &model.words[word].parameters,
+        Some(word) => &model.words[word].embeddings,
         None => model.group,
     }
 }
@@ -80,68 +80,33 @@ fn names_stand_with_their_parameters() {
 }
 
 #[test]
-fn gates_of_each_word() {
+fn embeddings_of_each_word() {
     let file = ModelFile::random(4);
     let owned = file.load();
     let model = owned.as_model();
-    let embeddings = file.values("language.embedding.weight");
+    let encoder = file.values("language.embedding.weight");
     let splitter = file.values("language.splitter.embedding.weight");
     for token in 0..=WORDS.len() {
-        let word = parameters(&model, token);
-        for (cell, gates) in [
-            ("forward", &word.forward_gates),
-            ("backward", &word.backward_gates),
-        ] {
-            let weight = file.values(&format!("language.encoder.{cell}.weight_ih"));
-            let bias = file.values(&format!("language.encoder.{cell}.bias"));
-            let expected = affine(&weight, &bias, &row(&embeddings, token, 32));
-            gates
-                .as_flattened()
-                .iter()
-                .zip(expected)
-                .for_each(|(&g, e)| assert_close(g, e));
-        }
-        let weight = file.values("language.splitter.gru.weight_ih");
-        let bias = file.values("language.splitter.gru.bias");
-        let expected = affine(&weight, &bias, &row(&splitter, token, 24));
-        let gates = word.splitter_gates.as_flattened();
-        gates
-            .iter()
-            .zip(expected)
-            .for_each(|(&g, e)| assert_close(g, e));
+        let word = embeddings(&model, token);
+        assert!(word.encoder[..] == encoder[32 * token..][..32]);
+        assert!(word.splitter[..] == splitter[24 * token..][..24]);
     }
 }
 
 #[test]
-fn hazard_shares_add_up_to_its_hidden_layer() {
+fn hazard_columns_are_state_next_token_and_the_one_after_it() {
     let file = ModelFile::random(5);
     let owned = file.load();
-    let model = owned.as_model();
-    let embeddings = file.values("language.splitter.embedding.weight");
-    let state: Vec<f64> = (0..32).map(|unit| f64::from(unit) / 40.0 - 0.3).collect();
-    let (next, after_next) = (4, 7);
-    let mut input = state.clone();
-    input.extend(row(&embeddings, next, 24));
-    input.extend(row(&embeddings, after_next, 24));
+    let layer = owned.as_model().language.hazard_hidden;
     let weight = file.values("language.splitter.hidden.weight");
-    let bias = file.values("language.splitter.hidden.bias");
-    let expected = affine(&weight, &bias, &input);
-    let layer = model.language.hazard_hidden;
-    for (unit, expected) in expected.into_iter().enumerate() {
-        let columns = layer.weight.iter().zip(&state);
-        let own: f64 = columns.map(|(column, x)| f64::from(column[unit]) * x).sum();
-        let shares = [
-            layer.bias[unit],
-            parameters(&model, next).hazard_next[unit],
-            parameters(&model, after_next).hazard_after_next[unit],
-        ];
-        let sum = own + shares.into_iter().map(f64::from).sum::<f64>();
-        assert!((sum - expected).abs() < ROUNDED, "{sum} is not {expected}");
+    for (column, unit) in [(0, 0), (31, 4), (32, 5), (55, 31), (56, 2), (79, 30)] {
+        assert_eq!(layer.weight[column][unit], weight[80 * unit + column]);
     }
+    assert!(layer.bias[..] == file.values("language.splitter.hidden.bias")[..]);
 }
 
 #[test]
-fn recurrent_weights_by_hidden_unit_gate_and_row() {
+fn weights_of_a_cell_by_column_gate_and_row() {
     let file = ModelFile::random(6);
     let owned = file.load();
     let cell = owned.as_model().language.backward;
@@ -150,6 +115,12 @@ fn recurrent_weights_by_hidden_unit_gate_and_row() {
         let expected = weight[(gate * 48 + unit) * 48 + hidden];
         assert_eq!(cell.weight_hh[hidden][gate][unit], expected);
     }
+    let weight = file.values("language.encoder.backward.weight_ih");
+    for (input, gate, unit) in [(0, 0, 0), (5, 1, 7), (31, 2, 3), (3, 2, 47)] {
+        let expected = weight[(gate * 48 + unit) * 32 + input];
+        assert_eq!(cell.weight_ih[input][gate][unit], expected);
+    }
+    assert!(cell.bias.as_flattened() == file.values("language.encoder.backward.bias"));
     assert_eq!(
         cell.bias_n[..],
         file.values("language.encoder.backward.bias_n")

@@ -117,10 +117,7 @@ fn memory_is_counted_array_by_array() {
         array.map(|array| (array.count, array.bytes))
     };
     assert_eq!(bytes("language.forward.weight_hh"), Some((6912, 27648)));
-    assert_eq!(
-        bytes("words.parameters.forward_gates"),
-        Some((9 * 144, 9 * 576))
-    );
+    assert_eq!(bytes("words.embeddings.encoder"), Some((9 * 32, 9 * 128)));
     assert_eq!(bytes("concepts.attribute"), Some((7, 7)));
     assert_eq!(bytes("simulator.input"), Some((640, 2560)));
     let numbers: usize = report.arrays.iter().map(|array| array.bytes).sum();

@@ -1,7 +1,7 @@
 use heapless::Vec;
 
 use crate::capacity::MAX_GROUPS;
-use crate::model::{ENCODER_HIDDEN, INSTRUCTION, Language, WordParameters};
+use crate::model::{ENCODER_HIDDEN, INSTRUCTION, Language, WordEmbeddings};
 
 /// The sentence encoder on the tokens of one step: a GRU in each direction
 /// (section IV-B). Of the states in between only those at concept groups are kept.
@@ -37,14 +37,14 @@ impl Encoder {
     /// Feeds the next token to the forward cell, from the first to the last; false if it is a group
     /// and [`MAX_GROUPS`] have been fed.
     ///
-    /// Cost: `3·48²` multiply-adds, 96 sigmoids and 48 hyperbolic tangents.
+    /// Cost: `3·48·(32 + 48)` multiply-adds, 96 sigmoids and 48 hyperbolic tangents.
     pub fn forward(
         &mut self,
         language: &Language<'_>,
-        token: &WordParameters,
+        token: &WordEmbeddings,
         group: bool,
     ) -> bool {
-        self.forward = language.forward.step(&token.forward_gates, &self.forward);
+        self.forward = language.forward.step(&token.encoder, &self.forward);
         if group {
             let state = join(&self.forward, &[0.0; ENCODER_HIDDEN]);
             if self.groups.push(state).is_err() {
@@ -57,10 +57,8 @@ impl Encoder {
 
     /// Feeds the previous token to the backward cell, from the last to the first. Cost: as
     /// [`Encoder::forward`].
-    pub fn backward(&mut self, language: &Language<'_>, token: &WordParameters, group: bool) {
-        self.backward = language
-            .backward
-            .step(&token.backward_gates, &self.backward);
+    pub fn backward(&mut self, language: &Language<'_>, token: &WordEmbeddings, group: bool) {
+        self.backward = language.backward.step(&token.encoder, &self.backward);
         if group {
             self.groups_ahead = self.groups_ahead.saturating_sub(1);
             if let Some(state) = self.groups.get_mut(self.groups_ahead) {
@@ -102,6 +100,7 @@ fn join(forward: &[f32; ENCODER_HIDDEN], backward: &[f32; ENCODER_HIDDEN]) -> [f
 mod tests {
     use super::*;
     use crate::fixture;
+    use crate::model::WORD;
 
     /// A forward and a backward cell that add up 1, 10, 100 … and so tell which
     /// tokens they have seen: `tanh` is nearly straight so close to zero.
@@ -110,19 +109,20 @@ mod tests {
         let model = fixture::model();
         let mut language = model.language;
         let mut cell = *language.forward;
-        // reset → 1, update → 0, new = input + h.
+        // reset → 1, update → 0, new = input + h; the first cell adds the word to its first unit,
+        // the other to its last one.
+        cell.bias = [[20.0; ENCODER_HIDDEN], [-20.0; ENCODER_HIDDEN], [0.0; 48]];
         for unit in 0..ENCODER_HIDDEN {
             cell.weight_hh[unit][2][unit] = 1.0;
         }
-        (language.forward, language.backward) = (&cell, &cell);
+        cell.weight_ih = [[[0.0; ENCODER_HIDDEN]; 3]; WORD];
+        let mut backward = cell;
+        cell.weight_ih[0][2][0] = 1.0;
+        backward.weight_ih[0][2][47] = 1.0;
+        (language.forward, language.backward) = (&cell, &backward);
         let tokens = [1e-6, 1e-5, 1e-4, 1e-3].map(|value| {
             let mut token = *model.group;
-            let mut gates = [[20.0; ENCODER_HIDDEN], [-20.0; ENCODER_HIDDEN], [0.0; 48]];
-            gates[2][0] = value;
-            token.forward_gates = gates;
-            gates[2][0] = 0.0;
-            gates[2][47] = value;
-            token.backward_gates = gates;
+            token.encoder[0] = value;
             token
         });
         let groups = [false, true, true, false];

@@ -5,7 +5,7 @@ use super::segments::Segments;
 use super::{Encoder, Reader, Span, Splitter, choose_action, choose_group};
 use crate::capacity::{MAX_GROUPS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Program, Step};
-use crate::model::{INSTRUCTION, Model, WordParameters};
+use crate::model::{INSTRUCTION, Model, WordEmbeddings};
 use crate::nn::{Choice, Linear};
 use crate::refusal::{Decision, Quantity, Refusal};
 
@@ -226,13 +226,13 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn split(&mut self, token: usize) -> Result<Stage, Refusal> {
         let behind = token.saturating_add(1);
-        let Some(next) = self.parameters(behind) else {
+        let Some(next) = self.embeddings(behind) else {
             // Nothing follows: what remains is the last step.
             self.segments.end(behind, self.splitter.survival())?;
             return Ok(Stage::Step { step: 0 });
         };
-        let this = self.parameters(token).ok_or(Refusal::InvalidModel)?;
-        let after_next = self.parameters(behind.saturating_add(1));
+        let this = self.embeddings(token).ok_or(Refusal::InvalidModel)?;
+        let after_next = self.embeddings(behind.saturating_add(1));
         let hazard = self
             .splitter
             .hazard(&self.model.language, this, next, after_next);
@@ -277,11 +277,11 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn forward(&mut self, step: usize, token: usize) -> Result<Stage, Refusal> {
         let end = self.segments.tokens(step).end;
-        let (parameters, group) = self.token(token)?;
+        let (embeddings, group) = self.token(token)?;
         // Their number was checked when the step began.
         let _ = self
             .encoder
-            .forward(&self.model.language, parameters, group);
+            .forward(&self.model.language, embeddings, group);
         let token = token.saturating_add(1);
         Ok(if token < end {
             Stage::Forward { step, token }
@@ -292,9 +292,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn backward(&mut self, step: usize, before: usize) -> Result<Stage, Refusal> {
         let token = before.saturating_sub(1);
-        let (parameters, group) = self.token(token)?;
+        let (embeddings, group) = self.token(token)?;
         self.encoder
-            .backward(&self.model.language, parameters, group);
+            .backward(&self.model.language, embeddings, group);
         Ok(if token > self.segments.tokens(step).start {
             Stage::Backward {
                 step,
@@ -383,18 +383,18 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         })
     }
 
-    fn parameters(&self, token: usize) -> Option<&'m WordParameters> {
-        self.reader.tokens().get(token)?.parameters(self.model)
+    fn embeddings(&self, token: usize) -> Option<&'m WordEmbeddings> {
+        self.reader.tokens().get(token)?.embeddings(self.model)
     }
 
-    fn token(&self, token: usize) -> Result<(&'m WordParameters, bool), Refusal> {
+    fn token(&self, token: usize) -> Result<(&'m WordEmbeddings, bool), Refusal> {
         let token = self
             .reader
             .tokens()
             .get(token)
             .ok_or(Refusal::InvalidModel)?;
-        let parameters = token.parameters(self.model).ok_or(Refusal::InvalidModel)?;
-        Ok((parameters, token.description().is_some()))
+        let embeddings = token.embeddings(self.model).ok_or(Refusal::InvalidModel)?;
+        Ok((embeddings, token.description().is_some()))
     }
 
     fn group(&self, step: usize, index: usize) -> Result<(Description, Span), Refusal> {

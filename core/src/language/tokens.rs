@@ -2,7 +2,7 @@ use heapless::Vec;
 
 use crate::capacity::{MAX_FILTERS, MAX_SENTENCE_BYTES, MAX_TOKENS};
 use crate::dsl::Description;
-use crate::model::{Model, WordParameters};
+use crate::model::{Model, WordEmbeddings};
 use crate::refusal::Refusal;
 
 /// A place in a sentence: bytes `start..end`.
@@ -43,12 +43,12 @@ pub struct Token {
 
 impl Token {
     /// Its embeddings; `None` only for a token of another model.
-    pub fn parameters<'a>(&self, model: &Model<'a>) -> Option<&'a WordParameters> {
+    pub fn embeddings<'a>(&self, model: &Model<'a>) -> Option<&'a WordEmbeddings> {
         match self.kind {
             TokenKind::Word(index) => model
                 .words
                 .get(usize::from(index))
-                .map(|word| &word.parameters),
+                .map(|word| &word.embeddings),
             TokenKind::Group(_) => Some(model.group),
         }
     }

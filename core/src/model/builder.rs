@@ -2,10 +2,10 @@
 //! output of nsrm-codegen still compiles.
 
 use super::{
-    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Header, INSTRUCTION, LOCATION, Language,
-    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera,
-    SIMULATOR_HIDDEN, SPLITTER_HIDDEN, Simulator, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
-    Vision, Word, WordParameters, WorkSpace,
+    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, INSTRUCTION,
+    LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN,
+    PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
+    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::nn::{Conv, Gru, Linear};
 
@@ -44,7 +44,7 @@ builder! {
     ['a] Model<'a> {
         header, with_header: Header<'a> = Header::UNSET;
         words, with_words: &'a [Word<'a>] = &[];
-        group, with_group: &'a WordParameters = &WordParameters::UNSET;
+        group, with_group: &'a WordEmbeddings = &WordEmbeddings::UNSET;
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
@@ -73,17 +73,11 @@ builder! {
     }
     ['a] Word<'a> {
         text, with_text: &'a str = "";
-        parameters, with_parameters: WordParameters = WordParameters::UNSET;
+        embeddings, with_embeddings: WordEmbeddings = WordEmbeddings::UNSET;
     }
-    [] WordParameters {
-        forward_gates, with_forward_gates: [[f32; ENCODER_HIDDEN]; 3] = [[UNSET; ENCODER_HIDDEN]; 3];
-        backward_gates, with_backward_gates: [[f32; ENCODER_HIDDEN]; 3] =
-            [[UNSET; ENCODER_HIDDEN]; 3];
-        splitter_gates, with_splitter_gates: [[f32; SPLITTER_HIDDEN]; 3] =
-            [[UNSET; SPLITTER_HIDDEN]; 3];
-        hazard_next, with_hazard_next: [f32; SPLITTER_HIDDEN] = [UNSET; SPLITTER_HIDDEN];
-        hazard_after_next, with_hazard_after_next: [f32; SPLITTER_HIDDEN] =
-            [UNSET; SPLITTER_HIDDEN];
+    [] WordEmbeddings {
+        encoder, with_encoder: [f32; WORD] = [UNSET; WORD];
+        splitter, with_splitter: [f32; SPLITTER_WORD] = [UNSET; SPLITTER_WORD];
     }
     ['a] LexiconEntry<'a> {
         text, with_text: &'a str = "";
@@ -109,13 +103,13 @@ builder! {
         simulator_bias, with_simulator_bias: [f32; SIMULATOR_HIDDEN] = [UNSET; SIMULATOR_HIDDEN];
     }
     ['a] Language<'a> {
-        forward, with_forward: &'a Gru<ENCODER_HIDDEN> = &Gru::UNSET;
-        backward, with_backward: &'a Gru<ENCODER_HIDDEN> = &Gru::UNSET;
+        forward, with_forward: &'a Gru<WORD, ENCODER_HIDDEN> = &Gru::UNSET;
+        backward, with_backward: &'a Gru<WORD, ENCODER_HIDDEN> = &Gru::UNSET;
         object_decoder, with_object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> = &Linear::UNSET;
         reference_decoder, with_reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> =
             &Linear::UNSET;
-        splitter, with_splitter: &'a Gru<SPLITTER_HIDDEN> = &Gru::UNSET;
-        hazard_hidden, with_hazard_hidden: &'a Linear<SPLITTER_HIDDEN, SPLITTER_HIDDEN> =
+        splitter, with_splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN> = &Gru::UNSET;
+        hazard_hidden, with_hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN> =
             &Linear::UNSET;
         hazard, with_hazard: &'a Linear<SPLITTER_HIDDEN, 1> = &Linear::UNSET;
     }
@@ -146,7 +140,9 @@ builder! {
             [[[[UNSET; OUTPUT]; KERNEL]; KERNEL]; INPUT];
         bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
     }
-    [const HIDDEN: usize] Gru<HIDDEN> {
+    [const INPUT: usize, const HIDDEN: usize] Gru<INPUT, HIDDEN> {
+        weight_ih, with_weight_ih: [[[f32; HIDDEN]; 3]; INPUT] = [[[UNSET; HIDDEN]; 3]; INPUT];
+        bias, with_bias: [[f32; HIDDEN]; 3] = [[UNSET; HIDDEN]; 3];
         weight_hh, with_weight_hh: [[[f32; HIDDEN]; 3]; HIDDEN] = [[[UNSET; HIDDEN]; 3]; HIDDEN];
         bias_n, with_bias_n: [f32; HIDDEN] = [UNSET; HIDDEN];
     }

@@ -1,27 +1,36 @@
 use super::{accumulate, sigmoid, tanh};
 
-/// The recurrent part of a GRU cell; the input's part is folded into the words.
+/// A GRU cell.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
-pub struct Gru<const HIDDEN: usize> {
+pub struct Gru<const INPUT: usize, const HIDDEN: usize> {
+    /// For each input its column in the reset, update and new gate.
+    pub weight_ih: [[[f32; HIDDEN]; 3]; INPUT],
+    /// Added to the reset, update and new gate.
+    pub bias: [[f32; HIDDEN]; 3],
     /// For each hidden unit its column in the reset, update and new gate.
     pub weight_hh: [[[f32; HIDDEN]; 3]; HIDDEN],
     /// Added inside `r ⊙ (…)` of the new gate.
     pub bias_n: [f32; HIDDEN],
 }
 
-impl<const HIDDEN: usize> Gru<HIDDEN> {
-    /// One step: `h' = n + z ⊙ (h − n)`, where
+impl<const INPUT: usize, const HIDDEN: usize> Gru<INPUT, HIDDEN> {
+    /// One step: `h' = n + z ⊙ (h − n)`, where `g = W_ih·x + b`,
     /// `r = σ(g_r + W_r·h)`, `z = σ(g_z + W_z·h)`, `n = tanh(g_n + r ⊙ (W_n·h + b_n))`.
     ///
-    /// * `gates`: the input's share `g = W_ih·x + b`, ordered reset, update, new
-    /// * `hidden`: the previous state
+    /// * `input`: `x`
+    /// * `hidden`: the previous state `h`
     ///
-    /// Cost: `3·HIDDEN²` multiply-adds and `3·HIDDEN` scalar functions.
+    /// Cost: `3·HIDDEN·(INPUT + HIDDEN)` multiply-adds and `3·HIDDEN` scalar functions.
     /// Convention: that of `equinox.nn.GRUCell` (and `torch.nn.GRU`).
-    pub fn step(&self, gates: &[[f32; HIDDEN]; 3], hidden: &[f32; HIDDEN]) -> [f32; HIDDEN] {
-        const { assert!(HIDDEN > 0) };
-        let [mut reset, mut update, input_new] = *gates;
+    pub fn step(&self, input: &[f32; INPUT], hidden: &[f32; HIDDEN]) -> [f32; HIDDEN] {
+        const { assert!(INPUT > 0 && HIDDEN > 0) };
+        let [mut reset, mut update, mut input_new] = self.bias;
+        for (&value, [column_r, column_z, column_n]) in input.iter().zip(&self.weight_ih) {
+            accumulate(&mut reset, value, column_r);
+            accumulate(&mut update, value, column_z);
+            accumulate(&mut input_new, value, column_n);
+        }
         let mut recurrent_new = self.bias_n;
         for (&value, [column_r, column_z, column_n]) in hidden.iter().zip(&self.weight_hh) {
             accumulate(&mut reset, value, column_r);
@@ -48,15 +57,17 @@ mod tests {
     /// columns or the place of `bias_n` changes the result.
     #[test]
     fn a_step_agrees_with_numbers_worked_out_by_hand() {
-        let cell = Gru::<2> {
+        let cell = Gru::<1, 2> {
+            weight_ih: [[[0.25, -0.5], [0.1, -0.05], [0.4, 0.2]]],
+            bias: [[0.0, 0.5], [0.0, 0.0], [0.2, -0.1]],
             weight_hh: [
                 [[0.1, -0.2], [0.3, 0.4], [-0.5, 0.6]],
                 [[0.7, 0.8], [-0.9, 1.0], [1.1, -1.2]],
             ],
             bias_n: [0.25, -0.75],
         };
-        let gates = [[0.5, -0.5], [0.2, -0.1], [1.0, 0.3]];
-        let next = cell.step(&gates, &[0.6, -0.4]);
+        // The input's share: [0.5, −0.5], [0.2, −0.1], [1.0, 0.3].
+        let next = cell.step(&[2.0], &[0.6, -0.4]);
         // unit 0: r = σ(0.5 + 0.06 − 0.28) = 0.569_546_22, z = σ(0.2 + 0.18 + 0.36) = 0.676_995_86,
         //   n = tanh(1.0 + r·(0.25 − 0.30 − 0.44)) = tanh(0.720_922_35) = 0.617_480_3
         // unit 1: r = σ(−0.5 − 0.12 − 0.32) = 0.280_900_3, z = σ(−0.1 + 0.24 − 0.40) = 0.435_363_71,
@@ -69,11 +80,13 @@ mod tests {
 
     #[test]
     fn an_open_update_gate_keeps_the_state_even_under_saturation() {
-        let cell = Gru::<3> {
+        let cell = Gru::<1, 3> {
+            weight_ih: [[[-3e38; 3], [3e38; 3], [3e38; 3]]],
+            bias: [[0.0; 3]; 3],
             weight_hh: [[[0.0; 3]; 3]; 3],
             bias_n: [0.0; 3],
         };
-        let gates = [[-3e38; 3], [3e38; 3], [3e38; 3]];
-        assert_eq!(cell.step(&gates, &[0.5, -0.25, 0.0]), [0.5, -0.25, 0.0]);
+        let state = [0.5, -0.25, 0.0];
+        assert_eq!(cell.step(&[1.0], &state), state);
     }
 }

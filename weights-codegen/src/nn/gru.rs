@@ -4,66 +4,50 @@ use crate::error::ModelError;
 use crate::tensors::Tensors;
 use crate::tree::{Describe, Node};
 
-/// The input part of a GRU cell, which is folded into each word.
-pub(crate) struct Gates {
-    /// `[3·HIDDEN, INPUT]`, row-major; gates ordered reset, update, new.
-    weight_ih: Vec<f32>,
-    /// `[3·HIDDEN]`, added to the product.
-    bias: Vec<f32>,
-}
-
-impl Gates {
-    /// `W_ih·e + b`, summed in `f64`.
-    ///
-    /// * `embedding`: `[INPUT]`
-    /// * returns the reset, update and new gate's shares, `[HIDDEN]` each
-    pub(crate) fn fold<const HIDDEN: usize, const INPUT: usize>(
-        &self,
-        embedding: &[f32; INPUT],
-    ) -> [[f32; HIDDEN]; 3] {
-        std::array::from_fn(|gate| {
-            std::array::from_fn(|unit| {
-                let row = gate * HIDDEN + unit;
-                let weights = &self.weight_ih[row * INPUT..][..INPUT];
-                let product: f64 = weights
-                    .iter()
-                    .zip(embedding)
-                    .map(|(&weight, &value)| f64::from(weight) * f64::from(value))
-                    .sum();
-                (product + f64::from(self.bias[row])) as f32
-            })
-        })
-    }
-}
-
 /// Reads `{name}.weight_ih [3·HIDDEN, INPUT]`, `{name}.weight_hh [3·HIDDEN, HIDDEN]`,
-/// `{name}.bias [3·HIDDEN]` and `{name}.bias_n [HIDDEN]`.
-pub(crate) fn gru<const HIDDEN: usize, const INPUT: usize>(
+/// `{name}.bias [3·HIDDEN]` and `{name}.bias_n [HIDDEN]`; gates ordered reset, update, new.
+pub(crate) fn gru<const INPUT: usize, const HIDDEN: usize>(
     tensors: &mut Tensors,
     name: &str,
-) -> Result<(Gates, Gru<HIDDEN>), ModelError> {
+) -> Result<Gru<INPUT, HIDDEN>, ModelError> {
     let rows = 3 * HIDDEN;
     let weight_ih = tensors.take(&format!("{name}.weight_ih"), &[rows, INPUT])?;
     let weight_hh = tensors.take(&format!("{name}.weight_hh"), &[rows, HIDDEN])?;
     let bias = tensors.take(&format!("{name}.bias"), &[rows])?;
-    let recurrent = Gru::new()
-        .with_weight_hh(std::array::from_fn(|column| {
-            std::array::from_fn(|gate| {
-                std::array::from_fn(|unit| weight_hh[(gate * HIDDEN + unit) * HIDDEN + column])
-            })
+    Ok(Gru::new()
+        .with_weight_ih(columns(&weight_ih))
+        .with_bias(std::array::from_fn(|gate| {
+            std::array::from_fn(|unit| bias[gate * HIDDEN + unit])
         }))
-        .with_bias_n(tensors.vector(&format!("{name}.bias_n"))?);
-    Ok((Gates { weight_ih, bias }, recurrent))
+        .with_weight_hh(columns(&weight_hh))
+        .with_bias_n(tensors.vector(&format!("{name}.bias_n"))?))
 }
 
-impl<const HIDDEN: usize> Describe for Gru<HIDDEN> {
+/// The columns of a row-major matrix `[3·HIDDEN, COLUMNS]`, each divided into the three gates.
+fn columns<const COLUMNS: usize, const HIDDEN: usize>(
+    matrix: &[f32],
+) -> [[[f32; HIDDEN]; 3]; COLUMNS] {
+    std::array::from_fn(|column| {
+        std::array::from_fn(|gate| {
+            std::array::from_fn(|unit| matrix[(gate * HIDDEN + unit) * COLUMNS + column])
+        })
+    })
+}
+
+impl<const INPUT: usize, const HIDDEN: usize> Describe for Gru<INPUT, HIDDEN> {
     fn describe(&self) -> Node {
         let Self {
-            weight_hh, bias_n, ..
+            weight_ih,
+            bias,
+            weight_hh,
+            bias_n,
+            ..
         } = self;
         Node::record(
             "Gru",
             [
+                ("weight_ih", weight_ih.describe()),
+                ("bias", bias.describe()),
                 ("weight_hh", weight_hh.describe()),
                 ("bias_n", bias_n.describe()),
             ],

@@ -6,5 +6,5 @@ mod gru;
 mod linear;
 
 pub(crate) use conv::conv;
-pub(crate) use gru::{Gates, gru};
+pub(crate) use gru::gru;
 pub(crate) use linear::linear;

@@ -113,15 +113,7 @@ fn values_that_are_not_finite() {
 
 #[test]
 fn products_that_overflow() {
-    let spoils: [(&str, SpoilFile); 4] = [
-        ("words.forward_gates", |file| {
-            file.set_value("language.embedding.weight", 0, 1e30);
-            file.set_value("language.encoder.forward.weight_ih", 0, 1e30);
-        }),
-        ("words.hazard_next", |file| {
-            file.set_value("language.splitter.embedding.weight", 24, 1e20);
-            file.set_value("language.splitter.hidden.weight", 32, 1e30);
-        }),
+    let spoils: [(&str, SpoilFile); 2] = [
         ("simulator.input", |file| {
             file.set_value("action.simulator.location_scale", 0, 1e-10);
             file.set_value("action.simulator.input.weight", 2, 1e30);

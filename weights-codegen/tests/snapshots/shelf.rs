@@ -5,7 +5,7 @@
 #[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Language, LexiconEntry, Model, PixelToCamera, Simulator,
-    Thresholds, View, ViewEncoder, Vision, Word, WordParameters, WorkSpace,
+    Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Conv, Gru, Linear};
@@ -61,86 +61,56 @@ pub static SHELF_ABOUT: &str = "{\"metrics\":{\"program\":0.5},\"training\":{\"s
 static WORDS: [Word<'static>; 9] = [
     Word::new()
         .with_text(",")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.171875; 48]; 3])
-            .with_backward_gates([[0.296875; 48]; 3])
-            .with_splitter_gates([[-0.15234375; 32]; 3])
-            .with_hazard_next([-0.05859375; 32])
-            .with_hazard_after_next([-0.05859375; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.21875; 32])
+            .with_splitter([0.15625; 24])),
     Word::new()
         .with_text("beside")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.296875; 48]; 3])
-            .with_backward_gates([[0.484375; 48]; 3])
-            .with_splitter_gates([[-0.19921875; 32]; 3])
-            .with_hazard_next([-0.10546875; 32])
-            .with_hazard_after_next([-0.10546875; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.34375; 32])
+            .with_splitter([0.28125; 24])),
     Word::new()
         .with_text("jar")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.421875; 48]; 3])
-            .with_backward_gates([[0.671875; 48]; 3])
-            .with_splitter_gates([[-0.24609375; 32]; 3])
-            .with_hazard_next([-0.15234375; 32])
-            .with_hazard_after_next([-0.15234375; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.46875; 32])
+            .with_splitter([0.40625; 24])),
     Word::new()
         .with_text("near")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.546875; 48]; 3])
-            .with_backward_gates([[0.859375; 48]; 3])
-            .with_splitter_gates([[-0.29296875; 32]; 3])
-            .with_hazard_next([-0.19921875; 32])
-            .with_hazard_after_next([-0.19921875; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.59375; 32])
+            .with_splitter([0.53125; 24])),
     Word::new()
         .with_text("onto")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.671875; 48]; 3])
-            .with_backward_gates([[1.046875; 48]; 3])
-            .with_splitter_gates([[-0.33984375; 32]; 3])
-            .with_hazard_next([-0.24609375; 32])
-            .with_hazard_after_next([-0.24609375; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.71875; 32])
+            .with_splitter([0.65625; 24])),
     Word::new()
         .with_text("shift")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.796875; 48]; 3])
-            .with_backward_gates([[1.234375; 48]; 3])
-            .with_splitter_gates([[-0.38671875; 32]; 3])
-            .with_hazard_next([-0.29296875; 32])
-            .with_hazard_after_next([-0.29296875; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.84375; 32])
+            .with_splitter([0.78125; 24])),
     Word::new()
         .with_text("the")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[0.921875; 48]; 3])
-            .with_backward_gates([[1.421875; 48]; 3])
-            .with_splitter_gates([[-0.43359375; 32]; 3])
-            .with_hazard_next([-0.33984375; 32])
-            .with_hazard_after_next([-0.33984375; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([0.96875; 32])
+            .with_splitter([0.90625; 24])),
     Word::new()
         .with_text("then")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[1.046875; 48]; 3])
-            .with_backward_gates([[1.609375; 48]; 3])
-            .with_splitter_gates([[-0.48046875; 32]; 3])
-            .with_hazard_next([-0.38671875; 32])
-            .with_hazard_after_next([-0.38671875; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([1.09375; 32])
+            .with_splitter([1.03125; 24])),
     Word::new()
         .with_text("to")
-        .with_parameters(WordParameters::new()
-            .with_forward_gates([[1.171875; 48]; 3])
-            .with_backward_gates([[1.796875; 48]; 3])
-            .with_splitter_gates([[-0.52734375; 32]; 3])
-            .with_hazard_next([-0.43359375; 32])
-            .with_hazard_after_next([-0.43359375; 32])),
+        .with_embeddings(WordEmbeddings::new()
+            .with_encoder([1.21875; 32])
+            .with_splitter([1.15625; 24])),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static GROUP: WordParameters = WordParameters::new()
-    .with_forward_gates([[0.046875; 48]; 3])
-    .with_backward_gates([[0.109375; 48]; 3])
-    .with_splitter_gates([[-0.10546875; 32]; 3])
-    .with_hazard_next([-0.01171875; 32])
-    .with_hazard_after_next([-0.01171875; 32]);
+static GROUP: WordEmbeddings = WordEmbeddings::new()
+    .with_encoder([0.09375; 32])
+    .with_splitter([0.03125; 24]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
@@ -262,13 +232,17 @@ static ACTIONS: [Action<'static>; 2] = [
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static FORWARD: Gru<48> = Gru::new()
+static FORWARD: Gru<32, 48> = Gru::new()
+    .with_weight_ih([[[0.03125; 48]; 3]; 32])
+    .with_bias([[-0.046875; 48]; 3])
     .with_weight_hh([[[0.03125; 48]; 3]; 48])
     .with_bias_n([-0.015625; 48]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static BACKWARD: Gru<48> = Gru::new()
+static BACKWARD: Gru<32, 48> = Gru::new()
+    .with_weight_ih([[[0.046875; 48]; 3]; 32])
+    .with_bias([[-0.03125; 48]; 3])
     .with_weight_hh([[[0.046875; 48]; 3]; 48])
     .with_bias_n([0.0; 48]);
 
@@ -286,14 +260,16 @@ static REFERENCE_DECODER: Linear<96, 96> = Linear::new()
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static SPLITTER: Gru<32> = Gru::new()
+static SPLITTER: Gru<24, 32> = Gru::new()
+    .with_weight_ih([[[-0.015625; 32]; 3]; 24])
+    .with_bias([[-0.09375; 32]; 3])
     .with_weight_hh([[[-0.015625; 32]; 3]; 32])
     .with_bias_n([-0.0625; 32]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static HAZARD_HIDDEN: Linear<32, 32> = Linear::new()
-    .with_weight([[-0.015625; 32]; 32])
+static HAZARD_HIDDEN: Linear<80, 32> = Linear::new()
+    .with_weight([[-0.015625; 32]; 80])
     .with_bias([-0.046875; 32]);
 
 #[rustfmt::skip]
