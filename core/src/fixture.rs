@@ -132,6 +132,9 @@ fn language() -> Language<'static> {
     object_decoder.bias[ENCODER_HIDDEN + RELATION] = 10.0;
     let mut reference_decoder = linear();
     reference_decoder.bias[RELATION] = 10.0;
+    // Every word is acceptable.
+    let mut acceptability = linear();
+    acceptability.bias = [20.0];
     let mut hazard_hidden = linear();
     hazard_hidden.weight[SPLITTER_HIDDEN][0] = OPEN;
     let mut hazard = linear();
@@ -142,6 +145,8 @@ fn language() -> Language<'static> {
         backward: Box::leak(Box::new(backward)),
         object_decoder: Box::leak(Box::new(object_decoder)),
         reference_decoder: Box::leak(Box::new(reference_decoder)),
+        acceptability_hidden: Box::leak(Box::new(linear())),
+        acceptability: Box::leak(Box::new(acceptability)),
         splitter: Box::leak(Box::new(Gru {
             bias: [[0.0; SPLITTER_HIDDEN]; 3],
             ..gru()

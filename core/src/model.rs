@@ -26,6 +26,8 @@ pub const WORD: usize = 32;
 pub const ENCODER_HIDDEN: usize = 48;
 /// Length of the instruction embedding: both directions, forward first.
 pub const INSTRUCTION: usize = 2 * ENCODER_HIDDEN;
+/// Units of the hidden layer from which a word's acceptability is computed.
+pub const ACCEPTABILITY_HIDDEN: usize = 16;
 /// Length of a word's embedding at the splitter's input.
 pub const SPLITTER_WORD: usize = 24;
 /// Hidden units of the splitter's GRU, and of its hazard's hidden layer.
@@ -53,9 +55,9 @@ pub const SIMULATOR_HIDDEN: usize = 64;
 /// Numbers in a location: box corners x1, y1, x2, y2 and mean depth.
 pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
-/// brightness is the greatest of the three colours; 3: the file's hash covers its metadata);
-/// others are refused.
-pub const SCHEMA: u32 = 3;
+/// brightness is the greatest of the three colours; 3: the file's hash covers its metadata; 4:
+/// acceptability); others are refused.
+pub const SCHEMA: u32 = 4;
 
 /// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
@@ -222,6 +224,10 @@ pub struct Language<'a> {
     pub object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
     /// From the instruction embedding to `c_2`.
     pub reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
+    /// From the encoder's states at a word to the hidden layer (tanh) of its acceptability.
+    pub acceptability_hidden: &'a Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN>,
+    /// From that hidden layer to the logit.
+    pub acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1>,
     /// The splitter's cell.
     pub splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
     /// From the splitter's state, the next token and the one after it to the hazard's hidden layer

@@ -75,6 +75,17 @@ pub enum Refusal {
         /// The words' place in the sentence.
         span: Span,
     },
+    /// The words of a step are known, but not in this order or combination.
+    UnclearWords {
+        /// Which step.
+        step: u8,
+        /// The least acceptable word's place in the sentence.
+        span: Span,
+        /// Probability that all words of the step are acceptable.
+        probability: f32,
+        /// The required probability.
+        threshold: f32,
+    },
     /// The parser is not sure enough.
     Unsure {
         /// Which step.
@@ -195,6 +206,8 @@ pub enum Quantity {
     Action,
     /// An argument decoder's logits.
     Argument(Argument),
+    /// The acceptability of the words.
+    Words,
     /// The scores of the objects for this argument.
     Score(Argument),
     /// The location that the action simulator predicts.
@@ -231,6 +244,7 @@ impl Quantity {
             Self::Split => "split",
             Self::Action => "action",
             Self::Argument(argument) => argument.name(),
+            Self::Words => "words",
             Self::Score(Argument::Object) => "object_score",
             Self::Score(Argument::Reference) => "reference_score",
             Self::Location => "location",
@@ -325,6 +339,7 @@ kinds! {
     Self::ParsedByOtherModel { .. } => "parsed_by_other_model",
     Self::InvalidModel => "invalid_model",
     Self::LowConfidence { .. } => "low_confidence",
+    Self::UnclearWords { .. } => "unclear_words",
 }
 
 impl core::error::Error for Refusal {}

@@ -187,9 +187,9 @@ typedef struct nsrm_step_message {
     float object_score;
     /** How well the reference fits. */
     float reference_score;
-    /** Probability of each choice: split, action, words of the object, words
+    /** Probability of each choice: split, acceptable words, action, words of the object, words
      *  of the reference, object, reference. */
-    float confidence[6];
+    float confidence[7];
     /** Sub-goal position of the object's centre: world frame, metres. */
     float position[3];
     /** Sub-goal orientation, world frame: x, y, z, w. */
@@ -198,8 +198,8 @@ typedef struct nsrm_step_message {
      *  metres. */
     float location[5];
 } nsrm_step_message;
-#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.9da5fff08c49f54d"
-NSRM_ASSERT(sizeof(nsrm_step_message) == 108, "size of nsrm_step_message");
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.256bedace904e745"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 112, "size of nsrm_step_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
 NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
@@ -211,9 +211,9 @@ NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 24, "offset of referenc
 NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 28, "offset of object_score");
 NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 32, "offset of reference_score");
 NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 36, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_step_message, position) == 60, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 72, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_step_message, location) == 88, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 64, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 76, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 92, "offset of location");
 
 /** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
@@ -245,8 +245,8 @@ typedef struct nsrm_plan_reply {
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.a56839637ffd4920"
-NSRM_ASSERT(sizeof(nsrm_plan_reply) == 1944, "size of nsrm_plan_reply");
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.daae48ce9521fb96"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 1976, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");
@@ -517,7 +517,8 @@ enum nsrm_reason {
     NSRM_REASON_CALIBRATION = 33,
     NSRM_REASON_PARSED_BY_OTHER_MODEL = 34,
     NSRM_REASON_LOW_CONFIDENCE = 35,
-    NSRM_REASON_OTHER = 36,
+    NSRM_REASON_UNCLEAR_WORDS = 36,
+    NSRM_REASON_OTHER = 37,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

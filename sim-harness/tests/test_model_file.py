@@ -29,7 +29,8 @@ from nsrm_harness.learning.export import (
     write_metrics,
     write_model,
 )
-from nsrm_harness.learning.model import Dimensions, Model
+from nsrm_harness.learning.hashes import file_hash
+from nsrm_harness.learning.model import ACCEPTED, Dimensions, Model
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMITTED = ROOT / "weights-codegen/tabletop/tabletop.safetensors"
@@ -117,22 +118,30 @@ def test_the_committed_model_is_the_cores() -> None:
 
 
 def as_before(path: Path, schema: str) -> None:
-    """The file as the schema before this one had it."""
-    arrays, _ = read_raw(path)
-    changed(path, lambda it: it.update({"schema": schema, "hash": tensor_hash(arrays)}))
+    """The file as an earlier schema had it."""
+    arrays, metadata = read_raw(path)
+    if schema != "baseline 1":
+        arrays = {name: array for name, array in arrays.items() if "acceptability" not in name}
+    metadata |= {"schema": schema}
+    covered = file_hash(arrays, metadata) if schema == "3" else tensor_hash(arrays)
+    path.write_bytes(safetensors_bytes(arrays, metadata | {"hash": covered}))
 
 
-def test_a_file_of_the_schema_before_is_refused_until_it_is_converted(path: Path) -> None:
-    content = path.read_bytes()
-    as_before(path, "2")
-    with pytest.raises(ModelFileError, match="schema 3, got 2: convert it with 'cargo harness"):
+@pytest.mark.parametrize("schema", ["2", "3"])
+def test_a_file_of_an_earlier_schema_is_refused_until_it_is_converted(
+    path: Path, schema: str
+) -> None:
+    as_before(path, schema)
+    with pytest.raises(ModelFileError, match=f"schema 4, got {schema}: convert it with"):
         read_model(path)
     with pytest.raises(nsrm.ModelError, match="cargo harness convert"):
         nsrm.Model.load(path)
     convert(path)
-    assert path.read_bytes() == content
+    arrays, _ = read_checked(path, "4")
+    assert arrays["language.acceptability.output.bias"] == ACCEPTED
+    assert not arrays["language.acceptability.output.weight"].any()
     nsrm.Model.load(path)
-    with pytest.raises(ModelFileError, match="schema 2 or baseline 1 to convert, got 3"):
+    with pytest.raises(ModelFileError, match="schema 2, 3 or baseline 1 to convert, got 4"):
         convert(path)
 
 
@@ -149,6 +158,6 @@ def test_a_damaged_file_is_not_converted(path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[-1] ^= 1
     path.write_bytes(content)
-    with pytest.raises(ModelFileError, match="tensors do not have the hash"):
+    with pytest.raises(ModelFileError, match="does not have the hash"):
         convert(path)
     assert path.read_bytes() == content

@@ -108,6 +108,17 @@ fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
         Refusal::SameReference { step, span } => {
             json!({"step": step, "words": words(*span, sentence)})
         }
+        Refusal::UnclearWords {
+            step,
+            span,
+            probability,
+            threshold,
+        } => json!({
+            "step": step,
+            "words": words(*span, sentence),
+            "probability": decimal(*probability),
+            "threshold": decimal(*threshold),
+        }),
         Refusal::Unsure {
             step,
             decision,
@@ -243,6 +254,7 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
     let orientation: [f32; 4] = pose.rotation.coords.into();
     let Confidence {
         split,
+        words,
         action,
         object,
         reference,
@@ -258,6 +270,7 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
         "confidences".into(),
         json!({
             "split": decimal(split),
+            "words": decimal(words),
             "action": decimal(action),
             "object": decimal(object),
             "reference": decimal(reference),

@@ -4,16 +4,16 @@
 //! `beside` are the actions, the description before them is the object's and the one after them the
 //! reference's. It is unsure if both come after them (`on the blue block put the red block`),
 //! without `on` or `beside`, and at `maybe`, which ends a step with a probability of 0.57. After
-//! `it`, it takes the next description for both arguments.
+//! `it`, it takes the next description for both arguments. `sideways` is acceptable nowhere.
 //!
 //! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
 //! object at the reference's location.
 
 use nsrm_core::model::{
-    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, INSTRUCTION,
-    LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING, PATCH_CHANNELS,
-    PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Thresholds,
-    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
+    Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING,
+    PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
+    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Conv, Gru, Linear};
 use nsrm_core::scene::ObservedObject;
@@ -35,6 +35,8 @@ const SURE: f32 = 20.0;
 const ACTION_UNIT: usize = 0;
 /// The unit of the forward encoder for `it`.
 const IT_UNIT: usize = 20;
+/// The unit of both encoders for `sideways`.
+const SIDEWAYS_UNIT: usize = 21;
 
 /// The parts of the model; a test may spoil one before it takes [`Parts::model`].
 #[derive(Debug, Clone)]
@@ -59,6 +61,10 @@ pub struct Parts {
     pub object_decoder: Linear<INSTRUCTION, INSTRUCTION>,
     /// See [`Language::reference_decoder`].
     pub reference_decoder: Linear<INSTRUCTION, INSTRUCTION>,
+    /// See [`Language::acceptability_hidden`].
+    pub acceptability_hidden: Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN>,
+    /// See [`Language::acceptability`].
+    pub acceptability: Linear<ACCEPTABILITY_HIDDEN, 1>,
     /// See [`Language::splitter`].
     pub splitter: Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
     /// See [`Language::hazard_hidden`].
@@ -88,6 +94,8 @@ impl Parts {
             encoder: encoder(),
             object_decoder: pointer(-SURE),
             reference_decoder: pointer(SURE),
+            acceptability_hidden: zero(),
+            acceptability: zero(),
             splitter: keeper(),
             hazard_hidden: zero(),
             hazard: zero(),
@@ -124,6 +132,11 @@ impl Parts {
             );
         }
         parts.lexicon.sort_by_key(|entry| entry.text);
+        // Acceptable is every word at which not both directions have just seen "sideways".
+        parts.acceptability_hidden.weight[SIDEWAYS_UNIT][0] = SURE;
+        parts.acceptability_hidden.weight[ENCODER_HIDDEN + SIDEWAYS_UNIT][0] = SURE;
+        parts.acceptability_hidden.bias[0] = -1.5 * SURE;
+        parts.acceptability.weight[0] = [-SURE];
         // A step ends before a word whose share in the hazard's first hidden unit outweighs the
         // bias.
         parts.hazard_hidden.weight[SPLITTER_HIDDEN][0] = SURE;
@@ -148,6 +161,8 @@ impl Parts {
                     .with_backward(&self.encoder)
                     .with_object_decoder(&self.object_decoder)
                     .with_reference_decoder(&self.reference_decoder)
+                    .with_acceptability_hidden(&self.acceptability_hidden)
+                    .with_acceptability(&self.acceptability)
                     .with_splitter(&self.splitter)
                     .with_hazard_hidden(&self.hazard_hidden)
                     .with_hazard(&self.hazard),
@@ -229,7 +244,7 @@ fn header() -> Header<'static> {
 
 fn words() -> Vec<Word<'static>> {
     let mut words: Vec<_> = [
-        ",", "and", "beside", "block", "it", "maybe", "on", "put", "the", "then",
+        ",", "and", "beside", "block", "it", "maybe", "on", "put", "sideways", "the", "then",
     ]
     .map(|text| Word::new().with_text(text).with_embeddings(silent_word()))
     .into();
@@ -239,6 +254,7 @@ fn words() -> Vec<Word<'static>> {
             "on" => embeddings.encoder[ACTION_UNIT] = 1.0,
             "beside" => embeddings.encoder[ACTION_UNIT + 1] = 1.0,
             "it" => embeddings.encoder[IT_UNIT] = 1.0,
+            "sideways" => embeddings.encoder[SIDEWAYS_UNIT] = 1.0,
             "then" => embeddings.splitter[0] = 1.0,
             // 40·tanh(0.5583) − 20 = 0.27, of which the sigmoid is 0.57.
             "maybe" => embeddings.splitter[0] = 0.5583 / SURE,
@@ -267,7 +283,7 @@ fn keeper<const INPUT: usize, const HIDDEN: usize>() -> Gru<INPUT, HIDDEN> {
 /// Sets a unit to 1 at a word whose embedding has a 1 at the same place.
 fn encoder() -> Gru<WORD, ENCODER_HIDDEN> {
     let mut cell = keeper();
-    for unit in [ACTION_UNIT, ACTION_UNIT + 1, IT_UNIT] {
+    for unit in [ACTION_UNIT, ACTION_UNIT + 1, IT_UNIT, SIDEWAYS_UNIT] {
         let [_, update, new] = &mut cell.weight_ih[unit];
         update[unit] = -2.0 * SURE;
         new[unit] = SURE;

@@ -283,6 +283,8 @@ fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Val
             for (decisions, step) in parsed.decisions().iter().zip(steps) {
                 let expected = step["split"].as_f64().expect("split") as f32;
                 golden.close("probability", &[decisions.split], &[expected], sentence);
+                let expected = step["words"].as_f64().expect("words") as f32;
+                golden.close("probability", &[decisions.words], &[expected], sentence);
             }
         }
         // The longest sentence may have more steps than a program, or end with words that describe
@@ -292,6 +294,7 @@ fn check_parsed(golden: &Golden, model: &Model<'_>, sentence: &str, steps: &[Val
                 refusal,
                 Refusal::TooManySteps { .. }
                     | Refusal::IncompleteStep { .. }
+                    | Refusal::UnclearWords { .. }
                     | Refusal::Unsure { .. }
                     | Refusal::TooManyReferences { .. }
                     | Refusal::SameReference { .. }

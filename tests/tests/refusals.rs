@@ -167,6 +167,16 @@ fn step_cases() -> Vec<Case> {
             },
             "\"blue\" was understood as both",
         ),
+        said(
+            "put the small red block sideways on the blue block",
+            |refusal| {
+                matches!(
+                    *refusal,
+                    Refusal::UnclearWords { step: 0, span: word, .. } if word == span(24, 32)
+                )
+            },
+            "step 1 is not clear at \"sideways\"",
+        ),
     ]
 }
 

@@ -31,7 +31,7 @@ fn what_may_have_been_meant_is_a_known_word_nearby() {
         ("put the red block on teh blue one", "teh", Some("the")),
         ("put the red block under the blue block", "under", None),
         ("put the red block behind the blue block", "behind", None),
-        ("put the red block beside the blue block", "beside", None),
+        ("put the red block outside the blue block", "outside", None),
         ("put the purple block on the blue block", "purple", None),
         ("don't put the red block on the blue block", "don't", None),
     ] {

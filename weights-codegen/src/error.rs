@@ -263,12 +263,12 @@ pub enum ModelError {
     },
 }
 
-/// The schema that `cargo harness convert` converts.
-const CONVERTIBLE: &str = "2";
+/// The schemas that `cargo harness convert` converts.
+const CONVERTIBLE: [&str; 2] = ["2", "3"];
 
 /// What to do about a file of another schema.
 fn schema_advice(got: &str) -> &'static str {
-    if got == CONVERTIBLE {
+    if CONVERTIBLE.contains(&got) {
         "convert the file with `cargo harness convert FILE`, or train again"
     } else {
         "train again with the tools of this version"

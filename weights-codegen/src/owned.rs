@@ -125,6 +125,8 @@ impl OwnedModel {
                     .with_backward(&language.backward)
                     .with_object_decoder(&language.object_decoder)
                     .with_reference_decoder(&language.reference_decoder)
+                    .with_acceptability_hidden(&language.acceptability_hidden)
+                    .with_acceptability(&language.acceptability)
                     .with_splitter(&language.splitter)
                     .with_hazard_hidden(&language.hazard_hidden)
                     .with_hazard(&language.hazard),

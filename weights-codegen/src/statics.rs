@@ -1,9 +1,9 @@
 //! The statics of a model, in the order in which they are written.
 
 use nsrm_core::model::{
-    Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, INSTRUCTION, LexiconEntry,
-    Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Thresholds, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header,
+    INSTRUCTION, LexiconEntry, Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
+    Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
 };
 
 use crate::tree::{Describe, Node, describe};
@@ -56,6 +56,11 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                         ("backward", Node::Reference("BACKWARD")),
                         ("object_decoder", Node::Reference("OBJECT_DECODER")),
                         ("reference_decoder", Node::Reference("REFERENCE_DECODER")),
+                        (
+                            "acceptability_hidden",
+                            Node::Reference("ACCEPTABILITY_HIDDEN"),
+                        ),
+                        ("acceptability", Node::Reference("ACCEPTABILITY")),
                         ("splitter", Node::Reference("SPLITTER")),
                         ("hazard_hidden", Node::Reference("HAZARD_HIDDEN")),
                         ("hazard", Node::Reference("HAZARD")),
@@ -116,6 +121,18 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "language.reference_decoder",
             format!("Linear<{INSTRUCTION}, {INSTRUCTION}>"),
             language.reference_decoder,
+        ),
+        single(
+            "ACCEPTABILITY_HIDDEN",
+            "language.acceptability_hidden",
+            format!("Linear<{INSTRUCTION}, {ACCEPTABILITY_HIDDEN}>"),
+            language.acceptability_hidden,
+        ),
+        single(
+            "ACCEPTABILITY",
+            "language.acceptability",
+            format!("Linear<{ACCEPTABILITY_HIDDEN}, 1>"),
+            language.acceptability,
         ),
         single(
             "SPLITTER",

@@ -90,6 +90,7 @@ impl fmt::Display for Quantity {
             Self::Split => f.write_str("the splitter's hazard"),
             Self::Action => f.write_str("the action decoder's result"),
             Self::Argument(argument) => write!(f, "the {argument} decoder's result"),
+            Self::Words => f.write_str("the words' acceptability"),
             Self::Score(argument) => write!(f, "a score for the {argument}"),
             Self::Location => f.write_str("the predicted location"),
             Self::Pose => f.write_str("the sub-goal's pose"),
@@ -115,6 +116,7 @@ impl fmt::Display for Message<'_> {
             Refusal::TooManyReferences { .. }
             | Refusal::IncompleteStep { .. }
             | Refusal::SameReference { .. }
+            | Refusal::UnclearWords { .. }
             | Refusal::Unsure { .. } => self.step(f),
             Refusal::LowConfidence {
                 confidence,
@@ -216,6 +218,18 @@ impl Message<'_> {
             Refusal::SameReference { step, span } => write!(
                 f,
                 "step {}: {} was understood as both what to move and where to; \
+                 say it in other words",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::UnclearWords {
+                step,
+                span,
+                probability,
+                threshold,
+            } => write!(
+                f,
+                "step {} is not clear at {}: probability {probability:.2}, needed {threshold:.2}; \
                  say it in other words",
                 number(*step),
                 self.quoted(*span)

@@ -70,6 +70,16 @@ impl Encoder {
         }
     }
 
+    /// The forward cell's state.
+    pub const fn ahead(&self) -> &[f32; ENCODER_HIDDEN] {
+        &self.forward
+    }
+
+    /// The backward cell's state.
+    pub const fn behind(&self) -> &[f32; ENCODER_HIDDEN] {
+        &self.backward
+    }
+
     /// The instruction's embedding `emb(Λ)`: the forward cell's last state and the backward cell's,
     /// once both have been fed all tokens.
     pub fn instruction(&self) -> [f32; INSTRUCTION] {

@@ -1,9 +1,11 @@
 //! From a sentence to a program (section IV-B): words to tokens, a splitter into steps, a GRU
-//! encoder for each step, and decoders for its action and arguments.
+//! encoder for each step, a judge of its words' acceptability, and decoders for its action and
+//! arguments.
 //!
 //! Everything is learned except the words that name attribute values, which are given, as in the
 //! paper. Adjacent words of this kind become one token.
 
+mod acceptability;
 mod decoders;
 mod encoder;
 mod nearest;
@@ -12,6 +14,7 @@ mod splitter;
 mod task;
 mod tokens;
 
+pub use acceptability::Acceptability;
 pub use decoders::{choose_action, choose_group};
 pub use encoder::Encoder;
 pub use nearest::nearest_word;

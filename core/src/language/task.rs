@@ -2,7 +2,7 @@ use core::task::Poll;
 use heapless::Vec;
 
 use super::segments::Segments;
-use super::{Encoder, Reader, Span, Splitter, choose_action, choose_group};
+use super::{Acceptability, Encoder, Reader, Span, Splitter, choose_action, choose_group};
 use crate::capacity::{MAX_GROUPS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Program, Step};
 use crate::model::{INSTRUCTION, Model, WordEmbeddings};
@@ -17,6 +17,8 @@ pub struct StepDecisions {
     pub span: Span,
     /// That the step ends where it was split.
     pub split: f32,
+    /// That all its words stand where commands have them.
+    pub words: f32,
     /// That its action is right.
     pub action: f32,
     /// That the chosen words describe the object to move.
@@ -71,8 +73,8 @@ impl Parsed {
 }
 
 /// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
-/// one token to the splitter or to one direction of the encoder, or runs one decoder. All scratch
-/// memory is in here.
+/// one token to the splitter or to one direction of the encoder, which also judges its
+/// acceptability, or runs one decoder. All scratch memory is in here.
 ///
 /// `T` is the sentence: borrowed (`&str`), or owned, such as a
 /// [`heapless::String`], where the task outlives the call that began it.
@@ -100,6 +102,7 @@ pub struct ParsingTask<'m, T> {
     splitter: Splitter,
     segments: Segments,
     encoder: Encoder,
+    acceptability: Acceptability,
     parsed: Parsed,
     stage: Stage,
 }
@@ -160,6 +163,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             splitter: Splitter::new(),
             segments: Segments::new(),
             encoder: Encoder::new(),
+            acceptability: Acceptability::new(),
             parsed: Parsed::empty(model),
             stage,
         }
@@ -269,6 +273,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         }
         self.sure(step, Decision::Split, probability)?;
         self.encoder.clear();
+        self.acceptability.clear();
         Ok(Stage::Forward {
             step,
             token: self.segments.tokens(step).start,
@@ -278,10 +283,10 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     fn forward(&mut self, step: usize, token: usize) -> Result<Stage, Refusal> {
         let end = self.segments.tokens(step).end;
         let (embeddings, group) = self.token(token)?;
-        // Their number was checked when the step began.
-        let _ = self
-            .encoder
-            .forward(&self.model.language, embeddings, group);
+        let language = &self.model.language;
+        // Their numbers were checked when the sentence was read and the step began.
+        let _ = self.encoder.forward(language, embeddings, group);
+        let _ = self.acceptability.ahead(language, self.encoder.ahead());
         let token = token.saturating_add(1);
         Ok(if token < end {
             Stage::Forward { step, token }
@@ -293,8 +298,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     fn backward(&mut self, step: usize, before: usize) -> Result<Stage, Refusal> {
         let token = before.saturating_sub(1);
         let (embeddings, group) = self.token(token)?;
-        self.encoder
-            .backward(&self.model.language, embeddings, group);
+        let language = &self.model.language;
+        self.encoder.backward(language, embeddings, group);
+        self.acceptability.behind(language, self.encoder.behind());
         Ok(if token > self.segments.tokens(step).start {
             Stage::Backward {
                 step,
@@ -306,9 +312,29 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     }
 
     fn action(&mut self, step: usize) -> Result<Stage, Refusal> {
+        self.check_words(step)?;
         let choice = choose_action(self.model.actions, &self.encoder.instruction());
         let action = self.decide(step, Decision::Action, choice)?;
         Ok(Stage::Object { step, action })
+    }
+
+    fn check_words(&self, step: usize) -> Result<(), Refusal> {
+        let probability = self.acceptability.probability();
+        if !probability.is_finite() {
+            return Err(not_finite(step, Quantity::Words));
+        }
+        let threshold = self.model.header.thresholds.decision;
+        if probability >= threshold {
+            return Ok(());
+        }
+        let token = self.segments.tokens(step).start + self.acceptability.least();
+        let token = self.reader.tokens().get(token);
+        Err(Refusal::UnclearWords {
+            step: step as u8,
+            span: token.ok_or(Refusal::InvalidModel)?.span,
+            probability,
+            threshold,
+        })
     }
 
     fn argument(
@@ -340,6 +366,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         let decisions = StepDecisions {
             span: self.segments.span(step, self.reader.tokens()),
             split: split.ok_or(Refusal::InvalidModel)?,
+            words: self.acceptability.probability(),
             action: action.probability,
             object: object.probability,
             reference: reference.probability,

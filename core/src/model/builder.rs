@@ -2,10 +2,11 @@
 //! output of nsrm-codegen still compiles.
 
 use super::{
-    Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, INSTRUCTION,
-    LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN,
-    PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
-    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
+    Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
+    OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
+    SPLITTER_WORD, Simulator, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 use crate::nn::{Conv, Gru, Linear};
 
@@ -108,6 +109,9 @@ builder! {
         object_decoder, with_object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> = &Linear::UNSET;
         reference_decoder, with_reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> =
             &Linear::UNSET;
+        acceptability_hidden, with_acceptability_hidden:
+            &'a Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN> = &Linear::UNSET;
+        acceptability, with_acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1> = &Linear::UNSET;
         splitter, with_splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN> = &Gru::UNSET;
         hazard_hidden, with_hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN> =
             &Linear::UNSET;
@@ -181,6 +185,7 @@ mod tests {
             model.with_simulator(unset.simulator),
             model.with_language(language.with_forward(unset.language.forward)),
             model.with_language(language.with_object_decoder(unset.language.object_decoder)),
+            model.with_language(language.with_acceptability(unset.language.acceptability)),
             model.with_language(language.with_splitter(unset.language.splitter)),
             model.with_language(language.with_hazard(unset.language.hazard)),
         ] {

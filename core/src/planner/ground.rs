@@ -323,6 +323,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         let decisions = self.decisions(step)?;
         let confidence = Confidence {
             split: decisions.split,
+            words: decisions.words,
             action: decisions.action,
             object: decisions.object,
             reference: decisions.reference,

@@ -22,8 +22,8 @@ use crate::calibration::{self, Cause};
 use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_STEPS, MAX_TOKENS};
 use crate::language::{Parsed, ParsingTask};
 use crate::model::{
-    CONCEPT, ENCODER_HIDDEN, INSTRUCTION, LOCATION, Model, OPERATOR_HIDDEN, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, VIEW_EMBEDDING,
+    ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, Model,
+    OPERATOR_HIDDEN, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, VIEW_EMBEDDING, WORD,
 };
 use crate::refusal::Refusal;
 use crate::scene::Scene;
@@ -37,7 +37,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 10 * 1024 && PLAN_BYTES <= 1024);
+const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1024);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -45,9 +45,9 @@ const _: () = assert!(size_of::<Refusal>() <= 96);
 pub const UNIT_MULTIPLY_ADDS: usize = {
     let units = [
         // One token through the splitter.
-        4 * SPLITTER_HIDDEN * SPLITTER_HIDDEN + SPLITTER_HIDDEN,
-        // One token through one direction of the encoder.
-        3 * ENCODER_HIDDEN * ENCODER_HIDDEN,
+        (3 * (SPLITTER_WORD + SPLITTER_HIDDEN) + HAZARD_INPUT + 1) * SPLITTER_HIDDEN,
+        // One token through one direction of the encoder, and its acceptability.
+        3 * (WORD + ENCODER_HIDDEN) * ENCODER_HIDDEN + (ENCODER_HIDDEN + 1) * ACCEPTABILITY_HIDDEN,
         // One argument decoder.
         (INSTRUCTION + MAX_GROUPS) * INSTRUCTION,
         // One object's score.

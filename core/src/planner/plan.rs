@@ -35,6 +35,8 @@ pub struct Grounding {
 pub struct Confidence {
     /// That the step ends where the sentence was split.
     pub split: f32,
+    /// That all words of the step stand where commands have them.
+    pub words: f32,
     /// That the action is right.
     pub action: f32,
     /// That these words describe the object to move.
@@ -52,6 +54,7 @@ impl Confidence {
     /// before it: all parts multiplied.
     pub fn joint(&self) -> f32 {
         self.split
+            * self.words
             * self.action
             * self.object
             * self.reference

@@ -19,7 +19,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// An event in the execution of a `PlanRequest`.
-    "nsrm.v1.PlanReply.a56839637ffd4920"
+    "nsrm.v1.PlanReply.daae48ce9521fb96"
     pub struct PlanReply {
         /// The client.
         pub client: u64,
@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 36] = [
+pub const REASONS: [&str; 37] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -89,6 +89,7 @@ pub const REASONS: [&str; 36] = [
     "calibration",
     "parsed_by_other_model",
     "low_confidence",
+    "unclear_words",
     OTHER,
 ];
 

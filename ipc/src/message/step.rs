@@ -11,7 +11,7 @@ use super::layout::message;
 
 message! {
     /// A step as parsed and, if it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.9da5fff08c49f54d"
+    "nsrm.v1.StepMessage.256bedace904e745"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
@@ -32,9 +32,9 @@ message! {
         pub object_score: f32,
         /// How well the reference fits.
         pub reference_score: f32,
-        /// Probability of each choice: split, action, words of the object, words
+        /// Probability of each choice: split, acceptable words, action, words of the object, words
         /// of the reference, object, reference.
-        pub confidence: [f32; 6],
+        pub confidence: [f32; 7],
         /// Sub-goal position of the object's centre: world frame, metres.
         pub position: [f32; 3],
         /// Sub-goal orientation, world frame: x, y, z, w.
@@ -57,7 +57,7 @@ impl StepMessage {
         reference_id: 0,
         object_score: 0.0,
         reference_score: 0.0,
-        confidence: [0.0; 6],
+        confidence: [0.0; 7],
         position: [0.0; 3],
         orientation: [0.0; 4],
         location: [0.0; 5],
@@ -88,6 +88,7 @@ impl StepMessage {
         self.reference_score = reference.score;
         self.confidence = [
             confidence.split,
+            confidence.words,
             confidence.action,
             confidence.object,
             confidence.reference,

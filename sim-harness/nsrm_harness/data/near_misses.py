@@ -12,20 +12,28 @@ refuses it anyway.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.domain.everyday import MAX_STEPS, Recogniser, Speaker, everyday_of, filled_in
+from nsrm_harness.domain.grammar import Command, Grammar
+from nsrm_harness.domain.program import Step
+from nsrm_harness.domain.tokens import Tokenizer
 
+#: Share that is made from plain commands, in the grammar that a model is first trained on.
+PLAIN = 0.35
 #: Share of near misses about the order of time.
 UNTIMELY = 0.1
 #: Of the others, share of those that are rearranged, and of those with a relation that is none.
-REARRANGED, RELATED = 0.15, 0.4
-#: Of the wrong relations, share of two at once, of a few random words, and of some of the words of
-#: one; the others have one word more, less or another.
-DOUBLED, FEW, THINNED = 0.25, 0.3, 0.2
+REARRANGED, RELATED = 0.1, 0.45
+#: Of the wrong relations, share of two at once, of a few random words, of a part of one, and of
+#: some of the words of one; the others have one word more, less or another.
+DOUBLED, FEW, CUT, THINNED = 0.25, 0.25, 0.15, 0.1
+#: Share of sentences without a relation's words among those with a few.
+BARE = 0.4
 #: Share of the others that have more than one change.
 CHANGED_TWICE = 0.25
 #: Rules of the parts of a command that stand in for each other.
@@ -74,6 +82,8 @@ class NearMisses:
         self._domain = domain
         self._rng = rng
         self._speaker = Speaker(domain, rng)
+        self._grammar = Grammar(domain)
+        self._tokenizer = Tokenizer(domain)
         self._recogniser = Recogniser.of(domain)
         self._vocabulary = domain.vocabulary()[1:]
         self._inserted = [name for name in INSERTED if name in words.rules]
@@ -85,6 +95,11 @@ class NearMisses:
             filled_in(text, relation).split()
             for relation in words.relations.values()
             for text in words.rules[relation["rule"]]
+        ]
+        self._plain_relations = [
+            [*phrase.split(), "{reference}"]
+            for action in domain.actions
+            for phrase in action.phrases
         ]
         self._relations = [
             [word for word in text if not word.startswith("{")] for text in self._relation_texts
@@ -140,6 +155,8 @@ class NearMisses:
         With a connective it is meaningless without the first one, too, which is left out: "and then
         first put the green block there".
         """
+        if self._rng.random() < PLAIN:
+            return self._plainly_untimely()
         start = self._choose((*self._order_words, "{starting}"))
         if self._rng.random() < 0.6:
             words = self._speaker.step(None, 0, f"{self._choose(self._joints)} {start}")
@@ -150,7 +167,32 @@ class NearMisses:
         words = [*self._speaker.step(None, 0), *second]
         return None if self._recogniser.program(words) else words
 
+    def _plainly_untimely(self) -> list[str] | None:
+        """A plain command with an order word behind its connective, or two with nothing else in
+        between."""
+        later, order_word = self._plain(is_first=False), self._choose(self._order_words)
+        if self._rng.random() < 0.5:
+            words = self._pattern(self._plain(is_first=True), replace(later, connective=order_word))
+        else:
+            words = self._pattern(replace(later, connective=f"{later.connective} {order_word}"))
+        return None if self._recogniser.program(words) else words
+
+    def _plain(self, is_first: bool) -> Command:
+        """A plain command, the first or a later one; its values mean nothing."""
+        value = self._domain.concepts[0].name
+        action = self._choose(self._domain.actions).name
+        step = Step(action, (value,), (value,))
+        return self._grammar.commands(self._rng, (step, step))[0 if is_first else 1]
+
+    def _pattern(self, *commands: Command) -> list[str]:
+        """The words, with a group token for the values of each description."""
+        words = " ".join(word for command in commands for word in command.words())
+        return list(self._tokenizer(words).words)
+
     def _step(self) -> list[str]:
+        if self._rng.random() < PLAIN:
+            command = self._plain(self._rng.random() < 0.5)
+            return self._pattern(command)
         if self._rng.random() < 0.5:
             lead = "{starting}" if self._rng.random() < 0.1 else ""
             return self._speaker.step(None, 0, lead)
@@ -176,27 +218,40 @@ class NearMisses:
 
     def _with_no_relation(self) -> list[str]:
         """A command with a relation that is none: "to the blue", "on the blue block's top"."""
+        if self._rng.random() < PLAIN:
+            command = self._plain(self._rng.random() < 0.5)
+            relation = self._no_relation(self._choose(self._plain_relations))
+            words = " ".join(word for word in relation if word != "{reference}")
+            return self._pattern(replace(command, fields={**command.fields, "relation": words}))
         text, order = (self._choose(self._rules[name]) for name in ("command", "order"))
-        relation = list(self._choose(self._relation_texts))
-        draw = self._rng.random()
-        if draw < DOUBLED:
-            other = self._choose(self._relations)
-            relation = [*other, *self._choose(JOINTS).split(), *relation]
-        elif draw < DOUBLED + FEW:
-            # A few words: "to", "at the", or none at all.
-            some = [self._choose(self._choose(self._relations)) for _ in range(self._any(4))]
-            relation = [*some, "{reference}"]
-        elif draw < DOUBLED + FEW + THINNED:
-            kept = self._rng.random()
-            relation = [w for w in relation if w.startswith("{") or self._rng.random() < kept]
-        else:
-            places = [at for at, word in enumerate(relation) if not word.startswith("{")]
-            at, change = self._choose(places), self._any(3)
-            word = self._choose(self._choose(self._relations)) if self._any(2) else self._word()
-            relation[at : at + (change > 0)] = [word] if change < 2 else []
+        relation = self._no_relation(self._choose(self._relation_texts))
         lead = "{next}" if self._any(2) else ""
         text = text.replace("{order}", order).replace("{where}", " ".join(relation))
         return self._speaker.words(f"{lead} {{before}} {text} {{after}}")
+
+    def _no_relation(self, text: Sequence[str]) -> list[str]:
+        """The words of a relation with two at once, only few words or one wrong word."""
+        draw, relation = self._rng.random(), list(text)
+        if draw < DOUBLED:
+            other = self._choose(self._relations)
+            return [*other, *self._choose(JOINTS).split(), *relation]
+        if draw < DOUBLED + FEW:
+            # "to", "at the", or none at all.
+            count = 0 if self._rng.random() < BARE else 1 + self._any(3)
+            some = [self._choose(self._choose(self._relations)) for _ in range(count)]
+            return [*some, "{reference}"]
+        if draw < DOUBLED + FEW + CUT:
+            # "next to" of "next to …, on the left".
+            place = next(at for at, word in enumerate(relation) if word.startswith("{"))
+            return relation[self._any(place + 1) : place + 1 + self._any(len(relation) - place)]
+        if draw < DOUBLED + FEW + CUT + THINNED:
+            kept = self._rng.random()
+            return [w for w in relation if w.startswith("{") or self._rng.random() < kept]
+        places = [at for at, word in enumerate(relation) if not word.startswith("{")]
+        at, change = self._choose(places), self._any(3)
+        word = self._choose(self._choose(self._relations)) if self._any(2) else self._word()
+        relation[at : at + (change > 0)] = [word] if change < 2 else []
+        return relation
 
     def _with_words_left_out(self, words: list[str]) -> list[str]:
         first = self._any(len(words))

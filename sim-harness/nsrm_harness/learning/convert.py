@@ -1,4 +1,5 @@
-"""Converts files of the previous schema, whose hash covered only the tensors."""
+"""Converts files of earlier schemas: the hash covered only the tensors (model 2, baseline 1), and
+models had no acceptability (2, 3)."""
 
 from __future__ import annotations
 
@@ -6,37 +7,55 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
+import jax
 import numpy as np
 
-from nsrm_harness.learning import export
+from nsrm_harness.learning import export, hashes
 from nsrm_harness.learning.baseline import file as baseline
 from nsrm_harness.learning.export import ModelFileError, hashed_bytes, read_raw, write_whole
+from nsrm_harness.learning.model import Acceptability, tensors
 
-NEXT = dict(zip(export.CONVERTIBLE, (str(export.SCHEMA), baseline.SCHEMA), strict=True))
+BASELINE = "baseline 1"
+NEXT = {
+    schema: baseline.SCHEMA if schema == BASELINE else str(export.SCHEMA)
+    for schema in export.CONVERTIBLE
+}
 """The current schema for each one that can be converted."""
+LAST_OF_TENSORS = ("2", BASELINE)
+"""Schemas whose hash covers only the tensors."""
 
 
 def convert(path: Path) -> None:
-    """Gives a file the current schema and hash; nothing else in it changes.
+    """Gives a file the current schema and hash, and a model that has none an acceptability with
+    which it accepts all words that it accepted before; nothing else in it changes.
 
-    Raises `ModelFileError` for a file of another schema, or whose tensors do not have its hash. The
-    metadata are taken as they are, since nothing protected them.
+    Raises `ModelFileError` for a file of another schema, or which does not have its hash. The
+    metadata of the first schemas are taken as they are, since nothing protected them.
     """
     arrays, metadata = read_raw(path)
     found = metadata.get("schema")
     if found not in NEXT:
-        known = " or ".join(NEXT)
+        *others, last = NEXT
+        known = f"{', '.join(others)} or {last}"
         raise ModelFileError(f"{path}: expected a file of schema {known} to convert, got {found}")
-    if metadata.get("hash") != tensor_hash(arrays):
+    covered = (
+        tensor_hash(arrays) if found in LAST_OF_TENSORS else hashes.file_hash(arrays, metadata)
+    )
+    if metadata.get(hashes.HASH) != covered:
         raise ModelFileError(
-            f"{path}: the tensors do not have the hash given in the file: it was changed or "
-            "damaged, fetch it again"
+            f"{path}: it does not have the hash given in the file: it was changed or damaged, "
+            "fetch it again"
         )
+    if found != BASELINE:
+        accepting = tensors(Acceptability(jax.random.key(0)))
+        arrays |= {
+            f"language.acceptability.{name}": np.asarray(array) for name, array in accepting.items()
+        }
     write_whole(path, hashed_bytes(arrays, metadata | {"schema": NEXT[found]}))
 
 
 def tensor_hash(tensors: Mapping[str, np.ndarray]) -> str:
-    """The hash in those schemas: over the tensors by name, without metadata."""
+    """The hash in the first schemas: over the tensors by name, without metadata."""
     digest = hashlib.sha256()
     for name in sorted(tensors):
         array = tensors[name]

@@ -180,7 +180,13 @@ def language(
                 arrays[f"{name}.{part}"] = getattr(step, part)
             concepts = [[file.domain.concepts[c].name for c in group] for group in step.groups]
             described.append(
-                {"first": step.first, "end": step.end, "split": step.split, "groups": concepts}
+                {
+                    "first": step.first,
+                    "end": step.end,
+                    "split": step.split,
+                    "words": step.words,
+                    "groups": concepts,
+                }
             )
         tokens = tokenizer(sentence)
         cases.append(

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 WORD = 32
 ENCODER_HIDDEN = 48
 INSTRUCTION = 2 * ENCODER_HIDDEN
+ACCEPTABILITY_HIDDEN = 16
 SPLITTER_WORD = 24
 SPLITTER_HIDDEN = 32
 CROP = 32
@@ -43,6 +44,8 @@ SIMULATOR_SCALE = 0.1
 """Factor on the simulator's output, which keeps initial predictions near the reference."""
 NORM_EPSILON = 1e-6
 """Smallest norm in a cosine."""
+ACCEPTED = 20.0
+"""Log odds of a word's acceptability in a model that was not taught which words are acceptable."""
 MISSING = -1e9
 """Logit of padding and missing objects."""
 
@@ -154,6 +157,24 @@ class Splitter(eqx.Module):
         return rows(self.hazard, jnp.tanh(rows(self.hidden, seen)))[:, 0]
 
 
+class Acceptability(eqx.Module):
+    """Predicts whether each word stands where commands have it, so that what nobody says is not
+    understood; not in the paper."""
+
+    hidden: eqx.nn.Linear
+    output: eqx.nn.Linear
+
+    def __init__(self, key: Array, odds: float = ACCEPTED):
+        """`odds`: the log odds of every word until it is trained."""
+        self.hidden = eqx.nn.Linear(INSTRUCTION, ACCEPTABILITY_HIDDEN, key=key)
+        self.output = jax.tree.map(jnp.zeros_like, eqx.nn.Linear(ACCEPTABILITY_HIDDEN, 1, key=key))
+        self.output = eqx.tree_at(lambda layer: layer.bias, self.output, jnp.array([odds]))
+
+    def __call__(self, states: Array) -> Array:
+        """Encoder states `[T, 96]` -> log odds `[T]`."""
+        return rows(self.output, jnp.tanh(rows(self.hidden, states)))[:, 0]
+
+
 class Parse(NamedTuple):
     """The parse of one step: logits `[A]` of actions, `[T]` of each argument."""
 
@@ -170,6 +191,7 @@ class Language(eqx.Module):
     action_decoder: eqx.nn.Linear
     object_decoder: eqx.nn.Linear
     reference_decoder: eqx.nn.Linear
+    acceptability: Acceptability
     splitter: Splitter
 
     def __init__(self, dimensions: Dimensions, key: Array):
@@ -180,16 +202,23 @@ class Language(eqx.Module):
         self.object_decoder = eqx.nn.Linear(INSTRUCTION, INSTRUCTION, key=keys[3])
         self.reference_decoder = eqx.nn.Linear(INSTRUCTION, INSTRUCTION, key=keys[4])
         self.splitter = Splitter(dimensions.words, keys[5])
+        self.acceptability = Acceptability(jax.random.fold_in(key, 6))
 
     def parse(self, tokens: Array, valid: Array) -> Parse:
         """Tokens of one step `[T]`, right-padded -> logits; only group tokens can be arguments."""
+        return self.heard(tokens, valid)[0]
+
+    def heard(self, tokens: Array, valid: Array) -> tuple[Parse, Array]:
+        """The parse, and the log probability that all words are acceptable."""
         states, instruction = self.encoder(self.embedding.weight[tokens], valid)
         is_group = valid & (tokens == GROUP_TOKEN)
         arguments = [
             jnp.where(is_group, states @ decoder(instruction), MISSING)
             for decoder in (self.object_decoder, self.reference_decoder)
         ]
-        return Parse(self.action_decoder(instruction), *arguments)
+        odds = self.acceptability(states)
+        acceptable = jnp.where(valid, jax.nn.log_sigmoid(odds), 0.0).sum()
+        return Parse(self.action_decoder(instruction), *arguments), acceptable
 
 
 class Conv(eqx.Module):

@@ -30,6 +30,8 @@ class ParsedStep:
     """At most `[n]`: for each token up to the split; none after a sentence's last token."""
     split: float
     """Probability of the split."""
+    words: float
+    """Probability that all words are acceptable."""
     states: np.ndarray
     """`[n, 96]`"""
     instruction: np.ndarray
@@ -97,7 +99,7 @@ def _encode(
     split: float,
     groups: tuple[tuple[int, ...], ...],
 ) -> ParsedStep:
-    states, instruction, logits = _encoded(model, *_padded(rows))
+    states, instruction, logits, words = _encoded(model, *_padded(rows))
     at = np.flatnonzero(rows == GROUP_TOKEN)
     return ParsedStep(
         first=first,
@@ -106,6 +108,7 @@ def _encode(
         split=split,
         states=np.asarray(states)[: len(rows)],
         instruction=np.asarray(instruction),
+        words=float(np.exp(words)),
         action_logits=np.asarray(logits.action),
         object_logits=np.asarray(logits.object)[at],
         reference_logits=np.asarray(logits.reference)[at],
@@ -128,9 +131,9 @@ def _hazards(model: Model, tokens: jax.Array, valid: jax.Array) -> jax.Array:
 @eqx.filter_jit
 def _encoded(
     model: Model, tokens: jax.Array, valid: jax.Array
-) -> tuple[jax.Array, jax.Array, Parse]:
+) -> tuple[jax.Array, jax.Array, Parse, jax.Array]:
     words = model.language.embedding.weight[tokens]
-    return *model.language.encoder(words, valid), model.language.parse(tokens, valid)
+    return *model.language.encoder(words, valid), *model.language.heard(tokens, valid)
 
 
 def plan(

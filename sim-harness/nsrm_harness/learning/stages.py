@@ -59,6 +59,7 @@ PERCEPTION = ("vision",)
 PERCEPTION_AND_PARSER = PERCEPTION + PARSER
 SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
 SPLITTER = ("language.splitter",)
+ACCEPTABILITY = ("language.acceptability",)
 
 
 class TrainingError(HarnessError):

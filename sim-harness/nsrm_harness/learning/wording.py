@@ -1,9 +1,9 @@
 """Teaches a trained model everyday wording, from many sentences about demonstrations.
 
 Perception and actions stay as they are: with them, the final scene shows what a sentence means
-(`explain`), and the parser is trained on that. Of near misses, sentences after which
-nothing was done, it learns to be sure of no action, and of commands in an impossible order of time
-the splitter learns to leave them whole, which the core refuses.
+(`explain`), and the parser is trained on that. From near misses, sentences after which nothing was
+done, it learns which words are not acceptable where they stand, and of commands in an impossible
+order of time the splitter learns to leave them whole; the core refuses both.
 """
 
 from __future__ import annotations
@@ -41,9 +41,16 @@ from nsrm_harness.learning.dataset import (
 from nsrm_harness.learning.explain import explain
 from nsrm_harness.learning.export import ModelFile
 from nsrm_harness.learning.first_ends import first_ends
-from nsrm_harness.learning.model import GROUP_TOKEN, Dimensions, Language, Model, Parse
+from nsrm_harness.learning.model import (
+    GROUP_TOKEN,
+    Acceptability,
+    Dimensions,
+    Language,
+    Model,
+    Parse,
+)
 from nsrm_harness.learning.splits import end_log_probability
-from nsrm_harness.learning.stages import PARSER, SPLITTER, Stage, TrainingError
+from nsrm_harness.learning.stages import ACCEPTABILITY, PARSER, SPLITTER, Stage, TrainingError
 from nsrm_harness.learning.train import Fit
 
 NAME = "wording"
@@ -51,6 +58,10 @@ MOST_TOKENS = 28
 """Steps with more tokens are left out."""
 AHEAD = 8
 """Number of tokens of the next step that the splitter sees in training; it looks two ahead."""
+CERTAIN = 1e-6
+"""Subtracted from the log probability that all words are acceptable: no loss is infinite."""
+ODDS = 2.0
+"""Log odds of each word's acceptability before the lesson."""
 ALONE = 0.4
 """Share of steps that are shown to the splitter without the next one."""
 
@@ -60,7 +71,7 @@ class WordingConfig:
     """Everything that the lesson depends on, except data and seed."""
 
     stage: StageConfig = field(
-        default_factory=lambda: StageConfig(epochs=8, learning_rate=3e-3, batch=480)
+        default_factory=lambda: StageConfig(epochs=12, learning_rate=3e-3, batch=480)
     )
     """A batch has as many steps, near misses and commands in an impossible order."""
     training: TrainingConfig = field(default_factory=TrainingConfig)
@@ -162,21 +173,20 @@ def wording_stage(
 
 
 def _step_loss(language: Language, step: ToldSteps, alone: Array) -> Array:
-    """Surprise, in nats, at the meaning of a step and at its end."""
-    parse = language.parse(step.tokens, jnp.arange(MOST_TOKENS) < step.length)
+    """Surprise, in nats, at the meaning of a step, its acceptable words and its end."""
+    parse, acceptable = language.heard(step.tokens, jnp.arange(MOST_TOKENS) < step.length)
     meaning = sum(
         -jax.nn.log_softmax(logits)[meant] for logits, meant in zip(parse, step.meant, strict=True)
     )
     length = jnp.where(alone, step.length, step.joined_length)
     end = end_log_probability(language.splitter, step.joined, length)[step.length - 1]
-    return meaning - end
+    return meaning - acceptable - end
 
 
 def _nothing_loss(language: Language, miss: NearMisses) -> Array:
-    """Divergence, in nats, of the action probabilities from uniform."""
-    parse = language.parse(miss.tokens, jnp.arange(MOST_TOKENS) < miss.length)
-    actions = jax.nn.log_softmax(parse.action)
-    return -actions.mean() - jnp.log(actions.shape[0])
+    """Surprise, in nats, that not all words are acceptable."""
+    _, acceptable = language.heard(miss.tokens, jnp.arange(MOST_TOKENS) < miss.length)
+    return -jnp.log(-jnp.expm1(acceptable - CERTAIN))
 
 
 def _whole_loss(language: Language, command: Untimely) -> Array:
@@ -237,7 +247,8 @@ class Lesson:
         return cls(base, domain, data, found.near_misses)
 
     def untaught(self, seed: int) -> Model:
-        """The model with random embeddings for the words that are new to it."""
+        """The model with random embeddings for the words that are new to it, and an acceptability
+        that knows nothing."""
         fresh = Model(Dimensions.of(self.domain), jax.random.key(seed))
         base, row = self.base.model, {word: n for n, word in enumerate(self.domain.vocabulary())}
         known = jnp.array([row[word] for word in self.base.domain.vocabulary()])
@@ -250,7 +261,10 @@ class Lesson:
             new.at[known].set(old)
             for new, old in zip(embeddings(fresh), embeddings(base), strict=True)
         ]
-        return eqx.tree_at(embeddings, base, grown)
+        judge = Acceptability(jax.random.key(seed), ODDS)
+        return eqx.tree_at(
+            lambda model: (*embeddings(model), model.language.acceptability), base, (*grown, judge)
+        )
 
 
 def teach(
@@ -272,7 +286,9 @@ def teach(
         f"{len(lesson.data)} sentences, {len(steps.length)} steps explained by their final scenes, "
         f"{len(misses.length)} near misses and {len(untimely.length)} in an impossible order"
     )
-    fit = Fit(wording_stage(config, steps, misses, untimely), PARSER + SPLITTER, seed, 0)
+    fit = Fit(
+        wording_stage(config, steps, misses, untimely), PARSER + ACCEPTABILITY + SPLITTER, seed, 0
+    )
     state = fit.start(model)
     if progress.epoch > 0:
         state = checkpoints.state(state)

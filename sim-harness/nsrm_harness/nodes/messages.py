@@ -45,6 +45,7 @@ REASONS = (
     "calibration",
     "parsed_by_other_model",
     "low_confidence",
+    "unclear_words",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""
@@ -424,9 +425,9 @@ class StepMessage(ctypes.Structure):
         ("object_score", ctypes.c_float),
         # How well the reference fits.
         ("reference_score", ctypes.c_float),
-        # Probability of each choice: split, action, words of the object, words
+        # Probability of each choice: split, acceptable words, action, words of the object, words
         # of the reference, object, reference.
-        ("confidence", ctypes.c_float * 6),
+        ("confidence", ctypes.c_float * 7),
         # Sub-goal position of the object's centre: world frame, metres.
         ("position", ctypes.c_float * 3),
         # Sub-goal orientation, world frame: x, y, z, w.
@@ -435,7 +436,7 @@ class StepMessage(ctypes.Structure):
         # metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (108, 4)
+    LAYOUT: ClassVar = (112, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
@@ -448,16 +449,16 @@ class StepMessage(ctypes.Structure):
         "object_score": 28,
         "reference_score": 32,
         "confidence": 36,
-        "position": 60,
-        "orientation": 72,
-        "location": 88,
+        "position": 64,
+        "orientation": 76,
+        "location": 92,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.StepMessage.9da5fff08c49f54d"
+        return "nsrm.v1.StepMessage.256bedace904e745"
 
 
 class PlanReply(ctypes.Structure):
@@ -492,7 +493,7 @@ class PlanReply(ctypes.Structure):
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
-    LAYOUT: ClassVar = (1944, 8)
+    LAYOUT: ClassVar = (1976, 8)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
@@ -514,7 +515,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.a56839637ffd4920"
+        return "nsrm.v1.PlanReply.daae48ce9521fb96"
 
 
 class SubGoal(ctypes.Structure):

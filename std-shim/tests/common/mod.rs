@@ -82,6 +82,7 @@ impl ModelFile {
         }
         file.set("language.object_decoder.bias", &[0], -100.0);
         file.set("language.reference_decoder.bias", &[0], 100.0);
+        file.set("language.acceptability.output.bias", &[0], 20.0);
         file.set("language.action_decoder.bias", &[0], 20.0);
         file.set("language.action_decoder.weight", &[1, 1], 100.0);
         file.set("language.action_decoder.weight", &[2, 2], 100.0);

@@ -1,7 +1,8 @@
 //! Sentence encoder, decoders and splitter (section IV-B).
 
 use nsrm_core::model::{
-    ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, SPLITTER_HIDDEN, SPLITTER_WORD, WORD, WordEmbeddings,
+    ACCEPTABILITY_HIDDEN, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, SPLITTER_HIDDEN,
+    SPLITTER_WORD, WORD, WordEmbeddings,
 };
 use nsrm_core::nn::{Gru, Linear};
 
@@ -18,6 +19,8 @@ pub(crate) struct FoldedLanguage {
     pub(crate) backward: Box<Gru<WORD, ENCODER_HIDDEN>>,
     pub(crate) object_decoder: Box<Linear<INSTRUCTION, INSTRUCTION>>,
     pub(crate) reference_decoder: Box<Linear<INSTRUCTION, INSTRUCTION>>,
+    pub(crate) acceptability_hidden: Box<Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN>>,
+    pub(crate) acceptability: Box<Linear<ACCEPTABILITY_HIDDEN, 1>>,
     pub(crate) splitter: Box<Gru<SPLITTER_WORD, SPLITTER_HIDDEN>>,
     pub(crate) hazard_hidden: Box<Linear<HAZARD_INPUT, SPLITTER_HIDDEN>>,
     pub(crate) hazard: Box<Linear<SPLITTER_HIDDEN, 1>>,
@@ -43,6 +46,8 @@ impl FoldedLanguage {
             backward: Box::new(gru(tensors, "language.encoder.backward")?),
             object_decoder: Box::new(linear(tensors, "language.object_decoder")?),
             reference_decoder: Box::new(linear(tensors, "language.reference_decoder")?),
+            acceptability_hidden: Box::new(linear(tensors, "language.acceptability.hidden")?),
+            acceptability: Box::new(linear(tensors, "language.acceptability.output")?),
             splitter: Box::new(gru(tensors, "language.splitter.gru")?),
             hazard_hidden: Box::new(linear(tensors, "language.splitter.hidden")?),
             hazard: Box::new(linear(tensors, "language.splitter.hazard")?),

@@ -95,6 +95,10 @@ fn shapes() -> Vec<(String, Vec<usize>)> {
         add(&format!("language.{decoder}_decoder.weight"), &[96, 96]);
         add(&format!("language.{decoder}_decoder.bias"), &[96]);
     }
+    add("language.acceptability.hidden.weight", &[16, 96]);
+    add("language.acceptability.hidden.bias", &[16]);
+    add("language.acceptability.output.weight", &[1, 16]);
+    add("language.acceptability.output.bias", &[1]);
     add("language.splitter.embedding.weight", &[words, 24]);
     add("language.splitter.gru.weight_ih", &[96, 24]);
     add("language.splitter.gru.weight_hh", &[96, 32]);

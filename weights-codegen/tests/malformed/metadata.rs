@@ -68,12 +68,16 @@ fn missing_hash() {
 
 #[test]
 fn another_schema() {
-    for (got, advice) in [("1", "train again"), ("2", "`cargo harness convert FILE`")] {
+    for (got, advice) in [
+        ("1", "train again"),
+        ("2", "`cargo harness convert FILE`"),
+        ("3", "`cargo harness convert FILE`"),
+    ] {
         let spoil = |file: &mut ModelFile| drop(file.metadata.insert("schema".into(), got.into()));
-        let parts = ["`schema`", "expected 3", &format!("{got:?}"), advice];
+        let parts = ["`schema`", "expected 4", &format!("{got:?}"), advice];
         let error = refused(spoil, &parts);
         let got = got.into();
-        assert_eq!(error, ModelError::Schema { expected: 3, got });
+        assert_eq!(error, ModelError::Schema { expected: 4, got });
     }
 }
 

@@ -32,7 +32,7 @@ from nsrm_harness.cli.commands.options import seed_option
 @click.option(
     "--near-misses",
     type=click.IntRange(0),
-    default=260_000,
+    default=300_000,
     show_default=True,
     help="Number of sentences after which nothing is done.",
 )
