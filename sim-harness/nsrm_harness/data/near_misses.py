@@ -27,8 +27,9 @@ from nsrm_harness.domain.tokens import Tokenizer
 PLAIN = 0.35
 #: Share of near misses about the order of time.
 UNTIMELY = 0.1
-#: Of the others, share of those that are rearranged, and of those with a relation that is none.
-REARRANGED, RELATED = 0.1, 0.45
+#: Of the others, share of those that are rearranged, of those with a relation in a description or a
+#: pronoun that stands for no object, and of those with a relation that is none.
+REARRANGED, REFERRING, RELATED = 0.1, 0.1, 0.4
 #: Of the wrong relations, share of two at once, of a few random words, of a part of one, and of
 #: some of the words of one; the others have one word more, less or another.
 DOUBLED, FEW, CUT, THINNED = 0.25, 0.25, 0.15, 0.1
@@ -48,6 +49,36 @@ PARTS = (
     "doing",
     "do",
     "be",
+    "is",
+    "ensuring",
+    "taking",
+)
+#: Sentences with a relation in a description, and with pronouns, that no program has; `{words}`
+#: stands for the words of a relation without its reference.
+REFERRING_TEXTS = (
+    "{do} {article} {noun} {that_is} {relation} {relation}",
+    "{do} {article} {noun} {relation} {relation}",
+    "{do} {moved} {that_is} {relation}",
+    "{do} {moved} {words} {article} {noun} {that_is} {relation}",
+    "{do} {moved} {words} {article} {noun} {relation}",
+    "{taken} {relation}",
+    "{taken} {that_is} {relation}",
+    "{taking} {article} {noun} {that_is} {relation} {joining} {do} it {relation}",
+    "{taking} {article} {noun} {relation} {joining} {do} it {relation}",
+    "{taken} {joining} {do} it {words} {article} {noun} {relation}",
+    "{taken} {joining} {do} {reference} {words} it",
+    "{taken} {joining} {words} it {do} {reference}",
+    "{taken} {joining} {taking} {reference}",
+    "{taken} and {reference} {joining} {do} it {words}",
+    "{taken} {joining} {do} it {joining} {reference}",
+    "{taking} it {joining} {do} {moved} {relation}",
+    "{do} it {relation} {joining} {do} {moved}",
+    "{do} {moved} {relation} {joining} {do} it {words}",
+    "{do} {moved} {relation} {joining} {do} it {words} it",
+    "{do} {moved} {relation} {joining} {taking} it",
+    "{ensuring} it {is} {relation} {joining} {do} {moved}",
+    "{moved} {is} {relation}",
+    "{moved} {that_is} {relation}",
 )
 #: Rules whose words are inserted.
 INSERTED = (*PARTS, "degree", "towards", "please", "opening", "address", "noun", "article", "next")
@@ -137,7 +168,9 @@ class NearMisses:
         draw = self._rng.random()
         if draw < REARRANGED:
             words = self._rearranged()
-        elif draw < REARRANGED + RELATED:
+        elif draw < REARRANGED + REFERRING:
+            words = self._referring()
+        elif draw < REARRANGED + REFERRING + RELATED:
             words = self._with_no_relation()
         else:
             words = self._step()
@@ -215,6 +248,15 @@ class NearMisses:
             place.insert(self._any(len(place) + 1), self._choose(self._how))
         text = [*around[0], objects[0], *around[1], objects[1], *around[2]]
         return self._speaker.words(f"{{before}} {' '.join(text)} {{after}}")
+
+    def _referring(self) -> list[str]:
+        """A relation in a description, "put the block that is on the red block on the blue block",
+        or a pronoun that stands for no object: "take the red block and put the blue one on it"."""
+        text = self._choose(REFERRING_TEXTS)
+        while "{words}" in text:
+            text = text.replace("{words}", " ".join(self._choose(self._relations)), 1)
+        lead = "{next}" if self._any(2) else ""
+        return self._speaker.words(f"{lead} {{before}} {text} {{after}}")
 
     def _with_no_relation(self) -> list[str]:
         """A command with a relation that is none: "to the blue", "on the blue block's top"."""

@@ -71,7 +71,7 @@ class WordingConfig:
     """Everything that the lesson depends on, except data and seed."""
 
     stage: StageConfig = field(
-        default_factory=lambda: StageConfig(epochs=12, learning_rate=3e-3, batch=480)
+        default_factory=lambda: StageConfig(epochs=14, learning_rate=3e-3, batch=480)
     )
     """A batch has as many steps, near misses and commands in an impossible order."""
     training: TrainingConfig = field(default_factory=TrainingConfig)
