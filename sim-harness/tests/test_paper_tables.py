@@ -12,18 +12,22 @@ from PIL import Image
 
 from nsrm_harness import domain as domains
 from nsrm_harness.common.workers import LocalProcesses
-from nsrm_harness.evaluation.metrics import Metrics
+from nsrm_harness.evaluation import language
+from nsrm_harness.evaluation.metrics import EvaluationError, Metrics
 from nsrm_harness.paper.tables.compare import BEFORE, Comparison, Cost
 from nsrm_harness.paper.tables.detections import COLUMNS, DetectorRow, table_of
 from nsrm_harness.paper.tables.lines import TITLES
 from nsrm_harness.paper.tables.plots import draw_comparison
 from nsrm_harness.paper.tables.publish import (
     BEGIN,
+    BEGIN_LANGUAGE,
     END,
+    END_LANGUAGE,
     README,
     PublishError,
     publish,
     with_figures,
+    with_language,
 )
 from nsrm_harness.paper.tables.results import (
     ResultRow,
@@ -219,8 +223,23 @@ def test_the_readme_gets_the_figures_between_its_marks(report: Path) -> None:
 
 
 def test_a_readme_without_marks_is_refused(report: Path) -> None:
-    with pytest.raises(PublishError, match="markers of the figures are missing"):
+    with pytest.raises(PublishError, match="a marker is missing"):
         with_figures("nothing\n", report)
+
+
+def test_the_readme_gets_what_the_models_understand(tmp_path: Path) -> None:
+    rows = [
+        (0, language.Counted("test", 40, 39, 1, 0)),
+        (0, language.Counted("other", 7, 7, 0, 0)),
+        (1, language.Counted("test", 40, 37, 1, 2)),
+    ]
+    language.write_rows(tmp_path / "language.csv", rows)
+    readme = with_language(f"{BEGIN_LANGUAGE}\nold\n{END_LANGUAGE}\n", tmp_path)
+    assert "training uses | 80 | 95.0 % | 2.5 % | 2.5 % |" in readme
+    assert "Means of 2 models" in readme and "old" not in readme
+    (tmp_path / "language.csv").write_text("set,seed\ntest,0\n", encoding="utf-8")
+    with pytest.raises(EvaluationError, match="expected the columns set,seed,count"):
+        with_language(readme, tmp_path)
 
 
 def test_nothing_is_published_without_a_model(report: Path, tmp_path: Path) -> None:

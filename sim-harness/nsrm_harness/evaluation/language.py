@@ -175,3 +175,21 @@ def write_rows(path: Path, rows: Sequence[tuple[int, Counted]]) -> None:
         writer.writerows(
             (row.set, seed, row.count, row.right, row.refused, row.wrong) for seed, row in rows
         )
+
+
+def read_rows(path: Path) -> list[tuple[int, Counted]]:
+    """Reads what `write_rows` has written; raises `EvaluationError`."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            return [
+                (
+                    int(row["seed"]),
+                    Counted(row["set"], *(int(row[name]) for name in COLUMNS[2:])),
+                )
+                for row in csv.DictReader(file)
+            ]
+    except (OSError, UnicodeDecodeError, KeyError, ValueError, TypeError) as error:
+        raise EvaluationError(
+            f"{path}: expected the columns {','.join(COLUMNS)}, as 'harness language' writes them: "
+            f"{error!r}"
+        ) from error

@@ -1,4 +1,4 @@
-"""``harness convert``: converts model files of the previous schema."""
+"""``harness convert``: converts model files of earlier schemas."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import click
 @click.command("convert")
 @click.argument("paths", type=click.Path(path_type=Path), metavar="FILE...", nargs=-1)
 def command(paths: tuple[Path, ...]) -> None:
-    """Convert models of schema 2 and baselines of 'baseline 1': their hash then covers the
-    metadata.
+    """Convert models of schemas 2 and 3 and baselines of 'baseline 1' to the current one.
 
-    Each FILE is replaced. Weights and metadata do not change.
+    Each FILE is replaced by one that understands the same: the hash then covers the metadata, and
+    a model gets an acceptability that accepts all words.
     """
     from nsrm_harness.learning.convert import convert
 

@@ -16,18 +16,21 @@ import click
     show_default=True,
     help="Output folder of 'harness tables'.",
 )
-def command(folder: Path) -> None:
+@click.option(
+    "--readme-only",
+    is_flag=True,
+    help="Only copy the figures of this checkout's own report into its README.",
+)
+def command(folder: Path, readme_only: bool) -> None:
     """Copy the report and the first model into this checkout, and its figures into the README.
 
-    Afterwards, regenerate the static arrays and the golden vectors.
+    Afterwards, teach the model everyday wording (CONTRIBUTING.md has the commands).
     """
-    from nsrm_harness.paper.tables.publish import publish
+    from nsrm_harness.paper.tables.publish import publish, update_readme
     from nsrm_harness.paper.tables.run_tables import PUBLISHED
 
+    if readme_only:
+        update_readme(Path.cwd())
+        return
     publish(folder / "report", folder / PUBLISHED, Path.cwd())
-    click.echo(
-        "published; now run: cargo run --release -p nsrm-codegen -- "
-        "weights-codegen/tabletop/tabletop.safetensors "
-        "--out weights-codegen/tabletop/src/generated.rs && "
-        f"cargo harness golden --data {folder / 'data' / 'validation.h5'}"
-    )
+    click.echo("published; now teach the model everyday wording, as CONTRIBUTING.md describes")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.evaluation import language
 from nsrm_harness.paper.tables.lines import HEADINGS, TITLES
 from nsrm_harness.paper.tables.published_figures import ROWS, TABLES
 from nsrm_harness.paper.tables.results import MEASURES, ResultRow, read_rows, select, summarize
@@ -18,8 +19,20 @@ from nsrm_harness.paper.tables.tables_report import TABLES as TABLES_FILE
 
 BEGIN = "<!-- figures: `cargo harness publish` replaces them -->"
 END = "<!-- end of figures -->"
+BEGIN_LANGUAGE = "<!-- language: `cargo harness publish --readme-only` replaces it -->"
+END_LANGUAGE = "<!-- end of language -->"
 REPORT_FOLDER = Path("docs/report")
 LANGUAGE = "language.csv"
+SETS = {
+    "test": "test, in the grammar that the paper's training uses",
+    "test; everyday wording": "the same programs in everyday wording",
+    "test; everyday wording held out": "the same, in patterns kept from training",
+    "near misses": "near misses, all of known words; to refuse",
+    "sentences": "other people's sentences",
+    "sentences; to refuse": "other people's sentences, to refuse",
+    "probes; to refuse": "other people's near misses, to refuse",
+}
+"""What the README calls the sets of `language.csv`."""
 README = Path("README.md")
 MODEL = Path("weights-codegen/tabletop/tabletop.safetensors")
 
@@ -33,7 +46,7 @@ def publish(report: Path, model: Path, root: Path) -> None:
     for needed in (report / TABLES_FILE, report / REFUSALS, model):
         if not needed.exists():
             raise PublishError(f"{needed}: not found: create it with 'harness tables'")
-    text = with_figures((root / README).read_text(encoding="utf-8"), report)
+    text = with_figures(read_readme(root), report)
     target = root / REPORT_FOLDER
     # Its folders are other reports, and so is what `harness language` writes.
     for old in target.glob("*"):
@@ -44,14 +57,36 @@ def publish(report: Path, model: Path, root: Path) -> None:
     (root / README).write_text(text, encoding="utf-8")
 
 
+def update_readme(root: Path) -> None:
+    """Update the README of the checkout at `root` with the figures of its own report."""
+    report = root / REPORT_FOLDER
+    text = with_language(with_figures(read_readme(root), report), report)
+    (root / README).write_text(text, encoding="utf-8")
+
+
+def read_readme(root: Path) -> str:
+    """The README of the checkout at `root`."""
+    return (root / README).read_text(encoding="utf-8")
+
+
 def with_figures(readme: str, report: Path) -> str:
     """The README with the figures of a report between its two markers."""
-    before, begin, rest = readme.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise PublishError(f"README: the markers of the figures are missing: {BEGIN!r} and {END!r}")
     block = figures(read_rows(report / TABLES_FILE), _refusals(report / REFUSALS))
-    return f"{before}{BEGIN}\n{block}\n{END}{after}"
+    return _between(readme, BEGIN, block, END)
+
+
+def with_language(readme: str, report: Path) -> str:
+    """The README with what the models understand between its two markers."""
+    block = understood(language.read_rows(report / LANGUAGE))
+    return _between(readme, BEGIN_LANGUAGE, block, END_LANGUAGE)
+
+
+def _between(readme: str, begin: str, block: str, end: str) -> str:
+    before, has_begin, rest = readme.partition(begin)
+    _, has_end, after = rest.partition(end)
+    if not has_begin or not has_end:
+        raise PublishError(f"README: a marker is missing: {begin!r} or {end!r}")
+    return f"{before}{begin}\n{block}\n{end}{after}"
 
 
 def figures(rows: Sequence[ResultRow], refusals: Sequence[dict[str, Any]]) -> str:
@@ -86,6 +121,27 @@ def figures(rows: Sequence[ResultRow], refusals: Sequence[dict[str, Any]]) -> st
             f"{seeds} {'model' if seeds == 1 else 'models'}), {refused} are.",
         ]
     )
+
+
+def understood(rows: Sequence[tuple[int, language.Counted]]) -> str:
+    """The README's table of sentences: all models of a set together."""
+    lines = [
+        "| | sentences | understood | refused | taken for something else |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for name, title in SETS.items():
+        chosen = [row for _, row in rows if row.set == name]
+        count = sum(row.count for row in chosen)
+        if count == 0:
+            continue
+        right, refused, wrong = (
+            f"{100 * sum(getattr(row, measure) for row in chosen) / count:.1f} %"
+            for measure in ("right", "refused", "wrong")
+        )
+        lines.append(f"| {title} | {count} | {right} | {refused} | {wrong} |")
+    seeds = len({seed for seed, _ in rows})
+    told = f"Means of {seeds} models" if seeds > 1 else "The committed model"
+    return "\n".join([*lines, "", f"{told}, through the Rust core; the scenes play no part."])
 
 
 def _with_detector(rows: Sequence[ResultRow]) -> str:
