@@ -13,6 +13,10 @@ pub const MAX_FILTERS: usize = 4;
 /// Groups of concept words in one step: the object to move and the reference. No program has a
 /// third.
 pub const MAX_GROUPS: usize = 2;
+/// Misspelt words of a sentence that are read as others.
+pub const MAX_CORRECTIONS: usize = 4;
+/// Readings of a sentence with misspelt words that are tried.
+pub const MAX_READINGS: usize = 8;
 /// Candidates that an ambiguous description lists, the best first.
 pub const MAX_CANDIDATES: usize = 8;
 

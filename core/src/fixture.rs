@@ -231,6 +231,7 @@ pub(crate) fn model() -> Model<'static> {
             placed_orientation: [0.0, 0.0, 0.0, 1.0],
         },
         words: words(),
+        spelling: Spelling::new(),
         group: Box::leak(Box::new(word())),
         lexicon: Box::leak(Box::new(
             lexicon.map(|(text, concept)| LexiconEntry { text, concept }),

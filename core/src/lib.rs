@@ -76,7 +76,8 @@ pub use nalgebra;
 
 pub use camera::Camera;
 pub use capacity::{
-    MAX_CANDIDATES, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS,
+    MAX_CANDIDATES, MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS,
+    MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS,
 };
 pub use dsl::Program;
 pub use model::Model;

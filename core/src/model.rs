@@ -71,6 +71,8 @@ pub struct Model<'a> {
     pub group: &'a WordEmbeddings,
     /// Words that name a concept (the paper's only lexicon); sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
+    /// What unknown words are read as.
+    pub spelling: Spelling<'a>,
     /// Attribute types with their operators, in the domain's order (Table I).
     pub attributes: &'a [Attribute<'a>],
     /// Attribute values, in the domain's order.
@@ -134,6 +136,30 @@ pub struct Word<'a> {
     pub text: &'a str,
     /// Its embeddings.
     pub embeddings: WordEmbeddings,
+}
+
+/// What unknown words are read as, if the sentence then makes sense; by default nothing.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Spelling<'a> {
+    /// Words that dictation writes for known ones; sorted by text.
+    pub heard: &'a [Heard<'a>],
+    /// Hashes of words that are near known ones and mean something else, sorted; they are never
+    /// read as known ones. Without any, no word is taken for misspelt.
+    ///
+    /// A word's hash is that of FNV-1a with 32 bits over its UTF-8 in lower case, both halves
+    /// combined by exclusive or. Another word with the same hash is refused, too.
+    pub other_words: &'a [u16],
+}
+
+/// A word that dictation writes for a known one.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Heard<'a> {
+    /// In lower case.
+    pub text: &'a str,
+    /// The known word.
+    pub read_as: &'a str,
 }
 
 /// A word's embeddings.

@@ -240,7 +240,7 @@ typedef struct nsrm_plan_reply {
     /** Always 0. */
     uint32_t reserved;
     /** Text for a person, UTF-8: the program in the paper's notation with `Status::Planned`,
-     *  else the reason. */
+     *  and a line for each misspelt word that says what it was read as; else the reason. */
     uint8_t message[1024];
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];

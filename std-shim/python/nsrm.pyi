@@ -22,6 +22,10 @@ MAX_TOKENS: Final[int]
 """Tokens in a sentence, a group of concept words counted as one."""
 MAX_SENTENCE_BYTES: Final[int]
 """Bytes of UTF-8 in a sentence."""
+MAX_CORRECTIONS: Final[int]
+"""Misspelt words of a sentence that are read as others."""
+MAX_READINGS: Final[int]
+"""Readings of a sentence with misspelt words that are tried."""
 MAX_FILTERS: Final[int]
 """Concepts that describe one object."""
 MAX_GROUPS: Final[int]
@@ -125,6 +129,15 @@ class Step:
     def reference(self) -> list[str]: ...
 
 @final
+class Correction:
+    """A misspelt word, and what it was read as."""
+
+    @property
+    def word(self) -> str: ...
+    @property
+    def read_as(self) -> str: ...
+
+@final
 class Program:
     """What a sentence says is to be done."""
 
@@ -133,6 +146,10 @@ class Program:
     @property
     def notation(self) -> str:
         """In the paper's notation, a step a line."""
+
+    @property
+    def corrections(self) -> list[Correction]:
+        """Misspelt words, and what they were read as: tell the person."""
 
 @final
 class PlannedStep:

@@ -5,7 +5,10 @@ use std::fmt::Write as _;
 use nsrm_codegen::{hexadecimal, memory_report};
 use nsrm_core::model::{self, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
-use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
+use nsrm_core::{
+    MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_SENTENCE_BYTES,
+    MAX_STEPS, MAX_TOKENS,
+};
 use serde_json::{Value, json};
 
 use crate::json::{decimal, decimals};
@@ -28,11 +31,13 @@ const DIMENSIONS: [(&str, usize); 12] = [
 ];
 
 /// The capacities by name.
-const CAPACITIES: [(&str, usize); 6] = [
+const CAPACITIES: [(&str, usize); 8] = [
     ("objects", MAX_OBJECTS),
     ("steps", MAX_STEPS),
     ("tokens", MAX_TOKENS),
     ("sentence_bytes", MAX_SENTENCE_BYTES),
+    ("corrections", MAX_CORRECTIONS),
+    ("readings", MAX_READINGS),
     ("concepts_a_description", MAX_FILTERS),
     ("descriptions_a_step", MAX_GROUPS),
 ];

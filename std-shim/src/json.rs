@@ -5,25 +5,39 @@
 //! sentence. Numbers have the shortest decimal notation of their `f32`.
 
 use nsrm_core::calibration::Cause;
-use nsrm_core::dsl::{Description, Program, Step};
-use nsrm_core::language::Span;
+use nsrm_core::dsl::{Description, Step};
+use nsrm_core::language::{Correction, Parsed, Span};
 use nsrm_core::model::Model;
 use nsrm_core::planner::{Confidence, Plan, PlannedStep};
 use nsrm_core::refusal::{Candidate, Refusal};
 use serde_json::{Map, Value, json};
 
-/// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}]}`.
-pub fn program(model: &Model<'_>, program: &Program) -> Value {
-    let steps: Vec<Value> = program.steps().iter().map(|s| step(model, s)).collect();
-    json!({"steps": steps})
+/// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}], "corrections": […]}`,
+/// these as in [`corrections`].
+pub fn parsed(model: &Model<'_>, parsed: &Parsed, sentence: &str) -> Value {
+    let steps = parsed.program().steps().iter().map(|s| step(model, s));
+    let steps: Vec<Value> = steps.collect();
+    let corrections = corrections(model, parsed.corrections(), sentence);
+    json!({"steps": steps, "corrections": corrections})
+}
+
+/// `[{"words": {"text": "yelow", "start": 8, "end": 13}, "read_as": "yellow"}]`: misspelt words, and
+/// what they were read as.
+pub fn corrections(model: &Model<'_>, corrections: &[Correction], sentence: &str) -> Value {
+    corrections
+        .iter()
+        .map(|each| json!({"words": words(each.span(), sentence), "read_as": each.read_as(model)}))
+        .collect()
 }
 
 /// The planned steps, each with `step` (its place in the program; a plan of the rest of a program
 /// starts after 0), `object_id`, `reference_id`, `confidence` (all parts multiplied), `confidences`
 /// (the parts), `sub_goal` (`position` in metres and `orientation` x, y, z, w, both in the world's
 /// frame), `location` (predicted box and depth) and `explanation`; the program in the paper's
-/// `notation`; and the whole plan's `confidence`.
-pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
+/// `notation`; the whole plan's `confidence`; and `corrections` as [`corrections`] gives them.
+///
+/// * `sentence`: the planned one
+pub fn plan(model: &Model<'_>, plan: &Plan, sentence: &str) -> Value {
     let steps: Vec<Value> = plan
         .numbered()
         .map(|(number, understood, planned)| {
@@ -39,7 +53,13 @@ pub fn plan(model: &Model<'_>, plan: &Plan) -> Value {
         .collect();
     let notation = plan.program().notation(model).to_string();
     let confidence = decimal(plan.confidence());
-    json!({"steps": steps, "notation": notation, "confidence": confidence})
+    let corrections = corrections(model, plan.corrections(), sentence);
+    json!({
+        "steps": steps,
+        "notation": notation,
+        "confidence": confidence,
+        "corrections": corrections,
+    })
 }
 
 /// `{"refused": {"kind": "ambiguous", "message": "…", …}}` with what

@@ -11,7 +11,7 @@
 //! let scene = read_scene("scene.json", None, &model)?;
 //! let sentence = "put the red block on the small blue block";
 //! match Planner::new(&model).plan(&scene, sentence) {
-//!     Ok(plan) => println!("{}", nsrm::json::plan(&model, &plan)),
+//!     Ok(plan) => println!("{}", nsrm::json::plan(&model, &plan, sentence)),
 //!     Err(refusal) => eprintln!("{}", refusal.in_context(&model, sentence)),
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

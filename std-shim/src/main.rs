@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use nsrm::{AnyModel, info_json, info_text, json, read_scene};
 use nsrm_codegen::hexadecimal;
+use nsrm_core::language::Correction;
 use nsrm_core::{Planner, Refusal};
 use serde_json::Value;
 
@@ -145,9 +146,11 @@ fn run(command: &Command) -> Result<String, Failure> {
                 .parse(sentence)
                 .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
             Ok(if options.json {
-                json::program(&model, parsed.program()).to_string()
+                json::parsed(&model, &parsed, sentence).to_string()
             } else {
-                parsed.program().notation(&model).to_string()
+                let mut lines = vec![parsed.program().notation(&model).to_string()];
+                lines.extend(corrections_text(&model, parsed.corrections(), sentence));
+                lines.join("\n")
             })
         }
         Command::Plan {
@@ -163,9 +166,9 @@ fn run(command: &Command) -> Result<String, Failure> {
                 .plan(&scene, sentence)
                 .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
             Ok(if options.json {
-                json::plan(&model, &plan).to_string()
+                json::plan(&model, &plan, sentence).to_string()
             } else {
-                plan_text(&model, &plan)
+                plan_text(&model, &plan, sentence)
             })
         }
         Command::Info { model, json } => {
@@ -203,8 +206,19 @@ fn open(path: Option<&PathBuf>) -> Result<AnyModel, Failure> {
 }
 
 /// The program, then each step's explanation and sub-goal.
-fn plan_text(model: &nsrm_core::Model<'_>, plan: &nsrm_core::Plan) -> String {
+fn corrections_text<'a>(
+    model: &'a nsrm_core::Model<'a>,
+    corrections: &'a [Correction],
+    sentence: &'a str,
+) -> impl Iterator<Item = String> + 'a {
+    corrections
+        .iter()
+        .map(move |each| each.explain(model, sentence).to_string())
+}
+
+fn plan_text(model: &nsrm_core::Model<'_>, plan: &nsrm_core::Plan, sentence: &str) -> String {
     let mut lines = vec![plan.program().notation(model).to_string()];
+    lines.extend(corrections_text(model, plan.corrections(), sentence));
     for (number, _, planned) in plan.numbered() {
         let goal = planned.sub_goal;
         lines.push(plan.explain_step(model, number).to_string());

@@ -25,8 +25,31 @@ fn parses() {
     let expected = json!({"steps": [
         {"action": "MoveOn", "object": ["red"], "reference": ["small", "blue"]},
         {"action": "MoveRight", "object": ["blue"], "reference": ["red"]},
-    ]});
+    ], "corrections": []});
     assert_eq!(program, expected);
+}
+
+#[test]
+fn tells_what_misspelt_words_were_read_as() {
+    let bench = Bench::new();
+    let sentence = "plase put the yelow block on the read one";
+    let text = done(&bench.run(&["parse", sentence]));
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        lines,
+        [
+            "Action(MoveOn, Unique(Filter(yellow, Scene())), Unique(Filter(red, Scene())))",
+            "\"plase\" was read as \"please\"",
+            "\"yelow\" was read as \"yellow\"",
+            "\"read\" was read as \"red\"",
+        ]
+    );
+    let text = done(&bench.run(&["parse", sentence, "--json"]));
+    let parsed: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(parsed["steps"][0]["object"], json!(["yellow"]));
+    let yelow = json!({"text": "yelow", "start": 14, "end": 19});
+    let expected = json!({"words": yelow, "read_as": "yellow"});
+    assert_eq!(parsed["corrections"][1], expected);
 }
 
 #[test]
@@ -107,9 +130,9 @@ fn refuses_sentences() {
     assert_eq!(details["suggestion"], Value::Null);
     let details = refusal(
         &bench,
-        "put the gren block on the red block",
+        "put the greens block on the red block",
         "unknown_word",
-        &["\"gren\"", "did you mean \"green\"?"],
+        &["\"greens\"", "did you mean \"green\"?"],
     );
     assert_eq!(details["suggestion"], "green");
     let details = refusal(

@@ -52,7 +52,8 @@ fn without_allocator_and_panics_it_links_and_plans() {
         "put the small green block to the right of the lego blue block",
         "move the red block to the left of the green block, then put the yellow block on the red one",
         "fly to the moon",
-        "put the gren block on the red block",
+        "put the greens block on the red block",
+        "put the bleu block on the gren block",
         "",
     ] {
         let ran = run(&program, &input(&picture, sentence));

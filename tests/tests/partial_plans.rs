@@ -27,11 +27,11 @@ const SENTENCE: &str = "put the red block on the blue block then put the yellow 
 fn json_of_the_rest_of_a_program_names_its_own_steps() {
     let scene = scene();
     let whole = rest(&scene, 0);
-    let all = json::plan(&MODEL, &whole);
+    let all = json::plan(&MODEL, &whole, SENTENCE);
     let steps = steps(&all);
     assert_eq!(steps.len(), 3);
     for first in 0..=3 {
-        let rest = json::plan(&MODEL, &rest(&scene, first));
+        let rest = json::plan(&MODEL, &rest(&scene, first), SENTENCE);
         assert_eq!(self::steps(&rest).len(), 3 - first);
         for (got, whole) in self::steps(&rest).iter().zip(&steps[first..]) {
             for key in ["step", "action", "object", "reference", "object_id"] {

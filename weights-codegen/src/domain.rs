@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use nsrm_core::language::word_hash;
 use serde::Deserialize;
 
 use crate::error::ModelError;
@@ -31,6 +32,9 @@ pub struct Domain {
     pub grammar: BTreeMap<String, Vec<String>>,
     /// Everyday wording, if the model was taught it.
     pub everyday: Option<Everyday>,
+    /// What unknown words are read as.
+    #[serde(default)]
+    pub spelling: Spelling,
 }
 
 /// How people say commands: rules whose alternatives contain words and `{rules}`.
@@ -96,6 +100,25 @@ pub struct Action {
     pub name: String,
     /// Its phrases; the first is used in explanations.
     pub phrases: Vec<String>,
+}
+
+/// What unknown words are read as; without it, none is read as another.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Spelling {
+    /// Words that dictation writes for known ones, each with that one.
+    pub heard: BTreeMap<String, String>,
+    /// Words that are near known ones and mean something else: they are never taken for misspelt.
+    pub other_words: Vec<String>,
+}
+
+impl Spelling {
+    /// The hashes of [`Spelling::other_words`].
+    pub fn hashes(&self) -> BTreeSet<u16> {
+        self.other_words
+            .iter()
+            .map(|word| word_hash(word))
+            .collect()
+    }
 }
 
 impl Domain {
@@ -168,6 +191,31 @@ impl Domain {
             .find(|word| !readable(word))
         {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+            None => self.check_spelling(),
+        }
+    }
+
+    /// Checks that words are heard as known ones, and that no known word is unknown, too.
+    fn check_spelling(&self) -> Result<(), ModelError> {
+        let words = self.words();
+        let is_known =
+            |text: &str| words.contains(text) || self.lexicon().any(|(word, _)| word == text);
+        let Spelling { heard, other_words } = &self.spelling;
+        for (text, read_as) in heard {
+            if !is_known(read_as) {
+                let (text, read_as) = (text.clone(), read_as.clone());
+                return Err(ModelError::HeardAs { text, read_as });
+            }
+        }
+        let unknown = || heard.keys().chain(other_words);
+        if let Some(word) = unknown().find(|word| is_known(word)) {
+            return Err(ModelError::Duplicate {
+                what: "word",
+                name: word.clone(),
+            });
+        }
+        match unknown().find(|word| !readable(word)) {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.clone() }),
             None => Ok(()),
         }
     }

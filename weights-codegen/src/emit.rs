@@ -21,8 +21,8 @@ const SHORT: usize = 4;
 const IMPORTS: &str = "\
 #[rustfmt::skip]
 use nsrm_core::model::{
-    Action, Attribute, Concept, Header, Language, LexiconEntry, Model, PixelToCamera, Simulator,
-    Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
+    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
+    Simulator, Spelling, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Conv, Gru, Linear};

@@ -84,6 +84,17 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// A word is heard as one that is not known.
+    #[error(
+        "domain: spelling.heard: {text:?} is read as {read_as:?}, which is not a word of the domain; \
+         name one that is"
+    )]
+    HeardAs {
+        /// The word that dictation writes.
+        text: String,
+        /// The word as which it is read.
+        read_as: String,
+    },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
     #[error(fmt = edges)]

@@ -36,7 +36,9 @@ mod statics;
 mod tensors;
 mod tree;
 
-pub use domain::{Action, Attribute, Domain, GROUP_TOKEN, MAX_NAMES, MAX_WORDS, Value, View};
+pub use domain::{
+    Action, Attribute, Domain, GROUP_TOKEN, MAX_NAMES, MAX_WORDS, Spelling, Value, View,
+};
 pub use emit::{InvalidName, Options, rust_source};
 pub use error::ModelError;
 pub use owned::OwnedModel;

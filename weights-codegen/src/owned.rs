@@ -1,8 +1,8 @@
 //! A model that owns its parameters and texts.
 
 use nsrm_core::model::{
-    Action, Attribute, Concept, Header, Language, LexiconEntry, Model, View, Vision, Word,
-    WordEmbeddings,
+    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Spelling, View,
+    Vision, Word, WordEmbeddings,
 };
 use safetensors::SafeTensors;
 use self_cell::self_cell;
@@ -40,6 +40,8 @@ struct Parts<'a> {
     words: Vec<Word<'a>>,
     group: &'a WordEmbeddings,
     lexicon: Vec<LexiconEntry<'a>>,
+    heard: Vec<Heard<'a>>,
+    other_words: Vec<u16>,
     attributes: Vec<Attribute<'a>>,
     concepts: Vec<Concept<'a>>,
     actions: Vec<Action<'a>>,
@@ -116,6 +118,11 @@ impl OwnedModel {
             .with_words(&parts.words)
             .with_group(parts.group)
             .with_lexicon(&parts.lexicon)
+            .with_spelling(
+                Spelling::new()
+                    .with_heard(&parts.heard)
+                    .with_other_words(&parts.other_words),
+            )
             .with_attributes(&parts.attributes)
             .with_concepts(&parts.concepts)
             .with_actions(&parts.actions)
@@ -194,6 +201,13 @@ impl<'a> Parts<'a> {
                 .collect(),
             group,
             lexicon,
+            heard: domain
+                .spelling
+                .heard
+                .iter()
+                .map(|(text, read_as)| Heard::new().with_text(text).with_read_as(read_as))
+                .collect(),
+            other_words: domain.spelling.hashes().into_iter().collect(),
             attributes: domain
                 .attribute
                 .iter()

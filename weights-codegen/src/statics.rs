@@ -1,7 +1,7 @@
 //! The statics of a model, in the order in which they are written.
 
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard,
     INSTRUCTION, LexiconEntry, Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
     Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
 };
@@ -28,6 +28,7 @@ describe! {
     Word<'_> { text, embeddings }
     WordEmbeddings { encoder, splitter }
     LexiconEntry<'_> { text, concept }
+    Heard<'_> { text, read_as }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
     Action<'_> { name, phrase, decoder, decoder_bias, simulator_bias }
@@ -44,6 +45,16 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
             ("words", Node::Reference("WORDS")),
             ("group", Node::Reference("GROUP")),
             ("lexicon", Node::Reference("LEXICON")),
+            (
+                "spelling",
+                Node::record(
+                    "Spelling",
+                    [
+                        ("heard", Node::Reference("HEARD")),
+                        ("other_words", Node::Reference("OTHER_WORDS")),
+                    ],
+                ),
+            ),
             ("attributes", Node::Reference("ATTRIBUTES")),
             ("concepts", Node::Reference("CONCEPTS")),
             ("actions", Node::Reference("ACTIONS")),
@@ -90,6 +101,18 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         table("WORDS", "words", "Word<'static>", model.words),
         single("GROUP", "group", "WordEmbeddings", model.group),
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
+        table(
+            "HEARD",
+            "spelling.heard",
+            "Heard<'static>",
+            model.spelling.heard,
+        ),
+        table(
+            "OTHER_WORDS",
+            "spelling.other_words",
+            "u16",
+            model.spelling.other_words,
+        ),
         table(
             "ATTRIBUTES",
             "attributes",

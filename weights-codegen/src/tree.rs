@@ -54,6 +54,15 @@ impl Describe for u8 {
     }
 }
 
+impl Describe for u16 {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: self.to_string(),
+            bytes: size_of::<u16>(),
+        }
+    }
+}
+
 impl Describe for View {
     fn describe(&self) -> Node {
         Node::Scalar {

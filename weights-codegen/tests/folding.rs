@@ -52,6 +52,12 @@ fn names_stand_with_their_parameters() {
         .iter()
         .map(|entry| (entry.text, entry.concept));
     assert!(lexicon.eq(LEXICON));
+    let heard = model.spelling.heard.iter();
+    let heard = heard.map(|heard| (heard.text, heard.read_as));
+    assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));
+    let mut hashes = ["plumb", "jam", "teak"].map(nsrm_core::language::word_hash);
+    hashes.sort_unstable();
+    assert_eq!(model.spelling.other_words, hashes);
     let attributes = model.attributes.iter().map(|a| (a.name, a.view));
     let (color, brightness) = (View::Color, View::Brightness);
     assert!(attributes.eq([

@@ -1,6 +1,7 @@
 use core::fmt;
 
 use crate::dsl::Description;
+use crate::language::Correction;
 use crate::model::Model;
 use crate::planner::{Grounding, Plan};
 
@@ -36,6 +37,34 @@ impl Plan {
     /// ```
     pub fn explain<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         PlanExplanation { plan: self, model }
+    }
+}
+
+impl Correction {
+    /// For the person: `"yelow" was read as "yellow"`.
+    ///
+    /// * `model`, `sentence`: those of the plan or the parse
+    pub fn explain<'a>(
+        &'a self,
+        model: &'a Model<'a>,
+        sentence: &'a str,
+    ) -> impl fmt::Display + 'a {
+        CorrectionExplanation {
+            word: self.span().of(sentence).unwrap_or("?"),
+            read_as: self.read_as(model),
+        }
+    }
+}
+
+struct CorrectionExplanation<'a> {
+    word: &'a str,
+    read_as: &'a str,
+}
+
+impl fmt::Display for CorrectionExplanation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { word, read_as } = self;
+        write!(f, "\"{word}\" was read as \"{read_as}\"")
     }
 }
 

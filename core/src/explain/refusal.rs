@@ -15,7 +15,7 @@ impl Refusal {
     /// use nsrm_core::Planner;
     /// use nsrm_tabletop::TABLETOP;
     ///
-    /// let sentence = "put the gren block on the red block";
+    /// let sentence = "put the greens block on the red block";
     /// let refused = Planner::new(&TABLETOP).parse(sentence).unwrap_err();
     /// assert_eq!(refused.suggestion(&TABLETOP, sentence), Some("green"));
     /// ```
@@ -35,12 +35,12 @@ impl Refusal {
     /// use nsrm_core::Planner;
     /// use nsrm_tabletop::TABLETOP;
     ///
-    /// let sentence = "put the gren block on the red block";
+    /// let sentence = "put the greens block on the red block";
     /// let refused = Planner::new(&TABLETOP).parse(sentence).unwrap_err();
     /// assert_eq!(refused.kind(), "unknown_word");
     /// assert_eq!(
     ///     refused.in_context(&TABLETOP, sentence).to_string(),
-    ///     "\"gren\" is not a word that the model knows; did you mean \"green\"?"
+    ///     "\"greens\" is not a word that the model knows; did you mean \"green\"?"
     /// );
     /// ```
     pub fn in_context<'a>(

@@ -7,7 +7,7 @@ use crate::model::Model;
 /// Letters of the longest word that is compared.
 const MAX_LETTERS: usize = 24;
 
-type Letters = Vec<char, MAX_LETTERS, u8>;
+pub(super) type Letters = Vec<char, MAX_LETTERS, u8>;
 /// Distances between a prefix of one word and every prefix of another.
 type Row = [u8; MAX_LETTERS + 1];
 
@@ -61,12 +61,37 @@ const fn edits_allowed(letters: usize) -> u8 {
 }
 
 /// In lower case; `None` for a word that is too long.
-fn letters(word: &str) -> Option<Letters> {
+pub(super) fn letters(word: &str) -> Option<Letters> {
     let mut letters = Letters::new();
     for letter in word.chars().flat_map(char::to_lowercase) {
         letters.push(letter).ok()?;
     }
     Some(letters)
+}
+
+/// Whether one letter omitted, added, changed or swapped with its neighbour turns one word into the
+/// other, which is different.
+pub(super) fn is_one_edit(left: &[char], right: &[char]) -> bool {
+    let same = |(left, right): &(&char, &char)| left == right;
+    let shorter = left.len().min(right.len());
+    let before = left.iter().zip(right).take_while(same).count();
+    let behind = left.iter().rev().zip(right.iter().rev());
+    let behind = behind
+        .take(shorter.saturating_sub(before))
+        .take_while(same)
+        .count();
+    let rest = |word: &[char]| word.len().saturating_sub(before).saturating_sub(behind);
+    match (rest(left), rest(right)) {
+        (0 | 1, 1) | (1, 0) => true,
+        (2, 2) => {
+            let mut swapped = right.iter().skip(before).take(2).rev();
+            left.iter()
+                .skip(before)
+                .take(2)
+                .all(|letter| swapped.next() == Some(letter))
+        }
+        _ => false,
+    }
 }
 
 /// The smallest number of letters omitted, added, changed or swapped with their neighbour, none
@@ -133,6 +158,9 @@ mod tests {
         ] {
             assert_eq!(between(left, right), edits, "{left} {right}");
             assert_eq!(between(right, left), edits, "{right} {left}");
+            let [one, other] = [left, right].map(|word| letters(word).unwrap());
+            assert_eq!(is_one_edit(&one, &other), edits == 1, "{left} {right}");
+            assert_eq!(is_one_edit(&other, &one), edits == 1, "{right} {left}");
         }
         let longest = "x".repeat(MAX_LETTERS);
         assert_eq!(between(&longest, ""), MAX_LETTERS as u8);

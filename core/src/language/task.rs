@@ -2,7 +2,10 @@ use core::task::Poll;
 use heapless::Vec;
 
 use super::segments::Segments;
-use super::{Acceptability, Encoder, Reader, Span, Splitter, choose_action, choose_group};
+use super::tokens::Corrections;
+use super::{
+    Acceptability, Correction, Encoder, Reader, Span, Splitter, choose_action, choose_group,
+};
 use crate::capacity::{MAX_GROUPS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Program, Step};
 use crate::model::{INSTRUCTION, Model, WordEmbeddings};
@@ -44,6 +47,7 @@ pub struct Parsed {
     model_tag: u64,
     program: Program,
     decisions: Vec<StepDecisions, MAX_STEPS, u8>,
+    corrections: Corrections,
 }
 
 impl Parsed {
@@ -53,6 +57,7 @@ impl Parsed {
             model_tag: model.tag(),
             program: Program::new(),
             decisions: Vec::new(),
+            corrections: Corrections::new(),
         }
     }
 
@@ -70,11 +75,20 @@ impl Parsed {
     pub fn decisions(&self) -> &[StepDecisions] {
         &self.decisions
     }
+
+    /// Misspelt words of the sentence, and what they were read as: tell the person.
+    pub fn corrections(&self) -> &[Correction] {
+        &self.corrections
+    }
 }
 
 /// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
 /// one token to the splitter or to one direction of the encoder, which also judges its
 /// acceptability, or runs one decoder. All scratch memory is in here.
+///
+/// If words are misspelt, each reading of the sentence, at most [`MAX_READINGS`], is parsed in turn.
+/// All that make sense must mean the same program; otherwise, or if none makes sense, the first
+/// misspelt word is refused as unknown.
 ///
 /// `T` is the sentence: borrowed (`&str`), or owned, such as a
 /// [`heapless::String`], where the task outlives the call that began it.
@@ -104,6 +118,12 @@ pub struct ParsingTask<'m, T> {
     encoder: Encoder,
     acceptability: Acceptability,
     parsed: Parsed,
+    /// The reading of the sentence that is parsed, from 0.
+    reading: usize,
+    /// Of how many.
+    readings: usize,
+    /// The first reading that makes sense, if there are several.
+    accepted: Option<Parsed>,
     stage: Stage,
 }
 
@@ -139,6 +159,8 @@ enum Stage {
         action: Decided,
         object: Decided,
     },
+    /// This reading of the sentence is parsed.
+    Parsed,
     Done(Option<Refusal>),
 }
 
@@ -165,6 +187,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             encoder: Encoder::new(),
             acceptability: Acceptability::new(),
             parsed: Parsed::empty(model),
+            reading: 0,
+            readings: 1,
+            accepted: None,
             stage,
         }
     }
@@ -173,8 +198,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// result again.
     pub fn poll(&mut self) -> Poll<Result<&Parsed, Refusal>> {
         self.stage = match self.advance(self.stage) {
+            Ok(Stage::Parsed) => self.end_reading(None),
             Ok(stage) => stage,
-            Err(refusal) => Stage::Done(Some(refusal)),
+            Err(refusal) => self.end_reading(Some(refusal)),
         };
         match self.stage {
             Stage::Done(None) => Poll::Ready(Ok(&self.parsed)),
@@ -214,8 +240,61 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                 let reference = self.argument(step, Argument::Reference, decoder)?;
                 self.end_step(step, action, object, reference)
             }
-            Stage::Done(refusal) => Ok(Stage::Done(refusal)),
+            Stage::Parsed | Stage::Done(_) => Ok(stage),
         }
+    }
+
+    /// A reading of the sentence was parsed or refused: on to the next one, if there is any.
+    fn end_reading(&mut self, refusal: Option<Refusal>) -> Stage {
+        self.readings = self.readings.max(self.reader.readings());
+        let Some(correction) = self.reader.corrections().first() else {
+            return Stage::Done(refusal);
+        };
+        let unknown = Refusal::UnknownWord {
+            span: correction.span(),
+        };
+        match refusal {
+            None => {
+                let _ = self
+                    .parsed
+                    .corrections
+                    .extend_from_slice(self.reader.corrections());
+                let accepted = self.accepted.get_or_insert_with(|| self.parsed.clone());
+                if accepted.program != self.parsed.program {
+                    return Stage::Done(Some(unknown));
+                }
+            }
+            // No reading makes these go away.
+            Some(
+                Refusal::UnknownWord { .. }
+                | Refusal::SentenceTooLong { .. }
+                | Refusal::NotFinite { .. }
+                | Refusal::InvalidModel,
+            ) => return Stage::Done(refusal),
+            Some(_) => {}
+        }
+        self.reading = self.reading.saturating_add(1);
+        if self.reading < self.readings {
+            return self.begin_reading();
+        }
+        match self.accepted.take() {
+            Some(accepted) => {
+                self.parsed = accepted;
+                Stage::Done(None)
+            }
+            None => Stage::Done(Some(unknown)),
+        }
+    }
+
+    fn begin_reading(&mut self) -> Stage {
+        self.reader = match Reader::nth(self.sentence.as_ref(), self.reading) {
+            Ok(reader) => reader,
+            Err(refusal) => return Stage::Done(Some(refusal)),
+        };
+        self.splitter = Splitter::new();
+        self.segments = Segments::new();
+        self.parsed = Parsed::empty(self.model);
+        Stage::Read
     }
 
     fn read(&mut self) -> Result<Stage, Refusal> {
@@ -252,7 +331,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn begin_step(&mut self, step: usize) -> Result<Stage, Refusal> {
         let Some(probability) = self.segments.probability(step) else {
-            return Ok(Stage::Done(None));
+            return Ok(Stage::Parsed);
         };
         let tokens = self.reader.tokens();
         let groups = self.segments.groups(step, tokens).count();

@@ -1,6 +1,7 @@
 use heapless::Vec;
 
-use crate::capacity::{MAX_FILTERS, MAX_SENTENCE_BYTES, MAX_TOKENS};
+use super::spelling::{Correction, KnownWord, alternatives};
+use crate::capacity::{MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS};
 use crate::dsl::Description;
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::Refusal;
@@ -62,6 +63,9 @@ impl Token {
     }
 }
 
+/// The unknown words of a sentence that were read as known ones.
+pub type Corrections = Vec<Correction, MAX_CORRECTIONS, u8>;
+
 /// The tokens of a sentence.
 pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 
@@ -73,6 +77,9 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// space. `,` is a separate word and `;` is read as `,`; each of the marks `. ! ? : '` at either end
 /// of a word is a separate word, too, which most models do not know, except that `. ! ?` at the very
 /// end of the sentence are dropped.
+///
+/// An unknown word that may stand for known ones ([`crate::model::Spelling`]) is read as the first
+/// of them; a sentence with such words has several readings, of which this is one.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
@@ -95,11 +102,22 @@ pub struct Reader {
     /// Behind the last word.
     end: usize,
     tokens: Tokens,
+    corrections: Corrections,
+    /// Chooses among the words that each of the further unknown words may stand for: the number of
+    /// the reading, divided by the numbers of choices so far.
+    choice: usize,
+    /// How many readings the sentence has so far.
+    readings: usize,
 }
 
 impl Reader {
     /// Starts at the beginning of `sentence`; refuses one that is too long for bounded work.
     pub fn new(sentence: &str) -> Result<Self, Refusal> {
+        Self::nth(sentence, 0)
+    }
+
+    /// For another reading of the sentence, from 0 to before [`Reader::readings`].
+    pub(super) fn nth(sentence: &str, reading: usize) -> Result<Self, Refusal> {
         if sentence.len() > MAX_SENTENCE_BYTES {
             return Err(Refusal::SentenceTooLong {
                 limit: MAX_SENTENCE_BYTES as u16,
@@ -111,7 +129,8 @@ impl Reader {
             end: sentence
                 .trim_end_matches(|c: char| is_space(c) || is_full_stop(c))
                 .len(),
-            tokens: Tokens::new(),
+            choice: reading,
+            ..Self::empty()
         })
     }
 
@@ -121,13 +140,17 @@ impl Reader {
             rest_from: 0,
             end: 0,
             tokens: Tokens::new(),
+            corrections: Corrections::new(),
+            choice: 0,
+            readings: 1,
         }
     }
 
     /// Reads the next word of the sentence; false if none is left.
     ///
     /// Cost: one pass over the word and the white space before it, and one binary search in the
-    /// lexicon and the words.
+    /// lexicon and the words. For a word that is not found there, a few comparisons with each letter
+    /// of each of the model's words.
     pub fn advance(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         let words = sentence.get(..self.end).unwrap_or_default();
         let Some((text, span)) = next_word(words, self.rest_from) else {
@@ -141,7 +164,14 @@ impl Reader {
             let index = u16::try_from(index).map_err(|_| Refusal::InvalidModel)?;
             self.add(TokenKind::Word(index), span)?;
         } else {
-            return Err(Refusal::UnknownWord { span });
+            match self.correct(model, text, span)? {
+                KnownWord::Word(index) => self.add(TokenKind::Word(index), span)?,
+                KnownWord::Concept(index) => {
+                    let entry = model.lexicon.get(usize::from(index));
+                    let concept = entry.ok_or(Refusal::InvalidModel)?.concept;
+                    self.add_concept(model, concept, span)?;
+                }
+            }
         }
         Ok(true)
     }
@@ -149,6 +179,32 @@ impl Reader {
     /// The tokens read so far.
     pub fn tokens(&self) -> &[Token] {
         &self.tokens
+    }
+
+    /// The unknown words so far that were read as known ones.
+    pub fn corrections(&self) -> &[Correction] {
+        &self.corrections
+    }
+
+    /// How many readings the sentence has so far: 1 without corrections.
+    pub(super) const fn readings(&self) -> usize {
+        self.readings
+    }
+
+    /// What an unknown word is read as.
+    fn correct(&mut self, model: &Model<'_>, text: &str, span: Span) -> Result<KnownWord, Refusal> {
+        let unknown = Refusal::UnknownWord { span };
+        let alternatives = alternatives(model, text);
+        let count = alternatives.len();
+        let chosen = self.choice.checked_rem(count).ok_or(unknown)?;
+        self.choice = self.choice.checked_div(count).ok_or(unknown)?;
+        self.readings = self.readings.saturating_mul(count);
+        let word = *alternatives.get(chosen).ok_or(unknown)?;
+        let correction = Correction::new(span, word);
+        if self.readings > MAX_READINGS || self.corrections.push(correction).is_err() {
+            return Err(unknown);
+        }
+        Ok(word)
     }
 
     /// A concept word joins the group before it or starts one. Values of one attribute exclude each

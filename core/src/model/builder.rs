@@ -3,10 +3,10 @@
 
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
-    Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
+    Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
     OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
-    SPLITTER_WORD, Simulator, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    SPLITTER_WORD, Simulator, Spelling, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
+    WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::nn::{Conv, Gru, Linear};
 
@@ -47,6 +47,7 @@ builder! {
         words, with_words: &'a [Word<'a>] = &[];
         group, with_group: &'a WordEmbeddings = &WordEmbeddings::UNSET;
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
+        spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
         actions, with_actions: &'a [Action<'a>] = &[];
@@ -75,6 +76,14 @@ builder! {
     ['a] Word<'a> {
         text, with_text: &'a str = "";
         embeddings, with_embeddings: WordEmbeddings = WordEmbeddings::UNSET;
+    }
+    ['a] Spelling<'a> {
+        heard, with_heard: &'a [Heard<'a>] = &[];
+        other_words, with_other_words: &'a [u16] = &[];
+    }
+    ['a] Heard<'a> {
+        text, with_text: &'a str = "";
+        read_as, with_read_as: &'a str = "";
     }
     [] WordEmbeddings {
         encoder, with_encoder: [f32; WORD] = [UNSET; WORD];

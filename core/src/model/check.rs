@@ -30,6 +30,15 @@ pub enum ModelFault<'a> {
     /// A lexicon word has an invalid concept index.
     #[error("lexicon word \"{0}\" names a concept that isn't there")]
     LexiconConcept(&'a str),
+    /// Words that are heard as others are not sorted and unique, or known themselves; the word.
+    #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
+    HeardOrder(&'a str),
+    /// A word is heard as one that is not known; that one.
+    #[error("a word is heard as \"{0}\", which is not known")]
+    HeardAs(&'a str),
+    /// The hashes of other words are not sorted and unique; the hash out of order.
+    #[error("hash {0} of another word is out of order or repeated")]
+    OtherWordOrder(u16),
     /// A concept has an invalid attribute type; its name.
     #[error("concept {0} has an attribute type that isn't there")]
     ConceptAttribute(&'a str),
@@ -145,7 +154,32 @@ impl<'a> Model<'a> {
                 return Err(ModelFault::WordInLexicon(entry.text));
             }
         }
-        Ok(())
+        self.check_spelling()
+    }
+
+    fn check_spelling(&self) -> Result<(), ModelFault<'a>> {
+        let is_known = |text| {
+            self.words.iter().any(|word| word.text == text)
+                || self.lexicon.iter().any(|entry| entry.text == text)
+        };
+        let mut before = "";
+        for heard in self.spelling.heard {
+            if heard.text <= before || is_known(heard.text) {
+                return Err(ModelFault::HeardOrder(heard.text));
+            }
+            if !is_known(heard.read_as) {
+                return Err(ModelFault::HeardAs(heard.read_as));
+            }
+            before = heard.text;
+        }
+        let mut hashes = self.spelling.other_words.windows(2);
+        match hashes.find_map(|pair| match pair {
+            [before, behind] if before >= behind => Some(*behind),
+            _ => None,
+        }) {
+            Some(hash) => Err(ModelFault::OtherWordOrder(hash)),
+            None => Ok(()),
+        }
     }
 
     fn check_header(&self) -> Result<(), ModelFault<'a>> {
@@ -190,7 +224,7 @@ impl WorkSpace {
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::model::{Concept, LexiconEntry, Word};
+    use crate::model::{Concept, Heard, LexiconEntry, Spelling, Word};
 
     #[test]
     fn each_fault_of_a_list_is_named() {
@@ -207,6 +241,33 @@ mod tests {
             ..model
         };
         assert_eq!(too_many.check(), Err(ModelFault::TooLong("concepts")));
+    }
+
+    #[test]
+    fn each_fault_of_the_spelling_is_named() {
+        let check = |heard: &[(&'static str, &'static str)], other_words: &[u16]| {
+            let heard: std::vec::Vec<_> = heard
+                .iter()
+                .map(|(text, known)| Heard::new().with_text(text).with_read_as(known))
+                .collect();
+            let spelling = Spelling::new()
+                .with_heard(&heard)
+                .with_other_words(other_words);
+            let model = fixture::model().with_spelling(spelling);
+            model.check().err().map(|fault| std::format!("{fault}"))
+        };
+        assert_eq!(check(&[("read", "red"), ("thee", "the")], &[1, 7]), None);
+        for (heard, other_words, fault) in [
+            (&[("thee", "the"), ("read", "red")][..], &[][..], "\"read\""),
+            (&[("read", "red"), ("read", "red")], &[], "\"read\""),
+            (&[("green", "red")], &[], "\"green\""),
+            (&[("read", "rad")], &[], "as \"rad\", which is not known"),
+            (&[], &[3, 3], "hash 3"),
+            (&[], &[4, 3], "hash 3"),
+        ] {
+            let found = check(heard, other_words);
+            assert!(found.is_some_and(|found| found.contains(fault)), "{fault}");
+        }
     }
 
     #[test]

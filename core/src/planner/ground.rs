@@ -83,7 +83,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         let mut task = Self {
             model,
             // At most MAX_STEPS.
-            plan: Plan::new(program.clone(), first as u8),
+            plan: Plan::new(parsed.borrow(), first as u8),
             scene,
             parsed,
             locations,
@@ -368,7 +368,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
     /// Starts with this sentence instead, in a task that has not started yet.
     pub(super) fn begin(&mut self, parsed: Parsed) {
-        self.plan = Plan::new(parsed.program().clone(), 0);
+        self.plan = Plan::new(&parsed, 0);
         self.parsed = parsed;
         self.stage = self.begin_program(0);
     }

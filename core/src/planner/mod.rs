@@ -19,7 +19,7 @@ use core::mem::size_of;
 use core::task::Poll;
 
 use crate::calibration::{self, Cause};
-use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_STEPS, MAX_TOKENS};
+use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_STEPS, MAX_TOKENS};
 use crate::language::{Parsed, ParsingTask};
 use crate::model::{
     ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, Model,
@@ -37,7 +37,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1024);
+const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1088);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -72,12 +72,13 @@ pub const UNIT_ACTIONS: usize = 64;
 /// Sizes of objects up to which [`UNIT_MULTIPLY_ADDS`] holds.
 pub const UNIT_SIZES: usize = 64;
 
-/// The most calls of [`PlanningTask::poll`] until it is done: words, tokens
-/// through splitter and encoder, the scene against the calibration, which takes another
-/// for each cause that may explain what disagrees, and for each step its begin, three
-/// decoders, two descriptions over all objects, two choices and the action.
+/// The most calls of [`PlanningTask::poll`] until it is done: for each reading of the sentence
+/// words, tokens through splitter and encoder, and for each step its begin and three decoders; the
+/// scene against the calibration, which takes another for each cause that may explain what
+/// disagrees; and for each step two descriptions over all objects, two choices and the action.
 pub const MAX_POLLS: usize =
-    (MAX_FILTERS + 3) * MAX_TOKENS + 1 + Cause::ALL.len() + MAX_STEPS * (2 * MAX_OBJECTS + 7) + 3;
+    MAX_READINGS * READING_POLLS + Cause::ALL.len() + MAX_STEPS * (2 * MAX_OBJECTS + 3) + 3;
+const READING_POLLS: usize = (MAX_FILTERS + 3) * MAX_TOKENS + 1 + 4 * MAX_STEPS;
 
 /// Plans with one model. Holds only a reference to the model.
 ///

@@ -3,6 +3,7 @@ use nalgebra::Isometry3;
 
 use crate::capacity::MAX_STEPS;
 use crate::dsl::{Program, Step};
+use crate::language::{Correction, Corrections, Parsed};
 use crate::model::LOCATION;
 
 /// A sub-goal, where to move an object: the paper's `(o_t, p_t)`.
@@ -88,6 +89,7 @@ pub struct PlannedStep {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plan {
     program: Program,
+    corrections: Corrections,
     first: u8,
     steps: Vec<PlannedStep, MAX_STEPS, u8>,
 }
@@ -96,6 +98,11 @@ impl Plan {
     /// The parsed program.
     pub const fn program(&self) -> &Program {
         &self.program
+    }
+
+    /// Misspelt words of the sentence, and what they were read as: tell the person.
+    pub fn corrections(&self) -> &[Correction] {
+        &self.corrections
     }
 
     /// The step of the program at which [`Plan::steps`] starts, from 0: 0 unless only the rest of a
@@ -135,9 +142,13 @@ impl Plan {
     }
 
     /// No steps yet.
-    pub(super) const fn new(program: Program, first: u8) -> Self {
+    pub(super) fn new(parsed: &Parsed, first: u8) -> Self {
+        let mut corrections = Corrections::new();
+        // As many places.
+        let _ = corrections.extend_from_slice(parsed.corrections());
         Self {
-            program,
+            program: parsed.program().clone(),
+            corrections,
             first,
             steps: Vec::new(),
         }

@@ -44,7 +44,7 @@ message! {
         /// Always 0.
         pub reserved: u32,
         /// Text for a person, UTF-8: the program in the paper's notation with [`Status::Planned`],
-        /// else the reason.
+        /// and a line for each misspelt word that says what it was read as; else the reason.
         pub message: [u8; MAX_MESSAGE_BYTES],
         /// The program's steps with [`Status::Planned`].
         pub steps: [StepMessage; MAX_STEPS],
@@ -124,7 +124,8 @@ pub enum Reply<'a> {
     Planned {
         /// All steps of the program.
         steps: &'a [StepMessage],
-        /// The program in the paper's notation.
+        /// The program in the paper's notation, and a line for each misspelt word that says what it
+        /// was read as.
         program: &'a str,
     },
     /// A step was sent to the controller.
@@ -209,6 +210,24 @@ pub struct ReplyTo {
     pub number: u32,
 }
 
+/// A plan's program, and a line for each misspelt word.
+struct Understood<'a> {
+    plan: &'a Plan,
+    model: &'a Model<'a>,
+    sentence: &'a str,
+}
+
+impl fmt::Display for Understood<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.plan.program().notation(self.model))?;
+        for correction in self.plan.corrections() {
+            let explained = correction.explain(self.model, self.sentence);
+            write!(f, "\n{explained}")?;
+        }
+        Ok(())
+    }
+}
+
 impl PlanReply {
     const fn new(to: ReplyTo, status: Status) -> Self {
         Self {
@@ -234,7 +253,7 @@ impl PlanReply {
     pub fn about(to: ReplyTo, event: &Event, model: &Model<'_>, sentence: &str) -> Option<Self> {
         Some(match event {
             Event::Waiting | Event::Working | Event::Stop(_) => return None,
-            Event::Planned(plan) => Self::planned(to, plan, model),
+            Event::Planned(plan) => Self::planned(to, plan, model, sentence),
             Event::Command(command) => Self {
                 step: command.step.into(),
                 ..Self::new(to, Status::Commanded)
@@ -295,14 +314,18 @@ impl PlanReply {
         }
     }
 
-    fn planned(to: ReplyTo, plan: &Plan, model: &Model<'_>) -> Self {
+    fn planned(to: ReplyTo, plan: &Plan, model: &Model<'_>, sentence: &str) -> Self {
         let program = plan.program().steps();
         let mut reply = Self {
             // At most MAX_STEPS.
             count: program.len() as u32,
             ..Self::new(to, Status::Planned)
         }
-        .saying(plan.program().notation(model));
+        .saying(Understood {
+            plan,
+            model,
+            sentence,
+        });
         for (place, step) in reply.steps.iter_mut().zip(program) {
             *place = StepMessage::understood(step);
         }

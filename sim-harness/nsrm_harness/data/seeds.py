@@ -45,6 +45,7 @@ STREAMS = {
     "miscalibration": 71,
     "told": 81,
     "near_misses": 82,
+    "misspelt": 83,
 }
 
 

@@ -162,6 +162,20 @@ class EverydayWords:
 
 
 @dataclass(frozen=True)
+class SpellingWords:
+    """What unknown words are read as, if the sentence then makes sense."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Words that dictation writes for known ones, each with that one.
+    heard: Mapping[Phrase, Phrase]
+    #: Words that are near known ones and mean something else: they are never taken for misspelt.
+    other_words: tuple[Phrase, ...]
+    #: Language whose dictionary has further ones, for :mod:`nsrm_harness.domain.dictionary`.
+    language: Literal["de", "en", "es", "fr", "it", "nl", "pt"] | None = None
+
+
+@dataclass(frozen=True)
 class Domain:
     """A checked domain file."""
 
@@ -173,6 +187,7 @@ class Domain:
     grammar: GrammarWords
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
+    spelling: Annotated[SpellingWords | None, Field(default=None), BeforeValidator(_not_null)]
     #: The text of :meth:`as_json`, kept so that the content of the file is passed on unchanged.
     document: Derived
 
@@ -223,6 +238,10 @@ class Domain:
                 if name != "rule"
             ]
         return {word for text in texts for word in text.split() if not word.startswith("{")}
+
+    def known_words(self) -> set[str]:
+        """All words of its sentences."""
+        return {*self.lexicon(), *self.other_words()}
 
     def as_json(self) -> str:
         """The whole file as JSON, keys in the file's order; it goes into the model file."""

@@ -55,7 +55,10 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
                 f"{path}: synonyms.{name}: unknown attribute value; expected some of: "
                 f"{', '.join(values)}"
             )
-        values[name]["words"] = [*values[name]["words"], *added]
+        known = values[name]["words"]
+        values[name]["words"] = [*known, *(word for word in added if word not in known)]
+    if spelling := words.pop("spelling", None):
+        document["spelling"] = spelling
     document["everyday"] = words
     return parse(document, str(path))
 

@@ -78,7 +78,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         attributes=tuple(map(_with_its_name, read.attributes)),
         document=json_text(document, ensure_ascii=False),
     )
-    for check in (_names, _appearance, _words, _held_out_actions, _held_out, _everyday):
+    for check in (_names, _appearance, _words, _held_out_actions, _held_out, _everyday, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -205,6 +205,21 @@ def _everyday(domain: Domain) -> Faults:
     uses["relation"] = {relation.get("rule", "") for relation in domain.everyday.relations.values()}
     if (looped := _loop(uses)) is not None:
         yield f"everyday.rules.{looped}", "contains itself"
+
+
+def _spelling(domain: Domain) -> Faults:
+    """Words are heard as known ones, and no known word is taken for an unknown one."""
+    if domain.spelling is None:
+        return
+    known = domain.known_words()
+    for word, read_as in domain.spelling.heard.items():
+        if word in known:
+            yield "spelling.heard", f"{word!r} is a word of the domain"
+        if read_as not in known:
+            yield f"spelling.heard.{word}", f"{read_as!r} is not a word of the domain"
+    for word in domain.spelling.other_words:
+        if word in known:
+            yield "spelling.other_words", f"{word!r} is a word of the domain"
 
 
 def _loop(uses: Mapping[str, set[str]]) -> str | None:

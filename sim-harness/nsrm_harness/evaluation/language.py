@@ -4,6 +4,7 @@ through the core.
 A sentence is right if its program is the one that was meant, whatever the scene. The sets are:
 
 * the sentences of episode files, in the grammar that a model is first trained on;
+* the same with one word misspelt, if the model reads misspelt words as known ones;
 * their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
 * near misses, all of whose words the model knows;
@@ -28,7 +29,9 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.patterns import is_reserved
 from nsrm_harness.domain.program import Program, Step, canonical
+from nsrm_harness.domain.spelling import Misspeller
 from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.domain.tokens import split as split_words
 from nsrm_harness.evaluation.metrics import EvaluationError, check_domain, domain_of
 
 
@@ -90,6 +93,10 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             zip(demonstrations.sentences, programs, strict=True)
         )
     rows = [count(split, understand(model, meant))]
+    if domain.spelling is not None:
+        misspelt = Misspeller(domain, generator(seed, "misspelt", 0))
+        typed = [(" ".join(misspelt(split_words(said))), program) for said, program in meant]
+        rows.append(count(f"{split}; misspelt", understand(model, typed)))
     if domain.everyday is None:
         return rows
     heard: list[tuple[str, Program | None]] = []

@@ -23,6 +23,7 @@ from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, StepTruth, Truth
 from nsrm_harness.domain import Domain
+from nsrm_harness.domain.dictionary import with_dictionary
 from nsrm_harness.domain.everyday import with_everyday
 from nsrm_harness.evaluation.detector.match import match
 from nsrm_harness.evaluation.observed import Boxes, chunks, objects_of, observe_episode
@@ -265,7 +266,7 @@ def domain_of(model: nsrm.Model, domain: Domain) -> Domain:
     """The domain of the episodes, with everyday wording if the model was taught it."""
     if domain.name != DEFAULT_DOMAIN:
         return domain
-    everyday = with_everyday(domain)
+    everyday = with_dictionary(with_everyday(domain))
     return everyday if everyday.other_words() <= set(model.info()["words"]) else domain
 
 

@@ -26,6 +26,7 @@ from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.told import read_told
 from nsrm_harness.domain import Domain
+from nsrm_harness.domain.dictionary import with_dictionary
 from nsrm_harness.domain.everyday import with_everyday
 from nsrm_harness.domain.patterns import is_reserved
 from nsrm_harness.domain.tokens import Tokenizer
@@ -239,7 +240,7 @@ class Lesson:
     @classmethod
     def read(cls, base: ModelFile, episodes: Path, sentences: Path, wording: Path) -> Lesson:
         """Reads the demonstrations and the sentences about them."""
-        domain = with_everyday(base.domain, wording)
+        domain = with_dictionary(with_everyday(base.domain, wording))
         found = read_told(sentences, episodes)
         with Demonstrations(episodes) as demonstrations:
             shown = training_set(demonstrations)

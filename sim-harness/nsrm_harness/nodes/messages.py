@@ -488,7 +488,7 @@ class PlanReply(ctypes.Structure):
         # Always 0.
         ("reserved", ctypes.c_uint32),
         # Text for a person, UTF-8: the program in the paper's notation with `Status::Planned`,
-        # else the reason.
+        # and a line for each misspelt word that says what it was read as; else the reason.
         ("message", ctypes.c_uint8 * 1024),
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),

@@ -216,7 +216,7 @@ pub(crate) fn to_python<'py>(
         Event::Working => Bound::new(py, Working)?.into_any(),
         Event::Planned(plan) => {
             let first = plan.first();
-            let plan = Py::new(py, Plan::new(py, model, plan)?)?;
+            let plan = Py::new(py, Plan::new(py, model, plan, sentence)?)?;
             Bound::new(py, Planned { plan, first })?.into_any()
         }
         Event::Command(command) => Bound::new(py, self::command(py, model, command))?.into_any(),

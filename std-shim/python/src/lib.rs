@@ -36,7 +36,7 @@ mod module {
     #[pymodule_export]
     use crate::observed::Observed;
     #[pymodule_export]
-    use crate::plan::{Plan, PlannedStep, Program, Step};
+    use crate::plan::{Correction, Plan, PlannedStep, Program, Step};
     #[pymodule_export]
     use crate::risk::{Accepted, accepted, least_confidence, with_confidence};
     #[pymodule_export]
@@ -49,11 +49,15 @@ mod module {
     #[pymodule_export]
     const MAX_CANDIDATES: usize = nsrm_core::MAX_CANDIDATES;
     #[pymodule_export]
+    const MAX_CORRECTIONS: usize = nsrm_core::MAX_CORRECTIONS;
+    #[pymodule_export]
     const MAX_FILTERS: usize = nsrm_core::MAX_FILTERS;
     #[pymodule_export]
     const MAX_GROUPS: usize = nsrm_core::MAX_GROUPS;
     #[pymodule_export]
     const MAX_OBJECTS: usize = nsrm_core::MAX_OBJECTS;
+    #[pymodule_export]
+    const MAX_READINGS: usize = nsrm_core::MAX_READINGS;
     #[pymodule_export]
     const MAX_SENTENCE_BYTES: usize = nsrm_core::MAX_SENTENCE_BYTES;
     #[pymodule_export]

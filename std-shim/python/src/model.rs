@@ -62,7 +62,10 @@ impl Model {
         let model = self.inner.model();
         let result = py.detach(|| Planner::new(&model).parse(sentence));
         match result {
-            Ok(parsed) => Ok(Program::new(&model, parsed.program())),
+            Ok(parsed) => {
+                let (program, corrections) = (parsed.program(), parsed.corrections());
+                Ok(Program::new(&model, program, corrections, sentence))
+            }
             Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
         }
     }
@@ -92,7 +95,7 @@ impl Model {
             }
         });
         match result {
-            Ok(plan) => Plan::new(py, &model, &plan),
+            Ok(plan) => Plan::new(py, &model, &plan, sentence),
             Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
         }
     }
@@ -166,7 +169,7 @@ impl Model {
         let results = outcomes.iter().zip(&jobs);
         results
             .map(|(outcome, (_, sentence))| match outcome {
-                Ok(plan) => Ok(Py::new(py, Plan::new(py, &model, plan)?)?.into_any()),
+                Ok(plan) => Ok(Py::new(py, Plan::new(py, &model, plan, sentence)?)?.into_any()),
                 Err(refusal) => {
                     let error = errors::refused(py, &model, refusal, sentence);
                     Ok(error.into_value(py).into_any())

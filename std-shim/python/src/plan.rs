@@ -36,17 +36,44 @@ impl Step {
     }
 }
 
+/// A misspelt word, and what it was read as.
+#[pyclass(frozen, eq, get_all, module = "nsrm")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Correction {
+    word: String,
+    read_as: String,
+}
+
+#[pymethods]
+impl Correction {
+    fn __repr__(&self) -> String {
+        let Self { word, read_as } = self;
+        format!("Correction(word={word:?}, read_as={read_as:?})")
+    }
+}
+
 /// What a sentence says is to be done.
 #[pyclass(frozen, eq, get_all, module = "nsrm")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Program {
     steps: Vec<Step>,
     notation: String,
+    corrections: Vec<Correction>,
 }
 
 impl Program {
-    pub(crate) fn new(model: &nsrm_core::Model<'_>, program: &nsrm_core::Program) -> Self {
+    pub(crate) fn new(
+        model: &nsrm_core::Model<'_>,
+        program: &nsrm_core::Program,
+        corrections: &[nsrm_core::language::Correction],
+        sentence: &str,
+    ) -> Self {
+        let correction = |each: &nsrm_core::language::Correction| Correction {
+            word: each.span().of(sentence).unwrap_or_default().to_owned(),
+            read_as: each.read_as(model).to_owned(),
+        };
         Self {
+            corrections: corrections.iter().map(correction).collect(),
             steps: program
                 .steps()
                 .iter()
@@ -105,8 +132,9 @@ impl Plan {
         py: Python<'_>,
         model: &nsrm_core::Model<'_>,
         plan: &nsrm_core::Plan,
+        sentence: &str,
     ) -> PyResult<Self> {
-        let program = Program::new(model, plan.program());
+        let program = Program::new(model, plan.program(), plan.corrections(), sentence);
         let steps = plan.numbered().map(|(number, understood, planned)| {
             let Step {
                 action,

@@ -230,11 +230,24 @@ def test_scenes_that_disagree_with_the_calibration_are_refused(
 
 def test_refusals_offer_the_word_that_may_have_been_meant(model: nsrm.Model) -> None:
     with pytest.raises(nsrm.Refused, match='did you mean "green"') as caught:
-        model.parse("put the gren block on the red block")
+        model.parse("put the greens block on the red block")
     assert caught.value.suggestion == caught.value.details["suggestion"] == "green"
     with pytest.raises(nsrm.Refused, match="use another one") as caught:
         model.parse("put the red block under the blue block")
     assert caught.value.suggestion is None
+
+
+def test_misspelt_words_are_told(model: nsrm.Model, scene: nsrm.Scene) -> None:
+    program = model.parse("put the gren block on the read block")
+    assert [(each.word, each.read_as) for each in program.corrections] == [
+        ("gren", "green"),
+        ("read", "red"),
+    ]
+    assert repr(program.corrections[0]) == 'Correction(word="gren", read_as="green")'
+    assert program.steps == model.parse("put the green block on the red block").steps
+    plan = model.plan(scene, SENTENCE.replace("block", "blokc", 1))
+    assert [each.read_as for each in plan.program.corrections] == ["block"]
+    assert model.plan(scene, SENTENCE).program.corrections == []
 
 
 def test_models_that_are_none(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ fn follow_with(model: &Model<'_>, scene: &Scene, sentence: &str) {
             check_in(model, scene, plan);
             let program = parsed.as_ref().map(Parsed::program);
             assert_eq!(program, Ok(plan.program()));
-            let written = json::plan(model, plan);
+            let written = json::plan(model, plan, sentence);
             let steps = written["steps"].as_array().map(Vec::len);
             assert_eq!(steps, Some(plan.steps().len()));
         }

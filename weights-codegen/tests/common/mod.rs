@@ -73,6 +73,11 @@ pub(crate) fn domain() -> Value {
             "commands": ["{verb} {moved} {relation} {reference}"],
             "connectives": [", then", "then"],
         },
+        "spelling": {
+            "heard": {"steal": "teal", "bare": "beside"},
+            "other_words": ["plumb", "jam", "teak"],
+            "language": "en",
+        },
     })
 }
 

@@ -102,7 +102,7 @@ fn more_words_than_an_index_holds() {
 
 #[test]
 fn names_that_stand_there_twice() {
-    let spoils: [(&str, &str, SpoilDomain); 5] = [
+    let spoils: [(&str, &str, SpoilDomain); 7] = [
         ("attribute type", "tint", |domain| {
             domain["attribute"][1]["name"] = json!("tint")
         }),
@@ -118,6 +118,12 @@ fn names_that_stand_there_twice() {
         ("word", "teal", |domain| {
             domain["grammar"]["nouns"] = json!(["teal"])
         }),
+        ("word", "jar", |domain| {
+            domain["spelling"]["other_words"] = json!(["jam", "jar"])
+        }),
+        ("word", "plum", |domain| {
+            domain["spelling"]["heard"]["plum"] = json!("teal")
+        }),
     ];
     for (what, name, spoil) in spoils {
         let error = refused_domain(spoil, &[what, name, "twice"]);
@@ -129,6 +135,16 @@ fn names_that_stand_there_twice() {
             }
         );
     }
+}
+
+#[test]
+fn a_word_that_is_heard_as_an_unknown_one() {
+    let error = refused_domain(
+        |domain| domain["spelling"]["heard"]["steal"] = json!("steel"),
+        &["\"steal\" is read as \"steel\"", "not a word of the domain"],
+    );
+    let (text, read_as) = ("steal".into(), "steel".into());
+    assert_eq!(error, ModelError::HeardAs { text, read_as });
 }
 
 #[test]

@@ -19,6 +19,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.domain.grammar import Command, Grammar
 from nsrm_harness.domain.patterns import is_reserved
 from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.spelling import one_edit
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation.refusals import topics
 from nsrm_harness.evaluation.refusals.reading import Reading
@@ -72,6 +73,8 @@ class Spoiler:
         self._tokenizer = Tokenizer(domain)
         grammar = domain.grammar
         self._known = {*domain.lexicon(), *domain.vocabulary()}
+        # Words that must not be taken for misspelt ones.
+        self._other_words = {*domain.spelling.other_words} if domain.spelling else set()
         phrases = [phrase for action in domain.actions for phrase in action.phrases]
         self._content = {
             *domain.lexicon(),
@@ -113,12 +116,20 @@ class Spoiler:
         return self._said(words)
 
     def misspelt(self, situation: Situation) -> Spoilt | None:
-        """One letter is omitted, added, changed or swapped with its neighbour."""
+        """One letter is omitted, added, changed or swapped with its neighbour; in a domain that
+        reads misspelt words as its own, so that another word of the dictionary comes of it."""
         words = self._words(situation)
         place = self._place(
             words, lambda word: word in self._content and len(word) >= LEAST_LETTERS
         )
-        meant, words[place] = words[place], self._misspell(words[place])
+        meant = words[place]
+        if self._other_words:
+            near = sorted(one_edit(meant) & self._other_words)
+            if not near:
+                return None
+            words[place] = self._choose(near)
+        else:
+            words[place] = self._misspell(meant)
         if words[place] in self._known:
             return None
         return Spoilt(self._grammar.spell(self._rng, words), meant)

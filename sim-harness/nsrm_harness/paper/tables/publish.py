@@ -25,6 +25,7 @@ REPORT_FOLDER = Path("docs/report")
 LANGUAGE = "language.csv"
 SETS = {
     "test": "test, in the grammar that the paper's training uses",
+    "test; misspelt": "the same, one word misspelt",
     "test; everyday wording": "the same programs in everyday wording",
     "test; everyday wording held out": "the same, in patterns kept from training",
     "near misses": "near misses, all of known words; to refuse",
