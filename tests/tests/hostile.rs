@@ -14,7 +14,7 @@ use nsrm_tests::by_hand::{Parts, raw_scene};
 use nsrm_tests::counting::{Counting, counted};
 use nsrm_tests::isolated_memory::{IsolatedMemory, join};
 use nsrm_tests::picture;
-use nsrm_tests::world::{BLOCKS, SENTENCE, World, last_reason, patient};
+use nsrm_tests::world::{BLOCKS, HOUR_NS, SENTENCE, World, last_reason, patient};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -205,7 +205,8 @@ fn a_planner_counts_what_makes_no_sense_and_goes_on() {
     );
     let request = PlanRequest::new(3, 1, Mode::ClosedLoop, SENTENCE).unwrap();
     let mut scene = SceneMessage::from(&raw_scene(&model, &BLOCKS));
-    let (mut now, mut seed, mut sent) = (now_ns(), 7, 0);
+    // As if the machine had run for longer than a scene may be old: one of time 0 is too old.
+    let (mut now, mut seed, mut sent) = (now_ns() + 2 * HOUR_NS, 7, 0);
     for round in 0..ROUNDS {
         now += MS;
         for _ in 0..16 {
