@@ -9,11 +9,17 @@ import struct
 from pathlib import Path
 from statistics import mean
 
-import pytest
-
+from nsrm_harness.evaluation.language import read_rows as read_language
 from nsrm_harness.evaluation.refusals.spoiler import KINDS
 from nsrm_harness.paper.tables import published_figures as paper
-from nsrm_harness.paper.tables.publish import MODEL, README, REPORT_FOLDER, with_figures
+from nsrm_harness.paper.tables.publish import (
+    LANGUAGE,
+    MODEL,
+    README,
+    REPORT_FOLDER,
+    with_figures,
+    with_language,
+)
 from nsrm_harness.paper.tables.results import read_rows
 from nsrm_harness.paper.tables.tables_report import REFUSALS, REPORT, TABLES, tables_of
 
@@ -29,11 +35,21 @@ GOALS = {
 }
 """What a published model reaches at least, percent: the mean over the seeds, none of them more
 than a point below."""
+LEAST_UNDERSTOOD = {
+    "test": 99.8,
+    "test; everyday wording": 95,
+    "test; everyday wording held out": 95,
+    "sentences": 87,
+}
+MOST_TAKEN_FOR_ELSE = {"test; everyday wording held out": 0.3, "near misses": 0.8}
+"""Percent of each set of sentences; of the others nothing is taken for something else."""
 
 
 def test_the_readmes_figures_are_the_reports() -> None:
     readme = (ROOT / README).read_text(encoding="utf-8")
-    assert with_figures(readme, REPORT_PATH) == readme, "run 'cargo harness publish'"
+    advice = "run 'cargo harness publish --readme-only'"
+    assert with_figures(readme, REPORT_PATH) == readme, advice
+    assert with_language(readme, REPORT_PATH) == readme, advice
 
 
 def test_the_reports_text_has_the_figures_of_its_tables() -> None:
@@ -44,11 +60,13 @@ def test_the_reports_text_has_the_figures_of_its_tables() -> None:
         assert table in text
 
 
-def test_the_committed_model_is_the_one_that_was_judged() -> None:
+def test_the_committed_model_was_taught_without_harm_to_the_one_that_was_judged() -> None:
     content = (ROOT / MODEL).read_bytes()
     (size,) = struct.unpack("<Q", content[:8])
     metadata = json.loads(content[8 : 8 + size])["__metadata__"]
-    metrics, seed = json.loads(metadata["metrics"]), json.loads(metadata["training"])["seed"]
+    metrics, training = json.loads(metadata["metrics"]), json.loads(metadata["training"])
+    seed = training["seed"]
+    assert training["wording"]["seed"] == seed
     (row,) = (
         row
         for row in read_rows(REPORT_PATH / TABLES)
@@ -62,7 +80,7 @@ def test_the_committed_model_is_the_one_that_was_judged() -> None:
         (row.iou_2d, "iou_2d"),
         (row.iou_3d, "iou_3d"),
     ):
-        assert own == pytest.approx(100 * metrics[told], abs=0.006)
+        assert own is not None and 100 * metrics[told] >= own - 0.2, told
 
 
 def test_the_committed_report_reaches_the_goals() -> None:
@@ -75,6 +93,16 @@ def test_the_committed_report_reaches_the_goals() -> None:
                 found = [getattr(row, figure) for row in of_split]
                 assert mean(found) >= goal and min(found) >= goal - 1, (split, boxes, figure, found)
     assert all(row.episodes >= 2000 for row in rows)
+
+
+def test_the_committed_models_understand_what_they_should_and_obey_nothing_else() -> None:
+    rows = [row for _, row in read_language(REPORT_PATH / LANGUAGE)]
+    sets = {row.set for row in rows}
+    assert {*LEAST_UNDERSTOOD, *MOST_TAKEN_FOR_ELSE} <= sets
+    for row in rows:
+        least, most = LEAST_UNDERSTOOD.get(row.set, 0.0), MOST_TAKEN_FOR_ELSE.get(row.set, 0.0)
+        assert row.right + row.refused + row.wrong == row.count
+        assert row.right >= least / 100 * row.count and row.wrong <= most / 100 * row.count, row
 
 
 def test_the_committed_report_refuses_what_it_should() -> None:
