@@ -45,6 +45,34 @@ class Refused(NsrmError):
     """What the kind carries: words, steps from 0, candidates with scores, limits."""
     suggestion: str | None
     """The known word that may have been meant by an unknown one."""
+    question: Question | None
+    """What to ask the person, if an answer can complete the sentence."""
+
+@final
+class Choice:
+    """One of the possible answers to a question."""
+
+    @property
+    def answer(self) -> str:
+        """In words: "the small one"."""
+
+    @property
+    def sentence(self) -> str:
+        """The sentence with it, which the model understands."""
+
+@final
+class Question:
+    """What is asked back after a refusal; `str()` gives it in words."""
+
+    @property
+    def options(self) -> list[Choice]:
+        """The possible answers; none if the question is open."""
+
+    def complete(self, answer: str) -> str | None:
+        """The sentence that an answer leads to: the number of an option, from 1, words that only
+        one of them has, or "yes" if there is only one; to an open question, the words that are
+        missing. None if the answer is none of these: it may be a sentence of its own.
+        """
 
 class ModelError(NsrmError):
     """A model file cannot be used."""

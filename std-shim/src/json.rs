@@ -12,6 +12,8 @@ use nsrm_core::planner::{Confidence, Plan, PlannedStep};
 use nsrm_core::refusal::{Candidate, Refusal};
 use serde_json::{Map, Value, json};
 
+use crate::dialogue::{Choice, Question};
+
 /// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}], "corrections": […]}`,
 /// these as in [`corrections`].
 pub fn parsed(model: &Model<'_>, parsed: &Parsed, sentence: &str) -> Value {
@@ -70,6 +72,16 @@ pub fn refusal(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Value {
     object.insert("kind".into(), refusal.kind().into());
     object.insert("message".into(), message.into());
     json!({"refused": object})
+}
+
+/// `{"text": "which …?", "options": [{"answer": "the small one", "sentence": "…"}]}`: what is asked
+/// back after a refusal, and the sentences that the answers lead to.
+pub fn question(question: &Question) -> Value {
+    let options = question.options().iter();
+    let options: Vec<Value> = options
+        .map(|Choice { answer, sentence }| json!({"answer": answer, "sentence": sentence}))
+        .collect();
+    json!({"text": question.to_string(), "options": options})
 }
 
 /// `{"error": {"message": "…"}}`, for input that could not be read.

@@ -18,6 +18,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod dialogue;
 mod info;
 pub mod json;
 mod models;

@@ -3,14 +3,16 @@
 mod calibrate;
 mod robot;
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use nsrm::dialogue::Question;
 use nsrm::{AnyModel, info_json, info_text, json, read_scene};
 use nsrm_codegen::hexadecimal;
 use nsrm_core::language::Correction;
-use nsrm_core::{Planner, Refusal};
+use nsrm_core::{Planner, Refusal, Scene};
 use serde_json::Value;
 
 /// Parse sentences into programs and plan sub-goals in scenes, with a learned model.
@@ -88,11 +90,26 @@ struct Failure {
 }
 
 impl Failure {
-    fn refused(model: &nsrm_core::Model<'_>, refusal: Refusal, sentence: &str) -> Self {
-        Self {
-            message: refusal.in_context(model, sentence).to_string(),
-            json: json::refusal(model, &refusal, sentence),
+    /// * `scene`: where the sentence was planned, if it was
+    fn refused(
+        model: &nsrm_core::Model<'_>,
+        scene: Option<&Scene>,
+        refusal: Refusal,
+        sentence: &str,
+    ) -> Self {
+        let mut message = refusal.in_context(model, sentence).to_string();
+        let mut json = json::refusal(model, &refusal, sentence);
+        if let Some(question) = Question::after(model, scene, &refusal, sentence) {
+            json["refused"]["question"] = json::question(&question);
+            // Otherwise the message says it already.
+            if matches!(
+                refusal,
+                Refusal::Ambiguous { .. } | Refusal::NoSuchObject { .. }
+            ) {
+                let _ = write!(message, "; {question}");
+            }
         }
+        Self { message, json }
     }
 }
 
@@ -144,7 +161,7 @@ fn run(command: &Command) -> Result<String, Failure> {
             let model = any.model();
             let parsed = Planner::new(&model)
                 .parse(sentence)
-                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
+                .map_err(|refusal| Failure::refused(&model, None, refusal, sentence))?;
             Ok(if options.json {
                 json::parsed(&model, &parsed, sentence).to_string()
             } else {
@@ -164,7 +181,7 @@ fn run(command: &Command) -> Result<String, Failure> {
             let scene = read_scene(scene, crops.as_deref(), &model)?;
             let plan = Planner::new(&model)
                 .plan(&scene, sentence)
-                .map_err(|refusal| Failure::refused(&model, refusal, sentence))?;
+                .map_err(|refusal| Failure::refused(&model, Some(&scene), refusal, sentence))?;
             Ok(if options.json {
                 json::plan(&model, &plan, sentence).to_string()
             } else {

@@ -180,6 +180,8 @@ fn refuses_sentences() {
         (&details["step"], &details["references"]),
         (&json!(0), &json!(1))
     );
+    let text = "\"put the red block\" names one object only: what is missing?";
+    assert_eq!(details["question"], json!({"text": text, "options": []}));
 }
 
 #[test]
@@ -190,6 +192,18 @@ fn refuses_what_the_scene_does_not_allow() {
     assert_eq!(details["argument"], "object");
     assert_eq!(details["description"], json!(["yellow"]));
     assert!(details["best"]["score"].as_f64() < Some(0.75));
+    let question = &details["question"];
+    let text = question["text"].as_str().expect("a question");
+    assert!(
+        text.starts_with("do you mean the ") && text.ends_with(" one?"),
+        "{text}"
+    );
+    // Each option is a sentence that can be planned.
+    let options = question["options"].as_array().expect("options");
+    assert!(!options.is_empty());
+    for option in options {
+        done(&bench.plan(option["sentence"].as_str().expect("a sentence"), &[]));
+    }
     let sentence = "put the red block on the green block";
     let details = refusal(&bench, sentence, "ambiguous", &["green", "2 objects"]);
     assert_eq!(

@@ -6,7 +6,7 @@
 #[allow(dead_code)]
 mod common;
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -100,6 +100,52 @@ fn what_is_refused_is_told_with_exit_code_2() {
     // The planner logs it, too.
     stage.wait_for_log(&[" refused ", "the purple block", "\"purple\" is not a word"]);
     stage.wait_for_log(&[" refused ", "the green block", "\"green\" fits no object"]);
+}
+
+/// `nsrm say --dialogue` with these lines as its input.
+fn asked(stage: &Stage, sentence: &str, answers: &str) -> Output {
+    let mut say = stage
+        .command(&["say", "--dialogue", "--plan-only", sentence])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = say.stdin.take().unwrap();
+    input.write_all(answers.as_bytes()).unwrap();
+    drop(input);
+    say.wait_with_output().unwrap()
+}
+
+#[test]
+fn an_answer_completes_what_was_refused() {
+    let stage = Stage::both("asked");
+    let sentence = "put the green block on the blue block";
+    let said = asked(&stage, sentence, "the purple one\nthe red one\n");
+    let told = String::from_utf8_lossy(&said.stderr).into_owned();
+    for part in [
+        "\"green\" fits no object",
+        "do you mean the ",
+        "\"the purple one\" is none of the answers",
+        " red block on the blue block\"",
+    ] {
+        assert!(told.contains(part), "{told}");
+    }
+    assert!(said.status.success(), "{told}");
+    assert!(said.stdout.starts_with(b"Action(MoveOn, "));
+    // The rest of a step, then a sentence of its own.
+    for answer in ["on the blue one", SENTENCE] {
+        let said = asked(&stage, "put the red block", answer);
+        let told = String::from_utf8_lossy(&said.stderr).into_owned();
+        assert!(
+            told.contains("names one object only: what is missing?"),
+            "{told}"
+        );
+        assert!(said.status.success(), "{told}");
+        assert!(said.stdout.starts_with(b"Action(MoveOn, "));
+    }
+    let said = asked(&stage, sentence, "");
+    assert_eq!(said.status.code(), Some(2));
 }
 
 /// The nodes of the test's robot.

@@ -18,6 +18,10 @@ use crate::refusal::{Decision, Quantity, Refusal};
 pub struct StepDecisions {
     /// The step's place in the sentence.
     pub span: Span,
+    /// The place of the words that describe the object to move.
+    pub object_span: Span,
+    /// The place of the words that describe the reference.
+    pub reference_span: Span,
     /// That the step ends where it was split.
     pub split: f32,
     /// That all its words stand where commands have them.
@@ -86,7 +90,7 @@ impl Parsed {
 /// one token to the splitter or to one direction of the encoder, which also judges its
 /// acceptability, or runs one decoder. All scratch memory is in here.
 ///
-/// If words are misspelt, each reading of the sentence, at most [`MAX_READINGS`], is parsed in turn.
+/// If words are misspelt, each reading of the sentence, at most [`crate::MAX_READINGS`], is parsed in turn.
 /// All that make sense must mean the same program; otherwise, or if none makes sense, the first
 /// misspelt word is refused as unknown.
 ///
@@ -442,8 +446,11 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             });
         }
         let split = self.segments.probability(step);
+        let (reference_description, reference_span) = self.group(step, reference.index)?;
         let decisions = StepDecisions {
             span: self.segments.span(step, self.reader.tokens()),
+            object_span: span,
+            reference_span,
             split: split.ok_or(Refusal::InvalidModel)?,
             words: self.acceptability.probability(),
             action: action.probability,
@@ -453,7 +460,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         let symbols = Step {
             action: u8::try_from(action.index).map_err(|_| Refusal::InvalidModel)?,
             object: description,
-            reference: self.group(step, reference.index)?.0,
+            reference: reference_description,
         };
         // As many places as segments.
         let _ = self.parsed.program.push(symbols);

@@ -1,13 +1,15 @@
 //! Exceptions, each with the core's message.
 
 use nsrm::LoadError;
+use nsrm::dialogue;
 use nsrm::json::refusal_details;
-use nsrm_core::Refusal;
+use nsrm_core::{Refusal, Scene};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde_json::Value;
 
+use crate::dialogue::Question;
 use crate::values::to_python;
 
 create_exception!(
@@ -20,7 +22,8 @@ create_exception!(
     nsrm,
     Refused,
     NsrmError,
-    "The sentence was refused; `kind` and `details` say why, `suggestion` what to say instead."
+    "The sentence was refused; `kind` and `details` say why, `suggestion` and `question` what to say \
+     instead."
 );
 create_exception!(nsrm, ModelError, NsrmError, "A model file cannot be used.");
 create_exception!(
@@ -45,19 +48,28 @@ pub(crate) fn load(error: LoadError) -> PyErr {
     ModelError::new_err(error.to_string())
 }
 
-/// A refusal with `kind`, `details`, `suggestion` and the message for a person.
+/// A refusal with `kind`, `details`, `suggestion`, `question` and the message for a person.
+///
+/// * `scene`: where the sentence was planned, if it was
 pub(crate) fn refused(
     py: Python<'_>,
     model: &nsrm_core::Model<'_>,
+    scene: Option<&Scene>,
     refusal: &Refusal,
     sentence: &str,
 ) -> PyErr {
     let error = Refused::new_err(refusal.in_context(model, sentence).to_string());
     let details = Value::Object(refusal_details(model, refusal, sentence));
+    let question = |py| {
+        let asked = dialogue::Question::after(model, scene, refusal, sentence);
+        let asked = asked.map(|question| Py::new(py, Question::new(question)));
+        asked.transpose()
+    };
     let set = |error: &PyErr| -> PyResult<()> {
         let value = error.value(py);
         value.setattr("kind", refusal.kind())?;
         value.setattr("suggestion", refusal.suggestion(model, sentence))?;
+        value.setattr("question", question(py)?)?;
         value.setattr("details", to_python(py, &details)?)
     };
     match set(&error) {

@@ -159,7 +159,7 @@ impl Failure {
     ) -> PyResult<Py<Self>> {
         use executive::Failure as Why;
         let refusal = match why {
-            Why::Refused(refusal) => Some(errors::refused(py, model, refusal, sentence)),
+            Why::Refused(refusal) => Some(errors::refused(py, model, None, refusal, sentence)),
             _ => None,
         };
         let refusal = refusal.map(|error| error.into_value(py).into_any());

@@ -84,7 +84,7 @@ impl Executive {
                 unit: LengthUnit::Bytes,
             };
             let model = self.cell.borrow_owner().borrow_dependent();
-            return Err(errors::refused(py, model, &too_long, &sentence));
+            return Err(errors::refused(py, model, None, &too_long, &sentence));
         };
         let asked = self
             .cell

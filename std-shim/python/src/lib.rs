@@ -5,6 +5,7 @@
 
 mod arrays;
 mod camera;
+mod dialogue;
 mod errors;
 mod events;
 mod executive;
@@ -21,6 +22,8 @@ mod values;
 mod module {
     #[pymodule_export]
     use crate::camera::Camera;
+    #[pymodule_export]
+    use crate::dialogue::{Choice, Question};
     #[pymodule_export]
     use crate::errors::{ModelError, NsrmError, Refused, SceneError};
     #[pymodule_export]

@@ -66,7 +66,7 @@ impl Model {
                 let (program, corrections) = (parsed.program(), parsed.corrections());
                 Ok(Program::new(&model, program, corrections, sentence))
             }
-            Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
+            Err(refusal) => Err(errors::refused(py, &model, None, &refusal, sentence)),
         }
     }
 
@@ -74,7 +74,7 @@ impl Model {
     fn check(&self, py: Python<'_>, scene: &Scene) -> PyResult<()> {
         let model = self.inner.model();
         let checked = py.detach(|| Planner::new(&model).check(&scene.inner));
-        checked.map_err(|refusal| errors::refused(py, &model, &refusal, ""))
+        checked.map_err(|refusal| errors::refused(py, &model, None, &refusal, ""))
     }
 
     /// A plan for a sentence in a scene, or for what is left of it from step `first` on, from 0.
@@ -96,7 +96,10 @@ impl Model {
         });
         match result {
             Ok(plan) => Plan::new(py, &model, &plan, sentence),
-            Err(refusal) => Err(errors::refused(py, &model, &refusal, sentence)),
+            Err(refusal) => {
+                let scene = Some(&*scene.inner);
+                Err(errors::refused(py, &model, scene, &refusal, sentence))
+            }
         }
     }
 
@@ -171,7 +174,7 @@ impl Model {
             .map(|(outcome, (_, sentence))| match outcome {
                 Ok(plan) => Ok(Py::new(py, Plan::new(py, &model, plan, sentence)?)?.into_any()),
                 Err(refusal) => {
-                    let error = errors::refused(py, &model, refusal, sentence);
+                    let error = errors::refused(py, &model, None, refusal, sentence);
                     Ok(error.into_value(py).into_any())
                 }
             })

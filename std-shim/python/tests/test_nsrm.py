@@ -458,3 +458,32 @@ def test_a_calibrated_model_refuses_what_is_less_confident(
     assert refused.value.details["threshold"] == 1.0
     with pytest.raises(nsrm.ModelError, match="confidence"):
         nsrm.with_confidence(content, 1.5)
+
+
+def test_a_refusal_asks_back_and_an_answer_completes_the_sentence(
+    model: nsrm.Model, scene: nsrm.Scene
+) -> None:
+    with pytest.raises(nsrm.Refused) as caught:
+        model.parse("put the reds block on the blue block")
+    question = caught.value.question
+    assert question is not None and str(question) == 'do you mean "red"?'
+    (choice,) = question.options
+    assert choice.answer == '"red"'
+    assert choice.sentence == question.complete("yes") == "put the red block on the blue block"
+    assert question.complete("no") is None
+    with pytest.raises(nsrm.Refused) as caught:
+        model.parse("put the red block")
+    question = caught.value.question
+    assert question is not None and question.options == []
+    assert question.complete("on the blue one") == "put the red block on the blue one"
+    with pytest.raises(nsrm.Refused) as caught:
+        model.parse("put the sofa on the blue block")
+    assert caught.value.question is None
+    # What is there is offered for what is not.
+    with pytest.raises(nsrm.Refused) as caught:
+        model.plan(scene, "put the green block on the blue block")
+    question = caught.value.question
+    assert question is not None and str(question).endswith("red one?")
+    completed = question.complete("the red one")
+    assert completed is not None
+    assert model.plan(scene, completed).steps[0].object_id == 1

@@ -55,8 +55,11 @@ pub(crate) enum RobotCommand {
         /// Execute the first plan without observing the scene after each step, as in the paper.
         #[arg(long)]
         open_loop: bool,
-        /// Print JSON, one line per event.
+        /// Ask back after a refusal and read the answer from the input, also if that is no terminal.
         #[arg(long)]
+        dialogue: bool,
+        /// Print JSON, one line per event, and do not ask back.
+        #[arg(long, conflicts_with = "dialogue")]
         json: bool,
         #[command(flatten)]
         options: RobotOptions,
@@ -106,6 +109,7 @@ impl RobotCommand {
                 sentence,
                 plan_only,
                 open_loop,
+                dialogue,
                 json,
                 options,
             } => {
@@ -114,7 +118,8 @@ impl RobotCommand {
                     (_, true) => Mode::OpenLoop,
                     _ => Mode::ClosedLoop,
                 };
-                say::say(&options.read()?, sentence, mode, *json)
+                let asks = *dialogue || (!json && std::io::stdin().is_terminal());
+                say::say(&options.read()?, sentence, mode, *json, asks)
             }
         }
     }

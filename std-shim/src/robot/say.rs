@@ -1,16 +1,19 @@
-//! `nsrm say`: sends a sentence to a robot and prints its execution as it happens.
+//! `nsrm say`: sends a sentence to a robot, prints its execution as it happens, and asks back.
 
 use std::io::Write as _;
-use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
+use nsrm::dialogue::Question;
 use nsrm::json;
-use nsrm_core::Model;
 use nsrm_core::dsl::Description;
+use nsrm_core::{Model, Planner, Scene};
 use nsrm_ipc::clock::{is_due, now_ns};
 use nsrm_ipc::executive::Mode;
-use nsrm_ipc::message::{PlanReply, Reply, Role, StepMessage};
+use nsrm_ipc::message::{PlanReply, Reply, Role, SceneMessage, StepMessage};
 use nsrm_ipc::node::{Client, RequestError};
+use nsrm_ipc::service::Receiver;
 use serde_json::{Value, json};
 
 use super::config::Config;
@@ -21,26 +24,138 @@ use crate::Failure;
 const SAID_AGAIN_NS: u64 = 200_000_000;
 /// Between two polls for a reply.
 const NAP: Duration = Duration::from_millis(2);
+/// Between two looks for a stop while an answer is typed.
+const LONG_NAP: Duration = Duration::from_millis(50);
+/// How long a scene is waited for before a question.
+const SCENE_WAIT: Duration = Duration::from_secs(1);
 
-/// Sends the sentence and prints its events until it ends.
+/// Sends the sentence and prints its events until it ends. If it is refused before anything is moved,
+/// and `asks`, asks the person back, and sends the sentence that the answer leads to.
 pub(super) fn say(
     config: &Config,
     sentence: &str,
     mode: Mode,
     as_json: bool,
+    asks: bool,
 ) -> Result<(), Failure> {
     let any = open(config)?;
     let model = any.model();
     let stop = stop_on_signals()?;
-    let mut client = Client::begin(
-        join(config, Role::Client)?,
-        config.transport,
-        config.limits.silence_ns,
-    )?;
+    let robot = join(config, Role::Client)?;
+    // Without scenes, such as if all places are taken, only words are asked about.
+    let scenes = asks
+        .then(|| robot.receiver::<SceneMessage>().ok())
+        .flatten();
+    let mut client = Client::begin(robot, config.transport, config.limits.silence_ns)?;
+    let mut sentence = sentence.to_owned();
+    loop {
+        let mut told = Told::default();
+        let ended = follow(
+            &mut client,
+            &model,
+            &sentence,
+            mode,
+            as_json,
+            &stop,
+            &mut told,
+        );
+        let Err(failure) = ended else {
+            return Ok(());
+        };
+        let asked = asks && told.is_refused && !stop.load(Ordering::Relaxed);
+        let scene = scenes.as_ref().filter(|_| asked);
+        let scene = scene.and_then(|scenes| latest(scenes, &model));
+        let question = asked.then(|| question(&model, scene.as_deref(), &sentence));
+        let Some(question) = question.flatten() else {
+            return Err(failure);
+        };
+        eprintln!("nsrm: {}", failure.message);
+        match answered(&model, &question, &stop) {
+            Some(completed) => sentence = completed,
+            None => return Err(failure),
+        }
+        eprintln!("nsrm: \"{sentence}\"");
+    }
+}
+
+/// The robot's last scene.
+fn latest(scenes: &Receiver<SceneMessage>, model: &Model<'_>) -> Option<Box<Scene>> {
+    let start = Instant::now();
+    loop {
+        if let Some(sample) = scenes.waiting().last() {
+            return sample.to_scene(model).ok().map(Box::new);
+        }
+        if start.elapsed() > SCENE_WAIT {
+            return None;
+        }
+        std::thread::sleep(NAP);
+    }
+}
+
+/// What to ask about a sentence that the planner has refused.
+fn question(model: &Model<'_>, scene: Option<&Scene>, sentence: &str) -> Option<Question> {
+    let planner = Planner::new(model);
+    let refusal = match scene {
+        Some(scene) => planner.plan(scene, sentence).err()?,
+        None => planner.parse(sentence).err()?,
+    };
+    Question::after(model, scene, &refusal, sentence)
+}
+
+/// Asks until an answer leads to a sentence or is one; `None` if there is no answer.
+fn answered(model: &Model<'_>, question: &Question, stop: &AtomicBool) -> Option<String> {
+    loop {
+        eprintln!("{question}");
+        for (number, option) in (1..).zip(question.options()) {
+            eprintln!("  {number}  {}", option.answer);
+        }
+        eprint!("> ");
+        let answer = typed(stop)?;
+        if Planner::new(model).parse(&answer).is_ok() {
+            return Some(answer);
+        }
+        if let Some(sentence) = question.complete(&answer) {
+            return Some(sentence);
+        }
+        eprintln!("nsrm: \"{answer}\" is none of the answers; an empty line ends this");
+    }
+}
+
+/// A line of the input; `None` if it is empty, at the end of the input, and after a stop.
+fn typed(stop: &AtomicBool) -> Option<String> {
+    let (sender, receiver) = mpsc::channel();
+    // It ends with the process if nothing is typed any more.
+    std::thread::spawn(move || {
+        let mut line = String::new();
+        let read = std::io::stdin().read_line(&mut line);
+        let _ = sender.send(read.map(|_| line));
+    });
+    loop {
+        match receiver.recv_timeout(LONG_NAP) {
+            Ok(line) => {
+                let line = line.ok()?.trim().to_owned();
+                return (!line.is_empty()).then_some(line);
+            }
+            Err(RecvTimeoutError::Timeout) if !stop.load(Ordering::Relaxed) => {}
+            Err(_) => return None,
+        }
+    }
+}
+
+/// Sends a sentence and prints its events until it ends.
+fn follow(
+    client: &mut Client,
+    model: &Model<'_>,
+    sentence: &str,
+    mode: Mode,
+    as_json: bool,
+    stop: &AtomicBool,
+    told: &mut Told,
+) -> Result<(), Failure> {
     let mut request = client.ask(sentence, mode).map_err(not_heard)?;
     // When the stop is sent next.
     let mut again_ns = None;
-    let mut told = Told::default();
+    let mut is_moved = false;
     loop {
         let now_ns = now_ns();
         let is_due = |next_ns| is_due(next_ns, now_ns, SAID_AGAIN_NS);
@@ -61,18 +176,20 @@ pub(super) fn say(
             .read()
             .map_err(|error| not_heard(RequestError::Iceoryx(error.to_string())))?;
         let written = if as_json {
-            writeln!(std::io::stdout(), "{}", event_json(&model, &reply, &said))
+            writeln!(std::io::stdout(), "{}", event_json(model, &reply, &said))
         } else {
-            match told.text(&model, &said) {
+            match told.text(model, &said) {
                 Some(text) => writeln!(std::io::stdout(), "{text}"),
                 None => Ok(()),
             }
         };
         // If nobody reads the output any more, the robot goes on.
         let _ = written;
+        is_moved |= matches!(said, Reply::Commanded { .. });
         match said {
             Reply::Done => return Ok(()),
             Reply::Failed { reason, message } => {
+                told.is_refused = !is_moved;
                 return Err(Failure {
                     message: message.into(),
                     json: json!({"refused": reason, "message": message}),
@@ -96,6 +213,8 @@ fn not_heard(error: RequestError) -> Failure {
 struct Told {
     /// The last plan.
     steps: Vec<StepMessage>,
+    /// Whether the sentence has failed before anything was moved.
+    is_refused: bool,
 }
 
 impl Told {

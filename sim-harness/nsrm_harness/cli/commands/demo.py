@@ -70,6 +70,8 @@ def command(
         click.echo(shown.refusal, err=True)
     elif shown.refusal is not None:
         click.echo(f"refused: {shown.refusal}", err=True)
+        if shown.refusal.question is not None:
+            click.echo(f"question: {shown.refusal.question}", err=True)
     if not as_json:
         if record is not None:
             click.echo(f"recording: {record}")
