@@ -142,6 +142,7 @@ def test_it_says_what_it_understood_chose_and_plans(
 ) -> None:
     _, document, text = planned
     assert document["steps"]
+    assert document["corrections"] == []
     for line in document["program"].splitlines():
         assert line.startswith("Action(") and line in text
     for step in document["steps"]:

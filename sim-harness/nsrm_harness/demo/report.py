@@ -13,7 +13,9 @@ from nsrm_harness.visualization.demo_listener import StepResult
 
 def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[StepResult]) -> str:
     """Program, groundings, sub-goals, explanations and outcomes, one per line."""
-    lines = ["program"]
+    corrections = plan.program.corrections
+    lines = [f'"{each.word}" was read as "{each.read_as}"' for each in corrections]
+    lines.append("program")
     lines += [f"  {line}" for line in plan.program.notation.splitlines()]
     for number, (step, outcome) in enumerate(zip_longest(plan.steps, outcomes), start=1):
         x, y, z = step.position
@@ -35,6 +37,9 @@ def as_json(plan: nsrm.Plan, outcomes: Sequence[StepResult]) -> dict[str, Any]:
     """The plan as in `nsrm plan --json`, with the outcome of each step."""
     return {
         "program": plan.program.notation,
+        "corrections": [
+            {"word": each.word, "read_as": each.read_as} for each in plan.program.corrections
+        ],
         "steps": [
             {
                 "action": step.action,
