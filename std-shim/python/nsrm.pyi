@@ -164,6 +164,9 @@ class Correction:
     def word(self) -> str: ...
     @property
     def read_as(self) -> str: ...
+    @property
+    def explanation(self) -> str:
+        """For the person, as `str()`: `"yelow" was read as "yellow"`."""
 
 @final
 class Program:

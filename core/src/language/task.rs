@@ -1,90 +1,14 @@
-use core::task::Poll;
-use heapless::Vec;
-
 use super::segments::Segments;
-use super::tokens::Corrections;
 use super::{
-    Acceptability, Correction, Encoder, Reader, Span, Splitter, choose_action, choose_group,
+    Acceptability, Encoder, Parsed, Reader, Span, Splitter, StepDecisions, choose_action,
+    choose_group,
 };
-use crate::capacity::{MAX_GROUPS, MAX_STEPS};
-use crate::dsl::{Argument, Description, Program, Step};
+use crate::capacity::MAX_GROUPS;
+use crate::dsl::{Argument, Description, Step};
 use crate::model::{INSTRUCTION, Model, WordEmbeddings};
 use crate::nn::{Choice, Linear};
 use crate::refusal::{Decision, Quantity, Refusal};
-
-/// The parser's confidence in a step; probabilities.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct StepDecisions {
-    /// The step's place in the sentence.
-    pub span: Span,
-    /// The place of the words that describe the object to move.
-    pub object_span: Span,
-    /// The place of the words that describe the reference.
-    pub reference_span: Span,
-    /// That the step ends where it was split.
-    pub split: f32,
-    /// That all its words stand where commands have them.
-    pub words: f32,
-    /// That its action is right.
-    pub action: f32,
-    /// That the chosen words describe the object to move.
-    pub object: f32,
-    /// That the chosen words describe the reference.
-    pub reference: f32,
-}
-
-/// A program parsed by a model, with the parser's confidence in each step.
-///
-/// Apart from an empty one, only a completed [`ParsingTask`] creates one: its actions and concepts
-/// exist in that model, and it has decisions for each step. So grounding it with that model, which
-/// [`crate::Planner::begin_grounding`] checks, always finds them.
-///
-/// ```compile_fail
-/// use nsrm_core::{Program, language::Parsed};
-/// let (program, decisions) = (Program::new(), Default::default());
-/// let parsed = Parsed { program, decisions };
-/// ```
-// Invariant: decisions for each step of the program; every index in it is one of the model's.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parsed {
-    model_tag: u64,
-    program: Program,
-    decisions: Vec<StepDecisions, MAX_STEPS, u8>,
-    corrections: Corrections,
-}
-
-impl Parsed {
-    /// Without steps, as before a sentence is parsed.
-    pub const fn empty(model: &Model<'_>) -> Self {
-        Self {
-            model_tag: model.tag(),
-            program: Program::new(),
-            decisions: Vec::new(),
-            corrections: Corrections::new(),
-        }
-    }
-
-    /// [`Model::tag`] of the model that parsed it.
-    pub const fn model_tag(&self) -> u64 {
-        self.model_tag
-    }
-
-    /// What is to be done.
-    pub const fn program(&self) -> &Program {
-        &self.program
-    }
-
-    /// The parser's confidence in each step of the program.
-    pub fn decisions(&self) -> &[StepDecisions] {
-        &self.decisions
-    }
-
-    /// Misspelt words of the sentence, and what they were read as: tell the person.
-    pub fn corrections(&self) -> &[Correction] {
-        &self.corrections
-    }
-}
+use core::task::Poll;
 
 /// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
 /// one token to the splitter or to one direction of the encoder, which also judges its

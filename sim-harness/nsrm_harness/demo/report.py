@@ -13,9 +13,7 @@ from nsrm_harness.visualization.demo_listener import StepResult
 
 def as_text(plan: nsrm.Plan, names: Mapping[int, str], outcomes: Sequence[StepResult]) -> str:
     """Program, groundings, sub-goals, explanations and outcomes, one per line."""
-    corrections = plan.program.corrections
-    lines = [f'"{each.word}" was read as "{each.read_as}"' for each in corrections]
-    lines.append("program")
+    lines = [*map(str, plan.program.corrections), "program"]
     lines += [f"  {line}" for line in plan.program.notation.splitlines()]
     for number, (step, outcome) in enumerate(zip_longest(plan.steps, outcomes), start=1):
         x, y, z = step.position

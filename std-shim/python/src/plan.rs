@@ -42,12 +42,17 @@ impl Step {
 pub(crate) struct Correction {
     word: String,
     read_as: String,
+    explanation: String,
 }
 
 #[pymethods]
 impl Correction {
+    fn __str__(&self) -> &str {
+        &self.explanation
+    }
+
     fn __repr__(&self) -> String {
-        let Self { word, read_as } = self;
+        let Self { word, read_as, .. } = self;
         format!("Correction(word={word:?}, read_as={read_as:?})")
     }
 }
@@ -71,6 +76,7 @@ impl Program {
         let correction = |each: &nsrm_core::language::Correction| Correction {
             word: each.span().of(sentence).unwrap_or_default().to_owned(),
             read_as: each.read_as(model).to_owned(),
+            explanation: each.explain(model, sentence).to_string(),
         };
         Self {
             corrections: corrections.iter().map(correction).collect(),

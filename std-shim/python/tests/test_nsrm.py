@@ -243,6 +243,7 @@ def test_misspelt_words_are_told(model: nsrm.Model, scene: nsrm.Scene) -> None:
         ("gren", "green"),
         ("read", "red"),
     ]
+    assert str(program.corrections[0]) == '"gren" was read as "green"'
     assert repr(program.corrections[0]) == 'Correction(word="gren", read_as="green")'
     assert program.steps == model.parse("put the green block on the red block").steps
     plan = model.plan(scene, SENTENCE.replace("block", "blokc", 1))
