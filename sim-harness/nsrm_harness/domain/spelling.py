@@ -35,6 +35,10 @@ class Misspeller:
         if domain.spelling is not None:
             self._real |= {*domain.spelling.other_words, *domain.spelling.heard}
 
+    def has_choice(self, words: Sequence[str]) -> bool:
+        """Whether a word is long enough."""
+        return any(len(word) >= LEAST_MISSPELT for word in words)
+
     def __call__(self, words: Sequence[str]) -> list[str]:
         """The words, one of four letters or more misspelt."""
         places = [at for at, word in enumerate(words) if len(word) >= LEAST_MISSPELT]

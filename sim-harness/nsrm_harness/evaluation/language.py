@@ -8,7 +8,8 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
 * near misses, all of whose words the model knows;
-* lists of other people's sentences, with the program that they mean or none.
+* lists of other people's sentences, with the program that they mean or none; those without one
+  also with one word misspelt, in `MISSPELT_TIMES` ways.
 """
 
 from __future__ import annotations
@@ -54,6 +55,8 @@ class Counted:
         )
 
 
+MISSPELT_TIMES = 10
+"""How often each sentence that must be refused is misspelt."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -136,14 +139,26 @@ def read_list(path: Path) -> list[tuple[str, Program | None]]:
         ) from error
 
 
-def measure_list(model: nsrm.Model, path: Path) -> list[Counted]:
-    """The sentences of a list: those that mean a program, and those that must be refused."""
+def measure_list(model: nsrm.Model, path: Path, domain: Domain, seed: int) -> list[Counted]:
+    """The sentences of a list: those that mean a program, and those that must be refused; these
+    also with one word misspelt, if the model reads misspelt words as known ones."""
     every = read_list(path)
     sets = (
         (path.stem, [each for each in every if each[1] is not None]),
         (f"{path.stem}; to refuse", [each for each in every if each[1] is None]),
     )
-    return [count(name, understand(model, chosen)) for name, chosen in sets if chosen]
+    rows = [count(name, understand(model, chosen)) for name, chosen in sets if chosen]
+    name, refused = sets[1]
+    if domain.spelling is not None and refused:
+        misspelt = Misspeller(domain, generator(seed, "misspelt", 1))
+        typed = [
+            (" ".join(misspelt(words)), None)
+            for words in (split_words(said) for said, _ in refused)
+            if misspelt.has_choice(words)
+            for _ in range(MISSPELT_TIMES)
+        ]
+        rows.append(count(f"{name}; misspelt", understand(model, typed)))
+    return rows
 
 
 def _program(text: str) -> Program | None:

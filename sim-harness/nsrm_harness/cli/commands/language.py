@@ -67,7 +67,7 @@ def command(
         if near_misses > 0 and domain.everyday is not None:
             own.append(language.measure_near_misses(model, domain, near_misses, seed))
         for file in lists:
-            own += language.measure_list(model, file)
+            own += language.measure_list(model, file, domain, seed)
         for row in own:
             click.echo(f"seed {trained}: {row}")
         rows += [(trained, row) for row in own]

@@ -31,7 +31,9 @@ SETS = {
     "near misses": "near misses, all of known words; to refuse",
     "sentences": "other people's sentences",
     "sentences; to refuse": "other people's sentences, to refuse",
+    "sentences; to refuse; misspelt": "the same, one word misspelt",
     "probes; to refuse": "other people's near misses, to refuse",
+    "probes; to refuse; misspelt": "the same, one word misspelt",
 }
 """What the README calls the sets of `language.csv`."""
 README = Path("README.md")
