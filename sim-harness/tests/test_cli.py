@@ -45,6 +45,8 @@ def test_bad_input_ends_with_2_and_one_message(
     assert run("episodes", "--split", "train", "--domain", tmp_path / "none.toml") == 2
     assert "cannot read the domain file" in capsys.readouterr().err
     assert run("episodes", "--split", "train", "--steps", "two") == 2
+    assert run("episodes", "--split", "train", "--stacks", "1.5") == 2
+    assert "1.5 is not in the range 0.0<=x<=1.0" in capsys.readouterr().err
     assert run("sing") == 2
 
 

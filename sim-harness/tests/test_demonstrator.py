@@ -16,6 +16,7 @@ from nsrm_harness.data.moves import Move, target
 from nsrm_harness.data.programs import Descriptions
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.blocks import Block
 from nsrm_harness.simulation.render import Frame, open_renderer
 from nsrm_harness.simulation.segmentation import SegmentedImage, segmented_image
 from nsrm_harness.simulation.world import Settled, World
@@ -101,6 +102,56 @@ def test_the_same_draws_give_the_same_episode_after_any_other(demonstrator: Demo
     assert (again.final.boxes == first.final.boxes).all()
 
 
+def stack(blocks: Sequence[Block], poses: Sequence[Pose]) -> tuple[int, int] | None:
+    """The upper and the lower block of the scene's only stack; None if all stand on the table."""
+    upper = max(range(len(blocks)), key=lambda index: bottom_m(blocks, poses, index))
+    others = [index for index in range(len(blocks)) if index != upper]
+    assert all(abs(bottom_m(blocks, poses, index)) < 0.001 for index in others)
+    if abs(bottom_m(blocks, poses, upper)) < 0.001:
+        return None
+    x, y, _ = poses[upper].position
+    (lower,) = (
+        index
+        for index in others
+        if poses[index].position[:2] == pytest.approx((x, y), abs=module.MAX_SHIFT_M)
+    )
+    top_m = poses[lower].position[2] + blocks[lower].edges_m[2] / 2
+    assert bottom_m(blocks, poses, upper) == pytest.approx(top_m, abs=0.001)
+    return upper, lower
+
+
+def bottom_m(blocks: Sequence[Block], poses: Sequence[Pose], index: int) -> float:
+    return poses[index].position[2] - blocks[index].edges_m[2] / 2
+
+
+def test_a_block_stands_on_another_where_wanted(demonstrator: Demonstrator) -> None:
+    named = 0
+    pairs: set[tuple[int, int]] = set()
+    wanted = replace(WANTED, steps=1)
+    for index in range(12):
+        flat = make(demonstrator, index, wanted)
+        assert stack(flat.blocks, flat.initial_poses) is None
+        episode = make(demonstrator, index, replace(wanted, stacked=True))
+        found = stack(episode.blocks, episode.initial_poses)
+        assert found is not None
+        upper, lower = found
+        pairs.add(found)
+        assert episode.initial.ids == tuple(range(1, len(episode.blocks) + 1))
+        (move,) = moves(episode)
+        assert move.moved != lower, "it bears the upper one"
+        named += bool({move.moved, move.reference} & {upper, lower})
+    assert named >= 6
+    assert len(pairs) > 4, "any block on any other"
+
+
+def test_a_stack_needs_an_action_that_makes_one() -> None:
+    beside = replace(DOMAIN, actions=tuple(each for each in DOMAIN.actions if each.direction))
+    renderer = open_renderer("pybullet")
+    with World() as world, pytest.raises(EpisodeSettingsError, match="no action that puts a block"):
+        make(Demonstrator(beside, world, renderer), 0, replace(WANTED, stacked=True))
+    renderer.close()
+
+
 class Disturbed:
     """A world in which something goes wrong at the first step of the first attempts."""
 
@@ -114,6 +165,11 @@ class Disturbed:
 
     def spawn(self, blocks: Sequence[object], poses: Sequence[Pose]) -> None:
         self._spawned += 1
+        if self._spawned <= 2 and self._fault == "unstable stack":
+            # The upper block's centre is beyond the lower one's edge.
+            upper = max(range(len(poses)), key=lambda index: poses[index].position[2])
+            x, y, z = poses[upper].position
+            poses = [*poses[:upper], Pose.upright(x + 0.035, y, z), *poses[upper + 1 :]]
         self._world.spawn(blocks, poses)  # type: ignore[arg-type]
 
     def place(self, block_id: int, pose: Pose) -> None:
@@ -142,6 +198,16 @@ def test_what_goes_wrong_is_left_out_and_counted(fault: str) -> None:
     renderer.close()
     assert episode.rejected[fault] == 2
     assert len(episode.sub_goals) == 2
+
+
+def test_a_stack_that_falls_is_left_out_and_counted() -> None:
+    renderer = open_renderer("pybullet")
+    with World() as world:
+        disturbed = Demonstrator(DOMAIN, Disturbed(world, "unstable stack"), renderer)  # type: ignore[arg-type]
+        episode = make(disturbed, 5, replace(WANTED, stacked=True))
+    renderer.close()
+    assert episode.rejected["unstable stack"] == 2
+    assert stack(episode.blocks, episode.initial_poses) is not None
 
 
 def test_a_block_that_the_camera_does_not_see_is_left_out(

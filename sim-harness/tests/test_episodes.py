@@ -43,6 +43,15 @@ def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def stacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Forty episodes of one step, half of them with a stack."""
+    path = tmp_path_factory.mktemp("stacked") / "train.h5"
+    settings = replace(SETTINGS, count=40, steps=(1, 1), stacks=0.5, final_image=False)
+    assert generate(settings, DOMAIN, path, LocalProcesses(2))
+    return path
+
+
 @pytest.fixture
 def copied(episodes: Path, tmp_path: Path) -> Path:
     return Path(shutil.copy(episodes, tmp_path / "copied.h5"))
@@ -72,6 +81,57 @@ def test_the_file_is_the_same_after_an_interruption_and_with_one_process(
     assert seen[-1] == SETTINGS.count
     assert path.read_bytes() == episodes.read_bytes()
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_files_without_stacks_keep_their_draws_and_settings(episodes: Path) -> None:
+    assert "stacks" not in json.loads(SETTINGS.as_json())
+    assert replace(SETTINGS, stacks=0.0).as_json() == SETTINGS.as_json()
+    assert json.loads(replace(SETTINGS, stacks=0.5).as_json())["stacks"] == 0.5
+    # Episode 10 as it was before there were stacks.
+    with GroundTruth(episodes) as judge:
+        truth = judge.truth(10)
+    assert [(each["color"], each["size"]) for each in truth.attributes] == [
+        ("blue", "small"),
+        ("magenta", "lego"),
+        ("green", "lego"),
+        ("blue", "small"),
+    ]
+    np.testing.assert_allclose(
+        [pose.position for pose in truth.initial_poses],
+        [
+            (0.4843, 0.0547, 0.0200),
+            (0.6088, -0.1823, 0.0250),
+            (0.5211, -0.0712, 0.0250),
+            (0.5572, 0.0369, 0.0200),
+        ],
+        atol=2e-4,
+    )
+    (step,) = truth.steps
+    assert (step.step.action, step.object_id, step.reference_id) == ("MoveRight", 3, 2)
+
+
+@pytest.mark.slow
+def test_the_share_of_episodes_with_a_stack_is_the_wanted_one(
+    stacked: Path, episodes: Path
+) -> None:
+    raised: list[int] = []
+    for path in (stacked, episodes):
+        with GroundTruth(path) as judge:
+            truths = [judge.truth(index) for index in range(len(judge))]
+        raised.append(0)
+        for truth in truths:
+            bottoms_m = [
+                pose.position[2] - edges_m[2] / 2
+                for pose, edges_m in zip(truth.initial_poses, truth.edges_m, strict=True)
+            ]
+            above = [height_m for height_m in bottoms_m if height_m > 0.001]
+            assert not above or above == [pytest.approx(0.045, abs=0.006)], "on one other block"
+            raised[-1] += len(above)
+            if len(truth.steps) == 1:
+                assert share(truth.program) in SHARES_OF["train"]
+    # Forty draws with probability a half: outside of 10..30 once in a thousand seeds.
+    assert 10 <= raised[0] <= 30
+    assert raised[1] == 0
 
 
 def test_a_finished_file_is_left_alone(episodes: Path) -> None:
@@ -221,10 +281,12 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
         "visualization/illustrate.py",
         "paper/tables/concepts.py",
         "paper/tables/failures.py",
+        "data/relations.py",
         "data/tell.py",
         "evaluation/language.py",
         "evaluation/metrics.py",
         "evaluation/refusals/measure.py",
+        "evaluation/relations.py",
     }
     assert importers["h5py"] == {
         "data/calibration.py",
@@ -284,12 +346,22 @@ def test_another_domain_needs_another_file_only(tmp_path: Path) -> None:
         ({"attributes": (3, 3)}, r"attributes: expected .* 1\.\.2"),
         ({"exclude": (("small", "pink"),)}, "exclude: unknown attribute value 'pink'"),
         ({"count": 0}, "count must be at least 1"),
+        ({"stacks": 1.5}, r"stacks: expected a share within 0\.\.1, got 1\.5"),
+        ({"stacks": -0.1}, r"stacks: expected a share within 0\.\.1, got -0\.1"),
+        ({"stacks": float("nan")}, r"stacks: expected a share within 0\.\.1, got nan"),
         ({"renderer": "crayon"}, "renderer: expected one of"),
     ],
 )
 def test_impossible_settings_are_refused(change: dict[str, object], message: str) -> None:
     with pytest.raises(EpisodeSettingsError, match=message):
         replace(SETTINGS, **change).checked(DOMAIN)  # type: ignore[arg-type]
+
+
+def test_stacks_need_an_action_that_makes_them() -> None:
+    beside = replace(DOMAIN, actions=tuple(each for each in DOMAIN.actions if each.direction))
+    SETTINGS.checked(beside)
+    with pytest.raises(EpisodeSettingsError, match="no action that puts a block on another"):
+        replace(SETTINGS, stacks=0.5).checked(beside)
 
 
 @pytest.mark.parametrize("damage", ["missing", "text", "other", "schema", "dataset"])

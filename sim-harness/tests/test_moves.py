@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.data.moves import GAP_M, Arrangement, Move, target
+from nsrm_harness.common.errors import EpisodeSettingsError
+from nsrm_harness.data.moves import GAP_M, Arrangement, Move, stacking_action, target
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import Block, block_from_attributes
 
@@ -61,6 +64,13 @@ def test_moves_of_blocks_that_bear_others_and_onto_them_are_not_commanded(
     down = stacked.after(Move(LEFT, SMALL, LEGO))
     assert down.base == (None, None, None)
     assert down.allowed(Move(RIGHT, LEGO, OTHER))
+
+
+def test_the_stacking_action_puts_a_block_on_another() -> None:
+    assert stacking_action(DOMAIN) == ON
+    beside = replace(DOMAIN, actions=(RIGHT, LEFT))
+    with pytest.raises(EpisodeSettingsError, match="has no action that puts a block on another"):
+        stacking_action(beside)
 
 
 def test_a_block_and_itself_are_not_commanded(apart: Arrangement) -> None:

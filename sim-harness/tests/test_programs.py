@@ -37,11 +37,13 @@ def draw(
     steps: int,
     descriptions: Descriptions,
     shares: tuple[int, ...] | None = None,
+    about: tuple[int, ...] = (),
 ) -> tuple[Arrangement, Task | None]:
     rng = np.random.default_rng([41, index])
     blocks = sample_blocks(rng, domain, 5)
     arrangement = Arrangement.on_table(blocks, sample_layout(rng, blocks))
-    return arrangement, sample_task(rng, domain, arrangement, steps, descriptions, shares)
+    task = sample_task(rng, domain, arrangement, steps, descriptions, shares, about=about)
+    return arrangement, task
 
 
 @pytest.mark.parametrize("domain", [TABLETOP, WORKSHOP], ids=["tabletop", "workshop"])
@@ -66,6 +68,23 @@ def test_programs_name_one_block_each_and_can_be_carried_out(domain: domains.Dom
                 assert 1 <= len(words) <= 2
             arrangement = arrangement.after(move)
     assert drawn > 30
+
+
+def test_the_first_step_is_about_a_wanted_block_where_it_can_be() -> None:
+    drawn, exceptions = 0, 0
+    for index in range(60):
+        arrangement, task = draw(TABLETOP, index, 1 + index % 2, Descriptions(2, 2), about=(3,))
+        if task is None:
+            continue
+        drawn += 1
+        described = unique_descriptions(TABLETOP, arrangement.blocks, Descriptions(2, 2))
+        among = [block for block, kinds in enumerate(described) if kinds]
+        possible = arrangement.moves(TABLETOP, among)
+        can_be = any(3 in (move.moved, move.reference) for move in possible)
+        assert (3 in (task.moves[0].moved, task.moves[0].reference)) == can_be
+        exceptions += not can_be
+    assert drawn > 30
+    assert exceptions > 0, "no scene in which it cannot be"
 
 
 def test_a_block_is_moved_twice_only_where_nothing_else_can_be() -> None:

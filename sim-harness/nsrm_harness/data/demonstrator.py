@@ -5,6 +5,7 @@ An attempt is rejected, counted by reason and drawn again if
 
 * the scene allows no program of the requested kind, or has no room for the blocks;
 * the blocks do not come to rest within the world's limit of steps;
+* the initial scene's stack has shifted by more than `MAX_SHIFT_M` or `MAX_TURN_RAD` at rest;
 * a block other than the moved one shifts by more than `MAX_SHIFT_M` or `MAX_TURN_RAD`;
 * the moved block ends farther than `MAX_MISS_M` or `MAX_TURN_RAD` from its target;
 * a block is hidden from the camera before or after, or the moved one after its step.
@@ -22,7 +23,7 @@ import numpy as np
 
 from nsrm_harness.common.errors import EpisodeSettingsError
 from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
-from nsrm_harness.data.moves import Arrangement, Move, target
+from nsrm_harness.data.moves import Arrangement, Move, stacking_action, target
 from nsrm_harness.data.programs import Descriptions, Task, sample_blocks, sample_task
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.grammar import Grammar, Sentence
@@ -45,6 +46,9 @@ Seen = TypeVar("Seen", bound=SegmentedObjects)
 MAX_SHIFT_M = 0.002
 MAX_MISS_M = 0.005
 MAX_TURN_RAD = math.radians(2.0)
+#: Share of episodes with a stack whose first step names a block of it, if possible; the others name
+#: any blocks.
+ABOUT_STACK = 0.5
 #: Attempts at one episode before the settings count as impossible.
 MAX_ATTEMPTS = 400
 
@@ -72,6 +76,8 @@ class EpisodeRequest:
     #: Whether the image of the final scene is kept; nothing learns from it.
     final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
+    #: Whether a block stands on another one in the initial scene.
+    stacked: bool = False
 
 
 @dataclass(frozen=True)
@@ -167,6 +173,8 @@ class Demonstrator:
         self._world.spawn(disturbance.painted(arrangement.blocks, disturbing), arrangement.poses)
         self._settle()
         initial_poses = self._poses()
+        if wanted.stacked and any(map(_shifted, arrangement.poses, initial_poses)):
+            raise RejectedError("unstable stack")
         initial = observe()
         sub_goals: list[DemonstratedSubGoal] = []
         final: SegmentedObjects = initial
@@ -201,11 +209,14 @@ class Demonstrator:
         least, most = wanted.objects
         count = int(rng.integers(least, most + 1))
         blocks = sample_blocks(rng, self._domain, count, wanted.exclude, wanted.novel)
+        about: tuple[int, ...] = ()
         try:
-            poses = sample_layout(rng, blocks)
+            if wanted.stacked:
+                arrangement, about = self._stack(rng, blocks)
+            else:
+                arrangement = Arrangement.on_table(blocks, sample_layout(rng, blocks))
         except LayoutError as error:
             raise RejectedError("no room") from error
-        arrangement = Arrangement.on_table(blocks, poses)
         task = sample_task(
             rng,
             self._domain,
@@ -214,10 +225,26 @@ class Demonstrator:
             wanted.descriptions,
             wanted.shares,
             wanted.novel,
+            about,
         )
         if task is None:
             raise RejectedError("no program")
         return arrangement, task
+
+    def _stack(
+        self, rng: np.random.Generator, blocks: Sequence[Block]
+    ) -> tuple[Arrangement, tuple[int, ...]]:
+        """An arrangement with one block on another and the rest on the table, and the indices of
+        the blocks that the program should be about."""
+        upper, lower = (int(index) for index in rng.choice(len(blocks), 2, replace=False))
+        poses = sample_layout(rng, [*blocks[:upper], *blocks[upper + 1 :]])
+        # The upper block's pose on the table is a placeholder: nothing depends on it.
+        poses.insert(upper, Pose.upright(0.0, 0.0, 0.0))
+        table = Arrangement.on_table(blocks, poses)
+        move = Move(stacking_action(self._domain), upper, lower)
+        if not table.allowed(move):
+            raise RejectedError("no room")
+        return table.after(move), (upper, lower) if rng.random() < ABOUT_STACK else ()
 
     def _carry_out(self, blocks: Sequence[Block], move: Move) -> Pose:
         """Puts the block at the reference's present place, releases it, and checks the result."""
@@ -227,9 +254,7 @@ class Demonstrator:
         self._settle()
         after = self._poses()
         for index, (old, new) in enumerate(zip(before, after, strict=True)):
-            if index == move.moved:
-                continue
-            if new.distance_m(old) > MAX_SHIFT_M or new.angle_rad(old) > MAX_TURN_RAD:
+            if index != move.moved and _shifted(old, new):
                 raise RejectedError("shifted another")
         reached = after[move.moved]
         if reached.distance_m(goal) > MAX_MISS_M or reached.angle_rad(goal) > MAX_TURN_RAD:
@@ -242,6 +267,10 @@ class Demonstrator:
 
     def _poses(self) -> tuple[Pose, ...]:
         return tuple(pose for _, pose in sorted(self._world.poses().items()))
+
+
+def _shifted(old: Pose, new: Pose) -> bool:
+    return new.distance_m(old) > MAX_SHIFT_M or new.angle_rad(old) > MAX_TURN_RAD
 
 
 def _all_seen(seen: Seen, needed: Sequence[int]) -> Seen:

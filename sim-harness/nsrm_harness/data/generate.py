@@ -30,6 +30,7 @@ from nsrm_harness.common.workers import LocalProcesses, Workers
 from nsrm_harness.data.demonstrator import Demonstrator, EpisodeRequest
 from nsrm_harness.data.disturbance import UNDISTURBED, Disturbance
 from nsrm_harness.data.file import KIND, SCHEMA, open_checked
+from nsrm_harness.data.moves import stacking_action
 from nsrm_harness.data.programs import SHARES_OF, Descriptions
 from nsrm_harness.data.seeds import STREAMS, generator
 from nsrm_harness.data.writer import EpisodeWriter
@@ -67,6 +68,8 @@ class Settings:
     #: Whether the images of final scenes are kept, for people; without them it is faster.
     final_image: bool = True
     disturbance: Disturbance = UNDISTURBED
+    #: Share of episodes in whose initial scene a block stands on another.
+    stacks: float = 0.0
     renderer: str = "auto"
     seed: int = 0
 
@@ -78,6 +81,7 @@ class Settings:
             ("disturbance", UNDISTURBED),
             ("final_image", True),
             ("held_out_phrases", False),
+            ("stacks", 0.0),
         ):
             if getattr(self, name) == default:
                 del content[name]
@@ -107,6 +111,10 @@ class Settings:
         for name, size in asdict(self.disturbance).items():
             if not (math.isfinite(size) and size >= 0.0):
                 raise EpisodeSettingsError(f"disturbance: {name}: expected 0 or more, got {size}")
+        if not 0.0 <= self.stacks <= 1.0:
+            raise EpisodeSettingsError(f"stacks: expected a share within 0..1, got {self.stacks}")
+        if self.stacks > 0.0:
+            stacking_action(domain)
         if self.renderer not in KINDS:
             raise EpisodeSettingsError(f"renderer: expected one of {', '.join(KINDS)}")
         names = {value.name for value in domain.concepts}
@@ -215,7 +223,9 @@ def make_shard(settings: Settings, domain_json: str, start: int) -> bytes:
         rejected: Counter[str] = Counter()
         for row in range(count):
             rng = generator(settings.seed, settings.split, start + row)
-            episode = demonstrator.episode(rng, _wanted(settings, start + row))
+            # Files without stacks were made before there were any: they keep their draws.
+            stacked = settings.stacks > 0.0 and rng.random() < settings.stacks
+            episode = demonstrator.episode(rng, _wanted(settings, start + row, stacked))
             writer.write(row, episode)
             rejected += episode.rejected
         writer.attributes({"renderer": renderer, "rejected": json_text(rejected)})
@@ -230,7 +240,7 @@ def _demonstrator(domain_json: str, kind: str) -> tuple[Demonstrator, str]:
     return Demonstrator(domain, World(), renderer), f"{renderer.name}: {renderer.description}"
 
 
-def _wanted(settings: Settings, index: int) -> EpisodeRequest:
+def _wanted(settings: Settings, index: int, stacked: bool) -> EpisodeRequest:
     least, most = settings.steps
     return EpisodeRequest(
         steps=least + index % (most - least + 1),
@@ -244,6 +254,7 @@ def _wanted(settings: Settings, index: int) -> EpisodeRequest:
         vary_light=settings.vary_light,
         final_image=settings.final_image,
         disturbance=settings.disturbance,
+        stacked=stacked,
     )
 
 

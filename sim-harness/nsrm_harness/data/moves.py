@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from nsrm_harness.common.errors import EpisodeSettingsError
 from nsrm_harness.domain import Action, Domain
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import Block
@@ -26,6 +27,18 @@ class Move:
     action: Action
     moved: int
     reference: int
+
+
+def stacking_action(domain: Domain) -> Action:
+    """The domain's first action that puts a block on another one. Raises
+    ``EpisodeSettingsError`` if it has none."""
+    for action in domain.actions:
+        if action.direction is None:
+            return action
+    raise EpisodeSettingsError(
+        f"the domain {domain.name!r} has no action that puts a block on another one: add one, or "
+        f"make no stacks"
+    )
 
 
 def target(move: Move, blocks: Sequence[Block], poses: Sequence[Pose]) -> Pose:

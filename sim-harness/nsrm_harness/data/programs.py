@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,11 +117,13 @@ def sample_task(
     descriptions: Descriptions,
     shares: Sequence[int] | None = None,
     novel: Sequence[frozenset[str]] = (),
+    about: Collection[int] = (),
 ) -> Task | None:
     """Draws a program with `steps` steps that is possible, or returns None if none was found.
 
     `shares`: the shares from which 1-step programs are drawn; longer programs are not limited.
     `novel`: some description has all values of one of these.
+    `about`: indices of blocks; the first step names one of them, if such a step is possible.
     """
     # Half of the programs use only the shortest descriptions, so that there are
     # enough for the first
@@ -129,6 +131,7 @@ def sample_task(
     most = int(rng.integers(descriptions.least, descriptions.most + 1))
     unique = unique_descriptions(domain, arrangement.blocks, Descriptions(descriptions.least, most))
     first = _possible(domain, arrangement, unique)
+    first = [move for move in first if move.moved in about or move.reference in about] or first
     for _ in range(MAX_DRAWS):
         task = _sample_steps(rng, domain, arrangement, first, steps, unique)
         if task is None:

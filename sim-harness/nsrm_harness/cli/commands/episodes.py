@@ -60,6 +60,12 @@ from nsrm_harness.simulation.render import KINDS
     "depth_m=0.001; the scenes are the same at all sizes.",
 )
 @click.option(
+    "--stacks",
+    type=click.FloatRange(0.0, 1.0),
+    help="Share of episodes that begin with a block standing on another one, from 0 to 1; none by "
+    "default. In half of them or more, the sentence names one of these two blocks.",
+)
+@click.option(
     "--fixed-light",
     "vary_light",
     is_flag=True,
