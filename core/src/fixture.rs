@@ -4,8 +4,12 @@
 //! from the brightness view): element 0 or 1 of a view is the cosine's direction.
 //! `on` and `right` tell what stands before them from what stands behind them;
 //! `right` makes the action `MoveRight`; the steps part in front of `then`.
+//!
+//! [`related`] also knows relations in descriptions: what stands before `above` or `beside` is on, or
+//! to the right of, what stands behind; `past` stands for what is to the right of it.
 
 use std::boxed::Box;
+use std::vec::Vec;
 
 use crate::camera::Camera;
 use crate::model::*;
@@ -31,6 +35,12 @@ const ON: usize = 0;
 const TO_RIGHT: usize = 1;
 const NEAR: usize = 2;
 const NOT: usize = 3;
+/// Words that only [`related`] knows, and the encoder's units that they set.
+const ABOVE: (usize, usize) = (4, 5);
+const BESIDE: (usize, usize) = (5, 6);
+const PAST: (usize, usize) = (6, 7);
+/// Half of [`BESIDE`].
+const ROUGHLY: (usize, usize) = (7, 6);
 
 pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
     Linear {
@@ -92,7 +102,7 @@ fn set(cell: &mut Gru<WORD, ENCODER_HIDDEN>, element: usize, unit: usize, value:
     cell.weight_ih[element][2][unit] = OPEN * value;
 }
 
-fn words() -> &'static [Word<'static>] {
+fn words() -> Vec<Word<'static>> {
     let mut then = word();
     then.splitter[0] = 1.0;
     // A hazard of σ(0.04): just enough to split, not enough to be sure.
@@ -109,9 +119,9 @@ fn words() -> &'static [Word<'static>] {
         ("the", word()),
         ("then", then),
     ];
-    Box::leak(Box::new(
-        words.map(|(text, embeddings)| Word { text, embeddings }),
-    ))
+    words
+        .map(|(text, embeddings)| Word { text, embeddings })
+        .into()
 }
 
 fn language() -> Language<'static> {
@@ -182,6 +192,8 @@ fn actions() -> &'static [Action<'static>] {
         phrase: "on",
         decoder: [0.0; INSTRUCTION],
         decoder_bias: 10.0,
+        relation_decoder: [[0.0; INSTRUCTION]; 2],
+        relation_bias: [-20.0; 2],
         simulator_bias: [0.0; SIMULATOR_HIDDEN],
     };
     let mut right = on;
@@ -230,7 +242,7 @@ pub(crate) fn model() -> Model<'static> {
             },
             placed_orientation: [0.0, 0.0, 0.0, 1.0],
         },
-        words: words(),
+        words: words().leak(),
         spelling: Spelling::new(),
         group: Box::leak(Box::new(word())),
         lexicon: Box::leak(Box::new(
@@ -261,6 +273,41 @@ pub(crate) fn model() -> Model<'static> {
             ],
         })),
     }
+}
+
+/// The same, taught relations in descriptions.
+pub(crate) fn related() -> Model<'static> {
+    let mut model = model();
+    let own = [
+        ("above", ABOVE),
+        ("beside", BESIDE),
+        ("past", PAST),
+        ("roughly", ROUGHLY),
+    ];
+    let mut words = words();
+    let mut forward = *model.language.forward;
+    for (text, (element, unit)) in own {
+        let embeddings = meaning(element);
+        words.push(Word { text, embeddings });
+        // One at a time, up to the next action.
+        for (_, (_, other)) in own {
+            set(&mut forward, element, other, 0.0);
+        }
+        set(&mut forward, element, unit, 1.0);
+        for action in [ON, TO_RIGHT] {
+            set(&mut forward, action, unit, 0.0);
+        }
+    }
+    forward.weight_ih[ROUGHLY.0][2][ROUGHLY.1] = 0.549_306_15; // atanh(0.5)
+    words.sort_by_key(|word| word.text);
+    let mut actions = [model.actions[0], model.actions[1]];
+    actions[0].relation_decoder[0][ABOVE.1] = 40.0;
+    actions[1].relation_decoder[0][BESIDE.1] = 40.0;
+    actions[1].relation_decoder[1][PAST.1] = 40.0;
+    model.words = words.leak();
+    model.actions = Box::leak(Box::new(actions));
+    model.language.forward = Box::leak(Box::new(forward));
+    model
 }
 
 /// Looks straight down from above (0.5, 0, 0): image right is the world's −y, image down

@@ -4,13 +4,14 @@
 //! * `Scene()` → a score of 1 for each object;
 //! * `Filter(scores, val)` → `min(scores[i], cos(f_u(emb(o_i)), emb(val)))`, where
 //!   `u` is the attribute type of `val`;
+//! * `Relate(scores, k, y)` → `min(scores[i], …)`: see [`crate::relation`];
 //! * `Unique(scores)` → the object with the greatest score; the trainer samples it
 //!   from `softmax(10·scores)`, whose probability is kept as a confidence.
 
 use thiserror::Error;
 
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::Description;
+use crate::dsl::Filters;
 use crate::model::{Model, OBJECT_EMBEDDING};
 use crate::nn::Choice;
 use crate::vision;
@@ -18,20 +19,20 @@ use crate::vision;
 /// The factor on scores before `Unique`'s softmax, as in training.
 pub const UNIQUE_SHARPNESS: f32 = 10.0;
 
-/// Why a description gives no score for an object.
+/// Why filters give no score for an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ScoreError {
     /// The model has no such concept or attribute type; impossible if [`Model::check`] has passed.
-    #[error("the description names a concept that the model does not have")]
+    #[error("the filters name a concept that the model does not have")]
     UnknownConcept,
     /// A cosine is NaN.
     #[error("the score is not a finite number; the model does not fit this object")]
     NotFinite,
 }
 
-/// How well an object fits a description: all its filters over `Scene()`. 1 for an empty
-/// description, else the smallest cosine.
+/// How well an object passes a description's filters over `Scene()`: the smallest cosine; 1 without
+/// filters.
 ///
 /// Cost: one [`vision::similarity`] for each concept, at most `MAX_FILTERS`.
 ///
@@ -44,10 +45,10 @@ pub enum ScoreError {
 ///
 /// # let scene = scene(&TABLETOP);
 /// let parsed = Planner::new(&TABLETOP).parse("put the red block on the lego block")?;
-/// let description = &parsed.program().steps()[0].object; // "red"
+/// let filters = parsed.program().steps()[0].object.filters(); // "red"
 /// let mut scores = Scores::new();
 /// for object in scene.objects() {
-///     let fits = score(&TABLETOP, &object.embedding, description)?;
+///     let fits = score(&TABLETOP, &object.embedding, filters)?;
 ///     scores.push(fits).expect("at most MAX_OBJECTS");
 /// }
 /// let chosen = scores.unique().expect("a scene with objects");
@@ -58,10 +59,10 @@ pub enum ScoreError {
 pub fn score(
     model: &Model<'_>,
     embedding: &[f32; OBJECT_EMBEDDING],
-    description: &Description,
+    filters: &Filters,
 ) -> Result<f32, ScoreError> {
     let mut score = 1.0_f32;
-    for &concept in description.concepts() {
+    for &concept in filters.concepts() {
         let cosine =
             vision::similarity(model, embedding, concept).ok_or(ScoreError::UnknownConcept)?;
         if !cosine.is_finite() {

@@ -8,7 +8,8 @@
 //! 2. [`language`]: a sentence to a program (section IV-B)
 //! 3. [`vision`]: crops to embeddings, embeddings to concepts (section IV-C)
 //! 4. [`scene`] and [`grounding`]: descriptions to objects (section IV-C, Table II)
-//! 5. [`action`]: the action simulator (section IV-D)
+//! 5. [`action`]: the action simulator (section IV-D); [`relation`]: how objects stand to each other,
+//!    by what actions bring about
 //! 6. [`camera`]: from the image to the world (section III); [`calibration`]: whether the scene
 //!    agrees with it
 //! 7. [`planner`]: the whole pipeline, at once or in bounded steps; [`refusal`]: why there is no
@@ -65,6 +66,7 @@ pub mod model;
 pub mod nn;
 pub mod planner;
 pub mod refusal;
+pub mod relation;
 pub mod scene;
 pub mod vision;
 
@@ -77,7 +79,7 @@ pub use nalgebra;
 pub use camera::Camera;
 pub use capacity::{
     MAX_CANDIDATES, MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS,
-    MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS,
+    MAX_RELATIONS, MAX_SENTENCE_BYTES, MAX_STEP_TOKENS, MAX_STEPS, MAX_TOKENS,
 };
 pub use dsl::Program;
 pub use model::Model;

@@ -56,8 +56,8 @@ pub const SIMULATOR_HIDDEN: usize = 64;
 pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
 /// brightness is the greatest of the three colours; 3: the file's hash covers its metadata; 4:
-/// acceptability); others are refused.
-pub const SCHEMA: u32 = 4;
+/// acceptability; 5: relations in descriptions); others are refused.
+pub const SCHEMA: u32 = 5;
 
 /// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
@@ -112,7 +112,7 @@ pub struct Header<'a> {
 pub struct Thresholds {
     /// An object matches a description if its filtered score, a cosine, is at least this.
     pub match_score: f32,
-    /// The smallest accepted probability of a split, an action or an argument.
+    /// The smallest accepted probability of a split, an action, a relation or an argument.
     pub decision: f32,
     /// The smallest accepted [`crate::Plan::confidence`]; 0 accepts every plan.
     pub confidence: f32,
@@ -233,9 +233,24 @@ pub struct Action<'a> {
     pub decoder: [f32; INSTRUCTION],
     /// Its logit's bias.
     pub decoder_bias: f32,
+    /// Its rows of the relation decoder, on the encoder's state at a group of concept words. 0: the
+    /// group restricts what is described before it, by the relation that this action brings about;
+    /// 1: it describes what an object without values of its own is related to in this way.
+    pub relation_decoder: [[f32; INSTRUCTION]; 2],
+    /// The biases of these logits; that of a group without a relation is 0.
+    pub relation_bias: [f32; 2],
     /// Its one-hot column of the simulator's first layer, with that layer's bias
     /// and the standardisation of locations folded in.
     pub simulator_bias: [f32; SIMULATOR_HIDDEN],
+}
+
+impl Action<'_> {
+    /// Whether the model was taught that descriptions may relate objects by what the action brings
+    /// about: "the block on the red one". Otherwise all weights of its relation decoder are 0.
+    pub fn is_relation(&self) -> bool {
+        let mut weights = self.relation_decoder.iter().flatten();
+        weights.any(|weight| *weight != 0.0)
+    }
 }
 
 /// Parameters of the language module that belong to no single word.

@@ -49,14 +49,23 @@ pub enum Refusal {
         /// The greatest number in a program.
         limit: u8,
     },
-    /// More than the two groups of concept words that a step can have, as in "the red and blue
-    /// block", "the block that is red and small", or a relation inside a description.
+    /// A step describes more than its two objects, as "the red and blue block" or "the block that is
+    /// red and small" seem to, or has more groups of concept words than any two descriptions.
     TooManyReferences {
         /// Which step.
         step: u8,
         /// Its place in the sentence.
         span: Span,
         /// The greatest number in one step.
+        limit: u8,
+    },
+    /// An object is described by a longer chain of relations than a description has.
+    TooManyRelations {
+        /// Which step.
+        step: u8,
+        /// The description's place in the sentence.
+        span: Span,
+        /// The greatest number in one description.
         limit: u8,
     },
     /// A step that doesn't describe both the object and the reference.
@@ -103,7 +112,7 @@ pub enum Refusal {
         step: u8,
         /// Which argument.
         argument: Argument,
-        /// The description.
+        /// The description: the argument's, or that of an object that it is related to.
         description: Description,
         /// The object that fits best, if there is any.
         best: Option<Candidate>,
@@ -116,7 +125,7 @@ pub enum Refusal {
         step: u8,
         /// Which argument.
         argument: Argument,
-        /// The description.
+        /// The description: the argument's, or that of an object that it is related to.
         description: Description,
         /// The objects that fit.
         candidates: Candidates,
@@ -182,6 +191,8 @@ pub enum LengthUnit {
     Bytes,
     /// Words and commas; a group of concept words counts as one.
     Tokens,
+    /// The same, of one step.
+    StepTokens,
 }
 
 /// A decision of the parser.
@@ -192,6 +203,8 @@ pub enum Decision {
     Split,
     /// The action.
     Action,
+    /// What a group of concept words is related to, and how.
+    Relation,
     /// Which words describe this argument.
     Argument(Argument),
 }
@@ -204,6 +217,8 @@ pub enum Quantity {
     Split,
     /// The action decoder's logits.
     Action,
+    /// The relation decoder's logits.
+    Relation,
     /// An argument decoder's logits.
     Argument(Argument),
     /// The acceptability of the words.
@@ -222,6 +237,7 @@ impl LengthUnit {
         match self {
             Self::Bytes => "bytes",
             Self::Tokens => "tokens",
+            Self::StepTokens => "step_tokens",
         }
     }
 }
@@ -232,6 +248,7 @@ impl Decision {
         match self {
             Self::Split => "split",
             Self::Action => "action",
+            Self::Relation => "relation",
             Self::Argument(argument) => argument.name(),
         }
     }
@@ -243,6 +260,7 @@ impl Quantity {
         match self {
             Self::Split => "split",
             Self::Action => "action",
+            Self::Relation => "relation",
             Self::Argument(argument) => argument.name(),
             Self::Words => "words",
             Self::Score(Argument::Object) => "object_score",
@@ -340,6 +358,7 @@ kinds! {
     Self::InvalidModel => "invalid_model",
     Self::LowConfidence { .. } => "low_confidence",
     Self::UnclearWords { .. } => "unclear_words",
+    Self::TooManyRelations { .. } => "too_many_relations",
 }
 
 impl core::error::Error for Refusal {}

@@ -166,6 +166,22 @@ NSRM_ASSERT(offsetof(nsrm_plan_request, purpose) == 16, "offset of purpose");
 NSRM_ASSERT(offsetof(nsrm_plan_request, sentence_length) == 20, "offset of sentence_length");
 NSRM_ASSERT(offsetof(nsrm_plan_request, sentence) == 24, "offset of sentence");
 
+/** A relation in a description: to what, and where this lies from it. */
+typedef struct nsrm_relation_message {
+    /** Index in the model of the action that brings the relation about. */
+    uint32_t action;
+    /** How many concepts describe the other object. */
+    uint32_t count;
+    /** Those concepts: indices in the model; 0 after the last. */
+    uint8_t concepts[4];
+} nsrm_relation_message;
+#define NSRM_RELATION_MESSAGE_TYPE_NAME "nsrm.v1.RelationMessage.cb7fb11d9b80be0a"
+NSRM_ASSERT(sizeof(nsrm_relation_message) == 12, "size of nsrm_relation_message");
+NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_relation_message) == 4, "alignment of nsrm_relation_message");
+NSRM_ASSERT(offsetof(nsrm_relation_message, action) == 0, "offset of action");
+NSRM_ASSERT(offsetof(nsrm_relation_message, count) == 4, "offset of count");
+NSRM_ASSERT(offsetof(nsrm_relation_message, concepts) == 8, "offset of concepts");
+
 /** A step as parsed and, if it is still to be done, as grounded. */
 typedef struct nsrm_step_message {
     /** Index of the action in the model. */
@@ -174,10 +190,19 @@ typedef struct nsrm_step_message {
     uint32_t object_count;
     /** Those concepts: indices in the model; 0 after the last. */
     uint8_t object[4];
+    /** How many relations the description of the object to move has. */
+    uint32_t object_relation_count;
+    /** Those relations: its own to another object, then that one's to a third; all 0 after the
+     *  last. */
+    nsrm_relation_message object_relations[2];
     /** How many concepts describe the reference. */
     uint32_t reference_count;
     /** Those concepts. */
     uint8_t reference[4];
+    /** How many relations the description of the reference has. */
+    uint32_t reference_relation_count;
+    /** Those relations. */
+    nsrm_relation_message reference_relations[2];
     /** Id of the object to move; 0 if the step is not grounded, and then all fields below are
      *  0. */
     uint32_t object_id;
@@ -187,9 +212,9 @@ typedef struct nsrm_step_message {
     float object_score;
     /** How well the reference fits. */
     float reference_score;
-    /** Probability of each choice: split, acceptable words, action, words of the object, words
-     *  of the reference, object, reference. */
-    float confidence[7];
+    /** Probability of each choice: split, acceptable words, action, relations between the words,
+     *  words of the object, words of the reference, object, reference. */
+    float confidence[8];
     /** Sub-goal position of the object's centre: world frame, metres. */
     float position[3];
     /** Sub-goal orientation, world frame: x, y, z, w. */
@@ -198,22 +223,26 @@ typedef struct nsrm_step_message {
      *  metres. */
     float location[5];
 } nsrm_step_message;
-#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.256bedace904e745"
-NSRM_ASSERT(sizeof(nsrm_step_message) == 112, "size of nsrm_step_message");
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.8ac58d9814755bea"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 172, "size of nsrm_step_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
 NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
 NSRM_ASSERT(offsetof(nsrm_step_message, object) == 8, "offset of object");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 12, "offset of reference_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 16, "offset of reference");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 20, "offset of object_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 24, "offset of reference_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 28, "offset of object_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 32, "offset of reference_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 36, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_step_message, position) == 64, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 76, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_step_message, location) == 92, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_relation_count) == 12, "offset of object_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_relations) == 16, "offset of object_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 40, "offset of reference_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 44, "offset of reference");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 48, "offset of reference_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 52, "offset of reference_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 76, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 80, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 84, "offset of object_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 88, "offset of reference_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 92, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 124, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 136, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 152, "offset of location");
 
 /** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
@@ -245,8 +274,8 @@ typedef struct nsrm_plan_reply {
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.daae48ce9521fb96"
-NSRM_ASSERT(sizeof(nsrm_plan_reply) == 1976, "size of nsrm_plan_reply");
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.08d614213fec16c9"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2456, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");
@@ -518,7 +547,8 @@ enum nsrm_reason {
     NSRM_REASON_PARSED_BY_OTHER_MODEL = 34,
     NSRM_REASON_LOW_CONFIDENCE = 35,
     NSRM_REASON_UNCLEAR_WORDS = 36,
-    NSRM_REASON_OTHER = 37,
+    NSRM_REASON_TOO_MANY_RELATIONS = 37,
+    NSRM_REASON_OTHER = 38,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

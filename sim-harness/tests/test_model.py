@@ -37,6 +37,7 @@ def test_tensors_have_the_names_and_shapes_of_the_model_file(model: Model) -> No
     assert shapes["language.embedding.weight"] == (words, 32)
     assert shapes["language.encoder.backward.weight_hh"] == (144, 48)
     assert shapes["language.action_decoder.weight"] == (actions, 96)
+    assert shapes["language.relation_decoder.weight"] == (2 * actions, 96)
     assert shapes["language.acceptability.hidden.weight"] == (16, 96)
     assert shapes["language.splitter.hidden.weight"] == (32, 80)
     assert shapes["vision.color.patch.weight"] == (24, 3, 4, 4)
@@ -45,7 +46,7 @@ def test_tensors_have_the_names_and_shapes_of_the_model_file(model: Model) -> No
     assert shapes["vision.concept.weight"] == (concepts, 16)
     assert shapes["action.simulator.input.weight"] == (64, actions + 10)
     assert shapes["camera.weight"] == (3, 6)
-    assert len(shapes) == 58
+    assert len(shapes) == 60
 
 
 def test_gru_is_equinox_own() -> None:
@@ -71,11 +72,11 @@ def test_padding_has_no_influence(model: Model) -> None:
     rows = jnp.array([4, 0, 7, 9, 0, 2])
     padded = jnp.concatenate([rows, jnp.array([0, 5, 8])])
     valid = jnp.arange(9) < 6
-    exact, acceptable = model.language.heard(rows, jnp.ones(6, bool))
-    found, same = model.language.heard(padded, valid)
-    for left, right in zip(exact, found, strict=True):
+    exact = model.language.heard(rows, jnp.ones(6, bool))
+    found = model.language.heard(padded, valid)
+    for left, right in zip((*exact.parse, exact.roles), (*found.parse, found.roles), strict=True):
         np.testing.assert_allclose(left, right[: len(left)], atol=1e-5)
-    np.testing.assert_allclose(acceptable, same, atol=1e-5)
+    np.testing.assert_allclose(exact.acceptable, found.acceptable, atol=1e-5)
     hazards = model.language.splitter(rows, jnp.ones(6, bool))
     np.testing.assert_allclose(hazards, model.language.splitter(padded, valid)[:6], atol=1e-5)
 
@@ -83,7 +84,7 @@ def test_padding_has_no_influence(model: Model) -> None:
 def test_a_step_is_as_acceptable_as_all_its_words(model: Model) -> None:
     rows, every = jnp.array([4, 0, 7, 9, 0, 2]), jnp.ones(6, bool)
     # Until it is taught otherwise, every word is acceptable.
-    assert float(model.language.heard(rows, every)[1]) > -1e-6
+    assert float(model.language.heard(rows, every).acceptable) > -1e-6
     judge = network.Acceptability(jax.random.key(1), odds=1.0)
     weight = jax.random.normal(jax.random.key(2), (1, 16))
     judge = eqx.tree_at(lambda judge: judge.output.weight, judge, weight)
@@ -93,7 +94,14 @@ def test_a_step_is_as_acceptable_as_all_its_words(model: Model) -> None:
     for state in states:
         (odds,) = judge.output(jnp.tanh(judge.hidden(state)))
         expected += float(jax.nn.log_sigmoid(odds))
-    np.testing.assert_allclose(doubting.language.heard(rows, every)[1], expected, rtol=1e-5)
+    np.testing.assert_allclose(doubting.language.heard(rows, every).acceptable, expected, rtol=1e-5)
+
+
+def test_a_model_that_was_not_taught_relations_finds_none(model: Model) -> None:
+    rows = jnp.array([4, 0, 7, 9, 0, 2])
+    roles = jax.nn.softmax(model.language.heard(rows, jnp.ones(6, bool)).roles)
+    assert roles.shape == (6, 1 + 2 * model.language.action_decoder.weight.shape[0])
+    assert float(roles[:, 0].min()) > 1.0 - 1e-6
 
 
 def test_backward_state_starts_at_the_last_word(model: Model) -> None:

@@ -7,7 +7,7 @@ mean depth in metres.
 
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, Final, Literal, TypeAlias, final
+from typing import Any, Final, Literal, TypeAlias, TypedDict, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,8 @@ MAX_STEPS: Final[int]
 """Steps in a program."""
 MAX_TOKENS: Final[int]
 """Tokens in a sentence, a group of concept words counted as one."""
+MAX_STEP_TOKENS: Final[int]
+"""Tokens in one step."""
 MAX_SENTENCE_BYTES: Final[int]
 """Bytes of UTF-8 in a sentence."""
 MAX_CORRECTIONS: Final[int]
@@ -28,8 +30,10 @@ MAX_READINGS: Final[int]
 """Readings of a sentence with misspelt words that are tried."""
 MAX_FILTERS: Final[int]
 """Concepts that describe one object."""
+MAX_RELATIONS: Final[int]
+"""Relations in one description: links of its chain."""
 MAX_GROUPS: Final[int]
-"""Groups of concept words in one step: what is moved, and where to."""
+"""Groups of concept words in one step: what is moved, where to, and what these are related to."""
 MAX_CANDIDATES: Final[int]
 """Candidates that an ambiguous description lists, the best first."""
 
@@ -145,6 +149,23 @@ class Observed:
 
     def __len__(self) -> int: ...
 
+class Relation(TypedDict):
+    """A relation to another object, named by the action that brings it about."""
+
+    name: str
+    to: Described
+    """What describes the other object."""
+
+class Related(TypedDict):
+    """What describes an object by its relation to another one."""
+
+    concepts: list[str]
+    """Its own values; none in "the block left of the yellow one"."""
+    relation: Relation
+
+Described: TypeAlias = list[str] | Related
+"""What describes an object: the names of its values, or with a relation a dict."""
+
 @final
 class Step:
     """One step of a program: names of the domain."""
@@ -152,9 +173,9 @@ class Step:
     @property
     def action(self) -> str: ...
     @property
-    def object(self) -> list[str]: ...
+    def object(self) -> Described: ...
     @property
-    def reference(self) -> list[str]: ...
+    def reference(self) -> Described: ...
 
 @final
 class Correction:
@@ -189,13 +210,19 @@ class PlannedStep:
     @property
     def action(self) -> str: ...
     @property
-    def object(self) -> list[str]: ...
+    def object(self) -> Described: ...
     @property
-    def reference(self) -> list[str]: ...
+    def reference(self) -> Described: ...
     @property
     def object_id(self) -> int: ...
     @property
     def reference_id(self) -> int: ...
+    @property
+    def object_anchor_ids(self) -> list[int]:
+        """The objects that its description relates it to: its own anchor, then the anchor's."""
+    @property
+    def reference_anchor_ids(self) -> list[int]:
+        """The objects that its description relates the reference to."""
     @property
     def object_score(self) -> float:
         """How well the object fits its words: the least cosine."""

@@ -6,8 +6,8 @@ use nsrm_codegen::{hexadecimal, memory_report};
 use nsrm_core::model::{self, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{
-    MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_SENTENCE_BYTES,
-    MAX_STEPS, MAX_TOKENS,
+    MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS,
+    MAX_SENTENCE_BYTES, MAX_STEP_TOKENS, MAX_STEPS, MAX_TOKENS,
 };
 use serde_json::{Value, json};
 
@@ -31,15 +31,17 @@ const DIMENSIONS: [(&str, usize); 12] = [
 ];
 
 /// The capacities by name.
-const CAPACITIES: [(&str, usize); 8] = [
+const CAPACITIES: [(&str, usize); 10] = [
     ("objects", MAX_OBJECTS),
     ("steps", MAX_STEPS),
     ("tokens", MAX_TOKENS),
+    ("tokens_a_step", MAX_STEP_TOKENS),
     ("sentence_bytes", MAX_SENTENCE_BYTES),
     ("corrections", MAX_CORRECTIONS),
     ("readings", MAX_READINGS),
     ("concepts_a_description", MAX_FILTERS),
-    ("descriptions_a_step", MAX_GROUPS),
+    ("relations_a_description", MAX_RELATIONS),
+    ("groups_a_step", MAX_GROUPS),
 ];
 
 /// Sizes and work bounds that are constants of the build, by name.
@@ -67,6 +69,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "identity": hexadecimal(&header.identity),
         "attributes": attributes(&model),
         "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
+        "relations": relations(&model),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
         "lexicon": model.lexicon.iter().map(|entry| entry.text).collect::<Vec<_>>(),
         "dimensions": object(&DIMENSIONS),
@@ -93,6 +96,12 @@ pub fn info_json(any: &AnyModel) -> Value {
     })
 }
 
+/// The relations that the model knows in descriptions, by the actions that bring them about.
+fn relations<'a>(model: &Model<'a>) -> Vec<&'a str> {
+    let taught = model.actions.iter().filter(|action| action.is_relation());
+    taught.map(|action| action.name).collect()
+}
+
 /// The same as text.
 pub fn info_text(any: &AnyModel) -> String {
     let model = any.model();
@@ -111,6 +120,7 @@ pub fn info_text(any: &AnyModel) -> String {
     }
     let actions: Vec<&str> = model.actions.iter().map(|action| action.name).collect();
     line("actions", actions.join(", "));
+    line("relations", relations(&model).join(", "));
     let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
     line("words", words.join(" "));
     line("dimensions", pairs(&DIMENSIONS));

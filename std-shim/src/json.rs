@@ -5,7 +5,7 @@
 //! sentence. Numbers have the shortest decimal notation of their `f32`.
 
 use nsrm_core::calibration::Cause;
-use nsrm_core::dsl::{Description, Step};
+use nsrm_core::dsl::{Description, Filters, Step};
 use nsrm_core::language::{Correction, Parsed, Span};
 use nsrm_core::model::Model;
 use nsrm_core::planner::{Confidence, Plan, PlannedStep};
@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::dialogue::{Choice, Question};
 
 /// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}], "corrections": […]}`,
-/// these as in [`corrections`].
+/// these as in [`corrections`], and descriptions as in [`description`].
 pub fn parsed(model: &Model<'_>, parsed: &Parsed, sentence: &str) -> Value {
     let steps = parsed.program().steps().iter().map(|s| step(model, s));
     let steps: Vec<Value> = steps.collect();
@@ -132,6 +132,9 @@ fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
         Refusal::TooManyReferences { step, span, limit } => {
             json!({"step": step, "words": words(*span, sentence), "limit": limit})
         }
+        Refusal::TooManyRelations { step, span, limit } => {
+            json!({"step": step, "words": words(*span, sentence), "limit": limit})
+        }
         Refusal::IncompleteStep {
             step,
             references,
@@ -185,7 +188,7 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
         } => json!({
             "step": step,
             "argument": argument.name(),
-            "description": names(model, description),
+            "description": self::description(model, description),
             "best": best.as_ref().map(candidate),
             "threshold": decimal(*threshold),
         }),
@@ -197,7 +200,7 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
         } => json!({
             "step": step,
             "argument": argument.name(),
-            "description": names(model, description),
+            "description": self::description(model, description),
             "candidates": candidates.listed().iter().map(candidate).collect::<Vec<Value>>(),
             "count": candidates.count(),
         }),
@@ -242,9 +245,28 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
     })
 }
 
-/// The names of a description's concepts, in the order of the sentence.
-pub fn names<'a>(model: &Model<'a>, description: &Description) -> Vec<&'a str> {
-    let concepts = description.concepts().iter();
+/// A description: the names of its concepts, `["small", "red"]`; with relations `{"concepts":
+/// ["red"], "relation": {"name": "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
+pub fn description(model: &Model<'_>, description: &Description) -> Value {
+    let relations = description.relations();
+    let innermost = relations.last().map(|relation| &relation.to);
+    let innermost = innermost.unwrap_or(description.filters());
+    // From the innermost anchor outwards: what each relation belongs to stands before it.
+    let mut value = json!(names(model, innermost));
+    for (index, relation) in relations.iter().enumerate().rev() {
+        let before = index
+            .checked_sub(1)
+            .and_then(|before| relations.get(before));
+        let own = before.map_or(description.filters(), |before| &before.to);
+        let name = action_name(model, relation.action);
+        value = json!({"concepts": names(model, own), "relation": {"name": name, "to": value}});
+    }
+    value
+}
+
+/// The names of the concepts of filters, in the order of the sentence.
+pub fn names<'a>(model: &Model<'a>, filters: &Filters) -> Vec<&'a str> {
+    let concepts = filters.concepts().iter();
     concepts
         .filter_map(|&concept| model.concepts.get(usize::from(concept)))
         .map(|concept| concept.name)
@@ -275,8 +297,8 @@ fn words(span: Span, sentence: &str) -> Value {
 fn step(model: &Model<'_>, step: &Step) -> Value {
     json!({
         "action": action_name(model, step.action),
-        "object": names(model, &step.object),
-        "reference": names(model, &step.reference),
+        "object": description(model, &step.object),
+        "reference": description(model, &step.reference),
     })
 }
 
@@ -288,6 +310,7 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
         split,
         words,
         action,
+        relations,
         object,
         reference,
         object_unique,
@@ -297,6 +320,14 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
     let mut map = Map::new();
     map.insert("object_id".into(), step.object.object.into());
     map.insert("reference_id".into(), step.reference.object.into());
+    for (name, grounding) in [
+        ("object_anchor_ids", &step.object),
+        ("reference_anchor_ids", &step.reference),
+    ] {
+        if !grounding.anchors().is_empty() {
+            map.insert(name.into(), grounding.anchors().into());
+        }
+    }
     map.insert("confidence".into(), decimal(step.confidence.joint()).into());
     map.insert(
         "confidences".into(),
@@ -304,6 +335,7 @@ fn planned_step(step: &PlannedStep) -> Map<String, Value> {
             "split": decimal(split),
             "words": decimal(words),
             "action": decimal(action),
+            "relations": decimal(relations),
             "object": decimal(object),
             "reference": decimal(reference),
             "object_unique": decimal(object_unique),

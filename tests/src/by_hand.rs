@@ -5,6 +5,8 @@
 //! reference's. It is unsure if both come after them (`on the blue block put the red block`),
 //! without `on` or `beside`, and at `maybe`, which ends a step with a probability of 0.57. After
 //! `it`, it takes the next description for both arguments. `sideways` is acceptable nowhere.
+//! `behind` names the relation of the action `beside` to the next description, and `opposite` does
+//! so for an object that has no other description: `put opposite the red block on …`.
 //!
 //! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
 //! object at the reference's location.
@@ -35,6 +37,8 @@ const SURE: f32 = 20.0;
 const ACTION_UNIT: usize = 0;
 /// The unit of the forward encoder for `it`.
 const IT_UNIT: usize = 20;
+/// The unit of the forward encoder for `behind`; the next one is for `opposite`.
+const RELATION_UNIT: usize = 22;
 /// The unit of both encoders for `sideways`.
 const SIDEWAYS_UNIT: usize = 21;
 
@@ -244,7 +248,8 @@ fn header() -> Header<'static> {
 
 fn words() -> Vec<Word<'static>> {
     let mut words: Vec<_> = [
-        ",", "and", "beside", "block", "it", "maybe", "on", "put", "sideways", "the", "then",
+        ",", "and", "behind", "beside", "block", "it", "maybe", "on", "opposite", "put",
+        "sideways", "the", "then",
     ]
     .map(|text| Word::new().with_text(text).with_embeddings(silent_word()))
     .into();
@@ -253,6 +258,8 @@ fn words() -> Vec<Word<'static>> {
         match word.text {
             "on" => embeddings.encoder[ACTION_UNIT] = 1.0,
             "beside" => embeddings.encoder[ACTION_UNIT + 1] = 1.0,
+            "behind" => embeddings.encoder[RELATION_UNIT] = 1.0,
+            "opposite" => embeddings.encoder[RELATION_UNIT + 1] = 1.0,
             "it" => embeddings.encoder[IT_UNIT] = 1.0,
             "sideways" => embeddings.encoder[SIDEWAYS_UNIT] = 1.0,
             "then" => embeddings.splitter[0] = 1.0,
@@ -280,13 +287,26 @@ fn keeper<const INPUT: usize, const HIDDEN: usize>() -> Gru<INPUT, HIDDEN> {
         .with_bias_n([0.0; HIDDEN])
 }
 
-/// Sets a unit to 1 at a word whose embedding has a 1 at the same place.
+/// Sets a unit to 1 at a word whose embedding has a 1 at the same place, and those of relations to 0
+/// at `on` and `beside`.
 fn encoder() -> Gru<WORD, ENCODER_HIDDEN> {
     let mut cell = keeper();
-    for unit in [ACTION_UNIT, ACTION_UNIT + 1, IT_UNIT, SIDEWAYS_UNIT] {
+    for unit in [
+        ACTION_UNIT,
+        ACTION_UNIT + 1,
+        IT_UNIT,
+        SIDEWAYS_UNIT,
+        RELATION_UNIT,
+        RELATION_UNIT + 1,
+    ] {
         let [_, update, new] = &mut cell.weight_ih[unit];
         update[unit] = -2.0 * SURE;
         new[unit] = SURE;
+    }
+    for action in [ACTION_UNIT, ACTION_UNIT + 1] {
+        let [_, update, _] = &mut cell.weight_ih[action];
+        update[RELATION_UNIT] = -2.0 * SURE;
+        update[RELATION_UNIT + 1] = -2.0 * SURE;
     }
     cell
 }
@@ -311,11 +331,18 @@ fn attribute(name: &'static str, view: View, first_concept: usize) -> Attribute<
 fn action(name: &'static str, phrase: &'static str, index: usize) -> Action<'static> {
     let mut decoder = [0.0; INSTRUCTION];
     decoder[ACTION_UNIT + index] = SURE;
+    let mut relation_decoder = [[0.0; INSTRUCTION]; 2];
+    if index == 1 {
+        relation_decoder[0][RELATION_UNIT] = 2.0 * SURE;
+        relation_decoder[1][RELATION_UNIT + 1] = 2.0 * SURE;
+    }
     Action::new()
         .with_name(name)
         .with_phrase(phrase)
         .with_decoder(decoder)
         .with_decoder_bias(0.0)
+        .with_relation_decoder(relation_decoder)
+        .with_relation_bias([-SURE; 2])
         .with_simulator_bias([0.0; SIMULATOR_HIDDEN])
 }
 

@@ -5,10 +5,11 @@ use core::task::Poll;
 use nsrm_core::action::simulate;
 use nsrm_core::language::{
     Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, Token, TokenKind, choose_action,
-    choose_group,
+    choose_group, choose_role,
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Conv, Gru, Linear};
+use nsrm_core::relation::relate;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
 use nsrm_core::{MAX_GROUPS, Planner, Program, RawScene, Refusal, Scene};
@@ -236,7 +237,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         golden.close("probability", &[split], &[expected], "split");
 
         let tokens = &tokens[first..end];
-        let groups = tokens.iter().filter(|token| token.description().is_some());
+        let groups = tokens.iter().filter(|token| token.filters().is_some());
         if groups.count() > MAX_GROUPS {
             // More than core encodes; the refusal is checked below.
             continue;
@@ -247,7 +248,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         let states = part("states");
         let at_groups = tokens.iter().zip(states.rows());
         let at_groups: Vec<_> = at_groups
-            .filter_map(|(token, state)| token.description().map(|_| state))
+            .filter_map(|(token, state)| token.filters().map(|_| state))
             .collect();
         assert_eq!(encoder.groups().len(), at_groups.len());
         for (got, expected) in encoder.groups().iter().zip(at_groups) {
@@ -263,6 +264,17 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         ] {
             let choice = choose_group(decoder, &instruction, encoder.groups());
             check_choice(golden, &choice, &part(logits));
+        }
+        let roles = part("role_logits");
+        for (group, (state, logits)) in encoder.groups().iter().zip(roles.rows()).enumerate() {
+            let is_first = group == 0;
+            let choice = choose_role(model.actions, state, is_first);
+            let mut logits = logits.to_vec();
+            if is_first {
+                // Nothing is described before it, which it could restrict.
+                logits[1..=model.actions.len()].fill(f32::NEG_INFINITY);
+            }
+            check_logits(golden, &choice, &logits, &roles.name);
         }
     }
     assert_eq!(end, tokens.len());
@@ -308,7 +320,7 @@ fn encoded(model: &Model<'_>, tokens: &[nsrm_core::language::Token]) -> Encoder 
     let mut encoder = Encoder::new();
     let embeddings = |token: &nsrm_core::language::Token| {
         let embeddings = token.embeddings(model).expect("a token of this model");
-        (*embeddings, token.description().is_some())
+        (*embeddings, token.filters().is_some())
     };
     for token in tokens {
         let (embeddings, group) = embeddings(token);
@@ -321,18 +333,17 @@ fn encoded(model: &Model<'_>, tokens: &[nsrm_core::language::Token]) -> Encoder 
     encoder
 }
 
-/// The same index, and the probability that the trainer's logits give it.
 fn check_choice(golden: &Golden, choice: &Choice, logits: &Array) {
-    let greatest = logits
-        .values
-        .iter()
-        .copied()
-        .fold(f32::NEG_INFINITY, f32::max);
-    let index = logits.values.iter().position(|logit| *logit == greatest);
-    assert_eq!(choice.index(), index, "{}", logits.name);
+    check_logits(golden, choice, &logits.values, &logits.name);
+}
+
+/// The same index, and the probability that the trainer's logits give it.
+fn check_logits(golden: &Golden, choice: &Choice, logits: &[f32], name: &str) {
+    let greatest = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+    let index = logits.iter().position(|logit| *logit == greatest);
+    assert_eq!(choice.index(), index, "{name}");
     if index.is_some() {
         let exponentials = logits
-            .values
             .iter()
             .map(|logit| (f64::from(*logit) - f64::from(greatest)).exp());
         let probability = 1.0 / exponentials.sum::<f64>();
@@ -340,9 +351,43 @@ fn check_choice(golden: &Golden, choice: &Choice, logits: &Array) {
             "probability",
             &[choice.probability()],
             &[probability as f32],
-            &logits.name,
+            name,
         );
     }
+}
+
+#[test]
+fn golden_relations() {
+    on_both(|golden, model| {
+        for case in 0..3 {
+            let scene = scene(golden, model, case);
+            let cosines = golden.array(&format!("scene.{case}.relations"));
+            let objects = scene.objects();
+            assert_eq!(
+                cosines.shape,
+                [model.actions.len(), objects.len(), objects.len()]
+            );
+            let mut expected = cosines.values.iter();
+            for action in model.actions {
+                for (number, object) in objects.iter().enumerate() {
+                    for (other, anchor) in objects.iter().enumerate() {
+                        let expected = *expected.next().expect("a cosine for each pair");
+                        let got = relate(
+                            model,
+                            scene.camera(),
+                            action,
+                            &object.location,
+                            &anchor.location,
+                        );
+                        if number != other {
+                            let got = got.expect("a finite cosine");
+                            golden.close("relation", &[got], &[expected], action.name);
+                        }
+                    }
+                }
+            }
+        }
+    });
 }
 
 #[test]

@@ -57,7 +57,8 @@ fn the_longest_sentence_over_the_fullest_scene_stays_within_the_bound() {
     let mut sentence = step.repeat(MAX_STEPS);
     let rest = MAX_TOKENS - MAX_STEPS * tokens_of_step;
     sentence.truncate(sentence.len() - "then ".len());
-    sentence += &"the ".repeat(rest + 1);
+    // In the first and the last step: none of them may have all.
+    let sentence = "the ".repeat(rest / 2) + &sentence + &"the ".repeat(rest - rest / 2 + 1);
     let (result, polls) = poll(&model, &scene, &sentence);
     assert_eq!(result.unwrap().steps().len(), MAX_STEPS);
     // One more word is refused, so this was the longest sentence.

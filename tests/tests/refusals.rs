@@ -6,7 +6,7 @@ use nsrm_core::calibration::{CalibrationFault, Measured};
 use nsrm_core::dsl::{Argument, Description};
 use nsrm_core::language::Span;
 use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
-use nsrm_core::{MAX_FILTERS, MAX_GROUPS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
+use nsrm_core::{MAX_FILTERS, MAX_RELATIONS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
 use nsrm_core::{Planner, RawScene, Refusal, Scene};
 use nsrm_tests::by_hand::{Block, Parts, block, raw_scene, scene};
 
@@ -127,10 +127,38 @@ fn step_cases() -> Vec<Case> {
         said(
             "put the red and small block on the blue block",
             |refusal| {
-                let limit = MAX_GROUPS as u8;
-                matches!(*refusal, Refusal::TooManyReferences { step: 0, limit: l, .. } if l == limit)
+                matches!(
+                    *refusal,
+                    Refusal::TooManyReferences {
+                        step: 0,
+                        limit: 2,
+                        ..
+                    }
+                )
             },
             "describes more than 2 objects",
+        ),
+        said(
+            "put on the small red block behind the blue block",
+            |refusal| {
+                matches!(
+                    refusal,
+                    Refusal::IncompleteStep {
+                        step: 0,
+                        references: 1,
+                        ..
+                    }
+                )
+            },
+            "describes 1 of the two objects",
+        ),
+        said(
+            "put the red block behind the red behind the red behind the red on the blue block",
+            |refusal| {
+                let (step, span, limit) = (0, span(8, 62), MAX_RELATIONS as u8);
+                *refusal == Refusal::TooManyRelations { step, span, limit }
+            },
+            "describes one object by more than 2 others",
         ),
         said(
             "put the small red block on the block",
@@ -203,6 +231,11 @@ fn doubt_cases() -> Vec<Case> {
             "on the blue block put the small red block",
             |refusal| unsure(refusal, Decision::Argument(Argument::Object), 0.5),
             "not sure which words name the object",
+        ),
+        spoilt(
+            |parts| parts.actions[0].relation_bias[1] = 0.0,
+            |refusal| unsure(refusal, Decision::Relation, 0.5),
+            "not sure how the described objects are related",
         ),
         spoilt(
             |parts| parts.reference_decoder.bias.fill(0.0),
@@ -353,6 +386,11 @@ fn model_cases() -> Vec<Case> {
             |parts| parts.actions[1].decoder_bias = f32::INFINITY,
             |refusal| of(refusal, Quantity::Action),
             "the action decoder's result",
+        ),
+        spoilt(
+            |parts| parts.actions[1].relation_bias[0] = f32::NAN,
+            |refusal| of(refusal, Quantity::Relation),
+            "the relation decoder's result",
         ),
         spoilt(
             |parts| parts.object_decoder.bias[3] = f32::NAN,

@@ -7,6 +7,9 @@ use serde::Deserialize;
 
 use crate::error::ModelError;
 
+/// Keys of a relation of everyday wording that name rules.
+const RULE_NAMES: [&str; 2] = ["rule", "state"];
+
 /// Greatest number of attribute types, of concepts and of actions: their
 /// indices are `u8` in `nsrm_core`.
 pub const MAX_NAMES: usize = 256;
@@ -40,8 +43,8 @@ pub struct Domain {
 /// How people say commands: rules whose alternatives contain words and `{rules}`.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Everyday {
-    /// By action: the name of its relations' rule under `rule`, and what the rule's placeholders
-    /// stand for.
+    /// By action: the name of its relations' rule under `rule`, that of the state that it brings
+    /// about under `state`, and what the rules' placeholders stand for.
     pub relations: BTreeMap<String, BTreeMap<String, String>>,
     /// The alternatives of each rule.
     pub rules: BTreeMap<String, Vec<String>>,
@@ -54,7 +57,7 @@ impl Everyday {
             .relations
             .values()
             .flatten()
-            .filter_map(|(name, text)| (name != "rule").then_some(text));
+            .filter_map(|(name, text)| (!RULE_NAMES.contains(&name.as_str())).then_some(text));
         self.rules.values().flatten().chain(filled_in)
     }
 }

@@ -275,7 +275,7 @@ pub enum ModelError {
 }
 
 /// The schemas that `cargo harness convert` converts.
-const CONVERTIBLE: [&str; 2] = ["2", "3"];
+const CONVERTIBLE: [&str; 3] = ["2", "3", "4"];
 
 /// What to do about a file of another schema.
 fn schema_advice(got: &str) -> &'static str {

@@ -244,6 +244,8 @@ impl<'a> Parts<'a> {
                         .with_phrase(action.phrases.first().map_or("", String::as_str))
                         .with_decoder(parameters.decoder)
                         .with_decoder_bias(parameters.decoder_bias)
+                        .with_relation_decoder(parameters.relation_decoder)
+                        .with_relation_bias(parameters.relation_bias)
                         .with_simulator_bias(parameters.simulator_bias)
                 })
                 .collect(),

@@ -31,7 +31,9 @@ describe! {
     Heard<'_> { text, read_as }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
-    Action<'_> { name, phrase, decoder, decoder_bias, simulator_bias }
+    Action<'_> {
+        name, phrase, decoder, decoder_bias, relation_decoder, relation_bias, simulator_bias,
+    }
     Simulator { input, hidden, output }
     PixelToCamera { weight }
 }

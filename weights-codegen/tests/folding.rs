@@ -218,6 +218,16 @@ fn simulator_on_plain_locations() {
         );
         let bias = file.values("language.action_decoder.bias");
         assert_eq!(model.actions[action].decoder_bias, bias[action]);
+        // First those that restrict, then those that stand for an object.
+        let decoder = file.values("language.relation_decoder.weight");
+        let bias = file.values("language.relation_decoder.bias");
+        for (side, row) in [action, ACTIONS + action].into_iter().enumerate() {
+            assert_eq!(
+                model.actions[action].relation_decoder[side][..],
+                decoder[row * 96..][..96]
+            );
+            assert_eq!(model.actions[action].relation_bias[side], bias[row]);
+        }
     }
 }
 

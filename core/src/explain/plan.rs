@@ -1,6 +1,6 @@
 use core::fmt;
 
-use crate::dsl::Description;
+use crate::dsl::{Description, Filters, action_phrase};
 use crate::language::Correction;
 use crate::model::Model;
 use crate::planner::{Grounding, Plan};
@@ -81,9 +81,21 @@ impl StepExplanation<'_> {
         grounding: &Grounding,
         f: &mut fmt::Formatter<'_>,
     ) -> fmt::Result {
-        let words = description.words(self.model);
+        self.noun(description.filters(), f)?;
+        for relation in description.relations() {
+            let phrase = action_phrase(self.model, relation.action);
+            write!(f, " that is {phrase} ")?;
+            self.noun(&relation.to, f)?;
+        }
         let Grounding { object, score, .. } = grounding;
-        write!(f, "the {words} object (id {object}, score {score:.2})")
+        write!(f, " (id {object}, score {score:.2})")
+    }
+
+    fn noun(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match filters.concepts() {
+            [] => f.write_str("the object"),
+            _ => write!(f, "the {} object", filters.words(self.model)),
+        }
     }
 }
 
@@ -93,8 +105,7 @@ impl fmt::Display for StepExplanation<'_> {
         let Some((_, understood, planned)) = steps.find(|(number, ..)| *number == self.step) else {
             return Ok(());
         };
-        let action = self.model.actions.get(usize::from(understood.action));
-        let phrase = action.map_or("?", |action| action.phrase);
+        let phrase = action_phrase(self.model, understood.action);
         write!(f, "Step {}: move ", self.step.saturating_add(1))?;
         self.object(&understood.object, &planned.object, f)?;
         write!(f, " {phrase} ")?;

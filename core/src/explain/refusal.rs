@@ -70,6 +70,7 @@ impl fmt::Display for LengthUnit {
         f.write_str(match self {
             Self::Bytes => "bytes",
             Self::Tokens => "words",
+            Self::StepTokens => "words of one step",
         })
     }
 }
@@ -79,6 +80,7 @@ impl fmt::Display for Decision {
         match self {
             Self::Split => f.write_str("where the step ends"),
             Self::Action => f.write_str("what is to be done"),
+            Self::Relation => f.write_str("how the described objects are related"),
             Self::Argument(argument) => write!(f, "which words name the {argument}"),
         }
     }
@@ -89,6 +91,7 @@ impl fmt::Display for Quantity {
         match self {
             Self::Split => f.write_str("the splitter's hazard"),
             Self::Action => f.write_str("the action decoder's result"),
+            Self::Relation => f.write_str("the relation decoder's result"),
             Self::Argument(argument) => write!(f, "the {argument} decoder's result"),
             Self::Words => f.write_str("the words' acceptability"),
             Self::Score(argument) => write!(f, "a score for the {argument}"),
@@ -114,6 +117,7 @@ impl fmt::Display for Message<'_> {
             | Refusal::ConflictingValues { .. }
             | Refusal::TooManySteps { .. } => self.sentence(f),
             Refusal::TooManyReferences { .. }
+            | Refusal::TooManyRelations { .. }
             | Refusal::IncompleteStep { .. }
             | Refusal::SameReference { .. }
             | Refusal::UnclearWords { .. }
@@ -201,6 +205,13 @@ impl Message<'_> {
                 f,
                 "step {}, {}, describes more than {limit} objects; say one thing to move and one place, \
                  and describe each by attribute words that stand together",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::TooManyRelations { step, span, limit } => write!(
+                f,
+                "step {}: {} describes one object by more than {limit} others; \
+                 describe it by fewer",
                 number(*step),
                 self.quoted(*span)
             ),

@@ -1,6 +1,6 @@
 use heapless::Vec;
 
-use crate::capacity::MAX_TOKENS;
+use crate::capacity::MAX_STEP_TOKENS;
 use crate::model::{ACCEPTABILITY_HIDDEN, ENCODER_HIDDEN, Language};
 use crate::nn::{accumulate, sigmoid, tanh_all};
 
@@ -11,7 +11,7 @@ use crate::nn::{accumulate, sigmoid, tanh_all};
 #[derive(Debug, Clone)]
 pub struct Acceptability {
     /// The forward state's share in the hidden layer, for each token that is not judged yet.
-    shares: Vec<[f32; ACCEPTABILITY_HIDDEN], MAX_TOKENS, u8>,
+    shares: Vec<[f32; ACCEPTABILITY_HIDDEN], MAX_STEP_TOKENS, u8>,
     probability: f32,
     least: Least,
 }
@@ -45,7 +45,7 @@ impl Acceptability {
     }
 
     /// Takes the state of the encoder's forward cell at the next token, from the first to the last;
-    /// false after [`MAX_TOKENS`].
+    /// false after [`MAX_STEP_TOKENS`].
     ///
     /// Cost: `48·16` multiply-adds.
     pub fn ahead(&mut self, language: &Language<'_>, state: &[f32; ENCODER_HIDDEN]) -> bool {
@@ -152,7 +152,7 @@ mod tests {
     fn one_token_too_many_is_refused() {
         let language = fixture::model().language;
         let mut judge = Acceptability::new();
-        for _ in 0..MAX_TOKENS {
+        for _ in 0..MAX_STEP_TOKENS {
             assert!(judge.ahead(&language, &[0.0; ENCODER_HIDDEN]));
         }
         assert!(!judge.ahead(&language, &[0.0; ENCODER_HIDDEN]));

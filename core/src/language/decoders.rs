@@ -17,10 +17,13 @@ pub fn choose_action(actions: &[Action<'_>], instruction: &[f32; INSTRUCTION]) -
 /// dot product with the encoder's state at each concept group.
 ///
 /// Cost: `96²` multiply-adds, and 96 and one exponential a group.
-pub fn choose_group(
+///
+/// * `groups`: the states at those that describe an object of the step, not one that another is
+///   related to
+pub fn choose_group<'g>(
     decoder: &Linear<INSTRUCTION, INSTRUCTION>,
     instruction: &[f32; INSTRUCTION],
-    groups: &[[f32; INSTRUCTION]],
+    groups: impl IntoIterator<Item = &'g [f32; INSTRUCTION]>,
 ) -> Choice {
     let sought = decoder.apply(instruction);
     let mut choice = Choice::new();

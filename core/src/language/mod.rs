@@ -1,6 +1,6 @@
 //! From a sentence to a program (section IV-B): words to tokens, a splitter into steps, a GRU
-//! encoder for each step, a judge of its words' acceptability, and decoders for its action and
-//! arguments.
+//! encoder for each step, a judge of its words' acceptability, and decoders for its action, the
+//! relations between its descriptions and its arguments.
 //!
 //! Everything is learned except the words that name attribute values, which are given, as in the
 //! paper. Adjacent words of this kind become one token.
@@ -10,6 +10,7 @@ mod decoders;
 mod encoder;
 mod nearest;
 mod parsed;
+mod relations;
 mod segments;
 mod spelling;
 mod splitter;
@@ -21,6 +22,7 @@ pub use decoders::{choose_action, choose_group};
 pub use encoder::Encoder;
 pub use nearest::nearest_word;
 pub use parsed::{Parsed, StepDecisions};
+pub use relations::{GroupRole, choose_role};
 pub use spelling::{Correction, word_hash};
 pub use splitter::{SPLIT_HAZARD, Splitter};
 pub use task::ParsingTask;

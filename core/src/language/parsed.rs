@@ -12,7 +12,8 @@ use crate::model::Model;
 pub struct StepDecisions {
     /// The step's place in the sentence.
     pub span: Span,
-    /// The place of the words that describe the object to move.
+    /// The place of the words that describe the object to move: from its first concept word to the
+    /// last one of its relations.
     pub object_span: Span,
     /// The place of the words that describe the reference.
     pub reference_span: Span,
@@ -22,6 +23,8 @@ pub struct StepDecisions {
     pub words: f32,
     /// That its action is right.
     pub action: f32,
+    /// That each group of concept words is related to another one as it was read, or to none.
+    pub relations: f32,
     /// That the chosen words describe the object to move.
     pub object: f32,
     /// That the chosen words describe the reference.

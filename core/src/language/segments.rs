@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::{Span, Token};
 use crate::capacity::MAX_STEPS;
-use crate::dsl::Description;
+use crate::dsl::Filters;
 use crate::refusal::Refusal;
 
 /// Which tokens of a sentence belong to which step. Steps count from 0.
@@ -71,10 +71,10 @@ impl Segments {
         &self,
         step: usize,
         sentence: &'t [Token],
-    ) -> impl Iterator<Item = (&'t Description, Span)> + use<'t> {
+    ) -> impl Iterator<Item = (&'t Filters, Span)> + Clone + use<'t> {
         let tokens = sentence.get(self.tokens(step)).unwrap_or_default();
         tokens
             .iter()
-            .filter_map(|token| Some((token.description()?, token.span)))
+            .filter_map(|token| Some((token.filters()?, token.span)))
     }
 }

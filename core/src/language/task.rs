@@ -1,13 +1,12 @@
+mod decode;
+
+use super::relations::Roles;
 use super::segments::Segments;
-use super::{
-    Acceptability, Encoder, Parsed, Reader, Span, Splitter, StepDecisions, choose_action,
-    choose_group,
-};
-use crate::capacity::MAX_GROUPS;
-use crate::dsl::{Argument, Description, Step};
-use crate::model::{INSTRUCTION, Model, WordEmbeddings};
-use crate::nn::{Choice, Linear};
-use crate::refusal::{Decision, Quantity, Refusal};
+use super::{Acceptability, Encoder, Parsed, Reader, Splitter};
+use crate::capacity::{MAX_GROUPS, MAX_STEP_TOKENS};
+use crate::dsl::Argument;
+use crate::model::{Model, WordEmbeddings};
+use crate::refusal::{Decision, LengthUnit, Quantity, Refusal};
 use core::task::Poll;
 
 /// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
@@ -45,6 +44,7 @@ pub struct ParsingTask<'m, T> {
     segments: Segments,
     encoder: Encoder,
     acceptability: Acceptability,
+    roles: Roles,
     parsed: Parsed,
     /// The reading of the sentence that is parsed, from 0.
     reading: usize,
@@ -78,6 +78,11 @@ enum Stage {
     Action {
         step: usize,
     },
+    /// The next group's role is to be chosen.
+    Role {
+        step: usize,
+        action: Decided,
+    },
     Object {
         step: usize,
         action: Decided,
@@ -91,6 +96,9 @@ enum Stage {
     Parsed,
     Done(Option<Refusal>),
 }
+
+/// The object to move and the reference.
+const ARGUMENTS: usize = 2;
 
 /// What a decoder chose, and its probability.
 #[derive(Debug, Clone, Copy)]
@@ -114,6 +122,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             segments: Segments::new(),
             encoder: Encoder::new(),
             acceptability: Acceptability::new(),
+            roles: Roles::new(),
             parsed: Parsed::empty(model),
             reading: 0,
             readings: 1,
@@ -150,6 +159,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             Stage::Forward { step, token } => self.forward(step, token),
             Stage::Backward { step, before } => self.backward(step, before),
             Stage::Action { step } => self.action(step),
+            Stage::Role { step, action } => self.role(step, action),
             Stage::Object { step, action } => {
                 let decoder = self.model.language.object_decoder;
                 let object = self.argument(step, Argument::Object, decoder)?;
@@ -264,7 +274,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         let tokens = self.reader.tokens();
         let groups = self.segments.groups(step, tokens).count();
         let span = self.segments.span(step, tokens);
-        if groups < MAX_GROUPS {
+        if groups < ARGUMENTS {
             return Err(Refusal::IncompleteStep {
                 step: step as u8,
                 references: groups as u8,
@@ -278,12 +288,20 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                 limit: MAX_GROUPS as u8,
             });
         }
+        let range = self.segments.tokens(step);
+        if range.len() > MAX_STEP_TOKENS {
+            return Err(Refusal::SentenceTooLong {
+                limit: MAX_STEP_TOKENS as u16,
+                unit: LengthUnit::StepTokens,
+            });
+        }
         self.sure(step, Decision::Split, probability)?;
         self.encoder.clear();
         self.acceptability.clear();
+        self.roles = Roles::new();
         Ok(Stage::Forward {
             step,
-            token: self.segments.tokens(step).start,
+            token: range.start,
         })
     }
 
@@ -318,108 +336,6 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         })
     }
 
-    fn action(&mut self, step: usize) -> Result<Stage, Refusal> {
-        self.check_words(step)?;
-        let choice = choose_action(self.model.actions, &self.encoder.instruction());
-        let action = self.decide(step, Decision::Action, choice)?;
-        Ok(Stage::Object { step, action })
-    }
-
-    fn check_words(&self, step: usize) -> Result<(), Refusal> {
-        let probability = self.acceptability.probability();
-        if !probability.is_finite() {
-            return Err(not_finite(step, Quantity::Words));
-        }
-        let threshold = self.model.header.thresholds.decision;
-        if probability >= threshold {
-            return Ok(());
-        }
-        let token = self.segments.tokens(step).start + self.acceptability.least();
-        let token = self.reader.tokens().get(token);
-        Err(Refusal::UnclearWords {
-            step: step as u8,
-            span: token.ok_or(Refusal::InvalidModel)?.span,
-            probability,
-            threshold,
-        })
-    }
-
-    fn argument(
-        &self,
-        step: usize,
-        argument: Argument,
-        decoder: &Linear<INSTRUCTION, INSTRUCTION>,
-    ) -> Result<Decided, Refusal> {
-        let instruction = self.encoder.instruction();
-        let choice = choose_group(decoder, &instruction, self.encoder.groups());
-        self.decide(step, Decision::Argument(argument), choice)
-    }
-
-    fn end_step(
-        &mut self,
-        step: usize,
-        action: Decided,
-        object: Decided,
-        reference: Decided,
-    ) -> Result<Stage, Refusal> {
-        let (description, span) = self.group(step, object.index)?;
-        if object.index == reference.index {
-            return Err(Refusal::SameReference {
-                step: step as u8,
-                span,
-            });
-        }
-        let split = self.segments.probability(step);
-        let (reference_description, reference_span) = self.group(step, reference.index)?;
-        let decisions = StepDecisions {
-            span: self.segments.span(step, self.reader.tokens()),
-            object_span: span,
-            reference_span,
-            split: split.ok_or(Refusal::InvalidModel)?,
-            words: self.acceptability.probability(),
-            action: action.probability,
-            object: object.probability,
-            reference: reference.probability,
-        };
-        let symbols = Step {
-            action: u8::try_from(action.index).map_err(|_| Refusal::InvalidModel)?,
-            object: description,
-            reference: reference_description,
-        };
-        // As many places as segments.
-        let _ = self.parsed.program.push(symbols);
-        let _ = self.parsed.decisions.push(decisions);
-        Ok(Stage::Step {
-            step: step.saturating_add(1),
-        })
-    }
-
-    /// A decoder's choice, refused when it is not finite or below the threshold.
-    fn decide(&self, step: usize, decision: Decision, choice: Choice) -> Result<Decided, Refusal> {
-        let quantity = match decision {
-            Decision::Split => Quantity::Split,
-            Decision::Action => Quantity::Action,
-            Decision::Argument(argument) => Quantity::Argument(argument),
-        };
-        let index = choice.index().ok_or(not_finite(step, quantity))?;
-        let probability = choice.probability();
-        self.sure(step, decision, probability)?;
-        Ok(Decided { index, probability })
-    }
-
-    fn sure(&self, step: usize, decision: Decision, probability: f32) -> Result<(), Refusal> {
-        let threshold = self.model.header.thresholds.decision;
-        if probability >= threshold {
-            return Ok(());
-        }
-        Err(Refusal::Unsure {
-            step: step as u8,
-            decision,
-            probability,
-            threshold,
-        })
-    }
-
     fn embeddings(&self, token: usize) -> Option<&'m WordEmbeddings> {
         self.reader.tokens().get(token)?.embeddings(self.model)
     }
@@ -431,15 +347,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             .get(token)
             .ok_or(Refusal::InvalidModel)?;
         let embeddings = token.embeddings(self.model).ok_or(Refusal::InvalidModel)?;
-        Ok((embeddings, token.description().is_some()))
-    }
-
-    fn group(&self, step: usize, index: usize) -> Result<(Description, Span), Refusal> {
-        self.segments
-            .groups(step, self.reader.tokens())
-            .nth(index)
-            .map(|(description, span)| (*description, span))
-            .ok_or(Refusal::InvalidModel)
+        Ok((embeddings, token.filters().is_some()))
     }
 }
 

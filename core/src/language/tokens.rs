@@ -2,7 +2,7 @@ use heapless::Vec;
 
 use super::spelling::{Correction, KnownWord, alternatives};
 use crate::capacity::{MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS};
-use crate::dsl::Description;
+use crate::dsl::Filters;
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::Refusal;
 
@@ -29,7 +29,7 @@ pub enum TokenKind {
     /// A word outside the lexicon: index into [`Model::words`].
     Word(u16),
     /// Adjacent concept words, `[[X]]` in the paper.
-    Group(Description),
+    Group(Filters),
 }
 
 /// A token with its place in the sentence.
@@ -55,10 +55,10 @@ impl Token {
     }
 
     /// The concepts, if it is a group.
-    pub const fn description(&self) -> Option<&Description> {
+    pub const fn filters(&self) -> Option<&Filters> {
         match &self.kind {
             TokenKind::Word(_) => None,
-            TokenKind::Group(description) => Some(description),
+            TokenKind::Group(filters) => Some(filters),
         }
     }
 }
@@ -211,7 +211,7 @@ impl Reader {
     /// other, so that no object has two.
     fn add_concept(&mut self, model: &Model<'_>, concept: u8, span: Span) -> Result<(), Refusal> {
         if let Some(Token {
-            kind: TokenKind::Group(description),
+            kind: TokenKind::Group(filters),
             span: group,
         }) = self.tokens.last_mut()
         {
@@ -222,24 +222,22 @@ impl Reader {
             };
             let conflicts =
                 |&&other: &&u8| other != concept && attribute_of(other) == attribute_of(concept);
-            if let Some(&first) = description.concepts().iter().find(conflicts) {
+            if let Some(&first) = filters.concepts().iter().find(conflicts) {
                 return Err(Refusal::ConflictingValues {
                     span: *group,
                     first,
                     second: concept,
                 });
             }
-            return description
-                .push(concept)
-                .map_err(|_| Refusal::TooManyConcepts {
-                    span: *group,
-                    limit: MAX_FILTERS as u8,
-                });
+            return filters.push(concept).map_err(|_| Refusal::TooManyConcepts {
+                span: *group,
+                limit: MAX_FILTERS as u8,
+            });
         }
-        let mut description = Description::new();
-        // An empty description has room.
-        let _ = description.push(concept);
-        self.add(TokenKind::Group(description), span)
+        let mut filters = Filters::new();
+        // Empty filters have room.
+        let _ = filters.push(concept);
+        self.add(TokenKind::Group(filters), span)
     }
 
     fn add(&mut self, kind: TokenKind, span: Span) -> Result<(), Refusal> {
@@ -360,7 +358,7 @@ mod tests {
         let tokens = read("PUT small  Green,red; the lego!");
         let texts = tokens.iter().map(|token| match &token.kind {
             TokenKind::Word(index) => std::format!("{index}"),
-            TokenKind::Group(description) => std::format!("{:?}", description.concepts()),
+            TokenKind::Group(filters) => std::format!("{:?}", filters.concepts()),
         });
         let texts: std::vec::Vec<_> = texts.collect();
         assert_eq!(texts, ["5", "[3, 1]", "0", "[0]", "0", "7", "[2]"]);

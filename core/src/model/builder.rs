@@ -110,6 +110,9 @@ builder! {
         phrase, with_phrase: &'a str = "";
         decoder, with_decoder: [f32; INSTRUCTION] = [UNSET; INSTRUCTION];
         decoder_bias, with_decoder_bias: f32 = UNSET;
+        relation_decoder, with_relation_decoder: [[f32; INSTRUCTION]; 2] =
+            [[UNSET; INSTRUCTION]; 2];
+        relation_bias, with_relation_bias: [f32; 2] = [UNSET; 2];
         simulator_bias, with_simulator_bias: [f32; SIMULATOR_HIDDEN] = [UNSET; SIMULATOR_HIDDEN];
     }
     ['a] Language<'a> {

@@ -48,10 +48,15 @@ impl Choice {
         self.offered = self.offered.wrapping_add(1);
     }
 
+    /// Leaves the next index out: it is not chosen, and those behind it keep theirs.
+    pub fn skip(&mut self) {
+        self.offered = self.offered.wrapping_add(1);
+    }
+
     /// Index of the greatest logit, in the order of offering; `None` if none was offered or one was
     /// not finite.
     pub fn index(&self) -> Option<usize> {
-        (self.offered > 0 && self.finite).then_some(self.index)
+        (self.sum > 0.0 && self.finite).then_some(self.index)
     }
 
     /// Probability of the greatest logit; meaningful where [`Choice::index`] is `Some`.
@@ -92,6 +97,19 @@ mod tests {
         assert_eq!(tie.index(), Some(1));
         assert!((tie.probability() - 0.499_916).abs() < 1e-5);
         assert_eq!(choose(&[-3e38]).probability(), 1.0);
+    }
+
+    #[test]
+    fn a_skipped_index_is_not_chosen() {
+        let mut choice = Choice::new();
+        choice.skip();
+        assert_eq!(choice.index(), None);
+        choice.offer(1.0);
+        choice.skip();
+        choice.offer(2.0);
+        assert_eq!(choice.index(), Some(3));
+        // 1 / (1 + e^-1)
+        assert!((choice.probability() - 0.731_059).abs() < 1e-6);
     }
 
     #[test]

@@ -3,16 +3,16 @@ use core::task::Poll;
 
 use nalgebra::{Isometry3, Translation3};
 
+use super::resolve::{Resolver, Within};
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 use crate::action::simulate;
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
 use crate::camera::rotation;
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Step};
-use crate::grounding::{ScoreError, Scores, score};
+use crate::dsl::{Argument, Description, Step};
 use crate::language::{Parsed, StepDecisions};
 use crate::model::{LOCATION, Model};
-use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
+use crate::refusal::{Quantity, Refusal};
 use crate::scene::Scene;
 
 /// Grounds a parsed sentence in a scene (sections IV-C and IV-D), from any step on, so that the
@@ -29,7 +29,7 @@ pub struct GroundingTask<'m, S, P> {
     parsed: P,
     /// Where the objects are after the steps so far.
     locations: [[f32; LOCATION]; MAX_OBJECTS],
-    scores: Scores,
+    resolver: Resolver,
     plan: Plan,
     stage: Stage,
 }
@@ -46,19 +46,12 @@ enum Stage {
         fault: CalibrationFault,
         cause: usize,
     },
-    /// The next object is compared with the description of the object to move.
-    ScoreObject {
+    /// The object to move is sought.
+    Object {
         step: usize,
     },
-    ChooseObject {
-        step: usize,
-    },
-    /// The next object is compared with the description of the reference.
-    ScoreReference {
-        step: usize,
-        object: Grounding,
-    },
-    ChooseReference {
+    /// The reference is sought.
+    Reference {
         step: usize,
         object: Grounding,
     },
@@ -87,7 +80,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             scene,
             parsed,
             locations,
-            scores: Scores::new(),
+            resolver: Resolver::new(&Description::new()),
             stage: Stage::Done(checked.err()),
         };
         if checked.is_ok() {
@@ -123,7 +116,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
     fn advance(&mut self, stage: Stage) -> Result<Stage, Refusal> {
         match stage {
             Stage::Check { step } => Ok(match check_as_given(self.model, self.scene()) {
-                Ok(()) => self.begin_step(step),
+                Ok(()) => self.begin_step(step)?,
                 Err(fault) => Stage::Explain { fault, cause: 0 },
             }),
             Stage::Explain { fault, cause } => {
@@ -137,29 +130,17 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
                 let cause = cause.saturating_add(1);
                 Ok(Stage::Explain { fault, cause })
             }
-            Stage::ScoreObject { step } => {
-                let more = self.score(step, Argument::Object)?;
-                Ok(if more {
-                    stage
-                } else {
-                    Stage::ChooseObject { step }
-                })
+            Stage::Object { step } => {
+                let Some(object) = self.resolve(step, Argument::Object)? else {
+                    return Ok(stage);
+                };
+                self.seek(step, Argument::Reference)?;
+                Ok(Stage::Reference { step, object })
             }
-            Stage::ChooseObject { step } => {
-                let object = self.choose(step, Argument::Object)?;
-                self.scores = Scores::new();
-                Ok(Stage::ScoreReference { step, object })
-            }
-            Stage::ScoreReference { step, object } => {
-                let more = self.score(step, Argument::Reference)?;
-                Ok(if more {
-                    stage
-                } else {
-                    Stage::ChooseReference { step, object }
-                })
-            }
-            Stage::ChooseReference { step, object } => {
-                let reference = self.choose(step, Argument::Reference)?;
+            Stage::Reference { step, object } => {
+                let Some(reference) = self.resolve(step, Argument::Reference)? else {
+                    return Ok(stage);
+                };
                 if reference.index == object.index {
                     return Err(Refusal::SameObject {
                         step: step as u8,
@@ -178,7 +159,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
                 reference,
             } => {
                 self.act(step, object, reference)?;
-                Ok(self.begin_step(step.saturating_add(1)))
+                self.begin_step(step.saturating_add(1))
             }
             Stage::Done(refusal) => Ok(Stage::Done(refusal)),
         }
@@ -193,12 +174,12 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         }
     }
 
-    fn begin_step(&mut self, step: usize) -> Stage {
-        self.scores = Scores::new();
+    fn begin_step(&mut self, step: usize) -> Result<Stage, Refusal> {
         if step < self.plan.program().steps().len() {
-            Stage::ScoreObject { step }
+            self.seek(step, Argument::Object)?;
+            Ok(Stage::Object { step })
         } else {
-            Stage::Done(self.doubt())
+            Ok(Stage::Done(self.doubt()))
         }
     }
 
@@ -212,73 +193,23 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         })
     }
 
-    /// Compares the next object with a description; false if none is left.
-    fn score(&mut self, step: usize, argument: Argument) -> Result<bool, Refusal> {
-        let Some(object) = self.scene().objects().get(self.scores.values().len()) else {
-            return Ok(false);
-        };
-        let step_symbols = self.symbols(step)?;
-        let score = score(
-            self.model,
-            &object.embedding,
-            step_symbols.description(argument),
-        )
-        .map_err(|error| match error {
-            ScoreError::UnknownConcept => Refusal::InvalidModel,
-            ScoreError::NotFinite => Refusal::NotFinite {
-                step: step as u8,
-                quantity: Quantity::Score(argument),
-            },
-        })?;
-        // As many places as a scene has objects.
-        let _ = self.scores.push(score);
-        Ok(true)
+    /// Begins to resolve a description.
+    fn seek(&mut self, step: usize, argument: Argument) -> Result<(), Refusal> {
+        self.resolver = Resolver::new(self.symbols(step)?.description(argument));
+        Ok(())
     }
 
-    /// The object that a description refers to: the one that fits, if only one does.
-    fn choose(&self, step: usize, argument: Argument) -> Result<Grounding, Refusal> {
-        let threshold = self.model.header.thresholds.match_score;
-        let description = *self.symbols(step)?.description(argument);
-        let chosen = self.scores.unique();
-        let best = chosen.and_then(|chosen| {
-            let object = self.scene().objects().get(chosen.index)?;
-            Some(Grounding {
-                object: object.id,
-                index: chosen.index as u8,
-                score: chosen.score,
-                probability: chosen.probability,
-            })
-        });
-        let Some(best) = best.filter(|best| best.score >= threshold) else {
-            return Err(Refusal::NoSuchObject {
-                step: step as u8,
-                argument,
-                description,
-                best: best.map(|best| Candidate {
-                    object: best.object,
-                    score: best.score,
-                }),
-                threshold,
-            });
+    /// One unit of work on a description; the object once it is found.
+    fn resolve(&mut self, step: usize, argument: Argument) -> Result<Option<Grounding>, Refusal> {
+        let symbols = self.symbols(step)?;
+        let within = Within {
+            model: self.model,
+            scene: self.scene.borrow(),
+            locations: &self.locations,
+            step,
+            argument,
         };
-        let mut candidates = Candidates::default();
-        for (object, &score) in self.scene().objects().iter().zip(self.scores.values()) {
-            if score >= threshold {
-                candidates.add(Candidate {
-                    object: object.id,
-                    score,
-                });
-            }
-        }
-        if candidates.count() > 1 {
-            return Err(Refusal::Ambiguous {
-                step: step as u8,
-                argument,
-                description,
-                candidates,
-            });
-        }
-        Ok(best)
+        self.resolver.poll(symbols.description(argument), &within)
     }
 
     /// Predicts where the object will be, and moves it there for the following steps.
@@ -325,6 +256,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             split: decisions.split,
             words: decisions.words,
             action: decisions.action,
+            relations: decisions.relations,
             object: decisions.object,
             reference: decisions.reference,
             object_unique: object.probability,

@@ -6,6 +6,7 @@
 
 mod ground;
 mod plan;
+mod resolve;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -19,7 +20,9 @@ use core::mem::size_of;
 use core::task::Poll;
 
 use crate::calibration::{self, Cause};
-use crate::capacity::{MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_STEPS, MAX_TOKENS};
+use crate::capacity::{
+    MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS, MAX_STEPS, MAX_TOKENS,
+};
 use crate::language::{Parsed, ParsingTask};
 use crate::model::{
     ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, Model,
@@ -37,7 +40,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1088);
+const _: () = assert!(TASK_BYTES <= 13 * 1024 && PLAN_BYTES <= 1424);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -50,14 +53,17 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         3 * (WORD + ENCODER_HIDDEN) * ENCODER_HIDDEN + (ENCODER_HIDDEN + 1) * ACCEPTABILITY_HIDDEN,
         // One argument decoder.
         (INSTRUCTION + MAX_GROUPS) * INSTRUCTION,
-        // One object's score.
-        MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT),
+        // One object's score: filters, and a relation with its three places and their angle.
+        MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT)
+            + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
+            + 3 * (3 * (LOCATION + 1) + 3),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
         // All objects' places, each compared with all others and with all sizes.
         MAX_OBJECTS * (3 * (LOCATION + 1) + 2 * 9 + 4 * MAX_OBJECTS + 4 * UNIT_SIZES),
     ];
-    let mut most = UNIT_ACTIONS * INSTRUCTION;
+    // One group's role: two relations an action.
+    let mut most = 2 * UNIT_ACTIONS * INSTRUCTION;
     let mut rest = units.as_slice();
     while let [unit, behind @ ..] = rest {
         most = if *unit > most { *unit } else { most };
@@ -66,19 +72,21 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
     most
 };
 /// Actions up to which [`UNIT_MULTIPLY_ADDS`] holds; the action decoder takes 96
-/// multiply-adds for each.
+/// multiply-adds for each, the relation decoder 192.
 pub const UNIT_ACTIONS: usize = 64;
 
 /// Sizes of objects up to which [`UNIT_MULTIPLY_ADDS`] holds.
 pub const UNIT_SIZES: usize = 64;
 
 /// The most calls of [`PlanningTask::poll`] until it is done: for each reading of the sentence
-/// words, tokens through splitter and encoder, and for each step its begin and three decoders; the
-/// scene against the calibration, which takes another for each cause that may explain what
-/// disagrees; and for each step two descriptions over all objects, two choices and the action.
+/// words, tokens through splitter and encoder, and for each step its begin, three decoders and the
+/// role of each group; the scene against the calibration, which takes another for each cause that
+/// may explain what disagrees; and for each step two descriptions, each with all that it relates to
+/// over all objects and a choice, and the action.
 pub const MAX_POLLS: usize =
-    MAX_READINGS * READING_POLLS + Cause::ALL.len() + MAX_STEPS * (2 * MAX_OBJECTS + 3) + 3;
-const READING_POLLS: usize = (MAX_FILTERS + 3) * MAX_TOKENS + 1 + 4 * MAX_STEPS;
+    MAX_READINGS * READING_POLLS + Cause::ALL.len() + MAX_STEPS * GROUNDING_POLLS + 3;
+const READING_POLLS: usize = (MAX_FILTERS + 3) * MAX_TOKENS + 1 + MAX_STEPS * (4 + MAX_GROUPS);
+const GROUNDING_POLLS: usize = 2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + 1;
 
 /// Plans with one model. Holds only a reference to the model.
 ///

@@ -1,8 +1,9 @@
 use heapless::Vec;
 use nalgebra::Isometry3;
 
-use crate::capacity::MAX_STEPS;
+use crate::capacity::{MAX_RELATIONS, MAX_STEPS};
 use crate::dsl::{Program, Step};
+use crate::grounding::Chosen;
 use crate::language::{Correction, Corrections, Parsed};
 use crate::model::LOCATION;
 
@@ -24,10 +25,52 @@ pub struct Grounding {
     pub object: u32,
     /// Its place in the scene.
     pub index: u8,
-    /// How well it fits: the smallest cosine of the description's concepts.
+    /// How well it fits: the smallest cosine of the description's concepts and of its relation.
     pub score: f32,
-    /// Its share in the softmax of `Unique`.
+    /// Its share in the softmax of `Unique`; with relations, those of all `Unique`s of the chain
+    /// multiplied.
     pub probability: f32,
+    /// Ids of the anchors, then zeros.
+    anchors: [u32; MAX_RELATIONS],
+    anchor_count: u8,
+}
+
+impl Grounding {
+    /// Without relations.
+    ///
+    /// * `index`: the object's place in the scene
+    pub(super) const fn new(object: u32, index: u8, chosen: &Chosen) -> Self {
+        Self {
+            object,
+            index,
+            score: chosen.score,
+            probability: chosen.probability,
+            anchors: [0; MAX_RELATIONS],
+            anchor_count: 0,
+        }
+    }
+
+    /// The same object as the one that is in a relation to `anchor`.
+    pub(super) fn related_to(self, anchor: &Self) -> Self {
+        let mut related = Self {
+            probability: self.probability * anchor.probability,
+            ..self
+        };
+        let ids = core::iter::once(anchor.object).chain(anchor.anchors().iter().copied());
+        for (place, id) in related.anchors.iter_mut().zip(ids) {
+            *place = id;
+            related.anchor_count += 1;
+        }
+        related
+    }
+
+    /// Ids of the objects that the description relates it to, from the object's own relation to
+    /// that of the innermost anchor.
+    pub fn anchors(&self) -> &[u32] {
+        self.anchors
+            .get(..usize::from(self.anchor_count))
+            .unwrap_or_default()
+    }
 }
 
 /// The confidence of a step, part by part; probabilities.
@@ -40,13 +83,15 @@ pub struct Confidence {
     pub words: f32,
     /// That the action is right.
     pub action: f32,
+    /// That the words' relations to each other are right.
+    pub relations: f32,
     /// That these words describe the object to move.
     pub object: f32,
     /// That these words describe the reference.
     pub reference: f32,
-    /// That the description refers to this object.
+    /// That the description, with all that it relates to, refers to this object.
     pub object_unique: f32,
-    /// That the description refers to this reference.
+    /// That the description, with all that it relates to, refers to this reference.
     pub reference_unique: f32,
 }
 
@@ -57,6 +102,7 @@ impl Confidence {
         self.split
             * self.words
             * self.action
+            * self.relations
             * self.object
             * self.reference
             * self.object_unique

@@ -1,7 +1,10 @@
+mod relations;
+
 use core::task::Poll;
 use std::string::{String, ToString};
 
 use super::*;
+use crate::capacity::MAX_STEP_TOKENS;
 use crate::dsl::Argument;
 use crate::fixture;
 use crate::model::Thresholds;
@@ -98,9 +101,9 @@ fn polling_takes_bounded_steps_and_gives_the_same_plan() {
     assert_eq!(polled, planner.plan(&scene, sentence));
     assert_eq!(task.poll(), Poll::Ready(polled));
     // 12 words and the end read, 10 tokens split, 20 encoded, the end of the parser,
-    // the check of the scene, and for each step its begin, three decoders, 2·(3 scores
-    // and their end), two choices and the action.
-    assert_eq!(polls, 13 + 10 + 20 + 1 + 1 + 2 * (1 + 3 + 8 + 2 + 1));
+    // the check of the scene, and for each step its begin, three decoders, two groups' roles,
+    // 2·(3 scores and a choice) and the action.
+    assert_eq!(polls, 13 + 10 + 20 + 1 + 1 + 2 * (1 + 3 + 2 + 8 + 1));
 }
 
 /// What is left of a program is planned in the scene as it is, with the steps
@@ -222,6 +225,14 @@ fn what_is_no_sentence_is_refused() {
             limit: 4096,
             unit: LengthUnit::Bytes
         }
+    );
+    let step = std::format!(
+        "put the red on {} the green",
+        "the ".repeat(MAX_STEP_TOKENS)
+    );
+    assert_eq!(
+        message(&step),
+        "the sentence is too long: at most 64 words of one step are read; give it in parts"
     );
     assert_eq!(
         message("put red red small RED red on green"),

@@ -9,8 +9,8 @@ use std::fmt::Write;
 
 use crate::message::{
     CameraFrame, CameraMessage, DetectedBox, Feedback, Field, Heartbeat, Kind, Message, Numbers,
-    ObjectMessage, Outcome, PlanReply, PlanRequest, Purpose, Role, SceneMessage, State, Status,
-    StepMessage, SubGoal, Type,
+    ObjectMessage, Outcome, PlanReply, PlanRequest, Purpose, RelationMessage, Role, SceneMessage,
+    State, Status, StepMessage, SubGoal, Type,
 };
 use crate::service::{CAMERA, CAMERA_QUALITY, Carried, Quality};
 
@@ -46,13 +46,14 @@ const fn describe<T: Message>() -> Description {
 }
 
 /// All messages; those that others contain come first.
-pub const MESSAGES: [Description; 11] = [
+pub const MESSAGES: [Description; 12] = [
     describe::<CameraMessage>(),
     describe::<DetectedBox>(),
     describe::<CameraFrame>(),
     describe::<ObjectMessage>(),
     describe::<SceneMessage>(),
     describe::<PlanRequest>(),
+    describe::<RelationMessage>(),
     describe::<StepMessage>(),
     describe::<PlanReply>(),
     describe::<SubGoal>(),

@@ -24,5 +24,5 @@ pub use plan_reply::{
 };
 pub use plan_request::{Asked, PlanRequest, PlanRequestError, Purpose};
 pub use scene::{CameraMessage, ObjectMessage, SceneMessage};
-pub use step::StepMessage;
+pub use step::{RelationMessage, StepMessage};
 pub use sub_goal::{Kind, Order, SubGoal, SubGoalError};

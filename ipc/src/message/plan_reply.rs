@@ -19,7 +19,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// An event in the execution of a `PlanRequest`.
-    "nsrm.v1.PlanReply.daae48ce9521fb96"
+    "nsrm.v1.PlanReply.08d614213fec16c9"
     pub struct PlanReply {
         /// The client.
         pub client: u64,
@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 37] = [
+pub const REASONS: [&str; 38] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -90,6 +90,7 @@ pub const REASONS: [&str; 37] = [
     "parsed_by_other_model",
     "low_confidence",
     "unclear_words",
+    "too_many_relations",
     OTHER,
 ];
 
@@ -182,7 +183,7 @@ pub enum PlanReplyError {
     Step(u32),
     /// An invalid step.
     #[error(
-        "plan reply: step {step} has too many concepts, a number that is not finite, or a \
+        "plan reply: step {step} has too many concepts or relations, a number that is not finite, or a \
          quaternion not of length 1"
     )]
     Broken {

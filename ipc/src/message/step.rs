@@ -2,16 +2,29 @@
 
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
-use nsrm_core::MAX_FILTERS;
-use nsrm_core::dsl::{Description, Step};
+use nsrm_core::dsl::{Argument, Description, Filters, Relation, Step};
 use nsrm_core::planner::PlannedStep;
+use nsrm_core::{MAX_FILTERS, MAX_RELATIONS};
 
 use super::checks::{all_finite, is_unit};
 use super::layout::message;
 
 message! {
+    /// A relation in a description: to what, and where this lies from it.
+    "nsrm.v1.RelationMessage.cb7fb11d9b80be0a"
+    pub struct RelationMessage {
+        /// Index in the model of the action that brings the relation about.
+        pub action: u32,
+        /// How many concepts describe the other object.
+        pub count: u32,
+        /// Those concepts: indices in the model; 0 after the last.
+        pub concepts: [u8; MAX_FILTERS],
+    }
+}
+
+message! {
     /// A step as parsed and, if it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.256bedace904e745"
+    "nsrm.v1.StepMessage.8ac58d9814755bea"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
@@ -19,10 +32,19 @@ message! {
         pub object_count: u32,
         /// Those concepts: indices in the model; 0 after the last.
         pub object: [u8; MAX_FILTERS],
+        /// How many relations the description of the object to move has.
+        pub object_relation_count: u32,
+        /// Those relations: its own to another object, then that one's to a third; all 0 after the
+        /// last.
+        pub object_relations: [RelationMessage; MAX_RELATIONS],
         /// How many concepts describe the reference.
         pub reference_count: u32,
         /// Those concepts.
         pub reference: [u8; MAX_FILTERS],
+        /// How many relations the description of the reference has.
+        pub reference_relation_count: u32,
+        /// Those relations.
+        pub reference_relations: [RelationMessage; MAX_RELATIONS],
         /// Id of the object to move; 0 if the step is not grounded, and then all fields below are
         /// 0.
         pub object_id: u32,
@@ -32,9 +54,9 @@ message! {
         pub object_score: f32,
         /// How well the reference fits.
         pub reference_score: f32,
-        /// Probability of each choice: split, acceptable words, action, words of the object, words
-        /// of the reference, object, reference.
-        pub confidence: [f32; 7],
+        /// Probability of each choice: split, acceptable words, action, relations between the words,
+        /// words of the object, words of the reference, object, reference.
+        pub confidence: [f32; 8],
         /// Sub-goal position of the object's centre: world frame, metres.
         pub position: [f32; 3],
         /// Sub-goal orientation, world frame: x, y, z, w.
@@ -45,19 +67,37 @@ message! {
     }
 }
 
+impl RelationMessage {
+    /// None.
+    const EMPTY: Self = Self {
+        action: 0,
+        count: 0,
+        concepts: [0; MAX_FILTERS],
+    };
+
+    /// Whether a received relation is valid.
+    fn makes_sense(&self) -> bool {
+        u8::try_from(self.action).is_ok() && self.count <= MAX_FILTERS as u32
+    }
+}
+
 impl StepMessage {
     /// None.
     pub(super) const EMPTY: Self = Self {
         action: 0,
         object_count: 0,
         object: [0; MAX_FILTERS],
+        object_relation_count: 0,
+        object_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
         reference_count: 0,
         reference: [0; MAX_FILTERS],
+        reference_relation_count: 0,
+        reference_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
         object_id: 0,
         reference_id: 0,
         object_score: 0.0,
         reference_score: 0.0,
-        confidence: [0.0; 7],
+        confidence: [0.0; 8],
         position: [0.0; 3],
         orientation: [0.0; 4],
         location: [0.0; 5],
@@ -65,14 +105,20 @@ impl StepMessage {
 
     /// A step of a program, not grounded.
     pub(super) fn understood(step: &Step) -> Self {
-        let (object_count, object) = concepts(&step.object);
-        let (reference_count, reference) = concepts(&step.reference);
+        let (object_count, object) = concepts(step.object.filters());
+        let (object_relation_count, object_relations) = relations(&step.object);
+        let (reference_count, reference) = concepts(step.reference.filters());
+        let (reference_relation_count, reference_relations) = relations(&step.reference);
         Self {
             action: step.action.into(),
             object_count,
             object,
+            object_relation_count,
+            object_relations,
             reference_count,
             reference,
+            reference_relation_count,
+            reference_relations,
             ..Self::EMPTY
         }
     }
@@ -90,6 +136,7 @@ impl StepMessage {
             confidence.split,
             confidence.words,
             confidence.action,
+            confidence.relations,
             confidence.object,
             confidence.reference,
             confidence.object_unique,
@@ -100,6 +147,34 @@ impl StepMessage {
         self.location = planned.location;
     }
 
+    /// The description of one of the arguments, in a step that has been checked.
+    pub fn description(&self, argument: Argument) -> Description {
+        let (count, concepts, relation_count, relations) = match argument {
+            Argument::Reference => (
+                self.reference_count,
+                &self.reference,
+                self.reference_relation_count,
+                &self.reference_relations,
+            ),
+            // There are these two.
+            _ => (
+                self.object_count,
+                &self.object,
+                self.object_relation_count,
+                &self.object_relations,
+            ),
+        };
+        let mut description = Description::of(filters(count, concepts));
+        for relation in relations.iter().take(relation_count as usize) {
+            // As many places; an action above 255 was refused.
+            let _ = description.relate(Relation {
+                action: u8::try_from(relation.action).unwrap_or(u8::MAX),
+                to: filters(relation.count, &relation.concepts),
+            });
+        }
+        description
+    }
+
     /// Whether it is still to be done.
     pub const fn is_grounded(&self) -> bool {
         self.object_id != 0
@@ -108,7 +183,16 @@ impl StepMessage {
     /// Whether a received step is valid.
     pub(super) fn makes_sense(&self) -> bool {
         let counts = [self.object_count, self.reference_count];
-        let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32);
+        let relation_counts = [self.object_relation_count, self.reference_relation_count];
+        let mut relations = self
+            .object_relations
+            .iter()
+            .chain(&self.reference_relations);
+        let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32)
+            && relation_counts
+                .iter()
+                .all(|count| *count <= MAX_RELATIONS as u32)
+            && relations.all(RelationMessage::makes_sense);
         let numbers: [&[f32]; 4] = [
             &self.position,
             &self.location,
@@ -120,12 +204,95 @@ impl StepMessage {
     }
 }
 
-/// The number of concepts in a description, and the concepts.
-fn concepts(description: &Description) -> (u32, [u8; MAX_FILTERS]) {
+/// The number of concepts of filters, and the concepts.
+fn concepts(filters: &Filters) -> (u32, [u8; MAX_FILTERS]) {
     let mut places = [0; MAX_FILTERS];
-    for (place, &concept) in places.iter_mut().zip(description.concepts()) {
+    for (place, &concept) in places.iter_mut().zip(filters.concepts()) {
         *place = concept;
     }
     // At most MAX_FILTERS.
-    (description.concepts().len() as u32, places)
+    (filters.concepts().len() as u32, places)
+}
+
+/// The number of relations of a description, and the relations.
+fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS]) {
+    let mut places = [RelationMessage::EMPTY; MAX_RELATIONS];
+    for (place, relation) in places.iter_mut().zip(description.relations()) {
+        let (count, concepts) = concepts(&relation.to);
+        *place = RelationMessage {
+            action: relation.action.into(),
+            count,
+            concepts,
+        };
+    }
+    // At most MAX_RELATIONS.
+    (description.relations().len() as u32, places)
+}
+
+/// The first `count` concepts.
+fn filters(count: u32, concepts: &[u8; MAX_FILTERS]) -> Filters {
+    let mut filters = Filters::new();
+    for &concept in concepts.iter().take(count as usize) {
+        // As many places.
+        let _ = filters.push(concept);
+    }
+    filters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(concepts: &[u8]) -> Filters {
+        let mut filters = Filters::new();
+        for &concept in concepts {
+            filters.push(concept).unwrap();
+        }
+        filters
+    }
+
+    #[test]
+    fn descriptions_arrive_with_their_relations() {
+        let mut object = Description::of(of(&[3, 1]));
+        for (action, concepts) in [(2, &[4][..]), (1, &[0, 5, 6, 7])] {
+            let to = of(concepts);
+            object.relate(Relation { action, to }).unwrap();
+        }
+        let mut reference = Description::new();
+        let to = of(&[2]);
+        reference.relate(Relation { action: 0, to }).unwrap();
+        for (object, reference) in [
+            (object, reference),
+            (reference, Description::new()),
+            (Description::of(to), object),
+        ] {
+            let mut message = StepMessage::EMPTY;
+            let (object_count, own) = concepts(object.filters());
+            (message.object_count, message.object) = (object_count, own);
+            (message.object_relation_count, message.object_relations) = relations(&object);
+            (message.reference_count, message.reference) = concepts(reference.filters());
+            (
+                message.reference_relation_count,
+                message.reference_relations,
+            ) = relations(&reference);
+            assert!(message.makes_sense());
+            assert_eq!(message.description(Argument::Object), object);
+            assert_eq!(message.description(Argument::Reference), reference);
+        }
+    }
+
+    #[test]
+    fn relations_that_no_description_has_are_refused() {
+        let cases: [fn(&mut StepMessage); 4] = [
+            |step| step.object_relation_count = 3,
+            |step| step.reference_relation_count = u32::MAX,
+            |step| step.object_relations[1].count = 5,
+            |step| step.reference_relations[0].action = 256,
+        ];
+        for break_it in cases {
+            let mut broken = StepMessage::EMPTY;
+            break_it(&mut broken);
+            assert!(!broken.makes_sense());
+        }
+    }
 }

@@ -1,5 +1,5 @@
 """Converts files of earlier schemas: the hash covered only the tensors (model 2, baseline 1), and
-models had no acceptability (2, 3)."""
+models had no acceptability (2, 3) and no relations in descriptions (2 to 4)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from nsrm_harness.learning import export, hashes
 from nsrm_harness.learning.baseline import file as baseline
 from nsrm_harness.learning.export import ModelFileError, hashed_bytes, read_raw, write_whole
-from nsrm_harness.learning.model import Acceptability, tensors
+from nsrm_harness.learning.model import Acceptability, tensors, without_relations
 
 BASELINE = "baseline 1"
 NEXT = {
@@ -27,7 +27,8 @@ LAST_OF_TENSORS = ("2", BASELINE)
 
 def convert(path: Path) -> None:
     """Gives a file the current schema and hash, and a model that has none an acceptability with
-    which it accepts all words that it accepted before; nothing else in it changes.
+    which it accepts all words that it accepted before, and a relation decoder that finds no
+    relation; nothing else in it changes.
 
     Raises `ModelFileError` for a file of another schema, or which does not have its hash. The
     metadata of the first schemas are taken as they are, since nothing protected them.
@@ -47,10 +48,16 @@ def convert(path: Path) -> None:
             "fetch it again"
         )
     if found != BASELINE:
-        accepting = tensors(Acceptability(jax.random.key(0)))
-        arrays |= {
-            f"language.acceptability.{name}": np.asarray(array) for name, array in accepting.items()
+        actions = len(arrays["language.action_decoder.bias"])
+        added = {
+            "acceptability": Acceptability(jax.random.key(0)),
+            "relation_decoder": without_relations(actions),
         }
+        arrays = {
+            f"language.{part}.{name}": np.asarray(array)
+            for part, module in added.items()
+            for name, array in tensors(module).items()
+        } | arrays
     write_whole(path, hashed_bytes(arrays, metadata | {"schema": NEXT[found]}))
 
 

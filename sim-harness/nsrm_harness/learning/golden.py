@@ -22,6 +22,7 @@ from nsrm_harness.domain.tokens import Tokenizer, split
 from nsrm_harness.learning import reference
 from nsrm_harness.learning.export import ModelFile, identity_of, safetensors_bytes
 from nsrm_harness.learning.model import Conv, run_gru
+from nsrm_harness.learning.structures import related
 
 SEED = 20240
 TOLERANCES = {
@@ -32,11 +33,17 @@ TOLERANCES = {
     "crop": {"absolute": 1e-5, "relative": 1e-5},
     "embedding": {"absolute": 1e-3, "relative": 1e-3},
     "cosine": {"absolute": 1e-4, "relative": 0.0},
+    "relation": {"absolute": 5e-4, "relative": 0.0},
     "location": {"absolute": 1e-4, "relative": 0.0},
     "position_m": {"absolute": 2e-4, "relative": 0.0},
 }
 SCENES = 3
 PADDING = 9
+RELATED = (
+    "put the block left of the red one on the small blue one",
+    "take the green block that is on the white one and put it right of the cube on the lego block",
+)
+"""Sentences with relations in descriptions."""
 
 Arrays = dict[str, np.ndarray]
 
@@ -158,7 +165,8 @@ def simulator(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Ge
 def language(
     file: ModelFile, demonstrations: Demonstrations
 ) -> tuple[list[dict[str, Any]], Arrays]:
-    """Sentences of the data, one with 128 tokens, and one with padding after it."""
+    """Sentences of the data, two with relations, one with 128 tokens, and one with padding after
+    it."""
     tokenizer = Tokenizer(file.domain)
     kinds = {True: 0, False: 0}
     chosen: list[str] = []
@@ -169,14 +177,14 @@ def language(
             chosen.append(sentence)
     longest = longest_sentence(tokenizer, demonstrations.sentences)
     cases, arrays = [], {}
-    for number, sentence in enumerate([*chosen, longest]):
+    for number, sentence in enumerate([*chosen, *RELATED, longest]):
         steps = reference.parse(file.model, tokenizer, sentence)
         described = []
         for index, step in enumerate(steps):
             name = f"sentence.{number}.step.{index}"
             for part in ("hazards", "states", "instruction"):
                 arrays[f"{name}.{part}"] = getattr(step, part)
-            for part in ("action_logits", "object_logits", "reference_logits"):
+            for part in ("action_logits", "object_logits", "reference_logits", "role_logits"):
                 arrays[f"{name}.{part}"] = getattr(step, part)
             concepts = [[file.domain.concepts[c].name for c in group] for group in step.groups]
             described.append(
@@ -243,7 +251,10 @@ def chains(
         ).astype(np.float32)
         embeddings = np.asarray(jax.vmap(file.model.vision.encode)(jnp.asarray(crops)))
         scenes.append(_scene(demonstrations, index, list(range(1, count + 1))))
-        arrays[f"scene.{index}.locations"] = _locations(demonstrations, index)
+        locations = _locations(demonstrations, index)
+        arrays[f"scene.{index}.locations"] = locations
+        cosines = related(file.model, jnp.asarray(locations), demonstrations.camera(index))
+        arrays[f"scene.{index}.relations"] = np.asarray(cosines)
         arrays[f"scene.{index}.crops"] = crops
         arrays[f"scene.{index}.embeddings"] = embeddings
         sentence = demonstrations.sentences[index]

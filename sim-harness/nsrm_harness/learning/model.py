@@ -45,7 +45,8 @@ SIMULATOR_SCALE = 0.1
 NORM_EPSILON = 1e-6
 """Smallest norm in a cosine."""
 ACCEPTED = 20.0
-"""Log odds of a word's acceptability in a model that was not taught which words are acceptable."""
+"""Log odds of a word's acceptability in a model that was not taught which words are acceptable, and
+of a description without relations in one that was not taught those."""
 MISSING = -1e9
 """Logit of padding and missing objects."""
 
@@ -175,12 +176,35 @@ class Acceptability(eqx.Module):
         return rows(self.output, jnp.tanh(rows(self.hidden, states)))[:, 0]
 
 
+def without_relations(actions: int, odds: float = ACCEPTED) -> eqx.nn.Linear:
+    """The relation decoder of a model that knows no relations in descriptions.
+
+    `odds`: the log odds of having none against having a certain one
+    """
+    decoder = eqx.nn.Linear(INSTRUCTION, 2 * actions, key=jax.random.key(0))
+    return eqx.tree_at(
+        lambda layer: (layer.weight, layer.bias),
+        decoder,
+        (jnp.zeros((2 * actions, INSTRUCTION)), jnp.full(2 * actions, -odds)),
+    )
+
+
 class Parse(NamedTuple):
     """The parse of one step: logits `[A]` of actions, `[T]` of each argument."""
 
     action: Array
     object: Array
     reference: Array
+
+
+class Heard(NamedTuple):
+    """All that the parser makes of one step."""
+
+    parse: Parse
+    roles: Array
+    """Logits `[T, 1 + 2A]` of the role that each group has; see `structures`."""
+    acceptable: Array
+    """Log probability that all words are acceptable."""
 
 
 class Language(eqx.Module):
@@ -191,6 +215,10 @@ class Language(eqx.Module):
     action_decoder: eqx.nn.Linear
     object_decoder: eqx.nn.Linear
     reference_decoder: eqx.nn.Linear
+    relation_decoder: eqx.nn.Linear
+    """Logits of what a group's values do, if they are not themselves an argument's, for each action
+    that names a relation: first those of describing the object before it further, then those of
+    describing, in place of an object without values, what it is related to."""
     acceptability: Acceptability
     splitter: Splitter
 
@@ -203,22 +231,25 @@ class Language(eqx.Module):
         self.reference_decoder = eqx.nn.Linear(INSTRUCTION, INSTRUCTION, key=keys[4])
         self.splitter = Splitter(dimensions.words, keys[5])
         self.acceptability = Acceptability(jax.random.fold_in(key, 6))
+        self.relation_decoder = without_relations(dimensions.actions)
 
     def parse(self, tokens: Array, valid: Array) -> Parse:
         """Tokens of one step `[T]`, right-padded -> logits; only group tokens can be arguments."""
-        return self.heard(tokens, valid)[0]
+        return self.heard(tokens, valid).parse
 
-    def heard(self, tokens: Array, valid: Array) -> tuple[Parse, Array]:
-        """The parse, and the log probability that all words are acceptable."""
+    def heard(self, tokens: Array, valid: Array) -> Heard:
+        """All that the parser makes of one step."""
         states, instruction = self.encoder(self.embedding.weight[tokens], valid)
         is_group = valid & (tokens == GROUP_TOKEN)
         arguments = [
             jnp.where(is_group, states @ decoder(instruction), MISSING)
             for decoder in (self.object_decoder, self.reference_decoder)
         ]
+        relations = rows(self.relation_decoder, states)
+        roles = jnp.concatenate([jnp.zeros((len(states), 1)), relations], axis=1)
         odds = self.acceptability(states)
         acceptable = jnp.where(valid, jax.nn.log_sigmoid(odds), 0.0).sum()
-        return Parse(self.action_decoder(instruction), *arguments), acceptable
+        return Heard(Parse(self.action_decoder(instruction), *arguments), roles, acceptable)
 
 
 class Conv(eqx.Module):

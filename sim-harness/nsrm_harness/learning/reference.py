@@ -17,7 +17,7 @@ from nsrm import MAX_TOKENS
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.learning.calibrate import terms
-from nsrm_harness.learning.model import GROUP_TOKEN, Model, Parse, PixelToCamera, filter_scene
+from nsrm_harness.learning.model import GROUP_TOKEN, Heard, Model, PixelToCamera, filter_scene
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,8 @@ class ParsedStep:
     """`[g]`"""
     reference_logits: np.ndarray
     """`[g]`"""
+    role_logits: np.ndarray
+    """`[g, 1 + 2A]`"""
     groups: tuple[tuple[int, ...], ...]
     """Concepts of each group."""
 
@@ -99,7 +101,8 @@ def _encode(
     split: float,
     groups: tuple[tuple[int, ...], ...],
 ) -> ParsedStep:
-    states, instruction, logits, words = _encoded(model, *_padded(rows))
+    states, instruction, heard = _encoded(model, *_padded(rows))
+    logits = heard.parse
     at = np.flatnonzero(rows == GROUP_TOKEN)
     return ParsedStep(
         first=first,
@@ -108,10 +111,11 @@ def _encode(
         split=split,
         states=np.asarray(states)[: len(rows)],
         instruction=np.asarray(instruction),
-        words=float(np.exp(words)),
+        words=float(np.exp(heard.acceptable)),
         action_logits=np.asarray(logits.action),
         object_logits=np.asarray(logits.object)[at],
         reference_logits=np.asarray(logits.reference)[at],
+        role_logits=np.asarray(heard.roles)[at],
         groups=groups,
     )
 
@@ -131,9 +135,9 @@ def _hazards(model: Model, tokens: jax.Array, valid: jax.Array) -> jax.Array:
 @eqx.filter_jit
 def _encoded(
     model: Model, tokens: jax.Array, valid: jax.Array
-) -> tuple[jax.Array, jax.Array, Parse, jax.Array]:
+) -> tuple[jax.Array, jax.Array, Heard]:
     words = model.language.embedding.weight[tokens]
-    return *model.language.encoder(words, valid), *model.language.heard(tokens, valid)
+    return *model.language.encoder(words, valid), model.language.heard(tokens, valid)
 
 
 def plan(

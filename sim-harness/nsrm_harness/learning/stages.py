@@ -59,7 +59,8 @@ PERCEPTION = ("vision",)
 PERCEPTION_AND_PARSER = PERCEPTION + PARSER
 SIMULATOR = ("action.simulator.input", "action.simulator.hidden", "action.simulator.output")
 SPLITTER = ("language.splitter",)
-ACCEPTABILITY = ("language.acceptability",)
+FURTHER = ("language.acceptability", "language.relation_decoder")
+"""What the paper's parser does not have."""
 
 
 class TrainingError(HarnessError):

@@ -46,6 +46,7 @@ REASONS = (
     "parsed_by_other_model",
     "low_confidence",
     "unclear_words",
+    "too_many_relations",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""
@@ -402,6 +403,32 @@ class PlanRequest(ctypes.Structure):
         return "nsrm.v1.PlanRequest.912596fd2fc37f48"
 
 
+class RelationMessage(ctypes.Structure):
+    """A relation in a description: to what, and where this lies from it."""
+
+    _fields_: ClassVar = [
+        # Index in the model of the action that brings the relation about.
+        ("action", ctypes.c_uint32),
+        # How many concepts describe the other object.
+        ("count", ctypes.c_uint32),
+        # Those concepts: indices in the model; 0 after the last.
+        ("concepts", ctypes.c_uint8 * 4),
+    ]
+    LAYOUT: ClassVar = (12, 4)
+    """Size and alignment in bytes, as in Rust."""
+    OFFSETS: ClassVar = {
+        "action": 0,
+        "count": 4,
+        "concepts": 8,
+    }
+    """Bytes before each field, as in Rust."""
+
+    @staticmethod
+    def type_name() -> str:
+        """The type name that iceoryx2 compares between peers."""
+        return "nsrm.v1.RelationMessage.cb7fb11d9b80be0a"
+
+
 class StepMessage(ctypes.Structure):
     """A step as parsed and, if it is still to be done, as grounded."""
 
@@ -412,10 +439,19 @@ class StepMessage(ctypes.Structure):
         ("object_count", ctypes.c_uint32),
         # Those concepts: indices in the model; 0 after the last.
         ("object", ctypes.c_uint8 * 4),
+        # How many relations the description of the object to move has.
+        ("object_relation_count", ctypes.c_uint32),
+        # Those relations: its own to another object, then that one's to a third; all 0 after the
+        # last.
+        ("object_relations", RelationMessage * 2),
         # How many concepts describe the reference.
         ("reference_count", ctypes.c_uint32),
         # Those concepts.
         ("reference", ctypes.c_uint8 * 4),
+        # How many relations the description of the reference has.
+        ("reference_relation_count", ctypes.c_uint32),
+        # Those relations.
+        ("reference_relations", RelationMessage * 2),
         # Id of the object to move; 0 if the step is not grounded, and then all fields below are
         # 0.
         ("object_id", ctypes.c_uint32),
@@ -425,9 +461,9 @@ class StepMessage(ctypes.Structure):
         ("object_score", ctypes.c_float),
         # How well the reference fits.
         ("reference_score", ctypes.c_float),
-        # Probability of each choice: split, acceptable words, action, words of the object, words
-        # of the reference, object, reference.
-        ("confidence", ctypes.c_float * 7),
+        # Probability of each choice: split, acceptable words, action, relations between the words,
+        # words of the object, words of the reference, object, reference.
+        ("confidence", ctypes.c_float * 8),
         # Sub-goal position of the object's centre: world frame, metres.
         ("position", ctypes.c_float * 3),
         # Sub-goal orientation, world frame: x, y, z, w.
@@ -436,29 +472,33 @@ class StepMessage(ctypes.Structure):
         # metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (112, 4)
+    LAYOUT: ClassVar = (172, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
         "object_count": 4,
         "object": 8,
-        "reference_count": 12,
-        "reference": 16,
-        "object_id": 20,
-        "reference_id": 24,
-        "object_score": 28,
-        "reference_score": 32,
-        "confidence": 36,
-        "position": 64,
-        "orientation": 76,
-        "location": 92,
+        "object_relation_count": 12,
+        "object_relations": 16,
+        "reference_count": 40,
+        "reference": 44,
+        "reference_relation_count": 48,
+        "reference_relations": 52,
+        "object_id": 76,
+        "reference_id": 80,
+        "object_score": 84,
+        "reference_score": 88,
+        "confidence": 92,
+        "position": 124,
+        "orientation": 136,
+        "location": 152,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.StepMessage.256bedace904e745"
+        return "nsrm.v1.StepMessage.8ac58d9814755bea"
 
 
 class PlanReply(ctypes.Structure):
@@ -493,7 +533,7 @@ class PlanReply(ctypes.Structure):
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
-    LAYOUT: ClassVar = (1976, 8)
+    LAYOUT: ClassVar = (2456, 8)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
@@ -515,7 +555,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.daae48ce9521fb96"
+        return "nsrm.v1.PlanReply.08d614213fec16c9"
 
 
 class SubGoal(ctypes.Structure):

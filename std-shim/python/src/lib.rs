@@ -62,7 +62,11 @@ mod module {
     #[pymodule_export]
     const MAX_READINGS: usize = nsrm_core::MAX_READINGS;
     #[pymodule_export]
+    const MAX_RELATIONS: usize = nsrm_core::MAX_RELATIONS;
+    #[pymodule_export]
     const MAX_SENTENCE_BYTES: usize = nsrm_core::MAX_SENTENCE_BYTES;
+    #[pymodule_export]
+    const MAX_STEP_TOKENS: usize = nsrm_core::MAX_STEP_TOKENS;
     #[pymodule_export]
     const MAX_STEPS: usize = nsrm_core::MAX_STEPS;
     #[pymodule_export]

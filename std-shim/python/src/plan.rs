@@ -1,25 +1,26 @@
 //! Programs and plans, as plain values.
 
-use nsrm::json::{action_name, names};
+use nsrm::json::{action_name, description};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+
+use crate::values::Described;
 
 /// One step of a program: names of the domain.
 #[pyclass(frozen, eq, get_all, module = "nsrm")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Step {
     action: String,
-    object: Vec<String>,
-    reference: Vec<String>,
+    object: Described,
+    reference: Described,
 }
 
 impl Step {
     fn new(model: &nsrm_core::Model<'_>, step: &nsrm_core::dsl::Step) -> Self {
-        let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
         Self {
             action: action_name(model, step.action).to_owned(),
-            object: owned(names(model, &step.object)),
-            reference: owned(names(model, &step.reference)),
+            object: Described(description(model, &step.object)),
+            reference: Described(description(model, &step.reference)),
         }
     }
 }
@@ -32,7 +33,7 @@ impl Step {
             object,
             reference,
         } = self;
-        format!("Step(action={action:?}, object={object:?}, reference={reference:?})")
+        format!("Step(action={action:?}, object={object}, reference={reference})")
     }
 }
 
@@ -105,10 +106,12 @@ impl Program {
 #[pyclass(frozen, get_all, module = "nsrm")]
 pub(crate) struct PlannedStep {
     action: String,
-    object: Vec<String>,
-    reference: Vec<String>,
+    object: Described,
+    reference: Described,
     object_id: u32,
     reference_id: u32,
+    object_anchor_ids: Vec<u32>,
+    reference_anchor_ids: Vec<u32>,
     object_score: f32,
     reference_score: f32,
     confidence: f32,
@@ -156,6 +159,8 @@ impl Plan {
                 reference,
                 object_id: planned.object.object,
                 reference_id: planned.reference.object,
+                object_anchor_ids: planned.object.anchors().to_vec(),
+                reference_anchor_ids: planned.reference.anchors().to_vec(),
                 object_score: planned.object.score,
                 reference_score: planned.reference.score,
                 confidence: planned.confidence.joint(),

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use nsrm::dialogue::Question;
 use nsrm::json;
-use nsrm_core::dsl::Description;
+use nsrm_core::dsl::Argument;
 use nsrm_core::{Model, Planner, Scene};
 use nsrm_ipc::clock::{is_due, now_ns};
 use nsrm_ipc::executive::Mode;
@@ -260,12 +260,12 @@ fn event_text(said: &Reply<'_>) -> Option<String> {
 }
 
 fn step_text(model: &Model<'_>, index: usize, step: &StepMessage) -> String {
-    let described = |count: u32, concepts: &[u8]| {
-        let names = json::names(model, &description(count, concepts));
-        if names.is_empty() {
+    let described = |argument| {
+        let words = step.description(argument).words(model).to_string();
+        if words.is_empty() {
             "any".into()
         } else {
-            names.join(" ")
+            words
         }
     };
     let confidence: f32 = step.confidence.iter().product();
@@ -275,21 +275,12 @@ fn step_text(model: &Model<'_>, index: usize, step: &StepMessage) -> String {
          confidence {confidence:.3}",
         index + 1,
         step.object_id,
-        described(step.object_count, &step.object),
+        described(Argument::Object),
         step.object_score,
         step.reference_id,
-        described(step.reference_count, &step.reference),
+        described(Argument::Reference),
         step.reference_score,
     )
-}
-
-/// The first `count` concepts; they fit, since the reply has been checked.
-fn description(count: u32, concepts: &[u8]) -> Description {
-    let mut description = Description::new();
-    for &concept in concepts.iter().take(count as usize) {
-        let _ = description.push(concept);
-    }
-    description
 }
 
 fn event_json(model: &Model<'_>, reply: &PlanReply, said: &Reply<'_>) -> Value {
@@ -326,8 +317,6 @@ fn event_json(model: &Model<'_>, reply: &PlanReply, said: &Reply<'_>) -> Value {
 fn step_json(model: &Model<'_>, step: &StepMessage) -> Value {
     // A model has at most 255 actions.
     let action = u8::try_from(step.action).unwrap_or(u8::MAX);
-    let object = description(step.object_count, &step.object);
-    let reference = description(step.reference_count, &step.reference);
     let grounded = step.is_grounded().then(|| {
         json!({
             "object_id": step.object_id,
@@ -342,8 +331,8 @@ fn step_json(model: &Model<'_>, step: &StepMessage) -> Value {
     });
     json!({
         "action": json::action_name(model, action),
-        "object": json::names(model, &object),
-        "reference": json::names(model, &reference),
+        "object": json::description(model, &step.description(Argument::Object)),
+        "reference": json::description(model, &step.description(Argument::Reference)),
         "grounded": grounded,
     })
 }

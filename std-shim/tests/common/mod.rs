@@ -84,6 +84,7 @@ impl ModelFile {
         file.set("language.reference_decoder.bias", &[0], 100.0);
         file.set("language.acceptability.output.bias", &[0], 20.0);
         file.set("language.action_decoder.bias", &[0], 20.0);
+        file.fill("language.relation_decoder.bias", -20.0);
         file.set("language.action_decoder.weight", &[1, 1], 100.0);
         file.set("language.action_decoder.weight", &[2, 2], 100.0);
         file.set("language.splitter.hidden.weight", &[0, 32], 10.0);

@@ -1,6 +1,7 @@
 //! Each message from any bytes: read, checked, and passed to its consumers.
 
-use nsrm_core::{MAX_FILTERS, MAX_OBJECTS, MAX_SENTENCE_BYTES, MAX_STEPS};
+use nsrm_core::dsl::Argument;
+use nsrm_core::{MAX_FILTERS, MAX_OBJECTS, MAX_RELATIONS, MAX_SENTENCE_BYTES, MAX_STEPS};
 use nsrm_core::{Planner, Scene};
 use nsrm_ipc::message::{
     Asked, CameraFrame, Feedback, Heartbeat, MAX_MESSAGE_BYTES, Order, PlanReply, PlanRequest,
@@ -169,6 +170,12 @@ pub fn plan_reply(bytes: &[u8]) {
             for step in steps {
                 assert!(step.object_count <= MAX_FILTERS as u32);
                 assert!(step.reference_count <= MAX_FILTERS as u32);
+                for argument in [Argument::Object, Argument::Reference] {
+                    let description = step.description(argument);
+                    assert!(description.relations().len() <= MAX_RELATIONS);
+                }
+                assert!(step.object_relation_count <= MAX_RELATIONS as u32);
+                assert!(step.reference_relation_count <= MAX_RELATIONS as u32);
                 let numbers = [&step.position[..], &step.location, &step.confidence];
                 assert!(numbers.concat().iter().all(|number| number.is_finite()));
                 assert!(step.object_score.is_finite() && step.reference_score.is_finite());

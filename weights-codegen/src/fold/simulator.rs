@@ -1,4 +1,4 @@
-//! Action decoder's rows and action simulator (section IV-D).
+//! Action decoder's and relation decoder's rows, and action simulator (section IV-D).
 
 use nsrm_core::model::{INSTRUCTION, LOCATION, SIMULATOR_HIDDEN, Simulator};
 use nsrm_core::nn::Linear;
@@ -16,10 +16,12 @@ const OUTPUT_SCALE: f64 = 0.1;
 pub(crate) struct FoldedAction {
     pub(crate) decoder: [f32; INSTRUCTION],
     pub(crate) decoder_bias: f32,
+    pub(crate) relation_decoder: [[f32; INSTRUCTION]; 2],
+    pub(crate) relation_bias: [f32; 2],
     pub(crate) simulator_bias: [f32; SIMULATOR_HIDDEN],
 }
 
-/// Reads the action decoder and the simulator.
+/// Reads the action decoder, the relation decoder and the simulator.
 ///
 /// With `x = (location - mean) / scale`, the first layer `W·[onehot, x] + b`
 /// becomes `Σ_j location[j]·(W_j / scale[j])` and, for each action, the constant
@@ -33,6 +35,9 @@ pub(crate) fn read(
     const NAME: &str = "action.simulator";
     let decoder = tensors.rows::<INSTRUCTION>("language.action_decoder.weight", count)?;
     let decoder_bias = tensors.take("language.action_decoder.bias", &[count])?;
+    // A row for each action that restricts, then one for each that stands for an object.
+    let relations = tensors.rows::<INSTRUCTION>("language.relation_decoder.weight", 2 * count)?;
+    let relation_bias = tensors.take("language.relation_decoder.bias", &[2 * count])?;
     let width = count + 2 * LOCATION;
     let weight = tensors.take(&format!("{NAME}.input.weight"), &[SIMULATOR_HIDDEN, width])?;
     let bias = tensors.vector::<SIMULATOR_HIDDEN>(&format!("{NAME}.input.bias"))?;
@@ -79,6 +84,8 @@ pub(crate) fn read(
             Ok(FoldedAction {
                 decoder,
                 decoder_bias,
+                relation_decoder: [relations[action], relations[count + action]],
+                relation_bias: [relation_bias[action], relation_bias[count + action]],
                 simulator_bias,
             })
         })

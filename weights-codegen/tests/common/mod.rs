@@ -96,6 +96,8 @@ fn shapes() -> Vec<(String, Vec<usize>)> {
     }
     add("language.action_decoder.weight", &[ACTIONS, 96]);
     add("language.action_decoder.bias", &[ACTIONS]);
+    add("language.relation_decoder.weight", &[2 * ACTIONS, 96]);
+    add("language.relation_decoder.bias", &[2 * ACTIONS]);
     for decoder in ["object", "reference"] {
         add(&format!("language.{decoder}_decoder.weight"), &[96, 96]);
         add(&format!("language.{decoder}_decoder.bias"), &[96]);

@@ -26,12 +26,13 @@ fn a_program_is_checked_step_by_step() {
         assert_eq!(broken.read(), Err(PlanReplyError::Count(count)));
     }
     type Break = fn(&mut StepMessage);
-    let cases: [Break; 5] = [
+    let cases: [Break; 6] = [
         |step| step.position[0] = f32::NAN,
         |step| step.confidence[5] = f32::INFINITY,
         |step| step.object_score = f32::NAN,
         |step| step.orientation[2] = 0.0,
         |step| step.reference_count = 5,
+        |step| step.object_relation_count = 3,
     ];
     for break_it in cases {
         let mut broken = good;

@@ -1,0 +1,181 @@
+//! Programs as text: in the paper's notation, and descriptions in words.
+
+use core::fmt;
+
+use super::{Description, Filters, Program, Step};
+use crate::model::Model;
+
+/// The name of a concept in the domain file; "?" for an invalid index.
+pub(crate) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
+    model
+        .concepts
+        .get(usize::from(concept))
+        .map_or("?", |concept| concept.name)
+}
+
+/// The name of an action in the domain file; "?" for an invalid index.
+fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
+    let action = model.actions.get(usize::from(action));
+    action.map_or("?", |action| action.name)
+}
+
+/// How a person says an action; "?" for an invalid index.
+pub(crate) fn action_phrase<'a>(model: &Model<'a>, action: u8) -> &'a str {
+    let action = model.actions.get(usize::from(action));
+    action.map_or("?", |action| action.phrase)
+}
+
+pub(super) struct FilterWords<'a> {
+    pub(super) filters: &'a Filters,
+    pub(super) model: &'a Model<'a>,
+}
+
+impl fmt::Display for FilterWords<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, &concept) in self.filters.concepts().iter().enumerate() {
+            if index > 0 {
+                f.write_str(" ")?;
+            }
+            f.write_str(concept_name(self.model, concept))?;
+        }
+        Ok(())
+    }
+}
+
+pub(super) struct DescriptionWords<'a> {
+    pub(super) description: &'a Description,
+    pub(super) model: &'a Model<'a>,
+}
+
+impl fmt::Display for DescriptionWords<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relations = self.description.relations();
+        if self.description.concepts().is_empty() && !relations.is_empty() {
+            f.write_str("what is")?;
+        }
+        self.description.filters().words(self.model).fmt(f)?;
+        for relation in relations {
+            let phrase = action_phrase(self.model, relation.action);
+            write!(f, " {phrase} {}", relation.to.words(self.model))?;
+        }
+        Ok(())
+    }
+}
+
+pub(super) struct StepNotation<'a> {
+    pub(super) step: &'a Step,
+    pub(super) model: &'a Model<'a>,
+}
+
+impl StepNotation<'_> {
+    fn unique(&self, description: &Description, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut open = self.open(description.filters(), f)?;
+        for relation in description.relations() {
+            write!(f, "Relate({}, ", action_name(self.model, relation.action))?;
+            open += 1 + self.open(&relation.to, f)?;
+        }
+        f.write_str("Scene()")?;
+        for _ in 0..open {
+            f.write_str(")")?;
+        }
+        Ok(())
+    }
+
+    /// Writes `Unique(Filter(…, ` up to what is filtered; returns the number of open brackets.
+    fn open(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> Result<usize, fmt::Error> {
+        f.write_str("Unique(")?;
+        for &concept in filters.concepts() {
+            write!(f, "Filter({}, ", concept_name(self.model, concept))?;
+        }
+        Ok(1 + filters.concepts().len())
+    }
+}
+
+impl fmt::Display for StepNotation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Action({}, ", action_name(self.model, self.step.action))?;
+        self.unique(&self.step.object, f)?;
+        f.write_str(", ")?;
+        self.unique(&self.step.reference, f)?;
+        f.write_str(")")
+    }
+}
+
+pub(super) struct ProgramNotation<'a> {
+    pub(super) program: &'a Program,
+    pub(super) model: &'a Model<'a>,
+}
+
+impl fmt::Display for ProgramNotation<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, step) in self.program.steps().iter().enumerate() {
+            if index > 0 {
+                f.write_str("\n")?;
+            }
+            step.notation(self.model).fmt(f)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::string::ToString;
+
+    use super::super::Relation;
+    use super::*;
+    use crate::fixture;
+
+    fn filters(concepts: &[u8]) -> Filters {
+        let mut filters = Filters::new();
+        for &concept in concepts {
+            filters.push(concept).unwrap();
+        }
+        filters
+    }
+
+    fn step(object: Description) -> Step {
+        Step {
+            action: 0,
+            object,
+            reference: Description::new(),
+        }
+    }
+
+    #[test]
+    fn the_notation_is_the_papers_a_step_a_line() {
+        let model = fixture::model();
+        let mut program = Program::new();
+        for concepts in [&[3, 1][..], &[9]] {
+            let object = Description::of(filters(concepts));
+            program.push(step(object)).unwrap();
+        }
+        assert_eq!(
+            program.notation(&model).to_string(),
+            "Action(MoveOn, Unique(Filter(small, Filter(green, Scene()))), Unique(Scene()))\n\
+             Action(MoveOn, Unique(Filter(?, Scene())), Unique(Scene()))"
+        );
+    }
+
+    #[test]
+    fn a_relation_filters_by_the_object_that_it_refers_to() {
+        let model = fixture::model();
+        let mut object = Description::of(filters(&[0]));
+        for (action, concepts) in [(1, &[3, 1][..]), (0, &[2])] {
+            let to = filters(concepts);
+            object.relate(Relation { action, to }).unwrap();
+        }
+        assert_eq!(
+            step(object).notation(&model).to_string(),
+            "Action(MoveOn, Unique(Filter(red, Relate(MoveRight, Unique(Filter(small, \
+             Filter(green, Relate(MoveOn, Unique(Filter(lego, Scene()))))))))), Unique(Scene()))"
+        );
+        let mut object = Description::new();
+        let to = filters(&[1]);
+        object.relate(Relation { action: 7, to }).unwrap();
+        assert_eq!(
+            step(object).notation(&model).to_string(),
+            "Action(MoveOn, Unique(Relate(?, Unique(Filter(green, Scene())))), Unique(Scene()))"
+        );
+    }
+}

@@ -1,0 +1,235 @@
+use core::ops::Range;
+
+use heapless::Vec;
+
+use crate::capacity::MAX_GROUPS;
+use crate::dsl::{Description, Filters, Relation};
+use crate::model::{Action, INSTRUCTION};
+use crate::nn::{Choice, dot};
+
+/// What a group of concept words is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum GroupRole {
+    /// It describes an object of the step: "the red block".
+    Plain,
+    /// It restricts what is described before it, which is in this relation to it: "left of the
+    /// yellow one". Index into [`crate::Model::actions`].
+    Restricts(u8),
+    /// It describes what an object of the step, which has no values of its own, is in this relation
+    /// to: "the block left of the yellow one".
+    StandsFor(u8),
+}
+
+impl GroupRole {
+    /// What an index of [`choose_role`] means; `None` if it is none.
+    ///
+    /// * `actions`: how many the model has
+    pub fn of(index: usize, actions: usize) -> Option<Self> {
+        let Some(index) = index.checked_sub(1) else {
+            return Some(Self::Plain);
+        };
+        let Some(index) = index.checked_sub(actions) else {
+            return Some(Self::Restricts(u8::try_from(index).ok()?));
+        };
+        (index < actions).then_some(Self::StandsFor(u8::try_from(index).ok()?))
+    }
+
+    /// Whether it begins the description of an object of the step.
+    const fn is_head(self) -> bool {
+        !matches!(self, Self::Restricts(_))
+    }
+}
+
+/// The relation decoder: softmax over 0 for [`GroupRole::Plain`] and a logit for each relation, an
+/// action's, and each of its two directions, `w·state + b`. The index is that of
+/// [`GroupRole::of`]: first all that restrict, then all that stand for an object.
+///
+/// * `state`: the encoder's, at the group
+/// * `is_first`: nothing is described before the group, which it could restrict
+///
+/// Cost: `2·96` multiply-adds and two exponentials an action.
+pub fn choose_role(actions: &[Action<'_>], state: &[f32; INSTRUCTION], is_first: bool) -> Choice {
+    let mut choice = Choice::new();
+    choice.offer(0.0);
+    for action in actions {
+        let ([restricts, _], [bias, _]) = (&action.relation_decoder, action.relation_bias);
+        if is_first {
+            choice.skip();
+        } else {
+            choice.offer(dot(restricts, state) + bias);
+        }
+    }
+    for action in actions {
+        let ([_, stands_for], [_, bias]) = (&action.relation_decoder, action.relation_bias);
+        choice.offer(dot(stands_for, state) + bias);
+    }
+    choice
+}
+
+/// The roles of a step's groups, in the order of the sentence.
+///
+/// A *head* begins the description of an object of the step; the groups that follow it up to the
+/// next head are the chain of its relations.
+#[derive(Debug, Clone)]
+pub(super) struct Roles {
+    roles: Vec<GroupRole, MAX_GROUPS, u8>,
+    /// That all are right.
+    probability: f32,
+}
+
+impl Roles {
+    pub(super) const fn new() -> Self {
+        Self {
+            roles: Vec::new(),
+            probability: 1.0,
+        }
+    }
+
+    /// The role of the next group. A step with more groups than places is refused before.
+    pub(super) fn push(&mut self, role: GroupRole, probability: f32) {
+        let _ = self.roles.push(role);
+        self.probability *= probability;
+    }
+
+    /// How many groups have one.
+    pub(super) fn count(&self) -> usize {
+        self.roles.len()
+    }
+
+    /// The probability that all are right.
+    pub(super) const fn probability(&self) -> f32 {
+        self.probability
+    }
+
+    /// The groups that begin a description.
+    pub(super) fn heads(&self) -> impl Iterator<Item = usize> {
+        let roles = self.roles.iter().enumerate();
+        roles.filter_map(|(group, role)| role.is_head().then_some(group))
+    }
+
+    /// The groups of the description that the `head`th head begins, counted from 0.
+    pub(super) fn chain(&self, head: usize) -> Option<Range<usize>> {
+        let mut heads = self.heads().skip(head);
+        let first = heads.next()?;
+        Some(first..heads.next().unwrap_or(self.roles.len()))
+    }
+
+    /// The description by the groups of a chain; `None` if it has too many relations.
+    ///
+    /// * `filters`: of each group of the chain
+    pub(super) fn describe<'f>(
+        &self,
+        chain: Range<usize>,
+        filters: impl Iterator<Item = &'f Filters>,
+    ) -> Option<Description> {
+        let roles = self.roles.get(chain).unwrap_or_default();
+        let mut description = Description::new();
+        for (role, &to) in roles.iter().zip(filters) {
+            match *role {
+                GroupRole::Plain => description = Description::of(to),
+                GroupRole::Restricts(action) | GroupRole::StandsFor(action) => {
+                    description.relate(Relation { action, to }).ok()?;
+                }
+            }
+        }
+        Some(description)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn a_role_is_the_greatest_logit_and_the_first_group_restricts_nothing() {
+        let mut actions = [fixture::model().actions[0], fixture::model().actions[1]];
+        actions[1].relation_decoder[0][5] = 2.0;
+        actions[1].relation_bias[0] = 0.5;
+        actions[0].relation_decoder[1][95] = 4.0;
+        actions[0].relation_bias[1] = 0.25;
+        let mut state = [0.0; INSTRUCTION];
+        state[5] = 0.75;
+        // 2·0.75 + 0.5 against 0 and 0.25.
+        let choice = choose_role(&actions, &state, false);
+        let expected = 1.0 / (1.0 + libm::expf(-2.0) + libm::expf(-1.75));
+        assert!((choice.probability() - expected).abs() < 1e-6);
+        let role = |choice: Choice| GroupRole::of(choice.index().unwrap(), actions.len());
+        assert_eq!(role(choice), Some(GroupRole::Restricts(1)));
+        let first = choose_role(&actions, &state, true);
+        assert_eq!(role(first), Some(GroupRole::StandsFor(0)));
+        let expected = 1.0 / (1.0 + libm::expf(-0.25));
+        assert!((first.probability() - expected).abs() < 1e-6);
+        // A model that was not taught relations.
+        let untaught = choose_role(fixture::model().actions, &state, false);
+        assert_eq!(role(untaught), Some(GroupRole::Plain));
+        assert_eq!(untaught.probability(), 1.0);
+        actions[1].relation_bias[1] = f32::NAN;
+        assert_eq!(choose_role(&actions, &state, true).index(), None);
+    }
+
+    #[test]
+    fn indices_are_plain_then_restricting_then_standing_for() {
+        let roles: [_; 6] = core::array::from_fn(|index| GroupRole::of(index, 2));
+        assert_eq!(
+            roles,
+            [
+                Some(GroupRole::Plain),
+                Some(GroupRole::Restricts(0)),
+                Some(GroupRole::Restricts(1)),
+                Some(GroupRole::StandsFor(0)),
+                Some(GroupRole::StandsFor(1)),
+                None
+            ]
+        );
+    }
+
+    fn filters(concept: u8) -> Filters {
+        let mut filters = Filters::new();
+        filters.push(concept).unwrap();
+        filters
+    }
+
+    fn described(roles: &Roles, head: usize) -> Option<Description> {
+        let groups: std::vec::Vec<_> = (0..6).map(filters).collect();
+        let chain = roles.chain(head).unwrap();
+        roles.describe(chain.clone(), groups[chain].iter())
+    }
+
+    #[test]
+    fn a_head_and_what_restricts_it_are_one_description() {
+        use GroupRole::{Plain, Restricts, StandsFor};
+        let mut roles = Roles::new();
+        for role in [Plain, Restricts(1), StandsFor(0), Restricts(1)] {
+            roles.push(role, 0.5);
+        }
+        assert_eq!(roles.probability(), 0.0625);
+        assert!(roles.heads().eq([0, 2]));
+        assert_eq!((roles.chain(0), roles.chain(1)), (Some(0..2), Some(2..4)));
+        assert_eq!(roles.chain(2), None);
+        let relation = |action, concept| Relation {
+            action,
+            to: filters(concept),
+        };
+        let first = described(&roles, 0).unwrap();
+        assert_eq!(first.filters(), &filters(0));
+        assert_eq!(first.relations(), [relation(1, 1)]);
+        let second = described(&roles, 1).unwrap();
+        assert_eq!(second.filters(), &Filters::new());
+        assert_eq!(second.relations(), [relation(0, 2), relation(1, 3)]);
+    }
+
+    #[test]
+    fn a_chain_has_so_many_relations_and_no_more() {
+        let chain = |head| {
+            let mut roles = Roles::new();
+            roles.push(head, 1.0);
+            roles.push(GroupRole::Restricts(0), 1.0);
+            roles.push(GroupRole::Restricts(0), 1.0);
+            described(&roles, 0)
+        };
+        assert!(chain(GroupRole::Plain).is_some());
+        assert_eq!(chain(GroupRole::StandsFor(1)), None);
+    }
+}

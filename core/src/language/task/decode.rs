@@ -1,0 +1,183 @@
+//! From a step's encoded words to its symbols: action, roles of its groups, and arguments.
+
+use super::{ARGUMENTS, Decided, ParsingTask, Stage, not_finite};
+use crate::capacity::MAX_RELATIONS;
+use crate::dsl::{Argument, Description, Step};
+use crate::language::{GroupRole, Span, StepDecisions, choose_action, choose_group, choose_role};
+use crate::model::INSTRUCTION;
+use crate::nn::{Choice, Linear};
+use crate::refusal::{Decision, Quantity, Refusal};
+
+impl<T: AsRef<str>> ParsingTask<'_, T> {
+    pub(super) fn action(&mut self, step: usize) -> Result<Stage, Refusal> {
+        self.check_words(step)?;
+        let choice = choose_action(self.model.actions, &self.encoder.instruction());
+        let action = self.decide(step, Decision::Action, choice)?;
+        Ok(Stage::Role { step, action })
+    }
+
+    pub(super) fn role(&mut self, step: usize, action: Decided) -> Result<Stage, Refusal> {
+        let group = self.roles.count();
+        let states = self.encoder.groups();
+        let state = states.get(group).ok_or(Refusal::InvalidModel)?;
+        let choice = choose_role(self.model.actions, state, group == 0);
+        let Decided { index, probability } = self.decide(step, Decision::Relation, choice)?;
+        let role = GroupRole::of(index, self.model.actions.len());
+        self.roles
+            .push(role.ok_or(Refusal::InvalidModel)?, probability);
+        if self.roles.count() < self.encoder.groups().len() {
+            return Ok(Stage::Role { step, action });
+        }
+        self.check_heads(step)?;
+        Ok(Stage::Object { step, action })
+    }
+
+    /// A step describes two objects, however many they are related to.
+    fn check_heads(&self, step: usize) -> Result<(), Refusal> {
+        let heads = self.roles.heads().count();
+        let span = self.segments.span(step, self.reader.tokens());
+        if heads < ARGUMENTS {
+            return Err(Refusal::IncompleteStep {
+                step: step as u8,
+                references: heads as u8,
+                span,
+            });
+        }
+        if heads > ARGUMENTS {
+            return Err(Refusal::TooManyReferences {
+                step: step as u8,
+                span,
+                limit: ARGUMENTS as u8,
+            });
+        }
+        Ok(())
+    }
+
+    fn check_words(&self, step: usize) -> Result<(), Refusal> {
+        let probability = self.acceptability.probability();
+        if !probability.is_finite() {
+            return Err(not_finite(step, Quantity::Words));
+        }
+        let threshold = self.model.header.thresholds.decision;
+        if probability >= threshold {
+            return Ok(());
+        }
+        let token = self.segments.tokens(step).start + self.acceptability.least();
+        let token = self.reader.tokens().get(token);
+        Err(Refusal::UnclearWords {
+            step: step as u8,
+            span: token.ok_or(Refusal::InvalidModel)?.span,
+            probability,
+            threshold,
+        })
+    }
+
+    pub(super) fn argument(
+        &self,
+        step: usize,
+        argument: Argument,
+        decoder: &Linear<INSTRUCTION, INSTRUCTION>,
+    ) -> Result<Decided, Refusal> {
+        let instruction = self.encoder.instruction();
+        let states = self.encoder.groups();
+        let heads = self.roles.heads().filter_map(|head| states.get(head));
+        let choice = choose_group(decoder, &instruction, heads);
+        self.decide(step, Decision::Argument(argument), choice)
+    }
+
+    pub(super) fn end_step(
+        &mut self,
+        step: usize,
+        action: Decided,
+        object: Decided,
+        reference: Decided,
+    ) -> Result<Stage, Refusal> {
+        let (description, span) = self.described(step, object.index)?;
+        if object.index == reference.index {
+            return Err(Refusal::SameReference {
+                step: step as u8,
+                span,
+            });
+        }
+        let split = self.segments.probability(step);
+        let (reference_description, reference_span) = self.described(step, reference.index)?;
+        let decisions = StepDecisions {
+            span: self.segments.span(step, self.reader.tokens()),
+            object_span: span,
+            reference_span,
+            split: split.ok_or(Refusal::InvalidModel)?,
+            words: self.acceptability.probability(),
+            action: action.probability,
+            relations: self.roles.probability(),
+            object: object.probability,
+            reference: reference.probability,
+        };
+        let symbols = Step {
+            action: u8::try_from(action.index).map_err(|_| Refusal::InvalidModel)?,
+            object: description,
+            reference: reference_description,
+        };
+        // As many places as segments.
+        let _ = self.parsed.program.push(symbols);
+        let _ = self.parsed.decisions.push(decisions);
+        Ok(Stage::Step {
+            step: step.saturating_add(1),
+        })
+    }
+
+    /// A decoder's choice, refused when it is not finite or below the threshold.
+    fn decide(&self, step: usize, decision: Decision, choice: Choice) -> Result<Decided, Refusal> {
+        let quantity = match decision {
+            Decision::Split => Quantity::Split,
+            Decision::Action => Quantity::Action,
+            Decision::Relation => Quantity::Relation,
+            Decision::Argument(argument) => Quantity::Argument(argument),
+        };
+        let index = choice.index().ok_or(not_finite(step, quantity))?;
+        let probability = choice.probability();
+        self.sure(step, decision, probability)?;
+        Ok(Decided { index, probability })
+    }
+
+    pub(super) fn sure(
+        &self,
+        step: usize,
+        decision: Decision,
+        probability: f32,
+    ) -> Result<(), Refusal> {
+        let threshold = self.model.header.thresholds.decision;
+        if probability >= threshold {
+            return Ok(());
+        }
+        Err(Refusal::Unsure {
+            step: step as u8,
+            decision,
+            probability,
+            threshold,
+        })
+    }
+
+    /// The description that a head begins, and its place from its first word to its last.
+    fn described(&self, step: usize, head: usize) -> Result<(Description, Span), Refusal> {
+        let chain = self.roles.chain(head).ok_or(Refusal::InvalidModel)?;
+        let groups = self.segments.groups(step, self.reader.tokens());
+        let groups = groups.skip(chain.start).take(chain.len());
+        let spans = || groups.clone().map(|(_, span)| span);
+        let (first, last) = spans()
+            .next()
+            .zip(spans().last())
+            .ok_or(Refusal::InvalidModel)?;
+        let span = Span {
+            start: first.start,
+            end: last.end,
+        };
+        let filters = groups.clone().map(|(filters, _)| filters);
+        let description = self.roles.describe(chain, filters);
+        let description = description.ok_or(Refusal::TooManyRelations {
+            step: step as u8,
+            span,
+            limit: MAX_RELATIONS as u8,
+        })?;
+        Ok((description, span))
+    }
+}

@@ -1,0 +1,159 @@
+//! How objects stand to each other, by what actions bring about: "left of" is where `MoveLeft` puts
+//! things. The paper has no relations inside a description; this is one more row of its Table II:
+//!
+//! * `Relate(k, y)` → `cos(p_i − y, x_i − y)` for each object `i`, and −1 for `y` itself, where
+//!   `x_i` and `y` are the centres of the object and of the anchor, and `p_i` is the centre of the
+//!   object after action `k` with the anchor as reference, all in metres.
+//!
+//! So an object is in a relation as far as it lies in the direction in which the action would put
+//! it. Nothing is trained for it: the learned simulator knows what each action brings about, and the
+//! actions of another domain are relations at once. How far away the object is does not matter.
+
+use crate::action::simulate;
+use crate::camera::Camera;
+use crate::model::{Action, LOCATION, Model};
+use crate::nn::dot;
+
+/// The least cosine at which an object is clearly in a relation: that of 40°, less than halfway
+/// between two directions at right angles.
+pub const RELATION_CLEAR: f32 = 0.766;
+
+/// A shorter vector has no direction, metres.
+const LEAST_LENGTH_M: f32 = 1e-6;
+
+/// How clearly an object is in a relation to an anchor: the cosine between the directions in which
+/// it lies, and in which the action would put it. −1 if one of them has no length; `None` if a
+/// number is not finite.
+///
+/// * `camera`: that of the scene
+/// * `object`, `anchor`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
+///
+/// Cost: one [`simulate`], three deprojections and two square roots.
+///
+/// ```
+/// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use nsrm_core::relation::relate;
+/// use nsrm_tabletop::TABLETOP;
+///
+/// # let scene = scene(&TABLETOP);
+/// let (one, other) = (scene.objects()[0].location, scene.objects()[1].location);
+/// let [left, right] = ["MoveLeft", "MoveRight"].map(|name| {
+///     let mut actions = TABLETOP.actions.iter();
+///     let action = actions.find(|action| action.name == name).expect("an action");
+///     relate(&TABLETOP, scene.camera(), action, &one, &other).expect("finite")
+/// });
+/// assert!(left * right < 0.0); // it lies on one side
+/// # Ok(())
+/// # }
+/// ```
+pub fn relate(
+    model: &Model<'_>,
+    camera: &Camera,
+    action: &Action<'_>,
+    object: &[f32; LOCATION],
+    anchor: &[f32; LOCATION],
+) -> Option<f32> {
+    let put = simulate(model.simulator, action, object, anchor);
+    // An angle is the same in the camera's frame and in the world's.
+    let centre = |location| camera.locate_in_camera(model.camera, location);
+    let origin = centre(anchor);
+    let would_be: [f32; 3] = (centre(&put) - origin).into();
+    let is: [f32; 3] = (centre(object) - origin).into();
+    let lengths = [would_be, is].map(|vector| libm::sqrtf(dot(&vector, &vector)));
+    if !lengths.iter().all(|length| length.is_finite()) {
+        return None;
+    }
+    if lengths.iter().any(|length| *length < LEAST_LENGTH_M) {
+        return Some(-1.0);
+    }
+    let [would_be_m, is_m] = lengths;
+    // One after the other: their product may overflow.
+    let cosine = dot(&would_be.map(|x| x / would_be_m), &is.map(|x| x / is_m));
+    cosine.is_finite().then_some(cosine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use crate::model::Simulator;
+
+    /// A box around a point of the image, at 0.5 m.
+    const fn at(x: f32, y: f32) -> [f32; LOCATION] {
+        [x - 0.0625, y - 0.0625, x + 0.0625, y + 0.0625, 0.5]
+    }
+
+    /// Of an object at (`x`, `y`), right of the middle of the image.
+    fn right_of_the_middle(x: f32, y: f32) -> Option<f32> {
+        let model = fixture::model();
+        let (camera, anchor) = (fixture::camera(), at(0.5, 0.5));
+        relate(&model, &camera, &model.actions[1], &at(x, y), &anchor)
+    }
+
+    #[test]
+    fn it_is_the_cosine_to_where_the_action_would_put_it() {
+        // The image is as high as it is wide in metres, so angles in it are those on the table.
+        for (x, y, expected) in [
+            (0.75, 0.5, 1.0),
+            (0.98, 0.5, 1.0),
+            (0.75, 0.75, core::f32::consts::FRAC_1_SQRT_2),
+            (0.5, 0.75, 0.0),
+            (0.25, 0.5, -1.0),
+            // (4, 3) of length 5.
+            (0.9, 0.2, 0.8),
+        ] {
+            let got = right_of_the_middle(x, y).unwrap();
+            assert!((got - expected).abs() < 1e-5, "({x}, {y}): {got}");
+        }
+        assert!((0.766..0.8).contains(&RELATION_CLEAR));
+        assert!((libm::acosf(RELATION_CLEAR).to_degrees() - 40.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn what_stands_higher_is_in_the_relation_of_what_is_moved_higher() {
+        let model = fixture::model();
+        let on = |y| {
+            let (camera, anchor) = (fixture::camera(), at(0.5, 0.5));
+            relate(&model, &camera, &model.actions[0], &at(0.5, y), &anchor).unwrap()
+        };
+        assert!((on(0.25) - 1.0).abs() < 1e-5);
+        assert!((on(0.75) + 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_has_no_direction_is_in_no_relation() {
+        assert_eq!(right_of_the_middle(0.5, 0.5), Some(-1.0));
+        // An action that puts the object where the anchor is.
+        let mut model = fixture::model();
+        let still = Simulator {
+            output: fixture::linear(),
+            ..*model.simulator
+        };
+        model.simulator = &still;
+        let (camera, anchor) = (fixture::camera(), at(0.5, 0.5));
+        let got = relate(&model, &camera, &model.actions[1], &at(0.75, 0.5), &anchor);
+        assert_eq!(got, Some(-1.0));
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_give_no_score() {
+        let camera = fixture::camera();
+        for broken in [f32::NAN, f32::INFINITY, f32::MAX] {
+            let mut simulator = *fixture::model().simulator;
+            simulator.output.bias[4] = broken;
+            let model = Model {
+                simulator: &simulator,
+                ..fixture::model()
+            };
+            let got = relate(
+                &model,
+                &camera,
+                &model.actions[1],
+                &at(0.75, 0.5),
+                &at(0.5, 0.5),
+            );
+            assert_eq!(got, None, "{broken}");
+        }
+    }
+}
