@@ -15,20 +15,24 @@
 //! assert!(Planner::new(&model).parse(&completed).is_ok());
 //! ```
 
-use std::collections::BTreeSet;
+mod answer;
+mod by_place;
+mod described;
+
+use std::collections::BTreeMap;
 use std::fmt;
 
-use nsrm_core::dsl::{Argument, Description};
+use nsrm_core::dsl::{Argument, Description, Filters};
 use nsrm_core::language::Span;
+use nsrm_core::model::OBJECT_EMBEDDING;
 use nsrm_core::vision::similarity;
-use nsrm_core::{Model, Planner, Refusal, Scene};
+use nsrm_core::{MAX_RELATIONS, Model, Planner, Program, Refusal, Scene};
+
+use answer::{chosen, words};
+use described::Described;
 
 /// The most options of a question.
 const MOST_OPTIONS: usize = 6;
-/// Words of an answer that choose nothing: "the small one, please".
-const FILLERS: [&str; 9] = [
-    "a", "block", "i", "mean", "object", "one", "please", "that", "the",
-];
 /// Answers that choose the only option.
 const YES: [&str; 5] = ["correct", "ok", "y", "yeah", "yes"];
 
@@ -43,7 +47,7 @@ pub struct Question {
 /// One of the possible answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Choice {
-    /// In words: `the small one`.
+    /// In words: `the small red one`, `the red one to the left of the blue one`.
     pub answer: String,
     /// The sentence with it. The model understands it, and nothing in the scene is against it up to
     /// the place of the refusal.
@@ -114,12 +118,7 @@ impl Question {
             let option = self.options.get(number.checked_sub(1)?)?;
             return Some(option.sentence.clone());
         }
-        let fits = |option: &&Choice| said.is_subset(&words(&option.answer));
-        let mut fitting = self.options.iter().filter(fits);
-        let option = fitting
-            .next()
-            .filter(|_| fitting.next().is_none() && !said.is_empty());
-        option.map(|option| option.sentence.clone())
+        chosen(said, &self.options).map(|option| option.sentence.clone())
     }
 }
 
@@ -145,17 +144,6 @@ impl fmt::Display for Question {
     }
 }
 
-/// The words of an answer that choose something, in lower case.
-fn words(answer: &str) -> BTreeSet<String> {
-    let is_between = |c: char| c.is_whitespace() || matches!(c, '.' | ',' | '!' | '?' | '"');
-    let lower = answer.to_lowercase();
-    let words = lower.split(is_between);
-    words
-        .filter(|word| !word.is_empty() && !FILLERS.contains(word))
-        .map(str::to_owned)
-        .collect()
-}
-
 /// A refusal and what it is about.
 struct Context<'a> {
     model: &'a Model<'a>,
@@ -169,7 +157,7 @@ impl Context<'_> {
         match *self.refusal {
             Refusal::UnknownWord { span } => {
                 let word = self.refusal.suggestion(self.model, self.sentence)?;
-                let option = self.option(format!("\"{word}\""), span, word);
+                let option = self.option(format!("\"{word}\""), span, word, None);
                 Some((Asked::Instead, option.into_iter().collect()))
             }
             Refusal::IncompleteStep {
@@ -181,71 +169,86 @@ impl Context<'_> {
                 Some((Asked::Rest { step, end }, Vec::new()))
             }
             Refusal::Ambiguous {
-                step,
-                argument,
                 description,
                 candidates,
+                ..
             } => {
-                let span = self.argument(step, argument)?;
+                let place = Described::find(self.model, self.refusal, self.sentence)?;
                 let fitting = candidates.listed().iter();
                 let fitting: Vec<u32> = fitting.map(|candidate| candidate.object).collect();
-                let described = span.of(self.sentence)?.to_owned();
-                let options = self.described(span, |id, values| {
-                    let adds = values
-                        .iter()
-                        .any(|value| !description.concepts().contains(value));
-                    (fitting.contains(&id) && adds).then_some(0)
-                });
+                let described = place.own.of(self.sentence)?.to_owned();
+                let options = self.which(&place, &description, &fitting);
                 // What cannot be told apart by words is left to the person.
                 (options.len() > 1).then_some((Asked::Which { described }, options))
             }
-            Refusal::NoSuchObject {
-                step,
-                argument,
-                description,
-                ..
-            } => {
-                let span = self.argument(step, argument)?;
+            Refusal::NoSuchObject { description, .. } => {
+                let place = Described::find(self.model, self.refusal, self.sentence)?;
                 let wanted = description.concepts();
-                let options = self.described(span, |_, values| {
+                let options = self.by_values(&place, |_, values| {
                     let common = values.iter().filter(|value| wanted.contains(value)).count();
                     // The most alike first; with nothing in common only if one value was asked for.
                     (common > 0 || wanted.len() == 1).then(|| wanted.len() - common)
                 });
-                Some((Asked::Instead, options))
+                let options = options.into_iter().map(|(_, option)| option);
+                Some((Asked::Instead, options.take(MOST_OPTIONS).collect()))
             }
             _ => None,
         }
     }
 
-    /// An option for each description of an object of the scene that names no other: full
-    /// descriptions at a place of the sentence, in the order of `rank`; `None` leaves an object out.
-    fn described(&self, span: Span, rank: impl Fn(u32, &[u8]) -> Option<usize>) -> Vec<Choice> {
-        let Some(scene) = self.scene else {
-            return Vec::new();
-        };
-        let mut ranked = BTreeSet::new();
-        for object in scene.objects() {
-            let values: Vec<u8> = (0..self.model.attributes.len())
-                .filter_map(|attribute| self.value(attribute, &object.embedding))
-                .collect();
-            if let Some(rank) = rank(object.id, &values) {
-                ranked.insert((rank, self.named(&values)));
+    /// An option for each of several fitting objects that words tell apart: by its values, or else
+    /// by where it stands.
+    fn which(&self, place: &Described, refused: &Description, fitting: &[u32]) -> Vec<Choice> {
+        let by_values = self.by_values(place, |id, values| {
+            let known = refused.concepts();
+            let adds = values.iter().any(|value| !known.contains(value));
+            (fitting.contains(&id) && adds).then_some(0)
+        });
+        let (told, mut options): (Vec<u32>, Vec<Choice>) = by_values.into_iter().unzip();
+        let others = fitting.iter().copied().filter(|id| !told.contains(id));
+        let others: Vec<u32> = others.collect();
+        options.extend(self.by_place(place, refused.filters(), &others));
+        options.truncate(MOST_OPTIONS);
+        options
+    }
+
+    /// An option for each object of the scene whose values name no other, with its id: full
+    /// descriptions in place of the refused one and all that it is related to, in the order of
+    /// `rank`; `None` leaves an object out.
+    fn by_values(
+        &self,
+        place: &Described,
+        rank: impl Fn(u32, &[u8]) -> Option<usize>,
+    ) -> Vec<(u32, Choice)> {
+        let mut ranked = BTreeMap::new();
+        for object in self.scene.into_iter().flat_map(Scene::objects) {
+            let shown = self.shown(&object.embedding);
+            if let Some(rank) = rank(object.id, shown.concepts()) {
+                ranked.insert((rank, self.named(&shown)), (object.id, shown));
             }
         }
-        ranked
-            .iter()
-            .filter_map(|(_, named)| self.option(format!("the {named} one"), span, named))
-            .take(MOST_OPTIONS)
-            .collect()
+        let options = ranked.iter().filter_map(|((_, named), (id, shown))| {
+            let answer = format!("the {named} one");
+            let option = self.option_by(answer, place, named, &Description::of(*shown))?;
+            Some((*id, option))
+        });
+        options.collect()
+    }
+
+    /// The values that an object shows, as they are said: that of the last attribute first.
+    fn shown(&self, embedding: &[f32; OBJECT_EMBEDDING]) -> Filters {
+        let mut shown = Filters::new();
+        for attribute in (0..self.model.attributes.len()).rev() {
+            if let Some(value) = self.value(attribute, embedding) {
+                // As many places as attribute types; too many are no option.
+                let _ = shown.push(value);
+            }
+        }
+        shown
     }
 
     /// The value of an attribute that an object shows most clearly, if it does.
-    fn value(
-        &self,
-        attribute: usize,
-        embedding: &[f32; nsrm_core::model::OBJECT_EMBEDDING],
-    ) -> Option<u8> {
+    fn value(&self, attribute: usize, embedding: &[f32; OBJECT_EMBEDDING]) -> Option<u8> {
         let of_attribute = |index: &u8| {
             let concept = self.model.concepts.get(usize::from(*index));
             concept.is_some_and(|concept| usize::from(concept.attribute) == attribute)
@@ -259,14 +262,9 @@ impl Context<'_> {
             .map(|(_, index)| index)
     }
 
-    /// Words for values, those of the last attribute type first: "small red".
-    fn named(&self, values: &[u8]) -> String {
-        let mut description = Description::new();
-        for &value in values.iter().rev() {
-            // As many places as attribute types.
-            let _ = description.push(value);
-        }
-        let words = description.concepts().iter().filter_map(|&value| {
+    /// Words for values: "small red".
+    fn named(&self, filters: &Filters) -> String {
+        let words = filters.concepts().iter().filter_map(|&value| {
             let concept = self.model.concepts.get(usize::from(value))?;
             let mut entries = self.model.lexicon.iter();
             let own = entries.find(|entry| entry.text == concept.name);
@@ -277,42 +275,71 @@ impl Context<'_> {
         words.join(" ")
     }
 
-    /// The option with other words at a place of the sentence, if it leads further.
-    fn option(&self, answer: String, span: Span, words: &str) -> Option<Choice> {
+    /// The option with another description, in these words, in place of the refused one.
+    fn option_by(
+        &self,
+        answer: String,
+        place: &Described,
+        words: &str,
+        description: &Description,
+    ) -> Option<Choice> {
+        let program = place.with(description)?;
+        self.option(answer, place.whole, words, Some(&program))
+    }
+
+    /// The option with other words at a place of the sentence, if it means this program and leads
+    /// further.
+    fn option(
+        &self,
+        answer: String,
+        span: Span,
+        words: &str,
+        program: Option<&Program>,
+    ) -> Option<Choice> {
         let (before, rest) = self.sentence.split_at_checked(usize::from(span.start))?;
         let behind = rest.get(usize::from(span.end).checked_sub(usize::from(span.start))?..)?;
         let sentence = format!("{before}{words}{behind}");
         let planner = Planner::new(self.model);
+        let parsed = planner.parse(&sentence);
+        if let (Some(meant), Ok(parsed)) = (program, &parsed)
+            && parsed.program() != meant
+        {
+            return None;
+        }
         let refused = match self.scene {
             Some(scene) => planner.plan(scene, &sentence).err(),
-            None => planner.parse(&sentence).err(),
+            None => parsed.err(),
         };
+        let before = place(self.model, self.refusal, self.sentence);
         refused
-            .is_none_or(|refused| place(&refused) > place(self.refusal))
+            .is_none_or(|refused| place(self.model, &refused, &sentence) > before)
             .then_some(Choice { answer, sentence })
-    }
-
-    /// The place of an argument's description in the sentence.
-    fn argument(&self, step: u8, argument: Argument) -> Option<Span> {
-        let parsed = Planner::new(self.model).parse(self.sentence).ok()?;
-        let decisions = parsed.decisions().get(usize::from(step))?;
-        match argument {
-            Argument::Object => Some(decisions.object_span),
-            Argument::Reference => Some(decisions.reference_span),
-            _ => None,
-        }
     }
 }
 
-/// How far planning has come: refusals that ask about words, then about objects, in their order;
-/// `None`, before all of them, for other refusals.
-fn place(refusal: &Refusal) -> Option<(u8, u16, u8)> {
+/// How far planning has come: refusals that ask about words, then about objects, in their order,
+/// anchors before what is related to them; `None`, before all of them, for other refusals.
+fn place(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Option<(u8, u16, u8, usize)> {
     match refusal {
-        Refusal::UnknownWord { span } => Some((0, span.start, 0)),
-        Refusal::Ambiguous { step, argument, .. }
-        | Refusal::NoSuchObject { step, argument, .. } => {
+        Refusal::UnknownWord { span } => Some((0, span.start, 0, 0)),
+        Refusal::Ambiguous {
+            step,
+            argument,
+            description,
+            ..
+        }
+        | Refusal::NoSuchObject {
+            step,
+            argument,
+            description,
+            ..
+        } => {
+            let parsed = Planner::new(model).parse(sentence).ok()?;
+            let symbols = parsed.program().steps().get(usize::from(*step))?;
+            let level = described::level(symbols.description(*argument), description)?;
             let is_reference = *argument == Argument::Reference;
-            Some((1, u16::from(*step), u8::from(is_reference)))
+            let outwards = MAX_RELATIONS.checked_sub(level)?;
+            Some((1, u16::from(*step), u8::from(is_reference), outwards))
         }
         _ => None,
     }
