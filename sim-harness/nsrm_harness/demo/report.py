@@ -41,10 +41,12 @@ def as_json(plan: nsrm.Plan, outcomes: Sequence[StepResult]) -> dict[str, Any]:
         "steps": [
             {
                 "action": step.action,
-                "object": list(step.object),
-                "reference": list(step.reference),
+                "object": step.object,
+                "reference": step.reference,
                 "object_id": step.object_id,
                 "reference_id": step.reference_id,
+                "object_anchor_ids": step.object_anchor_ids,
+                "reference_anchor_ids": step.reference_anchor_ids,
                 "confidence": step.confidence,
                 "sub_goal": {
                     "position": [float(value) for value in step.position],

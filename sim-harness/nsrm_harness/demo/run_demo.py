@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ from nsrm_harness.simulation.simulated_camera import SimulatedCamera
 from nsrm_harness.simulation.world import World
 from nsrm_harness.visualization.demo_listener import DemoListener, StepResult, Stopped
 from nsrm_harness.visualization.film import Film
-from nsrm_harness.visualization.pictures import Arrow, BoxMark, Rect, annotate, side_by_side
+from nsrm_harness.visualization.pictures import Arrow, BoxMark, Rect, Tie, annotate, side_by_side
 from nsrm_harness.visualization.prediction import cut_out, predicted_scene
 
 FILES = ("initial.png", "predicted.png", "result.png", "overview.png", "strip.png", "film.gif")
@@ -169,13 +170,18 @@ def _pictures(
 ) -> dict[str, Image.Image]:
     sight, known = scene.sight, scene.known
     arrows: list[Arrow] = []
+    ties: list[Tie] = []
     locations = dict(sight.locations)
     for number, step in enumerate(plan.steps, start=1):
+        for described in _chains(step):
+            places = [_rect(locations[object_id]) for object_id in described]
+            ties += [Tie(start, end) for start, end in pairwise(places)]
         arrows.append(Arrow(_rect(locations[step.object_id]), _rect(step.location), number))
         locations[step.object_id] = step.location
     moved = {step.object_id for step in plan.steps}
     cutouts = {number: cut_out(sight, number) for number in sight.locations}
-    initial = annotate(sight.rgb, _marks(sight, known, plan), arrows, caption=f"“{scene.sentence}”")
+    marks, caption = _marks(sight, known, plan), f"“{scene.sentence}”"
+    initial = annotate(sight.rgb, marks, arrows, caption, ties)
     predicted = annotate(
         predicted_scene(scene.background, cutouts, locations),
         [_mark(known, number, locations[number]) for number in sorted(moved)],
@@ -201,6 +207,15 @@ def _pictures(
     }
 
 
+def _chains(step: nsrm.PlannedStep) -> tuple[list[int], list[int]]:
+    """The object and the reference of a step, each followed by what its description relates it
+    to."""
+    return (
+        [step.object_id, *step.object_anchor_ids],
+        [step.reference_id, *step.reference_anchor_ids],
+    )
+
+
 def _marks(sight: Observation, known: ObjectNames, plan: nsrm.Plan | None = None) -> list[BoxMark]:
     steps = [] if plan is None else list(enumerate(plan.steps, start=1))
     return [
@@ -210,6 +225,11 @@ def _marks(sight: Observation, known: ObjectNames, plan: nsrm.Plan | None = None
             known.colors[object_id],
             tuple(number for number, step in steps if step.object_id == object_id),
             tuple(number for number, step in steps if step.reference_id == object_id),
+            tuple(
+                number
+                for number, step in steps
+                if any(object_id in chain[1:] for chain in _chains(step))
+            ),
         )
         for object_id, location in sight.locations.items()
     ]

@@ -19,6 +19,7 @@ SCALE = 2
 
 MOVED_RGB = (255, 128, 0)
 REFERENCE_RGB = (40, 110, 255)
+ANCHOR_RGB = (0, 150, 70)
 _QUIET_RGB = (70, 70, 70)
 _INK_RGB = (30, 32, 36)
 _PAPER_RGB = (250, 250, 248)
@@ -41,7 +42,8 @@ class BoxMark:
     * `box`: x1, y1, x2, y2 as fractions of the image's width and height
     * `label`: a short text, such as "3 small green"
     * `rgb`: colour of the label's background, that of the object, each in 0..1
-    * `moved_in`, `reference_in`: numbers of the steps that move it, or refer to it
+    * `moved_in`, `reference_in`, `anchor_in`: numbers of the steps that move it, refer to it, or
+      describe another object by its relation to it
     """
 
     box: Rect
@@ -49,6 +51,7 @@ class BoxMark:
     rgb: tuple[float, float, float] = (0.5, 0.5, 0.5)
     moved_in: tuple[int, ...] = ()
     reference_in: tuple[int, ...] = ()
+    anchor_in: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,16 +64,27 @@ class Arrow:
     step: int | None = None
 
 
+@dataclass(frozen=True)
+class Tie:
+    """A line from an object's box to that of the object that its description relates it to; both
+    as fractions of the image."""
+
+    start: Rect
+    end: Rect
+
+
 def annotate(
     observation_rgb: ArrayLike,
     boxes: Sequence[BoxMark] = (),
     arrows: Sequence[Arrow] = (),
     caption: str = "",
+    ties: Sequence[Tie] = (),
 ) -> Image.Image:
-    """Draws boxes, labels and arrows on the image `uint8 [H, W, 3]`, enlarged `SCALE` times, with
-    the wrapped caption below.
+    """Draws boxes, labels, ties and arrows on the image `uint8 [H, W, 3]`, enlarged `SCALE` times,
+    with the wrapped caption below.
 
-    Moved objects have an orange frame, references a blue one, each with the number of the step.
+    Moved objects have an orange frame, references a blue one, and what an object is described by a
+    green one, each with the number of the step.
     """
     pixels = np.asarray(observation_rgb, dtype=np.uint8)
     height, width = pixels.shape[:2]
@@ -80,6 +94,8 @@ def annotate(
     canvas = _Canvas(image)
     for mark in boxes:
         canvas.frame(mark)
+    for tie in ties:
+        canvas.tie(tie)
     for arrow in arrows:
         canvas.arrow(arrow)
     for mark in boxes:
@@ -153,15 +169,29 @@ class _Canvas:
 
     def frame(self, mark: BoxMark) -> None:
         rect = self._pixels(mark.box)
-        if not (mark.moved_in or mark.reference_in):
+        if not (mark.moved_in or mark.reference_in or mark.anchor_in):
             self._draw.rectangle(_grown(rect, 2), outline=(*_QUIET_RGB, 170), width=2)
             return
         grow = 3.0
-        for color, steps in ((MOVED_RGB, mark.moved_in), (REFERENCE_RGB, mark.reference_in)):
+        for color, steps in (
+            (MOVED_RGB, mark.moved_in),
+            (REFERENCE_RGB, mark.reference_in),
+            (ANCHOR_RGB, mark.anchor_in),
+        ):
             if steps:
                 self._draw.rectangle(_grown(rect, grow + 6), outline=_HALO_RGBA, width=7)
                 self._draw.rectangle(_grown(rect, grow + 5), outline=color, width=5)
                 grow += 7
+
+    def tie(self, tie: Tie) -> None:
+        ends = [
+            ((left + right) / 2, (top + bottom) / 2)
+            for left, top, right, bottom in map(self._pixels, (tie.start, tie.end))
+        ]
+        for color, width, dot in ((_HALO_RGBA, 8, 9), (ANCHOR_RGB, 4, 6)):
+            self._draw.line(ends, fill=color, width=width)
+            x, y = ends[1]
+            self._draw.ellipse((x - dot, y - dot, x + dot, y + dot), fill=color)
 
     def arrow(self, arrow: Arrow) -> None:
         start, end = self._pixels(arrow.start), self._pixels(arrow.end)
@@ -201,12 +231,13 @@ class _Canvas:
 
     def badges(self, mark: BoxMark) -> None:
         rect = _grown(self._pixels(mark.box), 6)
-        for x, color, steps, direction in (
-            (rect[0], MOVED_RGB, mark.moved_in, 1),
-            (rect[2], REFERENCE_RGB, mark.reference_in, -1),
+        for x, y, color, steps, direction in (
+            (rect[0], rect[1], MOVED_RGB, mark.moved_in, 1),
+            (rect[2], rect[1], REFERENCE_RGB, mark.reference_in, -1),
+            (rect[0], rect[3], ANCHOR_RGB, mark.anchor_in, 1),
         ):
             for i, step in enumerate(steps):
-                self._badge(x + direction * i * 1.6 * _BADGE_PX, rect[1], step, color)
+                self._badge(x + direction * i * 1.6 * _BADGE_PX, y, step, color)
 
     def label(self, mark: BoxMark, others: Sequence[Rect]) -> None:
         """Draws a label at the side of its box where it hides least."""
