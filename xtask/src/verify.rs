@@ -1,5 +1,6 @@
-//! `cargo verify`: runs every check and ends with a table. Two sequences run in parallel: checks
-//! that leave a processor free, and checks that compute on all.
+//! `cargo verify`: runs every check and ends with a table. Three sequences run in parallel: checks
+//! that compute on all processors, checks that leave one free, and, with a lower priority, one that
+//! takes long.
 //!
 //! A check that fails or times out prints all of its output, and the others still run, so that one
 //! run shows everything that is wrong. The output of a check is kept in
@@ -21,7 +22,7 @@ use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{ExitCode, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -32,7 +33,7 @@ use anyhow::{Context as _, Result, bail};
 
 use crate::project::{Project, without_cargo_variables};
 use crate::{BAD_INPUT, USAGE};
-use checks::{CHECKS, Check};
+use checks::{CHECKS, Check, Lane};
 use context::Context;
 use count::Counts;
 use limit::LIMIT;
@@ -150,25 +151,31 @@ struct Run {
 }
 
 impl Run {
-    /// Runs all checks in two sequences, those that run in parallel and the others. Each keeps its
-    /// order, and the former start only after all of the others before them have ended.
+    /// Runs all checks, each lane in its order. Those of the other lanes start only after all
+    /// computing ones before them have ended.
     fn all(&self, checks: &[&'static Check]) -> Result<()> {
-        let (queue, parallel) = mpsc::channel::<&Check>();
         thread::scope(|scope| {
-            let beside = scope.spawn(|| parallel.into_iter().try_for_each(|check| self.one(check)));
+            let lane = || {
+                let (queue, own) = mpsc::channel::<&Check>();
+                let work = move || own.into_iter().try_for_each(|check| self.one(check));
+                (queue, scope.spawn(work))
+            };
+            let (waiting, of_waiting) = lane();
+            let (background, of_background) = lane();
             for check in checks {
-                if check.in_parallel {
-                    // The receiver stays until the end, except after an error of ours, which is
-                    // reported below.
-                    let _ = queue.send(check);
-                } else {
-                    self.one(check)?;
+                // The receivers stay until the end, except after an error of ours, which is
+                // reported below.
+                match check.lane {
+                    Lane::Computing => self.one(check)?,
+                    Lane::Waiting => drop(waiting.send(check)),
+                    Lane::Background => drop(background.send(check)),
                 }
             }
-            drop(queue);
-            beside
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            drop((waiting, background));
+            [of_waiting, of_background].into_iter().try_for_each(|own| {
+                own.join()
+                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            })
         })
     }
 
@@ -196,7 +203,10 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let mut problem = None;
     let steps = if quick { check.quick } else { None };
     match steps.unwrap_or(check.steps)(context) {
-        Ok(steps) => {
+        Ok(mut steps) => {
+            for step in &mut steps {
+                step.yields = check.lane == Lane::Background;
+            }
             for steps in steps.chunk_by(|one, next| one.beside && next.beside) {
                 for result in run_steps(context, steps, &log)? {
                     match result {
@@ -281,10 +291,8 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
     let mut file = append_to(log)?;
     writeln!(file, "$ {shown}")?;
     let before = usize::try_from(file.metadata()?.len())?;
-    let mut command = Command::new(&step.program);
+    let mut command = step.command();
     command
-        .args(&step.arguments)
-        .envs(step.variables.iter().map(|(name, value)| (name, value)))
         .current_dir(context.project().root())
         .stdin(Stdio::null())
         .stdout(file.try_clone()?)
@@ -358,7 +366,7 @@ mod tests {
             Step::new("sh", &["-c", script]).argument(mark(context)),
         ])
     })
-    .in_parallel();
+    .waiting();
     const COMPUTING: Check = Check::new("computing", "", "", |context| {
         Ok(vec![Step::new("touch", &[]).argument(mark(context))])
     })
@@ -366,7 +374,12 @@ mod tests {
 
     fn run(quick: bool, checks: &[&'static Check]) -> Report {
         let project = Project::find().unwrap();
-        let name = format!("nsrm-verify-{}-{quick}", std::process::id());
+        let names: Vec<_> = checks.iter().map(|check| check.name).collect();
+        let name = format!(
+            "nsrm-verify-{}-{}-{quick}",
+            std::process::id(),
+            names.join("-")
+        );
         let logs = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&logs).unwrap();
         let run = Run {
@@ -382,6 +395,20 @@ mod tests {
     #[test]
     fn what_waits_runs_beside_what_computes() {
         assert!(run(false, &[&WAITING, &COMPUTING]).passed());
+    }
+
+    /// Ends after the waiting check, which waits for the computing one, if its priority is low.
+    const BACKGROUND: Check = Check::new("background", "", "", |context| {
+        let script = "until [ -e \"$0\" ]; do sleep 0.01; done; test \"$(nice)\" -gt 0";
+        Ok(vec![
+            Step::new("sh", &["-c", script]).argument(mark(context)),
+        ])
+    })
+    .in_background();
+
+    #[test]
+    fn the_background_yields_to_both() {
+        assert!(run(false, &[&BACKGROUND, &WAITING, &COMPUTING]).passed());
     }
 
     #[test]

@@ -32,9 +32,20 @@ pub(super) struct Check {
     pub(super) steps: Steps,
     /// The steps for `--quick`, if it is part of that.
     pub(super) quick: Option<Steps>,
-    /// Whether it leaves a processor free, waiting for processes most of the time or computing on
-    /// one: it runs in parallel with the checks that compute on all.
-    pub(super) in_parallel: bool,
+    /// The sequence that it runs in.
+    pub(super) lane: Lane,
+}
+
+/// A sequence of checks, which runs in parallel with the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lane {
+    /// Checks that compute on all processors.
+    Computing,
+    /// Checks that leave a processor free, waiting for processes most of the time or computing on
+    /// one.
+    Waiting,
+    /// Checks that compute on what the others leave free, with a lower priority.
+    Background,
 }
 
 type Steps = fn(&Context) -> Result<Vec<Step>>;
@@ -52,7 +63,7 @@ impl Check {
             about,
             steps,
             quick: None,
-            in_parallel: false,
+            lane: Lane::Computing,
         }
     }
 
@@ -62,15 +73,20 @@ impl Check {
         self
     }
 
-    pub(super) const fn in_parallel(mut self) -> Self {
-        self.in_parallel = true;
+    pub(super) const fn waiting(mut self) -> Self {
+        self.lane = Lane::Waiting;
+        self
+    }
+
+    pub(super) const fn in_background(mut self) -> Self {
+        self.lane = Lane::Background;
         self
     }
 }
 
-/// All checks, in the order in which they start. Those that leave a processor free come early, so
-/// that the others run in parallel with them; a check that needs the environment waits until it
-/// exists.
+/// All checks, in the order in which they start, each in its lane. Those that leave a processor free
+/// come early, so that the others run in parallel with them; a check that needs the environment
+/// waits until it exists.
 pub(super) const CHECKS: &[Check] = &[
     Check::new(
         "environment",
@@ -79,7 +95,14 @@ pub(super) const CHECKS: &[Check] = &[
         environment,
     )
     .quick(environment)
-    .in_parallel(),
+    .waiting(),
+    Check::new(
+        "tables",
+        "a reduced run of the paper's tables, from scratch; a second domain end to end",
+        "15 min, in parallel",
+        tables,
+    )
+    .in_background(),
     Check::new("format", "Rust is formatted by rustfmt", "1 s", format).quick(format),
     Check::new(
         "lints",
@@ -135,28 +158,21 @@ pub(super) const CHECKS: &[Check] = &[
         "4 min, in parallel",
         trials,
     )
-    .in_parallel(),
+    .waiting(),
     Check::new(
         "robot",
         "cargo robot executes sentences through all processes",
         "4 min, in parallel",
         robot,
     )
-    .in_parallel(),
+    .waiting(),
     Check::new(
         "hosts",
         "a robot on two hosts: a sentence from each, a slow link, a lost link (needs root)",
         "3 min, in parallel",
         hosts,
     )
-    .in_parallel(),
-    Check::new(
-        "tables",
-        "a reduced run of the paper's tables, from scratch; a second domain end to end",
-        "8 min, in parallel",
-        tables,
-    )
-    .in_parallel(),
+    .waiting(),
     Check::new(
         "python-lints",
         "ruff and pyright report nothing",

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::process::Command;
 
 use super::count::Runner;
 
@@ -14,6 +15,8 @@ pub(super) struct Step {
     pub(super) tests: Option<Runner>,
     /// Whether it can run in parallel with adjacent steps of this kind.
     pub(super) beside: bool,
+    /// Whether it leaves the processors to others that want them.
+    pub(super) yields: bool,
 }
 
 impl Step {
@@ -24,6 +27,7 @@ impl Step {
             variables: Vec::new(),
             tests: None,
             beside: false,
+            yields: false,
         }
     }
 
@@ -73,6 +77,20 @@ impl Step {
         self.variables.retain(|(other, _)| *other != name);
         self.variables.push((name, value.into()));
         self
+    }
+
+    /// The command, to be run.
+    pub(super) fn command(&self) -> Command {
+        let mut command = if self.yields {
+            let mut nice = Command::new("nice");
+            nice.arg(&self.program);
+            nice
+        } else {
+            Command::new(&self.program)
+        };
+        let variables = self.variables.iter().map(|(name, value)| (name, value));
+        command.args(&self.arguments).envs(variables);
+        command
     }
 
     /// The command as typed in a shell.
