@@ -12,6 +12,7 @@ from typing import Any
 import nsrm
 import numpy as np
 import pytest
+from explained_programs import programs_of
 from harness_command import run
 
 from nsrm_harness import domain as domains
@@ -24,7 +25,7 @@ from nsrm_harness.data.tell import tell
 from nsrm_harness.data.told import Told, read_told, write_told
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.everyday import EVERYDAY, Recogniser, Speaker, with_everyday
-from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.program import Program, Relation, Step, canonical
 from nsrm_harness.domain.reader import COUNTING
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation import language
@@ -68,6 +69,9 @@ def test_every_sentence_is_recognised_and_names_its_objects() -> None:
         assert len(named) == 2 * len(program), " ".join(words)
         for number, pair in enumerate(pairs):
             assert named[2 * number : 2 * number + 2] in (pair, pair[::-1]), " ".join(words)
+    related = Step("MoveOn", ("red",), ("blue",), (Relation("MoveLeft", ("white",)),))
+    for _ in range(300):
+        used.update(speaker.sentence((related,)))
     # Each word of the rules is said by some sentence.
     assert DOMAIN.everyday is not None
     rules = {k: rule for k, rule in DOMAIN.everyday.rules.items() if k not in COUNTING}
@@ -152,14 +156,16 @@ def test_faults_in_the_wording_are_named(
 def test_near_misses_are_of_known_words_and_no_commands() -> None:
     misses = NearMisses(DOMAIN, np.random.default_rng(5))
     tokenizer, recogniser = Tokenizer(DOMAIN), Recogniser.of(DOMAIN)
-    sentences = [misses.sentence() for _ in range(1000)]
-    for sentence in sentences:
-        words = tokenizer(sentence).words
-        assert not recogniser.program(words), sentence
-        assert words.count(GROUP_TOKEN) in (2, 4), sentence
-    assert len(set(sentences)) > 950
-    four = sum(tokenizer(sentence).words.count(GROUP_TOKEN) == 4 for sentence in sentences)
-    assert 20 < four < 200
+    drawn = [misses.draw() for _ in range(1000)]
+    counts = {2: 0, 3: 0, 4: 0}
+    for miss in drawn:
+        words = tokenizer(miss.sentence).words
+        counts[words.count(GROUP_TOKEN)] += 1
+        assert not recogniser.program(words), miss.sentence
+        assert miss.is_untimely or not recogniser.step(words), miss.sentence
+    assert len({miss.sentence for miss in drawn}) > 950
+    assert min(counts.values()) > 50
+    assert 20 < sum(miss.is_untimely for miss in drawn) < 200
 
 
 @pytest.mark.slow
@@ -170,7 +176,10 @@ def test_told_sentences_come_back_from_their_file(episodes: Path, tmp_path: Path
     path = tmp_path / "told.jsonl"
     write_told(path, episodes, told)
     assert read_told(path, episodes) == told
-    assert len(told.sentences) == 3 * SETTINGS.count and len(told.near_misses) == 20
+    assert (
+        len(told.sentences) == 3 * SETTINGS.count
+        and len(told.near_misses) + len(told.untimely) == 20
+    )
 
 
 @pytest.mark.slow
@@ -183,14 +192,14 @@ def test_told_sentences_come_back_from_their_file(episodes: Path, tmp_path: Path
         ("[1]", "line 1 is not a JSON object"),
         ("FIRST\n{}", "line 2 has no sentence"),
         ('FIRST\n{"sentence": "a", "episode": 12}', "expected an episode below 12 or null, got 12"),
-        ('{"kind": "nsrm sentences", "schema": 1, "episodes": {}}', "are not about the episodes"),
+        ('{"kind": "nsrm sentences", "schema": 2, "episodes": {}}', "are not about the episodes"),
     ],
 )
 def test_faults_in_a_file_of_sentences_are_named(
     text: str, problem: str, episodes: Path, tmp_path: Path
 ) -> None:
     path = tmp_path / "told.jsonl"
-    write_told(path, episodes, Told([], [], []))
+    write_told(path, episodes, Told([], [], [], []))
     path.write_text(text.replace("FIRST", path.read_text(encoding="utf-8").strip()), "utf-8")
     with pytest.raises(EpisodeFileError, match=problem):
         read_told(path, episodes)
@@ -206,22 +215,21 @@ def test_final_scenes_show_what_sentences_mean(episodes: Path) -> None:
     file = read_model(PRETRAINED)
     found = tell(DOMAIN, episodes, count=2, near_misses=0, seed=1)
     with Demonstrations(episodes) as demonstrations:
+        camera = demonstrations.camera(0)
         data = told(training_set(demonstrations, True), DOMAIN, found.sentences, found.episodes)
     with GroundTruth(episodes) as judge:
         programs = [judge.truth(number).program for number in found.episodes]
-    explained = explain(file.model, data, TrainingConfig())
-    assert len(explained.sentence) > 0.6 * len(data)
-    names = [action.name for action in DOMAIN.actions]
-    for index, actions, orders in zip(*explained, strict=True):
-        groups = [
-            {DOMAIN.concepts[c].name for c in group if c >= 0}
-            for group in data.sentences.groups[index]
-        ]
-        for number, step in enumerate(programs[index]):
-            pair = groups[2 * number : 2 * number + 2]
-            moved, reference = pair if orders[number] else pair[::-1]
-            assert names[actions[number]] == step.action
-            assert (moved, reference) == (set(step.object), set(step.reference))
+    explained = explain(file.model, data, TrainingConfig(), camera)
+    assert len(set(explained.sentence.tolist())) > 0.6 * len(data)
+    plain = 0
+    for (index, steps), number in zip(
+        programs_of(explained, data.sentences, DOMAIN), explained.step, strict=True
+    ):
+        # Every other sentence is plain; the others may have relations.
+        if index % 2 == 0:
+            plain += 1
+            assert canonical([programs[index][number]]) in [canonical([step]) for step in steps]
+    assert plain > 0
 
 
 @pytest.mark.slow
@@ -265,12 +273,13 @@ def test_a_model_is_taught_by_commands_that_can_be_interrupted(
     assert (out / "curves.png").stat().st_size > 1000
 
     table = tmp_path / "language.csv"
-    options = ("--data", episodes, "--near-misses", 50, "--out", table)
+    options = ("--data", episodes, "--relations", episodes, "--near-misses", 50, "--out", table)
     assert run("language", "--model", out / "model.safetensors", *options) == 0
     rows = [line.split(",") for line in table.read_text(encoding="utf-8").splitlines()]
     counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
     assert all(sum(row[1:]) == row[0] for row in counts.values())
     assert counts["validation"][0] == SETTINGS.count and counts["near misses"][0] == 50
+    assert counts["relations in scenes"][0] > 0 and counts["relations of none or several"][0] > 0
     told = [row for name, row in counts.items() if "everyday" in name]
     assert sum(row[0] for row in told) == SETTINGS.count
 

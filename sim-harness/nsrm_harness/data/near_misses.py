@@ -5,14 +5,15 @@ After such a sentence a demonstrator does nothing. A near miss is a command with
 commands in an order of time that no program has. Nothing that the recogniser takes for a command is
 a near miss.
 
-Each has two descriptions, or four if it is about the order of time: with another number, the core
-refuses it anyway.
+Each has the descriptions of one step, from two to `MOST_GROUPS`, or four if it is about the order
+of time: with another number, the core refuses it anyway.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -20,7 +21,7 @@ import numpy as np
 from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.domain.everyday import MAX_STEPS, Recogniser, Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Command, Grammar
-from nsrm_harness.domain.program import Step
+from nsrm_harness.domain.program import Relation, Step
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Share that is made from plain commands, in the grammar that a model is first trained on.
@@ -30,6 +31,11 @@ UNTIMELY = 0.1
 #: Of the others, share of those that are rearranged, of those with a relation in a description or a
 #: pronoun that stands for no object, and of those with a relation that is none.
 REARRANGED, REFERRING, RELATED = 0.1, 0.1, 0.4
+#: If descriptions may have relations, share of steps with one among those that are changed, and
+#: share of sentences that join more descriptions than a command has.
+DESCRIBED_FURTHER, JOINED = 0.4, 0.25
+#: Largest number of descriptions in the step of a near miss.
+MOST_GROUPS = 4
 #: Of the wrong relations, share of two at once, of a few random words, of a part of one, and of
 #: some of the words of one; the others have one word more, less or another.
 DOUBLED, FEW, CUT, THINNED = 0.25, 0.25, 0.15, 0.1
@@ -80,6 +86,51 @@ REFERRING_TEXTS = (
     "{moved} {is} {relation}",
     "{moved} {that_is} {relation}",
 )
+#: Sentences that join descriptions or relations as no program does.
+JOINED_TEXTS = (
+    "{do} {moved} and {reference} {relation}",
+    "{do} {moved} , {reference} {relation}",
+    "{do} {moved} or {reference} {relation}",
+    "{do} both {moved} and {reference} {relation}",
+    "{do} {moved} {relation} and {moved}",
+    "{do} {moved} {relation} , {moved}",
+    "{do} {moved} {relation} or {relation}",
+    "{do} {moved} {relation} and {relation}",
+    "{do} {moved} {relation} , and {relation}",
+    "{do} {moved} {relation} {joining} {relation}",
+    "{do} {moved} {relation} , {relation}",
+    "{do} {moved} {words} and {reference} {relation}",
+    "{do} {moved} {words} and {reference} {words} {moved}",
+    "{do} {moved} {relation} {moved}",
+    "{do} {moved} {reference} {relation}",
+    "{do} {moved} {relation} {do} {moved}",
+    "{do} {moved} {joining} {do} {moved} {relation}",
+    "{do} {moved} {relation} {joining} {do} {moved}",
+    "{do} {moved} first , then {moved} {relation}",
+    "{do} {moved} then {moved} {relation}",
+    "{taken} and {reference} {joining} {do} it {relation}",
+    "{taken} {relation} {joining} {do} {reference}",
+    "{taken} {joining} {do} it {relation} and {relation}",
+    "{taken} {joining} {do} {moved} {relation}",
+    "{taken} {joining} {taken} {joining} {do} it {relation}",
+    "{moved} and {moved} {where}",
+    "{moved} {where} and {moved}",
+    "{moved} {goes} {where} or {where}",
+    "{where} {do} {moved} and {moved}",
+    "{where} , {where} , {do} {moved}",
+    "{where} and {where} {do} {moved}",
+    "{do} {moved} {where} {where}",
+    "{do} {moved} {where} {that_is} {moved}",
+    "{do} {moved} {that_is} {moved} {where}",
+    "{do} {moved} of {moved} {where}",
+    "{do} {moved} {words} {relation}",
+    "{moved} {is} {relation} {relation}",
+    "{taken} from {moved} {joining} {do} it {where}",
+    "{do} {moved} from {moved} {where}",
+    "{do} {moved} from {moved} to {moved}",
+    "{do} {moved} with {moved} {where}",
+    "{asking} {do} {moved} {where} {is} {relation}",
+)
 #: Rules whose words are inserted.
 INSERTED = (*PARTS, "degree", "towards", "please", "opening", "address", "noun", "article", "next")
 #: Words that join two relations.
@@ -105,6 +156,15 @@ AUXILIARIES = (
 Item = TypeVar("Item")
 
 
+@dataclass(frozen=True)
+class NearMiss:
+    """A sentence after which nothing is done."""
+
+    sentence: str
+    #: Whether its commands are in an order of time that no program has.
+    is_untimely: bool
+
+
 class NearMisses:
     """Makes near misses of one domain's everyday wording."""
 
@@ -116,6 +176,13 @@ class NearMisses:
         self._grammar = Grammar(domain)
         self._tokenizer = Tokenizer(domain)
         self._recogniser = Recogniser.of(domain)
+        self._states = list(words.states())
+        # Other words are not known.
+        self._joined_texts = [
+            text
+            for text in JOINED_TEXTS
+            if all(word in domain.vocabulary() for word in text.split() if word[0] != "{")
+        ]
         self._vocabulary = domain.vocabulary()[1:]
         self._inserted = [name for name in INSERTED if name in words.rules]
         self._parts = [name for name in PARTS if name in words.rules]
@@ -157,16 +224,22 @@ class NearMisses:
 
     def sentence(self) -> str:
         """A near miss."""
+        return self.draw().sentence
+
+    def draw(self) -> NearMiss:
+        """A near miss."""
         while True:
             is_untimely = self._rng.random() < UNTIMELY
             words = self._untimely() if is_untimely else self._changed()
             if words is not None:
-                return " ".join(self._described(words))
+                return NearMiss(" ".join(self._described(words)), is_untimely)
 
     def _changed(self) -> list[str] | None:
         """A step that is none; None if it is one after all, or would be refused anyway."""
         draw = self._rng.random()
-        if draw < REARRANGED:
+        if self._states and self._rng.random() < JOINED:
+            words = self._joined()
+        elif draw < REARRANGED:
             words = self._rearranged()
         elif draw < REARRANGED + REFERRING:
             words = self._referring()
@@ -178,9 +251,11 @@ class NearMisses:
             for _ in range(changes):
                 words = self._choose(self._changes)(words) or self._step()
         groups = [place for place, word in enumerate(words) if word == GROUP_TOKEN]
-        if len(groups) != 2 or groups[1] == groups[0] + 1 or self._recogniser.step(words):
+        most = MOST_GROUPS if self._states else 2
+        if not 2 <= len(groups) <= most or any(b == a + 1 for a, b in pairwise(groups)):
             return None
-        return words
+        is_command = self._recogniser.step(words) or self._recogniser.program(words)
+        return None if is_command else words
 
     def _untimely(self) -> list[str] | None:
         """A second command that must come first: "…, first put the green block there".
@@ -223,9 +298,11 @@ class NearMisses:
         return list(self._tokenizer(words).words)
 
     def _step(self) -> list[str]:
+        if self._states and self._rng.random() < DESCRIBED_FURTHER:
+            index = self._any(MAX_STEPS) if self._rng.random() < 0.5 else 0
+            return self._speaker.step(self._described_further(), index, "{next}" if index else "")
         if self._rng.random() < PLAIN:
-            command = self._plain(self._rng.random() < 0.5)
-            return self._pattern(command)
+            return self._pattern(self._plain(self._rng.random() < 0.5))
         if self._rng.random() < 0.5:
             lead = "{starting}" if self._rng.random() < 0.1 else ""
             return self._speaker.step(None, 0, lead)
@@ -249,12 +326,35 @@ class NearMisses:
         text = [*around[0], objects[0], *around[1], objects[1], *around[2]]
         return self._speaker.words(f"{{before}} {' '.join(text)} {{after}}")
 
+    def _described_further(self) -> Step:
+        """A step with a relation in a description, of group tokens."""
+        group, related = (GROUP_TOKEN,), (Relation(self._choose(self._states), (GROUP_TOKEN,)),)
+        moved, reference = ((group if self._any(2) else ()) for _ in range(2))
+        action = self._choose(self._domain.actions).name
+        which = self._any(5)
+        if which < 2:
+            return Step(action, moved, group, related)
+        if which < 4:
+            return Step(action, group, reference, (), related)
+        other = (Relation(self._choose(self._states), group),)
+        return Step(action, moved, reference, related, other)
+
+    def _joined(self) -> list[str]:
+        """Descriptions or relations that are joined: "put the red block and the blue one on …"."""
+        text = self._with_relation_texts(self._choose(self._joined_texts))
+        lead = "{next}" if self._any(2) else ""
+        step = self._described_further() if self._any(4) == 0 else None
+        return self._speaker.words(f"{lead} {{before}} {text} {{after}}", step)
+
+    def _with_relation_texts(self, text: str) -> str:
+        while "{words}" in text:
+            text = text.replace("{words}", " ".join(self._choose(self._relations)), 1)
+        return text
+
     def _referring(self) -> list[str]:
         """A relation in a description, "put the block that is on the red block on the blue block",
         or a pronoun that stands for no object: "take the red block and put the blue one on it"."""
-        text = self._choose(REFERRING_TEXTS)
-        while "{words}" in text:
-            text = text.replace("{words}", " ".join(self._choose(self._relations)), 1)
+        text = self._with_relation_texts(self._choose(REFERRING_TEXTS))
         lead = "{next}" if self._any(2) else ""
         return self._speaker.words(f"{lead} {{before}} {text} {{after}}")
 

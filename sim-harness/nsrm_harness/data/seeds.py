@@ -46,6 +46,7 @@ STREAMS = {
     "told": 81,
     "near_misses": 82,
     "misspelt": 83,
+    "related": 84,
 }
 
 

@@ -5,16 +5,25 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nsrm_harness.data.ground_truth import GroundTruth
+import numpy as np
+
+from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.told import Told
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker
+from nsrm_harness.domain.everyday import Speaker, everyday_of
 from nsrm_harness.domain.grammar import Grammar
+from nsrm_harness.domain.program import Program, Step
 
 #: Number of sentences of which one is plain.
 PLAIN = 3
+#: Number of sentences about a single step of which one describes an object by its relations, if the
+#: domain has any.
+RELATED = 2
+#: Share of descriptions with two relations among those with any.
+CHAINED = 0.15
 
 
 def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int) -> Told:
@@ -24,16 +33,78 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
 
     `domain`: that of the episodes, with everyday wording.
     """
-    told, grammar = Told([], [], []), Grammar(domain)
+    told, grammar = Told([], [], [], []), Grammar(domain)
     plain = -(-count // PLAIN)
     with GroundTruth(episodes) as judge:
         for number in range(len(judge)):
             rng = generator(seed, "told", number)
+            truth = judge.truth(number)
             speaker = Speaker(domain, rng)
-            program = judge.truth(number).program
-            told.sentences.extend(grammar.sentence(rng, program).text for _ in range(plain))
-            told.sentences.extend(" ".join(speaker.sentence(program)) for _ in range(count - plain))
+            programs = [truth.program] * (count - plain)
+            related = related_programs(domain, truth, rng, len(programs) // RELATED)
+            programs[: len(related)] = related
+            told.sentences.extend(grammar.sentence(rng, truth.program).text for _ in range(plain))
+            told.sentences.extend(" ".join(speaker.sentence(program)) for program in programs)
             told.episodes.extend([number] * count)
     misses = NearMisses(domain, generator(seed, "near_misses", 0))
-    told.near_misses.extend(misses.sentence() for _ in range(near_misses))
+    for _ in range(near_misses):
+        miss = misses.draw()
+        (told.untimely if miss.is_untimely else told.near_misses).append(miss.sentence)
     return told
+
+
+def related_programs(
+    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+) -> list[Program]:
+    """Random programs of an episode with one step, which describe an object by its relations: that
+    to be moved, the reference, or both. None if there are no such programs."""
+    if len(truth.steps) != 1 or not everyday_of(domain).states():
+        return []
+    (step,) = truth.steps
+    relations = RelatedDescriptions(domain, truth)
+    blocks = (step.object_id - 1, step.reference_id - 1)
+    every = [{links: relations.of(block, links) for links in (1, 2)} for block in blocks]
+    if not any(any(found.values()) for found in every):
+        return []
+    programs: list[Program] = []
+    while len(programs) < count:
+        which = rng.permutation(2)[: 1 if rng.random() < 0.8 else 2]
+        links = 2 if rng.random() < CHAINED else 1
+        said = [Described(step.step.object, ()), Described(step.step.reference, ())]
+        for argument in which:
+            found = every[argument][links]
+            if found:
+                said[argument] = _any(rng, found)
+        moved, reference = said
+        if moved.relations or reference.relations:
+            programs.append((_step(step.step.action, moved, reference),))
+    return programs
+
+
+def misleading_programs(
+    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+) -> list[Program]:
+    """Random programs of an episode with one step, in which a description with a relation holds for
+    no block or for several. None if there are no such programs."""
+    if len(truth.steps) != 1 or not everyday_of(domain).states():
+        return []
+    (step,) = truth.steps
+    every = RelatedDescriptions(domain, truth).misleading()
+    programs: list[Program] = []
+    while every and len(programs) < count:
+        said = [Described(step.step.object, ()), Described(step.step.reference, ())]
+        said[int(rng.integers(2))] = _any(rng, every)
+        programs.append((_step(step.step.action, *said),))
+    return programs
+
+
+def _step(action: str, moved: Described, reference: Described) -> Step:
+    return Step(action, moved.concepts, reference.concepts, moved.relations, reference.relations)
+
+
+def _any(rng: np.random.Generator, found: list[Described]) -> Described:
+    """One of them: first whether it has values, so that the few without are said, too."""
+    bare = [each for each in found if not each.concepts]
+    named = [each for each in found if each.concepts]
+    chosen = bare if bare and (not named or rng.random() < 0.5) else named
+    return chosen[int(rng.integers(len(chosen)))]

@@ -1,7 +1,8 @@
 """Sentences told about the episodes of a file, and near misses, after which nothing is done.
 
 A file has JSON lines. The first names the episodes: split, seed and count of their file. Each other
-line is ``{"sentence": …, "episode": …}``; the episode is null for a near miss. `tell` makes them.
+line is ``{"sentence": …, "episode": …}``; the episode is null for a near miss, which also says
+whether it is untimely: its commands are in an impossible order. `tell` makes them.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.data.file import open_checked
 
 KIND = "nsrm sentences"
-SCHEMA = 1
+SCHEMA = 2
 
 
 @dataclass(frozen=True)
@@ -29,19 +30,25 @@ class Told:
     sentences: list[str]
     #: The episode that shows each of them.
     episodes: list[int]
-    #: Sentences after which nothing was done.
+    #: Sentences after which nothing was done,
     near_misses: list[str]
+    #: and those with commands in an impossible order.
+    untimely: list[str]
 
 
 def write_told(path: Path, episodes: Path, told: Told) -> None:
     """Writes the sentences about the episodes of a file."""
-    pairs: list[tuple[str, int | None]] = [
-        *zip(told.sentences, told.episodes, strict=True),
-        *((sentence, None) for sentence in told.near_misses),
-    ]
-    lines = [
+    lines: list[dict[str, Any]] = [
         {"kind": KIND, "schema": SCHEMA, "episodes": _identity(episodes)},
-        *({"sentence": sentence, "episode": episode} for sentence, episode in pairs),
+        *(
+            {"sentence": sentence, "episode": episode}
+            for sentence, episode in zip(told.sentences, told.episodes, strict=True)
+        ),
+        *(
+            {"sentence": sentence, "episode": None, "untimely": untimely}
+            for sentences, untimely in ((told.near_misses, False), (told.untimely, True))
+            for sentence in sentences
+        ),
     ]
     text = "".join(json_text(line, ensure_ascii=False) + "\n" for line in lines)
     write_whole(path, text.encode())
@@ -49,7 +56,7 @@ def write_told(path: Path, episodes: Path, told: Told) -> None:
 
 def read_told(path: Path, episodes: Path) -> Told:
     """Reads the sentences about the episodes of a file. Raises ``EpisodeFileError``."""
-    told, identity = Told([], [], []), _identity(episodes)
+    told, identity = Told([], [], [], []), _identity(episodes)
     lines = _lines(path)
     first = next(lines, (1, {}))[1]
     if not (first.get("kind") == KIND and first.get("schema") == SCHEMA):
@@ -63,7 +70,8 @@ def read_told(path: Path, episodes: Path) -> Told:
         if not isinstance(sentence, str):
             raise EpisodeFileError(f"{path}: line {number} has no sentence")
         if episode is None:
-            told.near_misses.append(sentence)
+            kind = told.untimely if line.get("untimely") else told.near_misses
+            kind.append(sentence)
         elif isinstance(episode, int) and 0 <= episode < identity["count"]:
             told.sentences.append(sentence)
             told.episodes.append(episode)

@@ -148,17 +148,25 @@ class HeldOut:
     phrases: Mapping[str, Phrases]
 
 
+#: Keys of a relation that name rules.
+RULE_NAMES = ("rule", "state")
+
+
 @dataclass(frozen=True)
 class EverydayWords:
     """How people say commands: see ``everyday.toml`` and :mod:`nsrm_harness.domain.everyday`."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
-    #: For each action, by its name: the rule of its relations under ``rule``, and what the
-    #: placeholders in that rule stand for.
+    #: For each action, by its name: the rule of its relations under ``rule``, the rule of the state
+    #: that it brings about under ``state``, and what the placeholders in these rules stand for.
     relations: Mapping[str, Mapping[str, Phrase]]
     #: The alternatives of each rule.
     rules: Annotated[Mapping[Identifier, Alternatives], Field(min_length=1)]
+
+    def states(self) -> dict[str, Mapping[str, Phrase]]:
+        """The relations that descriptions may have."""
+        return {name: each for name, each in self.relations.items() if "state" in each}
 
 
 @dataclass(frozen=True)
@@ -235,7 +243,7 @@ class Domain:
                 text
                 for relation in self.everyday.relations.values()
                 for name, text in relation.items()
-                if name != "rule"
+                if name not in RULE_NAMES
             ]
         return {word for text in texts for word in text.split() if not word.startswith("{")}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,8 @@ import numpy as np
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
 from nsrm_harness.domain.domain import GROUP_TOKEN, Domain, EverydayWords
-from nsrm_harness.domain.program import Program, Step
-from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
+from nsrm_harness.domain.program import Program, Relation, Step
+from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, RELATING_RULES, parse
 
 #: The wording of the paper's domain.
 EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
@@ -38,7 +38,8 @@ _SENTENCE = {
         for end in ("", ".", ",")
     ),
 }
-_DESCRIPTIONS = {"moved": "description", "reference": "description", "possessor": "possessor"}
+#: What a description may be of.
+DESCRIBED = ("moved", "reference", "possessor")
 
 
 def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
@@ -61,6 +62,16 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["spelling"] = spelling
     document["everyday"] = words
     return parse(document, str(path))
+
+
+def without_states(domain: Domain) -> Domain:
+    """The domain with everyday wording in which descriptions have no relations."""
+    words = everyday_of(domain)
+    relations = {
+        name: {key: text for key, text in relation.items() if key != "state"}
+        for name, relation in words.relations.items()
+    }
+    return replace(domain, everyday=replace(words, relations=relations))
 
 
 def _document(domain: Domain) -> dict[str, Any]:
@@ -100,7 +111,8 @@ class Speaker:
     ) -> list[str]:
         """The words of a random wording of one step.
 
-        * `step`: without one, its action is random and its descriptions are group tokens
+        * `step`: without one, its action is random and its descriptions are group tokens; a group
+          token may also stand in place of the concepts of a step
         * `lead`: the alternative that joins it to the previous step
         * `behind`: the words before it
         """
@@ -116,7 +128,10 @@ class Speaker:
         """Random words for an alternative of a rule, in which no description follows another one
         directly: both would be read as one."""
         while True:
-            parts = list(self._expanded(text, _Context(step, index)))
+            try:
+                parts = list(self._expanded(text, _Context.of(step, index)))
+            except _CannotBeSaidError:
+                continue
             ends_described = bool(behind) and behind[-1] in self._lexicon
             described = [ends_described, *(isinstance(part, tuple) for part in parts)]
             if not any(pair == (True, True) for pair in pairwise(described)):
@@ -135,43 +150,88 @@ class Speaker:
             if name in COUNTING:
                 yield self._words.rules[name][context.index]
             elif name == "values":
-                yield self._values(context)
+                yield self._values(context.saying.concepts)
             elif name == "relation":
-                relation = self._words.relations[context.action(self._words, self._rng)]
+                relation = self._words.relations[context.action or self._any_action()]
                 filled = self._choose(self._words.rules[relation["rule"]])
                 yield from self._expanded(filled_in(filled, relation), context)
-            elif name in _DESCRIPTIONS:
-                context.is_moved = name == "moved"
-                chosen = self._choose(self._words.rules[_DESCRIPTIONS[name]])
-                yield from self._expanded(chosen, context)
+            elif name == "relating":
+                first, *others = context.saying.relations
+                state = self._words.relations[first.action]
+                filled = self._choose(self._words.rules[state["state"]])
+                related = replace(context, reference=_Said(first.to, tuple(others)))
+                yield from self._expanded(filled_in(filled, state), related)
+            elif name in DESCRIBED:
+                said = context.moved if name == "moved" else context.reference
+                chosen = self._choose(self._words.rules[_description_rule(name, said)])
+                yield from self._expanded(chosen, replace(context, saying=said))
             else:
                 yield from self._expanded(self._choose(self._words.rules[name]), context)
 
-    def _values(self, context: _Context) -> tuple[str, ...]:
-        if context.step is None:
-            return (GROUP_TOKEN,)
-        concepts = context.step.object if context.is_moved else context.step.reference
-        said = [self._choose(self._domain.concept(name).words) for name in concepts]
+    def _values(self, concepts: Sequence[str]) -> tuple[str, ...]:
+        said = [
+            name if name == GROUP_TOKEN else self._choose(self._domain.concept(name).words)
+            for name in concepts
+        ]
         return tuple(said[index] for index in self._rng.permutation(len(said)))
+
+    def _any_action(self) -> str:
+        return self._choose(list(self._words.relations))
 
     def _choose(self, texts: Sequence[str]) -> str:
         return texts[int(self._rng.integers(len(texts)))]
 
 
-@dataclass
+@dataclass(frozen=True)
+class _Said:
+    """The description of an object."""
+
+    concepts: tuple[str, ...]
+    relations: tuple[Relation, ...] = ()
+
+
+_UNKNOWN = _Said((GROUP_TOKEN,))
+
+
+@dataclass(frozen=True)
 class _Context:
     """What the words of one step depend on."""
 
-    step: Step | None
+    #: Index of the step.
     index: int
-    #: Whether the description being said is that of the object to be moved.
-    is_moved: bool = False
+    #: Without one, every relation is a random action's.
+    action: str | None = None
+    moved: _Said = _UNKNOWN
+    #: Of the step, or of the relation that is being said.
+    reference: _Said = _UNKNOWN
+    #: The description that is being said.
+    saying: _Said = _UNKNOWN
 
-    def action(self, words: EverydayWords, rng: np.random.Generator) -> str:
-        if self.step is not None:
-            return self.step.action
-        names = list(words.relations)
-        return names[int(rng.integers(len(names)))]
+    @classmethod
+    def of(cls, step: Step | None, index: int) -> _Context:
+        if step is None:
+            return cls(index)
+        return cls(
+            index,
+            step.action,
+            _Said(step.object, step.object_relations),
+            _Said(step.reference, step.reference_relations),
+        )
+
+
+class _CannotBeSaidError(Exception):
+    """A rule cannot say this description."""
+
+
+def _description_rule(name: str, said: _Said) -> str:
+    """The rule for a description."""
+    if name == "possessor":
+        if said.relations:
+            raise _CannotBeSaidError
+        return name
+    if not said.concepts:
+        return "undescribed"
+    return "related" if said.relations else "description"
 
 
 @dataclass(frozen=True)
@@ -181,29 +241,13 @@ class Recogniser:
     _tries: Mapping[str, _Node] = field(repr=False)
 
     @classmethod
-    def of(cls, domain: Domain) -> Recogniser:
-        """The recogniser of a domain with everyday wording."""
-        words = everyday_of(domain)
-        relations = [
-            filled_in(text, relation)
-            for relation in words.relations.values()
-            for text in words.rules[relation["rule"]]
-        ]
-        rules = {
-            **words.rules,
-            "relation": relations,
-            "values": (GROUP_TOKEN,),
-            "moved": ("{description}",),
-            "reference": ("{description}",),
-            **_SENTENCE,
-            "#first_listed": [_counted(text, words, 0) for text in words.rules["listing"]],
-            "#later_listed": [
-                _counted(text, words, index)
-                for text in words.rules["listing"]
-                for index in range(1, MAX_STEPS)
-            ],
-        }
-        return cls({name: _trie(texts) for name, texts in rules.items()})
+    def of(cls, domain: Domain, rules: Mapping[str, Sequence[str]] | None = None) -> Recogniser:
+        """The recogniser of a domain with everyday wording.
+
+        `rules`: replace those of the wording, or are added
+        """
+        every = {**recognised_rules(domain), **(rules or {})}
+        return cls({name: _trie(texts) for name, texts in every.items()})
 
     def step(self, words: Sequence[str]) -> bool:
         """Whether the words, with group tokens, are one step of a command: the first or a later
@@ -267,6 +311,42 @@ class _Node:
     words: dict[str, _Node] = field(default_factory=dict)
     rules: dict[str, _Node] = field(default_factory=dict)
     is_end: bool = False
+
+
+def recognised_rules(domain: Domain) -> dict[str, Sequence[str]]:
+    """The rules of commands, with group tokens for all values."""
+    words = everyday_of(domain)
+    described = ["{description}"]
+    if words.states():
+        described += [f"{{{rule}}}" for rule in RELATING_RULES]
+    return {
+        **words.rules,
+        "relation": [
+            filled_in(text, relation)
+            for relation in words.relations.values()
+            for text in words.rules[relation["rule"]]
+        ],
+        "relating": state_texts(words),
+        "values": (GROUP_TOKEN,),
+        "moved": described,
+        "reference": described,
+        **_SENTENCE,
+        "#first_listed": [_counted(text, words, 0) for text in words.rules["listing"]],
+        "#later_listed": [
+            _counted(text, words, index)
+            for text in words.rules["listing"]
+            for index in range(1, MAX_STEPS)
+        ],
+    }
+
+
+def state_texts(words: EverydayWords) -> list[str]:
+    """The alternatives by which descriptions relate objects."""
+    return [
+        filled_in(text, state)
+        for state in words.states().values()
+        for text in words.rules[state["state"]]
+    ]
 
 
 def _trie(texts: Sequence[str]) -> _Node:

@@ -1,8 +1,8 @@
-"""Programs: the actions and attribute values that a sentence means (Table I)."""
+"""Programs: the actions, attribute values and relations that a sentence means (Table I)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,23 @@ from nsrm_harness.common.json_text import json_text
 
 
 @dataclass(frozen=True)
+class Relation:
+    """``Relate(action, Unique(Filter(… Scene())))``: what is where the action puts objects, seen
+    from another object."""
+
+    #: Name of the action.
+    action: str
+    #: Names of the concepts that describe the other object.
+    to: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Step:
-    """``Action(action, Unique(Filter(… Scene())), Unique(Filter(… Scene())))``."""
+    """``Action(action, Unique(Filter(… Scene())), Unique(Filter(… Scene())))``.
+
+    In place of ``Scene()`` there may be a relation to another object, whose description may have
+    the next relation.
+    """
 
     #: Name of the action.
     action: str
@@ -19,28 +34,62 @@ class Step:
     object: tuple[str, ...]
     #: Names of the concepts that describe the reference.
     reference: tuple[str, ...]
+    object_relations: tuple[Relation, ...] = ()
+    reference_relations: tuple[Relation, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """The step as in ``{"steps": [...]}`` of the command line."""
         return {
             "action": self.action,
-            "object": list(self.object),
-            "reference": list(self.reference),
+            "object": _as_json(self.object, self.object_relations),
+            "reference": _as_json(self.reference, self.reference_relations),
         }
 
     @staticmethod
     def from_json(content: Mapping[str, Any]) -> Step:
         """The inverse of :meth:`as_json`; other keys are ignored."""
-        return Step(content["action"], tuple(content["object"]), tuple(content["reference"]))
+        moved, moved_relations = _from_json(content["object"])
+        reference, reference_relations = _from_json(content["reference"])
+        return Step(content["action"], moved, reference, moved_relations, reference_relations)
 
 
 Program = tuple[Step, ...]
 
 
+def _as_json(concepts: Sequence[str], relations: Sequence[Relation]) -> Any:
+    if not relations:
+        return list(concepts)
+    first, *others = relations
+    to = _as_json(first.to, others)
+    return {"concepts": list(concepts), "relation": {"name": first.action, "to": to}}
+
+
+def _from_json(content: Any) -> tuple[tuple[str, ...], tuple[Relation, ...]]:
+    if not isinstance(content, Mapping):
+        return tuple(content), ()
+    relation = content["relation"]
+    to, others = _from_json(relation["to"])
+    return tuple(content["concepts"]), (Relation(relation["name"], to), *others)
+
+
 def canonical(steps: Iterable[Step]) -> str:
     """A text that is equal for programs that differ only in the order of filters."""
     return json_text(
-        [[step.action, sorted(step.object), sorted(step.reference)] for step in steps],
+        [
+            [
+                step.action,
+                _sorted(step.object, step.object_relations),
+                _sorted(step.reference, step.reference_relations),
+            ]
+            for step in steps
+        ],
         ensure_ascii=False,
         separators=(",", ":"),
+    )
+
+
+def _sorted(concepts: Sequence[str], relations: Sequence[Relation]) -> Any:
+    return _as_json(
+        sorted(concepts),
+        [Relation(relation.action, tuple(sorted(relation.to))) for relation in relations],
     )

@@ -13,7 +13,7 @@ from typing import Any
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.common.toml_file import checked, read_toml, refusal
-from nsrm_harness.domain.domain import Attribute, Domain
+from nsrm_harness.domain.domain import RULE_NAMES, Attribute, Domain
 
 #: The paper's domain.
 DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
@@ -46,7 +46,10 @@ FILLED_IN = {
     "reference": ("description",),
     "values": (),
     "relation": (),
+    "relating": (),
 }
+#: Rules of descriptions with a relation, if some action's state has a rule.
+RELATING_RULES = ("related", "undescribed")
 _FIELD = re.compile(r"\{([a-z_]+)\}")
 
 Faults = Iterator[tuple[str, str]]
@@ -182,17 +185,23 @@ def _everyday(domain: Domain) -> Faults:
         relation = domain.everyday.relations.get(name)
         if relation is None:
             yield f"everyday.relations.{name}", "is missing"
-        elif relation.get("rule") not in rules:
-            yield (
-                f"everyday.relations.{name}.rule",
-                f"expected the name of a rule, got {relation.get('rule')!r}",
-            )
+            continue
+        for key in RULE_NAMES:
+            if (rule := relation.get(key)) not in rules and (key == "rule" or rule is not None):
+                yield (
+                    f"everyday.relations.{name}.{key}",
+                    f"expected the name of a rule, got {rule!r}",
+                )
     for name in domain.everyday.relations:
         if name not in names:
             yield f"everyday.relations.{name}", f"unknown action; expected {', '.join(names)}"
+    if states := domain.everyday.states():
+        for name in RELATING_RULES:
+            if name not in rules:
+                yield f"everyday.rules.{name}", "is missing: an action's state has a rule"
     placeholders = {
         name for relation in domain.everyday.relations.values() for name in relation
-    } - {"rule"}
+    } - {*RULE_NAMES}
     uses: dict[str, set[str]] = {}
     for name, texts in rules.items():
         if name in FILLED_IN or name in placeholders:
@@ -203,6 +212,7 @@ def _everyday(domain: Domain) -> Faults:
     for used, by in FILLED_IN.items():
         uses.setdefault(used, set(by))
     uses["relation"] = {relation.get("rule", "") for relation in domain.everyday.relations.values()}
+    uses["relating"] = {relation["state"] for relation in states.values()}
     if (looped := _loop(uses)) is not None:
         yield f"everyday.rules.{looped}", "contains itself"
 

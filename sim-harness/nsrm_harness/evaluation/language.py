@@ -7,6 +7,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same with one word misspelt, if the model reads misspelt words as known ones;
 * their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
+* sentences with relations in descriptions (`evaluation.relations`);
 * near misses, all of whose words the model knows;
 * lists of other people's sentences, with the program that they mean or none; those without one
   also with one word misspelt, in `MISSPELT_TIMES` ways.
@@ -27,6 +28,7 @@ from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
+from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.patterns import is_reserved
 from nsrm_harness.domain.program import Program, Step, canonical
@@ -55,6 +57,8 @@ class Counted:
         )
 
 
+Sentences = list[tuple[str, Program | None]]
+"""Sentences, each with the program that is meant, or None if it must be refused."""
 MISSPELT_TIMES = 10
 """How often each sentence that must be refused is misspelt."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
@@ -92,9 +96,7 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         check_domain(model, demonstrations)
         domain, split = domain_of(model, demonstrations.domain), demonstrations.split
         programs = [judge.truth(index).program for index in range(len(judge))]
-        meant: list[tuple[str, Program | None]] = list(
-            zip(demonstrations.sentences, programs, strict=True)
-        )
+        meant: Sentences = list(zip(demonstrations.sentences, programs, strict=True))
     rows = [count(split, understand(model, meant))]
     if domain.spelling is not None:
         misspelt = Misspeller(domain, generator(seed, "misspelt", 0))
@@ -102,19 +104,28 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         rows.append(count(f"{split}; misspelt", understand(model, typed)))
     if domain.everyday is None:
         return rows
-    heard: list[tuple[str, Program | None]] = []
-    held_out: list[tuple[str, Program | None]] = []
-    for number, program in enumerate(programs):
-        speaker = Speaker(domain, generator(seed, "told", number))
-        steps = speaker.steps(program)
-        patterns = [Tokenizer(domain).pattern(step) for step in steps]
-        chosen = held_out if any(map(is_reserved, patterns)) else heard
-        chosen.append((" ".join(word for step in steps for word in step), program))
-    return [
-        *rows,
-        count(f"{split}; everyday wording", understand(model, heard)),
-        count(f"{split}; everyday wording held out", understand(model, held_out)),
+    rows += [
+        count(f"{split}; everyday wording{ending}", understand(model, sentences))
+        for ending, sentences in say(domain, programs, seed).items()
     ]
+    return rows
+
+
+def say(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:
+    """A sentence for each program, by the ending of the name of its set: those in wording of
+    training, those with a pattern that training leaves out, and those of which nobody can tell what
+    a relation belongs to, which must be refused."""
+    said: dict[str, Sentences] = {}
+    attachments, tokenizer = Attachments(domain), Tokenizer(domain)
+    for number, program in enumerate(programs):
+        steps = Speaker(domain, generator(seed, "told", number)).steps(program)
+        sentence = " ".join(word for step in steps for word in step)
+        if any(attachments.is_ambiguous(tokenizer(" ".join(step)).words) for step in steps):
+            said.setdefault(" with two readings", []).append((sentence, None))
+            continue
+        reserved = any(is_reserved(tokenizer.pattern(step)) for step in steps)
+        said.setdefault(" held out" if reserved else "", []).append((sentence, program))
+    return dict(sorted(said.items()))
 
 
 def measure_near_misses(model: nsrm.Model, domain: Domain, number: int, seed: int) -> Counted:
@@ -124,7 +135,7 @@ def measure_near_misses(model: nsrm.Model, domain: Domain, number: int, seed: in
     return count("near misses", understand(model, sentences))
 
 
-def read_list(path: Path) -> list[tuple[str, Program | None]]:
+def read_list(path: Path) -> Sentences:
     """Other people's sentences: tab-separated columns `sentence`, with `\\n` for a new line, and
     `expected`, which is a program as JSON or `REFUSE`. Raises `EvaluationError`."""
     try:
@@ -176,7 +187,12 @@ def understand(model: nsrm.Model, sentences: Iterable[tuple[str, Program | None]
         except nsrm.Refused as refusal:
             outcomes.append(Outcome(sentence, meant, None, str(refusal)))
             continue
-        program = tuple(Step(s.action, tuple(s.object), tuple(s.reference)) for s in steps)
+        program = tuple(
+            Step.from_json(
+                {"action": step.action, "object": step.object, "reference": step.reference}
+            )
+            for step in steps
+        )
         outcomes.append(Outcome(sentence, meant, program))
     return outcomes
 

@@ -24,7 +24,8 @@ from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, StepTruth, Truth
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.dictionary import with_dictionary
-from nsrm_harness.domain.everyday import with_everyday
+from nsrm_harness.domain.everyday import with_everyday, without_states
+from nsrm_harness.domain.program import Step, canonical
 from nsrm_harness.evaluation.detector.match import match
 from nsrm_harness.evaluation.observed import Boxes, chunks, objects_of, observe_episode
 from nsrm_harness.perception.relief import PerceptionError
@@ -43,9 +44,9 @@ class StepPlan(Protocol):
     @property
     def action(self) -> str: ...
     @property
-    def object(self) -> Sequence[str]: ...
+    def object(self) -> Sequence[str] | Mapping[str, object]: ...
     @property
-    def reference(self) -> Sequence[str]: ...
+    def reference(self) -> Sequence[str] | Mapping[str, object]: ...
     @property
     def object_id(self) -> int: ...
     @property
@@ -263,11 +264,14 @@ def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
 
 
 def domain_of(model: nsrm.Model, domain: Domain) -> Domain:
-    """The domain of the episodes, with everyday wording if the model was taught it."""
+    """The domain of the episodes, with everyday wording if the model was taught it, and with
+    relations in descriptions if it was taught those."""
     if domain.name != DEFAULT_DOMAIN:
         return domain
-    everyday = with_dictionary(with_everyday(domain))
-    return everyday if everyday.other_words() <= set(model.info()["words"]) else domain
+    everyday, info = with_dictionary(with_everyday(domain)), model.info()
+    if not everyday.other_words() <= set(info["words"]):
+        return domain
+    return everyday if info["relations"] else without_states(everyday)
 
 
 def judge_plans(path: Path, plans: Sequence[Sequence[StepPlan]]) -> Metrics:
@@ -365,8 +369,5 @@ def block_iou(left: ArrayLike, right: ArrayLike, edges_m: ArrayLike) -> float:
 
 
 def _same_program(planned: StepPlan, true: StepTruth) -> bool:
-    return (
-        planned.action == true.step.action
-        and sorted(planned.object) == sorted(true.step.object)
-        and sorted(planned.reference) == sorted(true.step.reference)
-    )
+    understood = {name: getattr(planned, name) for name in ("action", "object", "reference")}
+    return canonical([Step.from_json(understood)]) == canonical([true.step])

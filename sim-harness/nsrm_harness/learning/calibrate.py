@@ -8,6 +8,8 @@ poses, the certainty and the thresholds from the sentences and scenes of the val
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -56,14 +58,18 @@ class CameraFit:
     """Share of blocks that were used."""
 
 
-def terms(locations: np.ndarray, camera: Camera) -> np.ndarray:
-    """Locations `[K, 5]` -> (X, Y, D, W, H, 1) `[K, 6]`: the box deprojected at its mean depth."""
-    x1, y1, x2, y2, depth = np.moveaxis(np.asarray(locations, np.float64), -1, 0)
+def terms(locations: Any, camera: Camera, numpy: ModuleType = np) -> Any:
+    """Locations `[..., 5]` -> (X, Y, D, W, H, 1) `[..., 6]`: the box deprojected at its mean depth.
+
+    `numpy`: NumPy, with doubles, or a module like it for its arrays
+    """
+    locations = np.asarray(locations, np.float64) if numpy is np else locations
+    x1, y1, x2, y2, depth = numpy.moveaxis(locations, -1, 0)
     x = ((x1 + x2) / 2 * camera.width - camera.cx) / camera.fx * depth
     y = ((y1 + y2) / 2 * camera.height - camera.cy) / camera.fy * depth
     width = (x2 - x1) * camera.width / camera.fx * depth
     height = (y2 - y1) * camera.height / camera.fy * depth
-    return np.stack([x, y, depth, width, height, np.ones_like(depth)], axis=-1)
+    return numpy.stack([x, y, depth, width, height, numpy.ones_like(depth)], axis=-1)
 
 
 def fit_camera(calibration: Calibration) -> CameraFit:
@@ -123,7 +129,11 @@ def fit_certainty(model: Model, data: TrainingSet) -> CertaintyFit:
     Trained also on nonsense and inserted words, the parser is less sure than it is right. Scaling
     the logits keeps the actions and makes their mean probability right.
     """
-    logits, best = decode.weigh_actions(model, data, decode.see_all(model, data))
+    return certainty_of(*decode.weigh_actions(model, data, decode.see_all(model, data)))
+
+
+def certainty_of(logits: np.ndarray, best: np.ndarray) -> CertaintyFit:
+    """The same for the logits `[N, A]` of one-step commands and the actions that explain them."""
     if len(best) == 0:
         raise CalibrationError("the validation data has no one-step commands")
     right = (np.sum(logits.argmax(axis=1) == best) + 1) / (len(best) + 2)

@@ -75,13 +75,22 @@ class Grounding(NamedTuple):
     reference: Array
 
 
-def intersection_over_union(left: Array, right: Array) -> Array:
-    """Boxes `[..., >= 4]` as x1, y1, x2, y2 -> `[...]`; 0 where they do not meet."""
+def area(box: Array) -> Array:
+    """Boxes `[..., >= 4]` as x1, y1, x2, y2 -> `[...]`."""
+    return jnp.prod(jnp.maximum(box[..., 2:4] - box[..., :2], 0.0), axis=-1)
+
+
+def intersection(left: Array, right: Array) -> Array:
+    """The area that is in both boxes; 0 where they do not meet."""
     low = jnp.maximum(left[..., :2], right[..., :2])
     high = jnp.minimum(left[..., 2:4], right[..., 2:4])
-    shared = jnp.prod(jnp.maximum(high - low, 0.0), axis=-1)
-    areas = [jnp.prod(jnp.maximum(b[..., 2:4] - b[..., :2], 0.0), axis=-1) for b in (left, right)]
-    return shared / jnp.maximum(areas[0] + areas[1] - shared, 1e-9)
+    return jnp.prod(jnp.maximum(high - low, 0.0), axis=-1)
+
+
+def intersection_over_union(left: Array, right: Array) -> Array:
+    """Boxes `[..., >= 4]` as x1, y1, x2, y2 -> `[...]`; 0 where they do not meet."""
+    shared = intersection(left, right)
+    return shared / jnp.maximum(area(left) + area(right) - shared, 1e-9)
 
 
 def location_loss(predicted: Array, target: Array, weights: LossWeights) -> Array:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,12 +23,13 @@ from tqdm import tqdm
 
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.told import read_told
+from nsrm_harness.data.told import Told, read_told
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.dictionary import with_dictionary
 from nsrm_harness.domain.everyday import with_everyday
 from nsrm_harness.domain.patterns import is_reserved
 from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.learning import calibrate, curves
 from nsrm_harness.learning.checkpoint import Checkpoints, TrainingProgress
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
@@ -48,21 +48,22 @@ from nsrm_harness.learning.model import (
     Dimensions,
     Language,
     Model,
-    Parse,
+    without_relations,
 )
 from nsrm_harness.learning.splits import end_log_probability
-from nsrm_harness.learning.stages import ACCEPTABILITY, PARSER, SPLITTER, Stage, TrainingError
+from nsrm_harness.learning.stages import FURTHER, PARSER, SPLITTER, Stage, TrainingError
+from nsrm_harness.learning.structures import MOST_GROUPS, explaining_log_probability
 from nsrm_harness.learning.train import Fit
 
 NAME = "wording"
-MOST_TOKENS = 28
+MOST_TOKENS = 32
 """Steps with more tokens are left out."""
 AHEAD = 8
 """Number of tokens of the next step that the splitter sees in training; it looks two ahead."""
 CERTAIN = 1e-6
 """Subtracted from the log probability that all words are acceptable: no loss is infinite."""
 ODDS = 2.0
-"""Log odds of each word's acceptability before the lesson."""
+"""Log odds of each word's acceptability before the lesson, and that a group has no relation."""
 ALONE = 0.4
 """Share of steps that are shown to the splitter without the next one."""
 
@@ -92,18 +93,20 @@ class ToldSteps(NamedTuple):
     joined: Array
     """The same tokens with those of the next step behind them, `[T + AHEAD]`."""
     joined_length: Array
-    meant: Parse
-    """Index of the action, and of each argument's group token in the step."""
+    places: Array
+    """Index of each group token in the step, `[G]`; 0 behind the last."""
+    programs: Array
+    """Whether each of `structures` with each action explains the final scene, as bits."""
 
 
 class NearMisses(NamedTuple):
-    """Sentences with two descriptions that mean nothing."""
+    """Sentences with the descriptions of one step that mean nothing."""
 
     tokens: Array
     length: Array
 
 
-class Untimely(NamedTuple):
+class Unsplit(NamedTuple):
     """Sentences with four descriptions whose steps have no order."""
 
     tokens: Array
@@ -111,36 +114,37 @@ class Untimely(NamedTuple):
 
 
 def told_steps(
-    model: Model, data: TrainingSet, config: TrainingConfig, rng: np.random.Generator
+    model: Model,
+    data: TrainingSet,
+    config: TrainingConfig,
+    camera: Camera,
+    rng: np.random.Generator,
 ) -> ToldSteps:
     """The steps of the sentences that the final scenes explain, without reserved patterns.
 
     The last step of a sentence gets one of another sentence behind it: commands may have more steps
     than any demonstration.
     """
-    found = explain(model, data, config)
+    found = explain(model, data, config, camera)
     s, ends = data.sentences, first_ends(data.sentences)
-    rows: list[tuple[np.ndarray, np.ndarray, int, int, int]] = []
+    double = set(found.sentence[found.step == 1].tolist())
+    rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
     later: list[np.ndarray] = []
-    for index, actions, orders in zip(*found, strict=True):
+    for index, number, programs in zip(*found, strict=True):
         tokens = s.tokens[index, : s.length[index]]
-        cuts = [0, len(tokens)]
-        if s.group_count[index] > GROUPS_PER_STEP:
-            cuts.insert(1, int(ends[index]))
-        for number, (first, end) in enumerate(pairwise(cuts)):
-            step = tokens[first:end]
-            places = np.flatnonzero(step == GROUP_TOKEN)
-            if (
-                len(step) > MOST_TOKENS
-                or len(places) != GROUPS_PER_STEP
-                or is_reserved(step.tolist())
-            ):
-                continue
-            moved, reference = places if orders[number] else places[::-1]
-            behind = tokens[end : end + AHEAD]
-            rows.append((step, behind, int(actions[number]), int(moved), int(reference)))
-            if number > 0:
-                later.append(step[:AHEAD])
+        middle = int(ends[index]) if int(index) in double else len(tokens)
+        first, end = ((0, middle), (middle, len(tokens)))[number]
+        step = tokens[first:end]
+        places = np.flatnonzero(step == GROUP_TOKEN)
+        if (
+            len(step) > MOST_TOKENS
+            or not GROUPS_PER_STEP <= len(places) <= MOST_GROUPS
+            or is_reserved(step.tolist())
+        ):
+            continue
+        rows.append((step, tokens[end : end + AHEAD], places, programs))
+        if number > 0:
+            later.append(step[:AHEAD])
     if not rows:
         raise TrainingError("the model's perception and actions explain none of the sentences")
     joined = [
@@ -149,8 +153,9 @@ def told_steps(
     ]
     tokens, length = _padded([row[0] for row in rows], MOST_TOKENS)
     both, both_length = _padded(joined, MOST_TOKENS + AHEAD)
-    meant = Parse(*(jnp.asarray([row[part] for row in rows]) for part in (2, 3, 4)))
-    return ToldSteps(tokens, length, both, both_length, meant)
+    places, _ = _padded([row[2] for row in rows], MOST_GROUPS)
+    programs = jnp.asarray(np.stack([row[3] for row in rows]))
+    return ToldSteps(tokens, length, both, both_length, places, programs)
 
 
 def _any(rng: np.random.Generator, rows: Sequence[np.ndarray]) -> np.ndarray:
@@ -158,65 +163,64 @@ def _any(rng: np.random.Generator, rows: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def wording_stage(
-    config: WordingConfig, steps: ToldSteps, misses: NearMisses, untimely: Untimely
+    config: WordingConfig, steps: ToldSteps, misses: NearMisses, unsplit: Unsplit
 ) -> Stage:
     """Parser and splitter on told steps and near misses."""
 
     def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
-        steps, misses, untimely = batch
+        steps, misses, unsplit = batch
         alone = jax.random.bernoulli(key, ALONE, steps.length.shape)
         meaning = jax.vmap(lambda step, alone: _step_loss(model.language, step, alone))
         nothing = jax.vmap(lambda miss: _nothing_loss(model.language, miss))
         whole = jax.vmap(lambda command: _whole_loss(model.language, command))
-        return meaning(steps, alone).mean() + nothing(misses).mean() + whole(untimely).mean()
+        return meaning(steps, alone).mean() + nothing(misses).mean() + whole(unsplit).mean()
 
-    return Stage(NAME, config.stage, (steps, misses, untimely), (), loss)
+    return Stage(NAME, config.stage, (steps, misses, unsplit), (), loss)
 
 
 def _step_loss(language: Language, step: ToldSteps, alone: Array) -> Array:
     """Surprise, in nats, at the meaning of a step, its acceptable words and its end."""
-    parse, acceptable = language.heard(step.tokens, jnp.arange(MOST_TOKENS) < step.length)
-    meaning = sum(
-        -jax.nn.log_softmax(logits)[meant] for logits, meant in zip(parse, step.meant, strict=True)
-    )
+    heard = language.heard(step.tokens, jnp.arange(MOST_TOKENS) < step.length)
+    meant = explaining_log_probability(heard, step.places, step.programs)
     length = jnp.where(alone, step.length, step.joined_length)
     end = end_log_probability(language.splitter, step.joined, length)[step.length - 1]
-    return meaning - acceptable - end
+    return -meant - heard.acceptable - end
 
 
 def _nothing_loss(language: Language, miss: NearMisses) -> Array:
     """Surprise, in nats, that not all words are acceptable."""
-    _, acceptable = language.heard(miss.tokens, jnp.arange(MOST_TOKENS) < miss.length)
-    return -jnp.log(-jnp.expm1(acceptable - CERTAIN))
+    heard = language.heard(miss.tokens, jnp.arange(MOST_TOKENS) < miss.length)
+    return -jnp.log(-jnp.expm1(heard.acceptable - CERTAIN))
 
 
-def _whole_loss(language: Language, command: Untimely) -> Array:
+def _whole_loss(language: Language, command: Unsplit) -> Array:
     """Surprise, in nats, if a command is not split."""
     ends = end_log_probability(language.splitter, command.tokens, command.length)
     return -ends[command.length - 1]
 
 
-def near_misses(tokenizer: Tokenizer, sentences: Sequence[str]) -> tuple[NearMisses, Untimely]:
+def near_misses(tokenizer: Tokenizer, found: Told) -> tuple[NearMisses, Unsplit]:
     """The near misses as arrays, without reserved patterns."""
-    single: list[np.ndarray] = []
-    double: list[np.ndarray] = []
-    for sentence in sentences:
-        tokens = np.array(tokenizer.rows(tokenizer(sentence)), np.int32)
-        groups = int(np.sum(tokens == GROUP_TOKEN))
-        if (
-            groups == GROUPS_PER_STEP
-            and len(tokens) <= MOST_TOKENS
-            and not is_reserved(tokens.tolist())
-        ):
-            single.append(tokens)
-        elif groups > GROUPS_PER_STEP:
-            # The splitter has to pass the second step's beginning.
-            double.append(tokens[: MOST_TOKENS + AHEAD])
-    if not (single and double):
+    untimely = [_rows(tokenizer, sentence) for sentence in found.untimely]
+    misses = [
+        tokens
+        for tokens in (*untimely, *(_rows(tokenizer, sentence) for sentence in found.near_misses))
+        if np.sum(tokens == GROUP_TOKEN) <= MOST_GROUPS
+        and len(tokens) <= MOST_TOKENS
+        and not is_reserved(tokens.tolist())
+    ]
+    # The splitter has to pass the second step's beginning.
+    width = MOST_TOKENS + AHEAD
+    unsplit = [
+        tokens[:width] for tokens in untimely if np.sum(tokens == GROUP_TOKEN) > GROUPS_PER_STEP
+    ]
+    if not (misses and unsplit):
         raise TrainingError("too few near misses: make more with 'harness sentences'")
-    return NearMisses(*_padded(single, MOST_TOKENS)), Untimely(
-        *_padded(double, MOST_TOKENS + AHEAD)
-    )
+    return NearMisses(*_padded(misses, MOST_TOKENS)), Unsplit(*_padded(unsplit, width))
+
+
+def _rows(tokenizer: Tokenizer, sentence: str) -> np.ndarray:
+    return np.array(tokenizer.rows(tokenizer(sentence)), np.int32)
 
 
 def _padded(rows: Sequence[np.ndarray], width: int) -> tuple[Array, Array]:
@@ -235,7 +239,10 @@ class Lesson:
     domain: Domain
     """That of the model, with everyday wording."""
     data: TrainingSet
-    misses: list[str]
+    camera: Camera
+    """That of the first demonstration; all have the same."""
+    told: Told
+    """The sentences about them, and near misses."""
 
     @classmethod
     def read(cls, base: ModelFile, episodes: Path, sentences: Path, wording: Path) -> Lesson:
@@ -243,13 +250,13 @@ class Lesson:
         domain = with_dictionary(with_everyday(base.domain, wording))
         found = read_told(sentences, episodes)
         with Demonstrations(episodes) as demonstrations:
-            shown = training_set(demonstrations)
+            shown, camera = training_set(demonstrations), demonstrations.camera(0)
         data = told(shown, domain, found.sentences, found.episodes)
-        return cls(base, domain, data, found.near_misses)
+        return cls(base, domain, data, camera, found)
 
     def untaught(self, seed: int) -> Model:
         """The model with random embeddings for the words that are new to it, and an acceptability
-        that knows nothing."""
+        and a relation decoder that know nothing."""
         fresh = Model(Dimensions.of(self.domain), jax.random.key(seed))
         base, row = self.base.model, {word: n for n, word in enumerate(self.domain.vocabulary())}
         known = jnp.array([row[word] for word in self.base.domain.vocabulary()])
@@ -263,8 +270,15 @@ class Lesson:
             for new, old in zip(embeddings(fresh), embeddings(base), strict=True)
         ]
         judge = Acceptability(jax.random.key(seed), ODDS)
+        relations = without_relations(len(self.domain.actions), ODDS)
         return eqx.tree_at(
-            lambda model: (*embeddings(model), model.language.acceptability), base, (*grown, judge)
+            lambda model: (
+                *embeddings(model),
+                model.language.acceptability,
+                model.language.relation_decoder,
+            ),
+            base,
+            (*grown, judge, relations),
         )
 
 
@@ -281,15 +295,14 @@ def teach(
     run = json_text([asdict(config), seed, lesson.data.hash(), lesson.domain.as_json()])
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or TrainingProgress()
-    steps = told_steps(model, lesson.data, config.training, np.random.default_rng(seed))
-    misses, untimely = near_misses(Tokenizer(lesson.domain), lesson.misses)
+    rng = np.random.default_rng(seed)
+    steps = told_steps(model, lesson.data, config.training, lesson.camera, rng)
+    misses, unsplit = near_misses(Tokenizer(lesson.domain), lesson.told)
     say(
         f"{len(lesson.data)} sentences, {len(steps.length)} steps explained by their final scenes, "
-        f"{len(misses.length)} near misses and {len(untimely.length)} in an impossible order"
+        f"{len(misses.length)} near misses, {len(unsplit.length)} in an impossible order"
     )
-    fit = Fit(
-        wording_stage(config, steps, misses, untimely), PARSER + ACCEPTABILITY + SPLITTER, seed, 0
-    )
+    fit = Fit(wording_stage(config, steps, misses, unsplit), PARSER + FURTHER + SPLITTER, seed, 0)
     state = fit.start(model)
     if progress.epoch > 0:
         state = checkpoints.state(state)
@@ -310,18 +323,41 @@ def teach(
     return state.model
 
 
+def plain_actions(
+    model: Model, validation: Lesson, config: WordingConfig
+) -> tuple[np.ndarray, np.ndarray]:
+    """Logits of the actions of told steps without relations, and the actions that explain them."""
+    rng = np.random.default_rng(0)
+    steps = told_steps(model, validation.data, config.training, validation.camera, rng)
+    actions = model.language.action_decoder.weight.shape[0]
+    programs = np.unpackbits(np.asarray(steps.programs), axis=1)
+    # The first two structures are the plain ones.
+    plain = programs[:, : 2 * actions].reshape(-1, 2, actions).max(axis=1)
+    chosen = np.flatnonzero(plain.sum(axis=1) == 1)
+
+    @eqx.filter_jit
+    def logits(model: Model, tokens: Array, length: Array) -> Array:
+        def one(tokens: Array, length: Array) -> Array:
+            return model.language.parse(tokens, jnp.arange(MOST_TOKENS) < length).action
+
+        return jax.vmap(one)(tokens, length)
+
+    found = logits(model, steps.tokens[chosen], steps.length[chosen])
+    return np.asarray(found), plain[chosen].argmax(axis=1)
+
+
 def fitted(
-    lesson: Lesson, model: Model, validation: TrainingSet, config: WordingConfig, seed: int
+    lesson: Lesson, model: Model, validation: Lesson, config: WordingConfig, seed: int
 ) -> ModelFile:
     """The model file, with the certainty of actions fitted to told validation demonstrations."""
-    certainty = calibrate.fit_certainty(model, validation)
+    certainty = calibrate.certainty_of(*plain_actions(model, validation, config))
     model = calibrate.with_certainty(model, certainty)
     training = {
         **lesson.base.training,
         NAME: {
             "seed": seed,
             "sentences": len(lesson.data),
-            "near_misses": len(lesson.misses),
+            "near_misses": len(lesson.told.near_misses) + len(lesson.told.untimely),
             "data_hash": lesson.data.hash(),
             "stage": asdict(config.stage),
         },

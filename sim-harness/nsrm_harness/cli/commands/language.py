@@ -26,6 +26,13 @@ from nsrm_harness.cli.commands.options import seed_option
     help="Episode file with sentences and programs; may be repeated.",
 )
 @click.option(
+    "--relations",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="Episode file, best with stacks, about which sentences with relations in descriptions are "
+    "said; may be repeated.",
+)
+@click.option(
     "--sentences",
     "lists",
     type=click.Path(path_type=Path),
@@ -45,6 +52,7 @@ from nsrm_harness.cli.commands.options import seed_option
 def command(
     models: Sequence[Path],
     data: Sequence[Path],
+    relations: Sequence[Path],
     lists: Sequence[Path],
     near_misses: int,
     out: Path | None,
@@ -54,6 +62,7 @@ def command(
     from nsrm_harness import domain as domains
     from nsrm_harness.evaluation import language
     from nsrm_harness.evaluation.metrics import domain_of, load_model
+    from nsrm_harness.evaluation.relations import measure_relations
 
     rows: list[tuple[int, language.Counted]] = []
     for path in models or (None,):
@@ -63,6 +72,8 @@ def command(
         own: list[language.Counted] = []
         for file in data:
             own += language.measure_episodes(model, file, seed)
+        for file in relations:
+            own += measure_relations(model, file, seed)
         domain = domain_of(model, domains.load())
         if near_misses > 0 and domain.everyday is not None:
             own.append(language.measure_near_misses(model, domain, near_misses, seed))

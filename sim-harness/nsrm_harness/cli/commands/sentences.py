@@ -58,7 +58,8 @@ def command(
     path = out or episodes.with_suffix(".jsonl")
     told = tell(domain, episodes, count, near_misses, seed)
     write_told(path, episodes, told)
+    misses = len(told.near_misses) + len(told.untimely)
     click.echo(
         f"{path}: {len(told.sentences)} sentences about {len(set(told.episodes))} demonstrations, "
-        f"{len(told.near_misses)} near misses, {len(domain.vocabulary()) - 1} words"
+        f"{misses} near misses, {len(domain.vocabulary()) - 1} words"
     )

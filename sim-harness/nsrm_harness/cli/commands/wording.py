@@ -85,7 +85,7 @@ def command(
         sys.exit(130)
     heard = Lesson.read(base, validation, validation.with_suffix(".jsonl"), wording)
     path = out / "model.safetensors"
-    write_model(path, fitted(lesson, model, heard.data, config, seed))
+    write_model(path, fitted(lesson, model, heard, config, seed))
     metrics = evaluate(load_model(path), test)
     write_metrics(path, metrics.as_json())
     click.echo(metrics)

@@ -17,7 +17,7 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.tokens import split
-from nsrm_harness.evaluation.refusals.spoiler import KINDS, OF_ORDER_WORDS, Situation, Spoiler
+from nsrm_harness.evaluation.refusals.spoiler import KINDS, Situation, Spoiler, must_refuse
 
 #: Sets of sentences; each takes its scenes from the episode file of the same name.
 SETS = ("validation", "test")
@@ -52,7 +52,7 @@ def make_items(
     return [
         item
         for number, kind in enumerate(KINDS)
-        if domain.grammar.order_words or kind not in OF_ORDER_WORDS
+        if must_refuse(domain, kind)
         for item in _items_of(
             kind, domain, situations, which, count, generator(seed, f"refusals_{which}", number)
         )

@@ -487,3 +487,16 @@ KINDS: dict[str, Callable[[Spoiler, Situation], Spoilt | None]] = {
 
 #: Kinds that need a domain with order words.
 OF_ORDER_WORDS = (Spoiler.ordinal.__name__, Spoiler.order_of_time.__name__)
+#: Kinds that mean something in a domain whose descriptions have relations.
+OF_PLAIN_DESCRIPTIONS = (
+    Spoiler.relation_in_description.__name__,
+    Spoiler.relation_behind_description.__name__,
+)
+
+
+def must_refuse(domain: Domain, kind: str) -> bool:
+    """Whether a domain has this kind of sentences that must be refused."""
+    if kind in OF_ORDER_WORDS:
+        return bool(domain.grammar.order_words)
+    has_relations = domain.everyday is not None and bool(domain.everyday.states())
+    return not (has_relations and kind in OF_PLAIN_DESCRIPTIONS)

@@ -9,6 +9,7 @@ import nsrm
 import numpy as np
 from PIL import Image
 
+from nsrm_harness.common.json_text import json_text
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import StepTruth
 from nsrm_harness.evaluation.metrics import JudgedPlans, judge_episodes
@@ -64,8 +65,9 @@ def _difference(planned: nsrm.PlannedStep, meant: StepTruth) -> str:
         ("object", planned.object, meant.step.object),
         ("reference", planned.reference, meant.step.reference),
     ):
-        if sorted(own) != sorted(true):
-            return f"the {what} is understood as {' '.join(own)} instead of {' '.join(true)}"
+        if isinstance(own, dict) or sorted(own) != sorted(true):
+            understood = json_text(own) if isinstance(own, dict) else " ".join(own)
+            return f"the {what} is understood as {understood} instead of {' '.join(true)}"
     return ""
 
 

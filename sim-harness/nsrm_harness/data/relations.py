@@ -1,0 +1,128 @@
+"""Describes blocks by where they stand, as a person who sees the scene would: "the red block left
+of the yellow one".
+
+An action's relation holds between two blocks if the one is in the direction in which the action
+would put it, seen from the other. A description is only used if it clearly holds for its block and
+clearly for no other one.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from nsrm_harness.data.ground_truth import Truth
+from nsrm_harness.data.moves import Move, target
+from nsrm_harness.data.programs import Descriptions, unique_descriptions
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.everyday import everyday_of
+from nsrm_harness.domain.program import Relation
+from nsrm_harness.simulation.blocks import block_from_attributes
+
+#: A relation clearly holds up to this angle between the two directions, and clearly does not from
+#: the other one on, as cosines.
+HOLDS, DOES_NOT = float(np.cos(np.radians(35.0))), float(np.cos(np.radians(65.0)))
+#: Largest number of attribute values in a description.
+MOST_VALUES = 2
+
+
+@dataclass(frozen=True)
+class Described:
+    """A description with relations."""
+
+    concepts: tuple[str, ...]
+    relations: tuple[Relation, ...]
+
+
+class RelatedDescriptions:
+    """The descriptions with relations of the blocks in an episode's initial scene."""
+
+    def __init__(self, domain: Domain, truth: Truth) -> None:
+        self._blocks = [block_from_attributes(domain, values) for values in truth.attributes]
+        self._poses = truth.initial_poses
+        unique = unique_descriptions(domain, self._blocks, Descriptions(1, MOST_VALUES))
+        self._plain = [list(kinds.values()) for kinds in unique]
+        self._cosines = {
+            name: self._cosine(Move(domain.action(name), 0, 0))
+            for name in everyday_of(domain).states()
+        }
+
+    def _cosine(self, move: Move) -> np.ndarray:
+        """How far each block is in the action's direction from each other one, `[n, n]`."""
+        places = np.array([pose.position for pose in self._poses])
+        count = len(places)
+        found = np.full((count, count), -1.0)
+        for block, other in itertools.permutations(range(count), 2):
+            goal = target(Move(move.action, block, other), self._blocks, self._poses)
+            put, stands = np.array(goal.position) - places[other], places[block] - places[other]
+            found[block, other] = put @ stands / np.linalg.norm(put) / np.linalg.norm(stands)
+        return found
+
+    def of(self, block: int, links: int) -> list[Described]:
+        """All descriptions of a block with so many relations, one or two."""
+        if links == 1:
+            return list(self._related(block, self._kinds(block), self._plain_anchors()))
+        anchors = [
+            [Described(*parts) for parts in self._anchors(other)]
+            for other in range(len(self._blocks))
+        ]
+        return list(self._related(block, self._kinds(block), anchors))
+
+    def _anchors(self, block: int) -> Iterator[tuple[tuple[str, ...], tuple[Relation, ...]]]:
+        """Descriptions with values and one relation."""
+        kinds = [kind for kind in self._kinds(block) if kind]
+        for found in self._related(block, kinds, self._plain_anchors()):
+            yield found.concepts, found.relations
+
+    def _plain_anchors(self) -> list[list[Described]]:
+        return [[Described(values, ()) for values in plain] for plain in self._plain]
+
+    def _kinds(self, block: int) -> list[tuple[str, ...]]:
+        """The sets of a block's values, and none."""
+        values = tuple(self._blocks[block].values.values())
+        return [
+            kind for size in range(MOST_VALUES + 1) for kind in itertools.combinations(values, size)
+        ]
+
+    def _related(
+        self, block: int, kinds: list[tuple[str, ...]], anchors: list[list[Described]]
+    ) -> Iterator[Described]:
+        for name, cosines in self._cosines.items():
+            for other, described in enumerate(anchors):
+                if not described or cosines[block, other] < HOLDS:
+                    continue
+                rivals = [
+                    set(self._blocks[index].values.values())
+                    for index in np.flatnonzero(cosines[:, other] > DOES_NOT)
+                    if index != block
+                ]
+                for kind in kinds:
+                    if not any(set(kind) <= values for values in rivals):
+                        for anchor in described:
+                            relation = Relation(name, anchor.concepts)
+                            yield Described(kind, (relation, *anchor.relations))
+
+    def misleading(self) -> list[Described]:
+        """Descriptions with one relation that hold for no block, or clearly for several."""
+        found: list[Described] = []
+        every = [set(block.values.values()) for block in self._blocks]
+        for name, cosines in self._cosines.items():
+            for other, described in enumerate(self._plain_anchors()):
+                for kind in sorted(
+                    {kind for block in range(len(every)) for kind in self._kinds(block)}
+                ):
+                    fitting = [
+                        cosines[block, other]
+                        for block, values in enumerate(every)
+                        if block != other and set(kind) <= values
+                    ]
+                    none = all(cosine < DOES_NOT for cosine in fitting)
+                    if none or sum(cosine > HOLDS for cosine in fitting) > 1:
+                        found += [
+                            Described(kind, (Relation(name, anchor.concepts),))
+                            for anchor in described
+                        ]
+        return found

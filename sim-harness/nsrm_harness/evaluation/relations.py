@@ -1,0 +1,102 @@
+"""Measures how sentences with relations in descriptions are understood and grounded, through the
+core.
+
+They are about episodes of one step, and best about scenes in which blocks stand on each other. A
+sentence is right if its program is the one that was meant; in its scene, if the plan moves the
+right block to the right other one. Descriptions that hold for no block of the scene or for several
+must be refused there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import nsrm
+
+from nsrm_harness.data.file import Demonstrations
+from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.data.seeds import generator
+from nsrm_harness.data.tell import misleading_programs, related_programs
+from nsrm_harness.domain.everyday import Speaker
+from nsrm_harness.domain.program import Program
+from nsrm_harness.evaluation.language import Counted, count, say, understand
+from nsrm_harness.evaluation.metrics import check_domain, domain_of
+from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
+
+TIMES = 3
+"""Number of sentences of each kind about an episode."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """A sentence about an episode."""
+
+    episode: int
+    program: Program
+    #: Ids of the block to be moved and of the other one; None if it must be refused.
+    blocks: tuple[int, int] | None
+
+
+def measure_relations(
+    model: nsrm.Model, path: Path, seed: int, quiet: bool = False
+) -> list[Counted]:
+    """Sentences about the episodes of one step of a file."""
+    with Demonstrations(path) as demonstrations, GroundTruth(path) as judge:
+        check_domain(model, demonstrations)
+        domain = domain_of(model, demonstrations.domain)
+        if domain.everyday is None or not domain.everyday.states():
+            return []
+        told: list[Said] = []
+        misleading: list[Said] = []
+        for index in range(len(judge)):
+            truth, rng = judge.truth(index), generator(seed, "related", index)
+            for program in related_programs(domain, truth, rng, TIMES):
+                (step,) = truth.steps
+                told.append(Said(index, program, (step.object_id, step.reference_id)))
+            for program in misleading_programs(domain, truth, rng, TIMES):
+                misleading.append(Said(index, program, None))
+        rows = [
+            count(f"relations{ending}", understand(model, sentences))
+            for ending, sentences in say(domain, [each.program for each in told], seed).items()
+        ]
+        for name, chosen in (("in scenes", told), ("of none or several", misleading)):
+            words = [
+                " ".join(Speaker(domain, generator(seed, "told", number)).sentence(each.program))
+                for number, each in enumerate(chosen)
+            ]
+            rows.append(_grounded(model, demonstrations, f"relations {name}", chosen, words, quiet))
+        return rows
+
+
+def _grounded(
+    model: nsrm.Model,
+    demonstrations: Demonstrations,
+    name: str,
+    told: Sequence[Said],
+    sentences: Sequence[str],
+    quiet: bool,
+) -> Counted:
+    """How the sentences are planned in their scenes."""
+    right = refused = 0
+    by_episode: dict[int, list[int]] = {}
+    for number, each in enumerate(told):
+        by_episode.setdefault(each.episode, []).append(number)
+    for chunk in chunks(demonstrations, name, quiet):
+        numbers: list[int] = []
+        observed: list[nsrm.Observed] = []
+        for index in chunk:
+            own = by_episode.get(index, [])
+            if own:
+                objects = objects_of(demonstrations, index, "mask")
+                numbers += own
+                observed += [observe_episode(demonstrations, index, objects)] * len(own)
+        plans = model.plan_all(observed, [sentences[number] for number in numbers])
+        for number, plan in zip(numbers, plans, strict=True):
+            if isinstance(plan, nsrm.Refused):
+                refused += 1
+            else:
+                blocks = [(step.object_id, step.reference_id) for step in plan.steps]
+                right += blocks == [told[number].blocks]
+    return Counted(name, len(told), right, refused, len(told) - right - refused)

@@ -1,0 +1,159 @@
+"""How the concept groups of a step may be put together to two descriptions.
+
+A group's values either describe an argument, or with a relation the object described before it, or
+in place of an object without values what that is related to: "the block left of the red one". The
+relations are those that actions bring about.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import product
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from nsrm_harness.geometry.camera import Camera
+from nsrm_harness.learning.calibrate import terms
+from nsrm_harness.learning.dataset import GROUPS_PER_STEP
+from nsrm_harness.learning.model import MATCH_SCORE, MISSING, Heard, Model
+
+MOST_GROUPS = 4
+"""Largest number of groups of a step that is learned from."""
+MOST_RELATIONS = 2
+"""Largest number of relations in a description, `nsrm_core::MAX_RELATIONS`."""
+CLEAR = 0.766
+"""Least cosine at which a relation clearly holds, `nsrm_core::relation::RELATION_CLEAR`."""
+LEAST_LENGTH = 1e-9
+"""Square metres below which a product of two distances is no direction."""
+PLAIN = 0
+"""The role of a group that describes an argument. Role `1 + k` restricts the description before it
+by relation k; role `1 + A + k` stands for an object without values, by what that is related to."""
+
+
+Table = Any
+"""An array of NumPy or of JAX."""
+
+
+class Structures(NamedTuple):
+    """S ways to put at most `MOST_GROUPS` groups together."""
+
+    count: Table
+    """Number of groups, `[S]`."""
+    roles: Table
+    """Role of each group, `[S, G]`; `PLAIN` behind the last."""
+    moved: Table
+    """Index of the group with which the description of the object to be moved begins, `[S]`."""
+    reference: Table
+    """The same of the reference."""
+
+
+@lru_cache
+def structures(actions: int) -> Structures:
+    """All structures for a domain with so many actions; the first two are those of plain steps,
+    with the object to be moved in front and with the reference in front."""
+    found: list[tuple[int, list[int], int, int]] = []
+    for count in range(GROUPS_PER_STEP, MOST_GROUPS + 1):
+        for roles in product(range(1 + 2 * actions), repeat=count):
+            heads = [at for at, role in enumerate(roles) if not _restricts(role, actions)]
+            if len(heads) != 2 or heads[0] != 0 or not _short_enough(roles, heads, actions):
+                continue
+            padded = [*roles, *(MOST_GROUPS - count) * [PLAIN]]
+            first, second = heads
+            found += [(count, padded, first, second), (count, padded, second, first)]
+    counts, roles, moved, reference = zip(*found, strict=True)
+    return Structures(np.array(counts), np.array(roles), np.array(moved), np.array(reference))
+
+
+def _restricts(role: int, actions: int) -> bool:
+    return 1 <= role <= actions
+
+
+def _short_enough(roles: tuple[int, ...], heads: list[int], actions: int) -> bool:
+    ends = [heads[1], len(roles)]
+    return all(
+        end - head - (roles[head] == PLAIN) <= MOST_RELATIONS
+        for head, end in zip(heads, ends, strict=True)
+    )
+
+
+def related(model: Model, locations: Array, camera: Camera) -> Array:
+    """`Relate`: how far each object is in the direction in which each action would put it, seen
+    from each other one. Locations `[M, 5]` -> cosines `[A, M, M]`; -1 with itself."""
+    every = jnp.eye(model.language.action_decoder.weight.shape[0])
+    over_others = jax.vmap(model.action.simulator, (None, None, 0))
+    over_objects = jax.vmap(over_others, (None, 0, None))
+    put = jax.vmap(over_objects, (0, None, None))(every, locations, locations)
+    center, goal = (terms(each, camera, jnp) @ model.camera.weight.T for each in (locations, put))
+    stands, goal = center[:, None] - center[None], goal - center[None, None]
+    lengths = jnp.linalg.norm(stands, axis=-1) * jnp.linalg.norm(goal, axis=-1)
+    cosines = jnp.sum(stands * goal, axis=-1) / jnp.maximum(lengths, LEAST_LENGTH)
+    return jnp.where(jnp.eye(len(locations), dtype=bool), -1.0, cosines)
+
+
+def referents(
+    structure: Structures, matches: Array, cosines: Array, present: Array
+) -> tuple[Array, Array]:
+    """The objects that the two descriptions of one structure refer to; -1 for none or several.
+
+    * `matches` `[G, M]`: whether each object fits the values of each group
+    * `cosines` `[A, M, M]`: see `related`
+    """
+    count, roles, moved, reference = structure
+    actions, size = cosines.shape[:2]
+    maybe, clearly = cosines >= MATCH_SCORE, cosines >= CLEAR
+
+    def only(fits: Array, clear: Array) -> Array:
+        """The only object that fits, if it does so clearly."""
+        at = jnp.argmax(fits)
+        return jnp.where((fits.sum() == 1) & clear[at], at, -1)
+
+    everywhere = jnp.ones(size, bool)
+    pending, anchor = jnp.array(-1), jnp.array(-1)
+    meant = jnp.full(MOST_GROUPS, -1)
+    for group in reversed(range(MOST_GROUPS)):
+        role = roles[group]
+
+        def by(relation: Array, other: Array) -> tuple[Array, Array]:
+            known = other >= 0
+            return maybe[relation, :, other] & known, clearly[relation, :, other] & known
+
+        fits, clear = by(pending, anchor)
+        fits = jnp.where(pending >= 0, fits, everywhere) & matches[group] & present
+        own = only(fits, jnp.where(pending >= 0, clear, everywhere))
+        stands = (role - 1) // actions == 1
+        fits, clear = by((role - 1) % actions, own)
+        other = only(fits & present, clear)
+        used = group < count
+        restricts = (role >= 1) & ~stands
+        meant = meant.at[group].set(jnp.where(stands, other, own))
+        pending = jnp.where(used & restricts, (role - 1) % actions, -1)
+        anchor = jnp.where(used & restricts, own, -1)
+    return meant[moved], meant[reference]
+
+
+def explaining_log_probability(heard: Heard, places: Array, programs: Array) -> Array:
+    """Log probability that a step means one of the programs that explain its final scene.
+
+    * `places` `[G]`: index of each group token
+    * `programs` `[⌈S·A / 8⌉]`: bits; see `explain`
+    """
+    parse, roles = heard.parse, heard.roles[places]
+    actions = len(parse.action)
+    table = structures(actions)
+    role = jnp.arange(roles.shape[1])
+    # Before the first group there is no description.
+    roles = roles.at[0].set(jnp.where((role >= 1) & (role <= actions), MISSING, roles[0]))
+    chosen = jax.nn.log_softmax(roles)[jnp.arange(MOST_GROUPS), table.roles]
+    used = jnp.arange(MOST_GROUPS) < table.count[:, None]
+    moved, reference = jnp.asarray(table.moved), jnp.asarray(table.reference)
+    objects, references = parse.object[places], parse.reference[places]
+    order = jax.nn.log_sigmoid(objects[moved] - objects[reference])
+    order += jax.nn.log_sigmoid(references[reference] - references[moved])
+    structure = jnp.where(used, chosen, 0.0).sum(axis=1) + order
+    every = structure[:, None] + jax.nn.log_softmax(parse.action)
+    explains = jnp.unpackbits(programs)[: every.size].reshape(every.shape)
+    return jax.nn.logsumexp(jnp.where(explains, every, MISSING))
