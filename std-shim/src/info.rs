@@ -120,7 +120,13 @@ pub fn info_text(any: &AnyModel) -> String {
     }
     let actions: Vec<&str> = model.actions.iter().map(|action| action.name).collect();
     line("actions", actions.join(", "));
-    line("relations", relations(&model).join(", "));
+    let relations = relations(&model);
+    let relations = if relations.is_empty() {
+        "none".into()
+    } else {
+        relations.join(", ")
+    };
+    line("relations", relations);
     let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
     line("words", words.join(" "));
     line("dimensions", pairs(&DIMENSIONS));
