@@ -24,4 +24,4 @@ def test_size_alignment_and_every_offset_are_rusts(message: Any) -> None:
 
 
 def test_there_are_messages() -> None:
-    assert len(CLASSES) == 11
+    assert len(CLASSES) == 12

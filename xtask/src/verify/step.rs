@@ -6,6 +6,10 @@ use std::process::Command;
 
 use super::count::Runner;
 
+/// How much a step that yields lowers its priority: it gets a third of what another process does,
+/// so that it ends with them.
+const BACKGROUND_NICE: &str = "5";
+
 /// A command that a check runs in the root of the checkout.
 pub(super) struct Step {
     pub(super) program: PathBuf,
@@ -83,7 +87,7 @@ impl Step {
     pub(super) fn command(&self) -> Command {
         let mut command = if self.yields {
             let mut nice = Command::new("nice");
-            nice.arg(&self.program);
+            nice.args(["-n", BACKGROUND_NICE]).arg(&self.program);
             nice
         } else {
             Command::new(&self.program)
