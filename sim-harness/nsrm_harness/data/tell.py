@@ -3,6 +3,8 @@ misses."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +15,14 @@ from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.told import Told
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker, everyday_of
+from nsrm_harness.domain.everyday import Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Grammar
-from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.program import Program, Relation, Step
 
 #: Number of sentences of which one is plain.
 PLAIN = 3
-#: Number of sentences about a single step of which one describes an object by its relations, if the
-#: domain has any.
+#: Number of sentences about a single step, plain or not, of which one describes an object by its
+#: relations, if the domain has any.
 RELATED = 2
 #: Share of descriptions with two relations among those with any.
 CHAINED = 0.15
@@ -40,17 +42,68 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
             rng = generator(seed, "told", number)
             truth = judge.truth(number)
             speaker = Speaker(domain, rng)
-            programs = [truth.program] * (count - plain)
-            related = related_programs(domain, truth, rng, len(programs) // RELATED)
-            programs[: len(related)] = related
-            told.sentences.extend(grammar.sentence(rng, truth.program).text for _ in range(plain))
-            told.sentences.extend(" ".join(speaker.sentence(program)) for program in programs)
+            programs = [truth.program] * count
+            # Every `RELATED`th of the plain ones and of the others.
+            related = related_programs(domain, truth, rng, count // RELATED)
+            programs[: len(related) * RELATED : RELATED] = related
+            for index, program in enumerate(programs):
+                if index < plain:
+                    words = plain_words(domain, grammar, rng, program)
+                    told.sentences.append(grammar.spell(rng, words))
+                else:
+                    told.sentences.append(" ".join(speaker.sentence(program)))
             told.episodes.extend([number] * count)
     misses = NearMisses(domain, generator(seed, "near_misses", 0))
     for _ in range(near_misses):
         miss = misses.draw()
         (told.untimely if miss.is_untimely else told.near_misses).append(miss.sentence)
     return told
+
+
+def plain_words(
+    domain: Domain, grammar: Grammar, rng: np.random.Generator, program: Program
+) -> list[str]:
+    """A program in the grammar that a model is first trained on, in which descriptions have
+    relations, too: "put the block left of the red block on the blue block"."""
+    words: list[str] = []
+    for step, command in zip(program, grammar.commands(rng, program), strict=True):
+        fields = dict(command.fields)
+        for argument, concepts, relations in (
+            ("moved", step.object, step.object_relations),
+            ("reference", step.reference, step.reference_relations),
+        ):
+            if relations:
+                fields[argument] = _plain_description(domain, grammar, rng, concepts, relations)
+        words += replace(command, fields=fields).words()
+    return words
+
+
+def _plain_description(
+    domain: Domain,
+    grammar: Grammar,
+    rng: np.random.Generator,
+    concepts: Sequence[str],
+    relations: Sequence[Relation],
+) -> str:
+    if not concepts:
+        nouns = domain.grammar.nouns
+        parts = [f"the {nouns[int(rng.integers(len(nouns)))]}"]
+    else:
+        parts = [grammar.description(rng, concepts)]
+    for relation in relations:
+        phrases = _state_phrases(domain, relation.action)
+        parts.append(phrases[int(rng.integers(len(phrases)))])
+        parts.append(grammar.description(rng, relation.to))
+    return " ".join(parts)
+
+
+def _state_phrases(domain: Domain, action: str) -> list[str]:
+    """The phrases of an action that also say what it brings about: "on", but not "onto"."""
+    words = everyday_of(domain)
+    state = words.states()[action]
+    texts = {filled_in(text, state) for text in words.rules[state["state"]]}
+    phrases = domain.action(action).phrases
+    return [phrase for phrase in phrases if f"{phrase} {{reference}}" in texts]
 
 
 def related_programs(
