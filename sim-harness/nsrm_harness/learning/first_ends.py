@@ -9,7 +9,7 @@ from itertools import dropwhile, pairwise
 
 import numpy as np
 
-from nsrm_harness.learning.dataset import GROUPS_PER_STEP, Sentences
+from nsrm_harness.learning.dataset import Sentences
 from nsrm_harness.learning.model import GROUP_TOKEN
 
 ROUNDS = 3
@@ -20,8 +20,10 @@ LEAST_BEGUN = 0.002
 """Smallest share of second steps that begin with a word."""
 
 
-def first_ends(sentences: Sentences) -> np.ndarray:
+def first_ends(sentences: Sentences, double: np.ndarray) -> np.ndarray:
     """The number of tokens of the first step of each sentence; of one step, all of them. `[N]`
+
+    * `double`: indices of the sentences with two steps, each of two descriptions
 
     It is the longest end that some sentence has and behind which a word stands with which steps
     begin: "…, on its right" is an end, and ", on the right" of ", on the right of the blue block
@@ -29,7 +31,9 @@ def first_ends(sentences: Sentences) -> np.ndarray:
     most likely divisions of what stands between two: into an end, and words in pairs that are
     frequent in the divisions found before.
     """
-    found = sentences.usual_ends() + 1
+    found = sentences.length.copy()
+    found[double] = sentences.usual_ends()[double] + 1
+    numbers: list[int] = double.tolist()
     rows = [
         tuple(row[:length].tolist())
         for row, length in zip(sentences.tokens, sentences.length, strict=True)
@@ -43,16 +47,15 @@ def first_ends(sentences: Sentences) -> np.ndarray:
         return tuple(dropwhile(alone.__contains__, tail))
 
     ends = Counter(map(bare, tails))
-    double = np.flatnonzero(sentences.group_count == 2 * GROUPS_PER_STEP).tolist()
     for _ in range(ROUNDS):
         pairs: Counter[tuple[int, int]] = Counter()
-        for n in double:
+        for n in numbers:
             pairs.update(pairwise((GROUP_TOKEN, *rows[n][found[n] : places[n][2] + 1])))
         firsts: Counter[int] = Counter()
         for (first, _), count in pairs.items():
             firsts[first] += count
 
-        for n in double:
+        for n in numbers:
             first, behind = places[n][1] + 1, places[n][2]
             likelihood = {
                 at: math.log(ends[bare(rows[n][first:at])])
@@ -62,13 +65,13 @@ def first_ends(sentences: Sentences) -> np.ndarray:
             }
             found[n] = max(likelihood, key=likelihood.__getitem__, default=first)
     # The longest end before a word that steps begin with.
-    begins = Counter(rows[n][found[n]] for n in double)
-    for n in double:
+    begins = Counter(rows[n][found[n]] for n in numbers)
+    for n in numbers:
         first, behind = places[n][1] + 1, places[n][2]
         good = [
             at
             for at in range(first, behind + 1)
-            if bare(rows[n][first:at]) in ends and begins[rows[n][at]] > LEAST_BEGUN * len(double)
+            if bare(rows[n][first:at]) in ends and begins[rows[n][at]] > LEAST_BEGUN * len(numbers)
         ]
         found[n] = max(good, default=int(found[n]))
     return found

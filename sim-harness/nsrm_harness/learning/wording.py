@@ -126,8 +126,9 @@ def told_steps(
     than any demonstration.
     """
     found = explain(model, data, config, camera)
-    s, ends = data.sentences, first_ends(data.sentences)
-    double = set(found.sentence[found.step == 1].tolist())
+    s, second = data.sentences, found.sentence[found.step == 1]
+    # Not those of one step that describe four objects.
+    ends, double = first_ends(s, second), set(second.tolist())
     rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
     later: list[np.ndarray] = []
     for index, number, programs in zip(*found, strict=True):
