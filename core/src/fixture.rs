@@ -12,6 +12,7 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use crate::camera::Camera;
+use crate::dsl::Filters;
 use crate::model::*;
 use crate::nn::{Conv, Gru, Linear};
 use crate::scene::{ObservedObject, RawScene, Scene};
@@ -355,4 +356,13 @@ pub(crate) fn scene(model: &Model<'_>) -> Scene {
         object(13, RED, LEGO, 0.75, 0.75),
     ];
     Scene::new(raw_scene(model, &objects), model).unwrap()
+}
+
+/// The filters of one group.
+pub(crate) fn filters(concepts: &[u8]) -> Filters {
+    let mut filters = Filters::new();
+    for &concept in concepts {
+        filters.push(concept).expect("a place");
+    }
+    filters
 }

@@ -320,27 +320,14 @@ impl Context<'_> {
 /// How far planning has come: refusals that ask about words, then about objects, in their order,
 /// anchors before what is related to them; `None`, before all of them, for other refusals.
 fn place(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Option<(u8, u16, u8, usize)> {
-    match refusal {
-        Refusal::UnknownWord { span } => Some((0, span.start, 0, 0)),
-        Refusal::Ambiguous {
-            step,
-            argument,
-            description,
-            ..
-        }
-        | Refusal::NoSuchObject {
-            step,
-            argument,
-            description,
-            ..
-        } => {
-            let parsed = Planner::new(model).parse(sentence).ok()?;
-            let symbols = parsed.program().steps().get(usize::from(*step))?;
-            let level = described::level(symbols.description(*argument), description)?;
-            let is_reference = *argument == Argument::Reference;
-            let outwards = MAX_RELATIONS.checked_sub(level)?;
-            Some((1, u16::from(*step), u8::from(is_reference), outwards))
-        }
-        _ => None,
+    if let Refusal::UnknownWord { span } = refusal {
+        return Some((0, span.start, 0, 0));
     }
+    let (step, argument, description) = described::refused(refusal)?;
+    let parsed = Planner::new(model).parse(sentence).ok()?;
+    let symbols = parsed.program().steps().get(usize::from(step))?;
+    let level = described::level(symbols.description(argument), description)?;
+    let is_reference = argument == Argument::Reference;
+    let outwards = MAX_RELATIONS.checked_sub(level)?;
+    Some((1, u16::from(step), u8::from(is_reference), outwards))
 }

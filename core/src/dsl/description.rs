@@ -170,15 +170,7 @@ mod tests {
     use std::string::ToString;
 
     use super::*;
-    use crate::fixture;
-
-    fn filters(concepts: &[u8]) -> Filters {
-        let mut filters = Filters::new();
-        for &concept in concepts {
-            filters.push(concept).unwrap();
-        }
-        filters
-    }
+    use crate::fixture::{self, filters};
 
     /// With relations to the right of, and then on, objects of these concepts.
     fn chain(own: &[u8], anchors: &[&[u8]]) -> Description {

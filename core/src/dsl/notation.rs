@@ -124,15 +124,7 @@ mod tests {
 
     use super::super::Relation;
     use super::*;
-    use crate::fixture;
-
-    fn filters(concepts: &[u8]) -> Filters {
-        let mut filters = Filters::new();
-        for &concept in concepts {
-            filters.push(concept).unwrap();
-        }
-        filters
-    }
+    use crate::fixture::{self, filters};
 
     fn step(object: Description) -> Step {
         Step {

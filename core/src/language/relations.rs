@@ -140,7 +140,7 @@ impl Roles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture;
+    use crate::fixture::{self, filters};
 
     #[test]
     fn a_role_is_the_greatest_logit_and_the_first_group_restricts_nothing() {
@@ -185,14 +185,8 @@ mod tests {
         );
     }
 
-    fn filters(concept: u8) -> Filters {
-        let mut filters = Filters::new();
-        filters.push(concept).unwrap();
-        filters
-    }
-
     fn described(roles: &Roles, head: usize) -> Option<Description> {
-        let groups: std::vec::Vec<_> = (0..6).map(filters).collect();
+        let groups: std::vec::Vec<_> = (0..6).map(|concept| filters(&[concept])).collect();
         let chain = roles.chain(head).unwrap();
         roles.describe(chain.clone(), groups[chain].iter())
     }
@@ -210,10 +204,10 @@ mod tests {
         assert_eq!(roles.chain(2), None);
         let relation = |action, concept| Relation {
             action,
-            to: filters(concept),
+            to: filters(&[concept]),
         };
         let first = described(&roles, 0).unwrap();
-        assert_eq!(first.filters(), &filters(0));
+        assert_eq!(first.filters(), &filters(&[0]));
         assert_eq!(first.relations(), [relation(1, 1)]);
         let second = described(&roles, 1).unwrap();
         assert_eq!(second.filters(), &Filters::new());

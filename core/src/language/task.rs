@@ -272,22 +272,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             return Ok(Stage::Parsed);
         };
         let tokens = self.reader.tokens();
-        let groups = self.segments.groups(step, tokens).count();
-        let span = self.segments.span(step, tokens);
-        if groups < ARGUMENTS {
-            return Err(Refusal::IncompleteStep {
-                step: step as u8,
-                references: groups as u8,
-                span,
-            });
-        }
-        if groups > MAX_GROUPS {
-            return Err(Refusal::TooManyReferences {
-                step: step as u8,
-                span,
-                limit: MAX_GROUPS as u8,
-            });
-        }
+        self.check_described(step, self.segments.groups(step, tokens).count(), MAX_GROUPS)?;
         let range = self.segments.tokens(step);
         if range.len() > MAX_STEP_TOKENS {
             return Err(Refusal::SentenceTooLong {

@@ -34,7 +34,8 @@ REARRANGED, REFERRING, RELATED = 0.1, 0.1, 0.4
 #: If descriptions may have relations, share of steps with one among those that are changed, and
 #: share of sentences that join more descriptions than a command has.
 DESCRIBED_FURTHER, JOINED = 0.4, 0.25
-#: Largest number of descriptions in the step of a near miss.
+#: Largest number of descriptions in a step that is learned from, a near miss or a command: more
+#: have four times the structures, and hardly anybody says them.
 MOST_GROUPS = 4
 #: Of the wrong relations, share of two at once, of a few random words, of a part of one, and of
 #: some of the words of one; the others have one word more, less or another.
@@ -177,13 +178,13 @@ class NearMisses:
         self._tokenizer = Tokenizer(domain)
         self._recogniser = Recogniser.of(domain)
         self._states = list(words.states())
+        self._vocabulary = domain.vocabulary()[1:]
         # Other words are not known.
         self._joined_texts = [
             text
             for text in JOINED_TEXTS
-            if all(word in domain.vocabulary() for word in text.split() if word[0] != "{")
+            if all(word in self._vocabulary for word in text.split() if word[0] != "{")
         ]
-        self._vocabulary = domain.vocabulary()[1:]
         self._inserted = [name for name in INSERTED if name in words.rules]
         self._parts = [name for name in PARTS if name in words.rules]
         self._who = [word for word in SUBJECTS if word in self._vocabulary]

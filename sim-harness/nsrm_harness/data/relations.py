@@ -109,11 +109,10 @@ class RelatedDescriptions:
         """Descriptions with one relation that hold for no block, or clearly for several."""
         found: list[Described] = []
         every = [set(block.values.values()) for block in self._blocks]
+        kinds = sorted({kind for block in range(len(every)) for kind in self._kinds(block)})
         for name, cosines in self._cosines.items():
             for other, described in enumerate(self._plain_anchors()):
-                for kind in sorted(
-                    {kind for block in range(len(every)) for kind in self._kinds(block)}
-                ):
+                for kind in kinds:
                     fitting = [
                         cosines[block, other]
                         for block, values in enumerate(every)

@@ -80,11 +80,11 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
             some = rows[np.arange(start, start + CHUNK).clip(max=len(rows) - 1)]
             yield some, len(rows) - start
 
-    moves = [
-        np.asarray(_moves(model, scenes(data, some), config))[:count]
-        for some, count in batches(few)
-    ]
-    single = np.concatenate(moves).any(axis=(1, 2, 3))
+    actions, size = model.language.action_decoder.weight.shape[0], data.present.shape[1]
+    moves = np.zeros((len(data), actions, size, size), bool)
+    for some, _ in batches(few):
+        moves[some] = _moves(model, scenes(data, some), config)
+    single = moves[few].any(axis=(1, 2, 3))
     parts: list[Explained] = []
     for number in range(GROUPS_PER_STEP, MOST_GROUPS + 1):
         for some, count in batches(few[single & (counts[few] == number)]):
@@ -93,7 +93,7 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
                 jnp.asarray(groups[some]),
                 jnp.asarray(similarities[some]),
                 scenes(data, some),
-                config,
+                jnp.asarray(moves[some]),
                 camera,
                 number,
             )
@@ -108,7 +108,6 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
             config,
         )
         sure = np.asarray((loss <= config.explained) & (next_loss > loss + MARGIN))[:count]
-        actions = model.language.action_decoder.weight.shape[0]
         steps = np.stack(np.unravel_index(np.asarray(best)[:count], (2 * actions,) * 2), axis=1)
         for number in range(2):
             found = _plain(steps[:, number], actions)
@@ -164,16 +163,18 @@ def _programs(
     groups: Array,
     similarities: Array,
     scene: SceneArrays,
-    config: TrainingConfig,
+    moves: Array,
     camera: Camera,
     count: int,
 ) -> Array:
     """Which of `structures` with which action explain each scene, for steps with `count` groups:
-    `[N, S, A]`."""
+    `[N, S, A]`.
+
+    `moves`: see `_moves`
+    """
     table = structures(model.language.action_decoder.weight.shape[0])
     used = np.flatnonzero(table.count == count)
     every = Structures(*(jnp.asarray(column[used]) for column in table))
-    moves = _moves(model, scene, config)
 
     def one(groups: Array, similarities: Array, scene: SceneArrays, moves: Array) -> Array:
         matches = jax.vmap(filter_scene, (None, 0))(similarities, groups) >= MATCH_SCORE

@@ -15,16 +15,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
+from nsrm import MAX_RELATIONS
 
+from nsrm_harness.data.near_misses import MOST_GROUPS
 from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.learning.calibrate import terms
 from nsrm_harness.learning.dataset import GROUPS_PER_STEP
 from nsrm_harness.learning.model import MATCH_SCORE, MISSING, Heard, Model
 
-MOST_GROUPS = 4
-"""Largest number of groups of a step that is learned from."""
-MOST_RELATIONS = 2
-"""Largest number of relations in a description, `nsrm_core::MAX_RELATIONS`."""
 CLEAR = 0.766
 """Least cosine at which a relation clearly holds, `nsrm_core::relation::RELATION_CLEAR`."""
 LEAST_LENGTH = 1e-9
@@ -75,7 +73,7 @@ def _restricts(role: int, actions: int) -> bool:
 def _short_enough(roles: tuple[int, ...], heads: list[int], actions: int) -> bool:
     ends = [heads[1], len(roles)]
     return all(
-        end - head - (roles[head] == PLAIN) <= MOST_RELATIONS
+        end - head - (roles[head] == PLAIN) <= MAX_RELATIONS
         for head, end in zip(heads, ends, strict=True)
     )
 

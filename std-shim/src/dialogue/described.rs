@@ -21,21 +21,8 @@ impl Described {
     /// `None` if no words of its own stand there, as in "the block left of the yellow one", or the
     /// refusal is about something else.
     pub(super) fn find(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Option<Self> {
-        let (step, argument, refused) = match refusal {
-            Refusal::Ambiguous {
-                step,
-                argument,
-                description,
-                ..
-            }
-            | Refusal::NoSuchObject {
-                step,
-                argument,
-                description,
-                ..
-            } => (usize::from(*step), *argument, description),
-            _ => return None,
-        };
+        let (step, argument, refused) = refused(refusal)?;
+        let step = usize::from(step);
         let parsed = Planner::new(model).parse(sentence).ok()?;
         let description = parsed.program().steps().get(step)?.description(argument);
         let level = level(description, refused)?;
@@ -107,6 +94,25 @@ impl Described {
             return None;
         }
         Some(plan.sub_goals().map(|goal| goal.object).collect())
+    }
+}
+
+/// The step, the argument and the description that a refusal is about.
+pub(super) const fn refused(refusal: &Refusal) -> Option<(u8, Argument, &Description)> {
+    match refusal {
+        Refusal::Ambiguous {
+            step,
+            argument,
+            description,
+            ..
+        }
+        | Refusal::NoSuchObject {
+            step,
+            argument,
+            description,
+            ..
+        } => Some((*step, *argument, description)),
+        _ => None,
     }
 }
 

@@ -28,26 +28,31 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         if self.roles.count() < self.encoder.groups().len() {
             return Ok(Stage::Role { step, action });
         }
-        self.check_heads(step)?;
+        // A step describes two objects, however many they are related to.
+        self.check_described(step, self.roles.heads().count(), ARGUMENTS)?;
         Ok(Stage::Object { step, action })
     }
 
-    /// A step describes two objects, however many they are related to.
-    fn check_heads(&self, step: usize) -> Result<(), Refusal> {
-        let heads = self.roles.heads().count();
+    /// Refuses a step that does not describe from [`ARGUMENTS`] to `limit` objects.
+    pub(super) fn check_described(
+        &self,
+        step: usize,
+        described: usize,
+        limit: usize,
+    ) -> Result<(), Refusal> {
         let span = self.segments.span(step, self.reader.tokens());
-        if heads < ARGUMENTS {
+        if described < ARGUMENTS {
             return Err(Refusal::IncompleteStep {
                 step: step as u8,
-                references: heads as u8,
+                references: described as u8,
                 span,
             });
         }
-        if heads > ARGUMENTS {
+        if described > limit {
             return Err(Refusal::TooManyReferences {
                 step: step as u8,
                 span,
-                limit: ARGUMENTS as u8,
+                limit: limit as u8,
             });
         }
         Ok(())

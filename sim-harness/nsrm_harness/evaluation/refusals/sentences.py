@@ -17,7 +17,13 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.tokens import split
-from nsrm_harness.evaluation.refusals.spoiler import KINDS, Situation, Spoiler, must_refuse
+from nsrm_harness.evaluation.refusals.spoiler import (
+    KINDS,
+    OF_ORDER_WORDS,
+    OF_PLAIN_DESCRIPTIONS,
+    Situation,
+    Spoiler,
+)
 
 #: Sets of sentences; each takes its scenes from the episode file of the same name.
 SETS = ("validation", "test")
@@ -94,3 +100,11 @@ def set_of(sentence: str) -> str:
 
 def _key(sentence: str) -> str:
     return " ".join(split(sentence))
+
+
+def must_refuse(domain: Domain, kind: str) -> bool:
+    """Whether a domain has this kind of sentences that must be refused."""
+    if kind in OF_ORDER_WORDS:
+        return bool(domain.grammar.order_words)
+    has_relations = domain.everyday is not None and bool(domain.everyday.states())
+    return not (has_relations and kind in OF_PLAIN_DESCRIPTIONS)

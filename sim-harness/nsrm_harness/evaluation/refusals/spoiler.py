@@ -492,11 +492,3 @@ OF_PLAIN_DESCRIPTIONS = (
     Spoiler.relation_in_description.__name__,
     Spoiler.relation_behind_description.__name__,
 )
-
-
-def must_refuse(domain: Domain, kind: str) -> bool:
-    """Whether a domain has this kind of sentences that must be refused."""
-    if kind in OF_ORDER_WORDS:
-        return bool(domain.grammar.order_words)
-    has_relations = domain.everyday is not None and bool(domain.everyday.states())
-    return not (has_relations and kind in OF_PLAIN_DESCRIPTIONS)
