@@ -32,8 +32,10 @@ pub const ACCEPTABILITY_HIDDEN: usize = 16;
 pub const SPLITTER_WORD: usize = 24;
 /// Hidden units of the splitter's GRU, and of its hazard's hidden layer.
 pub const SPLITTER_HIDDEN: usize = 32;
-/// Values from which the hazard is computed: the GRU's state and two words.
-pub const HAZARD_INPUT: usize = SPLITTER_HIDDEN + 2 * SPLITTER_WORD;
+/// Tokens that the splitter sees behind the one at which a step may end.
+pub const LOOKAHEAD: usize = 6;
+/// Values from which the hazard is computed: the GRU's state and the next tokens.
+pub const HAZARD_INPUT: usize = SPLITTER_HIDDEN + LOOKAHEAD * SPLITTER_WORD;
 /// Side of the square crop that the encoder sees, in pixels (section IV-C).
 pub const CROP: usize = 32;
 /// Channels after the first convolution, 4×4 with stride 4.
@@ -56,8 +58,9 @@ pub const SIMULATOR_HIDDEN: usize = 64;
 pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
 /// brightness is the greatest of the three colours; 3: the file's hash covers its metadata; 4:
-/// acceptability; 5: relations in descriptions); others are refused.
-pub const SCHEMA: u32 = 5;
+/// acceptability; 5: relations in descriptions; 6: the splitter sees six tokens ahead); others are
+/// refused.
+pub const SCHEMA: u32 = 6;
 
 /// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
@@ -271,7 +274,7 @@ pub struct Language<'a> {
     pub acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1>,
     /// The splitter's cell.
     pub splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
-    /// From the splitter's state, the next token and the one after it to the hazard's hidden layer
+    /// From the splitter's state and the next [`LOOKAHEAD`] tokens to the hazard's hidden layer
     /// (tanh).
     pub hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN>,
     /// From the hazard's hidden layer to its logit.

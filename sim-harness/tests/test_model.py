@@ -39,7 +39,7 @@ def test_tensors_have_the_names_and_shapes_of_the_model_file(model: Model) -> No
     assert shapes["language.action_decoder.weight"] == (actions, 96)
     assert shapes["language.relation_decoder.weight"] == (2 * actions, 96)
     assert shapes["language.acceptability.hidden.weight"] == (16, 96)
-    assert shapes["language.splitter.hidden.weight"] == (32, 80)
+    assert shapes["language.splitter.hidden.weight"] == (32, 176)
     assert shapes["vision.color.patch.weight"] == (24, 3, 4, 4)
     assert shapes["vision.brightness.dense.weight"] == (32, 512)
     assert shapes["vision.operator.size.output.weight"] == (16, 32)

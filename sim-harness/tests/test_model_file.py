@@ -89,7 +89,7 @@ def test_the_order_of_entries_is_free(path: Path) -> None:
     other = {key: metadata[key] for key in sorted(metadata, reverse=True)}
     path.write_bytes(safetensors_bytes(arrays, other))
     assert path.read_bytes() != content
-    assert read_checked(path, "5")[1] == metadata
+    assert read_checked(path, "6")[1] == metadata
 
 
 def test_new_metrics_give_a_new_hash_and_the_same_identity(path: Path) -> None:
@@ -111,42 +111,48 @@ def test_what_plans_depend_on_gives_another_identity(path: Path, key: str) -> No
 
 
 def test_the_committed_model_is_the_cores() -> None:
-    expected = hashes.identity(*read_checked(COMMITTED, "5"))
+    expected = hashes.identity(*read_checked(COMMITTED, "6"))
     assert identity_of(read_model(COMMITTED)) == expected
     for model in (nsrm.Model.pretrained(), nsrm.Model.load(COMMITTED)):
         assert model.info()["identity"] == expected
+
+
+SEEN = "language.splitter.hidden.weight"
 
 
 def as_before(path: Path, schema: str) -> None:
     """The file as an earlier schema had it."""
     arrays, metadata = read_raw(path)
     if schema != "baseline 1":
-        added = ["relation_decoder"] if schema == "4" else ["relation_decoder", "acceptability"]
+        known = {"5": 2, "4": 1}.get(schema, 0)
+        added = ["acceptability", "relation_decoder"][known:]
         arrays = {
             name: array for name, array in arrays.items() if not any(part in name for part in added)
         }
+        arrays[SEEN] = arrays[SEEN][:, : 32 + 2 * 24]
     metadata |= {"schema": schema}
-    covered = file_hash(arrays, metadata) if schema in ("3", "4") else tensor_hash(arrays)
+    covered = file_hash(arrays, metadata) if schema in ("3", "4", "5") else tensor_hash(arrays)
     path.write_bytes(safetensors_bytes(arrays, metadata | {"hash": covered}))
 
 
-@pytest.mark.parametrize("schema", ["2", "3", "4"])
+@pytest.mark.parametrize("schema", ["2", "3", "4", "5"])
 def test_a_file_of_an_earlier_schema_is_refused_until_it_is_converted(
     path: Path, schema: str
 ) -> None:
     as_before(path, schema)
-    with pytest.raises(ModelFileError, match=f"schema 5, got {schema}: convert it with"):
+    with pytest.raises(ModelFileError, match=f"schema 6, got {schema}: convert it with"):
         read_model(path)
     with pytest.raises(nsrm.ModelError, match="cargo harness convert"):
         nsrm.Model.load(path)
     convert(path)
-    arrays, _ = read_checked(path, "5")
+    arrays, _ = read_checked(path, "6")
     assert arrays["language.acceptability.output.bias"] == ACCEPTED
     assert not arrays["language.acceptability.output.weight"].any()
     assert (arrays["language.relation_decoder.bias"] == -ACCEPTED).all()
     assert not arrays["language.relation_decoder.weight"].any()
+    assert arrays[SEEN].shape == (32, 32 + 6 * 24) and not arrays[SEEN][:, 32 + 2 * 24 :].any()
     nsrm.Model.load(path)
-    with pytest.raises(ModelFileError, match="schema 2, 3, 4 or baseline 1 to convert, got 5"):
+    with pytest.raises(ModelFileError, match="schema 2, 3, 4, 5 or baseline 1 to convert, got 6"):
         convert(path)
 
 

@@ -224,10 +224,10 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         let mut splitter = Splitter::new();
         let mut decided = None;
         for (offset, expected) in hazards.values.iter().enumerate() {
-            let embeddings = |at: usize| tokens.get(at).and_then(|token| token.embeddings(model));
             let at = first + offset;
-            let (this, next) = (embeddings(at).unwrap(), embeddings(at + 1).unwrap());
-            let hazard = splitter.hazard(&model.language, this, next, embeddings(at + 2));
+            let embeddings = |token: &Token| token.embeddings(model).unwrap();
+            let ahead = tokens[at + 1..].iter().map(embeddings);
+            let hazard = splitter.hazard(&model.language, embeddings(&tokens[at]), ahead);
             golden.close("probability", &[hazard], &[*expected], &hazards.name);
             assert_eq!(hazard > SPLIT_HAZARD, at + 1 == end && end < tokens.len());
             decided = splitter.decide(hazard);

@@ -275,7 +275,7 @@ pub enum ModelError {
 }
 
 /// The schemas that `cargo harness convert` converts.
-const CONVERTIBLE: [&str; 3] = ["2", "3", "4"];
+const CONVERTIBLE: [&str; 4] = ["2", "3", "4", "5"];
 
 /// What to do about a file of another schema.
 fn schema_advice(got: &str) -> &'static str {

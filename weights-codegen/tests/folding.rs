@@ -100,13 +100,13 @@ fn embeddings_of_each_word() {
 }
 
 #[test]
-fn hazard_columns_are_state_next_token_and_the_one_after_it() {
+fn hazard_columns_are_state_and_next_six_tokens() {
     let file = ModelFile::random(5);
     let owned = file.load();
     let layer = owned.as_model().language.hazard_hidden;
     let weight = file.values("language.splitter.hidden.weight");
-    for (column, unit) in [(0, 0), (31, 4), (32, 5), (55, 31), (56, 2), (79, 30)] {
-        assert_eq!(layer.weight[column][unit], weight[80 * unit + column]);
+    for (column, unit) in [(0, 0), (31, 4), (32, 5), (55, 31), (56, 2), (175, 30)] {
+        assert_eq!(layer.weight[column][unit], weight[176 * unit + column]);
     }
     assert!(layer.bias[..] == file.values("language.splitter.hidden.bias")[..]);
 }

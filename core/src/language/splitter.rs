@@ -1,4 +1,4 @@
-use crate::model::{HAZARD_INPUT, Language, SPLITTER_HIDDEN, SPLITTER_WORD, WordEmbeddings};
+use crate::model::{HAZARD_INPUT, LOOKAHEAD, Language, SPLITTER_HIDDEN, WordEmbeddings};
 use crate::nn::{sigmoid, tanh_all};
 
 /// A hazard above this ends the step. Below 1 − h > h: not splitting is likelier.
@@ -6,7 +6,7 @@ pub const SPLIT_HAZARD: f32 = 0.5;
 
 /// Finds the end of the first step in the rest of a sentence (section IV-B).
 ///
-/// `h_t = σ(hazard(tanh(hidden(GRU state at t, the next token, the one after))))`
+/// `h_t = σ(hazard(tanh(hidden(GRU state at t, the next `[`LOOKAHEAD`]` tokens))))`
 /// is the probability that the step ends at token t, given that it has not ended
 /// before. The step ends at the first t with `h_t > ½`; its probability is
 /// `h_t·Π_{s<t}(1 − h_s)`.
@@ -28,22 +28,21 @@ impl Splitter {
 
     /// Feeds a token that is not the last; returns its hazard.
     ///
-    /// * `after_next`: `None` after the end of the sentence, for which zeros are used
+    /// * `ahead`: the tokens behind it, of which at most [`LOOKAHEAD`] are looked at; zeros stand
+    ///   for those after the end of the sentence
     ///
-    /// Cost: `3·32·(24 + 32) + 32·(32 + 2·24) + 32` multiply-adds, 65 sigmoids and 64 hyperbolic
+    /// Cost: `3·32·(24 + 32) + 32·(32 + 6·24) + 32` multiply-adds, 65 sigmoids and 64 hyperbolic
     /// tangents.
-    pub fn hazard(
+    pub fn hazard<'w>(
         &mut self,
         language: &Language<'_>,
         token: &WordEmbeddings,
-        next: &WordEmbeddings,
-        after_next: Option<&WordEmbeddings>,
+        ahead: impl Iterator<Item = &'w WordEmbeddings>,
     ) -> f32 {
         self.hidden = language.splitter.step(&token.splitter, &self.hidden);
-        let behind = after_next.map_or(&[0.0; SPLITTER_WORD], |token| &token.splitter);
-        let seen = self.hidden.iter().chain(&next.splitter).chain(behind);
+        let ahead = ahead.take(LOOKAHEAD).flat_map(|token| &token.splitter);
         let mut input = [0.0; HAZARD_INPUT];
-        for (place, &value) in input.iter_mut().zip(seen) {
+        for (place, &value) in input.iter_mut().zip(self.hidden.iter().chain(ahead)) {
             *place = value;
         }
         let mut features = language.hazard_hidden.apply(&input);
@@ -81,7 +80,7 @@ mod tests {
     use crate::fixture;
 
     #[test]
-    fn a_hazard_sees_the_state_and_the_two_tokens_behind() {
+    fn a_hazard_sees_the_state_and_the_six_tokens_behind() {
         let model = fixture::model();
         let mut language = model.language;
         let mut cell = *language.splitter;
@@ -89,9 +88,9 @@ mod tests {
         let mut hidden = *language.hazard_hidden;
         hidden.weight = [[0.0; 32]; HAZARD_INPUT];
         hidden.weight[31][4] = 0.5;
-        // Unit 2 of the next token, unit 3 of the one after it.
+        // Unit 2 of the next token, unit 3 of the last one seen.
         hidden.weight[32 + 2][4] = 1.0;
-        hidden.weight[32 + 24 + 3][4] = 1.0;
+        hidden.weight[32 + 5 * 24 + 3][4] = 1.0;
         hidden.bias[4] = 0.1;
         let mut hazard = *language.hazard;
         hazard.weight = [[0.0]; 32];
@@ -101,15 +100,17 @@ mod tests {
         language.splitter = &cell;
         let mut token = *model.group;
         token.splitter[23] = 0.8;
-        let (mut next, mut after) = (*model.group, *model.group);
+        let (mut next, mut last) = (*model.group, *model.group);
         (next.splitter[2], next.splitter[3]) = (0.3, 50.0);
-        (after.splitter[2], after.splitter[3]) = (50.0, -0.7);
+        (last.splitter[2], last.splitter[3]) = (50.0, -0.7);
+        let between = model.group;
+        let ahead = [&next, between, between, between, between, &last, &last];
         // State of unit 31: half of tanh(0.8), as the update gate is σ(0).
         let state = 0.5 * libm::tanhf(0.8);
         let expected = |ahead: f32| sigmoid(2.0 * libm::tanhf(0.5 * state + 0.1 + ahead) - 0.25);
-        let got = Splitter::new().hazard(&language, &token, &next, Some(&after));
+        let got = Splitter::new().hazard(&language, &token, ahead.into_iter());
         assert!((got - expected(0.3 - 0.7)).abs() < 1e-6, "{got}");
-        let got = Splitter::new().hazard(&language, &token, &next, None);
+        let got = Splitter::new().hazard(&language, &token, ahead.into_iter().take(5));
         assert!((got - expected(0.3)).abs() < 1e-6, "{got}");
     }
 

@@ -247,16 +247,15 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn split(&mut self, token: usize) -> Result<Stage, Refusal> {
         let behind = token.saturating_add(1);
-        let Some(next) = self.embeddings(behind) else {
+        let (model, tokens) = (self.model, self.reader.tokens());
+        let Some(ahead) = tokens.get(behind..).filter(|ahead| !ahead.is_empty()) else {
             // Nothing follows: what remains is the last step.
             self.segments.end(behind, self.splitter.survival())?;
             return Ok(Stage::Step { step: 0 });
         };
-        let this = self.embeddings(token).ok_or(Refusal::InvalidModel)?;
-        let after_next = self.embeddings(behind.saturating_add(1));
-        let hazard = self
-            .splitter
-            .hazard(&self.model.language, this, next, after_next);
+        let ahead = ahead.iter().map_while(|token| token.embeddings(model));
+        let (this, _) = self.token(token)?;
+        let hazard = self.splitter.hazard(&model.language, this, ahead);
         if !hazard.is_finite() {
             return Err(not_finite(self.segments.count(), Quantity::Split));
         }
@@ -319,10 +318,6 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         } else {
             Stage::Action { step }
         })
-    }
-
-    fn embeddings(&self, token: usize) -> Option<&'m WordEmbeddings> {
-        self.reader.tokens().get(token)?.embeddings(self.model)
     }
 
     fn token(&self, token: usize) -> Result<(&'m WordEmbeddings, bool), Refusal> {

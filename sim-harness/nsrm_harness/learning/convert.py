@@ -1,5 +1,6 @@
 """Converts files of earlier schemas: the hash covered only the tensors (model 2, baseline 1), and
-models had no acceptability (2, 3) and no relations in descriptions (2 to 4)."""
+models had no acceptability (2, 3), no relations in descriptions (2 to 4), and a splitter that saw
+two tokens ahead (2 to 5)."""
 
 from __future__ import annotations
 
@@ -13,7 +14,14 @@ import numpy as np
 from nsrm_harness.learning import export, hashes
 from nsrm_harness.learning.baseline import file as baseline
 from nsrm_harness.learning.export import ModelFileError, hashed_bytes, read_raw, write_whole
-from nsrm_harness.learning.model import Acceptability, tensors, without_relations
+from nsrm_harness.learning.model import (
+    LOOKAHEAD,
+    SPLITTER_HIDDEN,
+    SPLITTER_WORD,
+    Acceptability,
+    tensors,
+    without_relations,
+)
 
 BASELINE = "baseline 1"
 NEXT = {
@@ -27,8 +35,8 @@ LAST_OF_TENSORS = ("2", BASELINE)
 
 def convert(path: Path) -> None:
     """Gives a file the current schema and hash, and a model that has none an acceptability with
-    which it accepts all words that it accepted before, and a relation decoder that finds no
-    relation; nothing else in it changes.
+    which it accepts all words that it accepted before, a relation decoder that finds no relation,
+    and a splitter that ignores the tokens that it did not see before; nothing else in it changes.
 
     Raises `ModelFileError` for a file of another schema, or which does not have its hash. The
     metadata of the first schemas are taken as they are, since nothing protected them.
@@ -58,6 +66,9 @@ def convert(path: Path) -> None:
             for part, module in added.items()
             for name, array in tensors(module).items()
         } | arrays
+        seen = arrays["language.splitter.hidden.weight"]
+        unseen = SPLITTER_HIDDEN + LOOKAHEAD * SPLITTER_WORD - seen.shape[1]
+        arrays["language.splitter.hidden.weight"] = np.pad(seen, ((0, 0), (0, unseen)))
     write_whole(path, hashed_bytes(arrays, metadata | {"schema": NEXT[found]}))
 
 

@@ -27,9 +27,9 @@ from nsrm_harness.learning import hashes
 from nsrm_harness.learning import model as network
 from nsrm_harness.learning.model import Dimensions, Model, Network
 
-SCHEMA = 5
+SCHEMA = 6
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
-CONVERTIBLE = ("2", "3", "4", "baseline 1")
+CONVERTIBLE = ("2", "3", "4", "5", "baseline 1")
 """Schemas whose files differ from the current one only in the hash; see `convert.py`."""
 
 

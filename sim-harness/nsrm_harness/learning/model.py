@@ -23,6 +23,8 @@ INSTRUCTION = 2 * ENCODER_HIDDEN
 ACCEPTABILITY_HIDDEN = 16
 SPLITTER_WORD = 24
 SPLITTER_HIDDEN = 32
+LOOKAHEAD = 6
+"""Tokens that the splitter sees behind the one at which a step may end."""
 CROP = 32
 PATCH_CHANNELS = 24
 MERGE_CHANNELS = 32
@@ -145,7 +147,7 @@ class Splitter(eqx.Module):
         keys = jax.random.split(key, 4)
         self.embedding = eqx.nn.Embedding(words, SPLITTER_WORD, key=keys[0])
         self.gru = eqx.nn.GRUCell(SPLITTER_WORD, SPLITTER_HIDDEN, key=keys[1])
-        inputs = SPLITTER_HIDDEN + 2 * SPLITTER_WORD
+        inputs = SPLITTER_HIDDEN + LOOKAHEAD * SPLITTER_WORD
         self.hidden = eqx.nn.Linear(inputs, SPLITTER_HIDDEN, key=keys[2])
         self.hazard = eqx.nn.Linear(SPLITTER_HIDDEN, 1, key=keys[3])
 
@@ -153,8 +155,9 @@ class Splitter(eqx.Module):
         """Tokens `[T]`, right-padded -> logit of the hazard after each token `[T]`."""
         words = jnp.where(valid[:, None], self.embedding.weight[tokens], 0.0)
         states = run_gru(self.gru, words, valid)
-        ahead = jnp.concatenate([words, jnp.zeros((2, SPLITTER_WORD))])
-        seen = jnp.concatenate([states, ahead[1:-1], ahead[2:]], axis=1)
+        padded = jnp.concatenate([words, jnp.zeros((LOOKAHEAD, SPLITTER_WORD))])
+        ahead = [padded[first : first + len(words)] for first in range(1, LOOKAHEAD + 1)]
+        seen = jnp.concatenate([states, *ahead], axis=1)
         return rows(self.hazard, jnp.tanh(rows(self.hidden, seen)))[:, 0]
 
 

@@ -111,7 +111,7 @@ fn shapes() -> Vec<(String, Vec<usize>)> {
     add("language.splitter.gru.weight_hh", &[96, 32]);
     add("language.splitter.gru.bias", &[96]);
     add("language.splitter.gru.bias_n", &[32]);
-    add("language.splitter.hidden.weight", &[32, 80]);
+    add("language.splitter.hidden.weight", &[32, 176]);
     add("language.splitter.hidden.bias", &[32]);
     add("language.splitter.hazard.weight", &[1, 32]);
     add("language.splitter.hazard.bias", &[1]);

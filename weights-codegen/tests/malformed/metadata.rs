@@ -73,12 +73,13 @@ fn another_schema() {
         ("2", "`cargo harness convert FILE`"),
         ("3", "`cargo harness convert FILE`"),
         ("4", "`cargo harness convert FILE`"),
+        ("5", "`cargo harness convert FILE`"),
     ] {
         let spoil = |file: &mut ModelFile| drop(file.metadata.insert("schema".into(), got.into()));
-        let parts = ["`schema`", "expected 5", &format!("{got:?}"), advice];
+        let parts = ["`schema`", "expected 6", &format!("{got:?}"), advice];
         let error = refused(spoil, &parts);
         let got = got.into();
-        assert_eq!(error, ModelError::Schema { expected: 5, got });
+        assert_eq!(error, ModelError::Schema { expected: 6, got });
     }
 }
 

@@ -10,10 +10,10 @@ import click
 @click.command("convert")
 @click.argument("paths", type=click.Path(path_type=Path), metavar="FILE...", nargs=-1)
 def command(paths: tuple[Path, ...]) -> None:
-    """Convert models of schemas 2 and 3 and baselines of 'baseline 1' to the current one.
+    """Convert models of schemas 2 to 5 and baselines of 'baseline 1' to the current one.
 
     Each FILE is replaced by one that understands the same: the hash then covers the metadata, and
-    a model gets an acceptability that accepts all words.
+    a model gets the parameters that it does not have yet.
     """
     from nsrm_harness.learning.convert import convert
 
