@@ -245,6 +245,33 @@ def test_final_scenes_show_which_relations_sentences_mean(episodes: Path) -> Non
     assert right >= 0.97 * len(found.sentence)
 
 
+@pytest.mark.slow
+def test_one_step_that_may_be_two_is_not_explained(episodes: Path) -> None:
+    from nsrm_harness.learning.config import TrainingConfig
+    from nsrm_harness.learning.dataset import told, training_set
+    from nsrm_harness.learning.explain import explain
+    from nsrm_harness.learning.export import read_model
+
+    # The block is moved twice: the final scene shows only the second step.
+    sentences: list[str] = []
+    about: list[int] = []
+    with GroundTruth(episodes) as judge:
+        for number in range(len(judge)):
+            truth = judge.truth(number)
+            (step,) = truth.steps
+            moved, onto = truth.name(step.object_id), truth.name(step.reference_id)
+            others = {*range(1, len(truth.attributes) + 1)} - {step.object_id, step.reference_id}
+            phrase = DOMAIN.action(step.step.action).phrases[0]
+            for other in map(truth.name, others):
+                sentences.append(f"put {moved} on {other} then put {moved} {phrase} {onto}")
+                about.append(number)
+    with Demonstrations(episodes) as demonstrations:
+        camera = demonstrations.camera(0)
+        data = told(training_set(demonstrations, True), DOMAIN, sentences, about)
+    found = explain(read_model(PRETRAINED).model, data, TrainingConfig(), camera)
+    assert len(sentences) > 20 and len(found.sentence) == 0
+
+
 def test_group_tokens_stand_for_concepts() -> None:
     speaker = Speaker(DOMAIN, np.random.default_rng(0))
     group = (GROUP_TOKEN,)

@@ -7,8 +7,9 @@ and relations need no other teacher than demonstrations: a model that knows what
 and what actions do learns what is said.
 
 A sentence whose demonstration one action explains is a step; its descriptions may be put together
-in many ways (`structures`), of which several may explain it by chance. Else a sentence with four
-descriptions may have two steps, each with two plain ones.
+in many ways (`structures`), of which several may explain it by chance. One with four descriptions
+may instead have two steps, each with two plain ones. Where both explain it, as when the second step
+moves the same object again, it is left out.
 """
 
 from __future__ import annotations
@@ -84,10 +85,25 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
     moves = np.zeros((len(data), actions, size, size), bool)
     for some, _ in batches(few):
         moves[some] = _moves(model, scenes(data, some), config)
-    single = moves[few].any(axis=(1, 2, 3))
+    single = np.any(moves, axis=(1, 2, 3))
     parts: list[Explained] = []
+    for some, count in batches(few[counts[few] == 2 * GROUPS_PER_STEP]):
+        best, loss, next_loss = _two_steps(
+            model,
+            jnp.asarray(groups[some]),
+            jnp.asarray(similarities[some]),
+            scenes(data, some),
+            config,
+        )
+        some, fits = some[:count], np.asarray(loss)[:count] <= config.explained
+        sure = fits & np.asarray(next_loss > loss + MARGIN)[:count] & ~single[some]
+        steps = np.stack(np.unravel_index(np.asarray(best)[:count], (2 * actions,) * 2), axis=1)
+        for number in range(2):
+            found = _plain(steps[:, number], actions)
+            parts.append(_explained(some[sure], number, found[sure]))
+        single[some] &= ~fits
     for number in range(GROUPS_PER_STEP, MOST_GROUPS + 1):
-        for some, count in batches(few[single & (counts[few] == number)]):
+        for some, count in batches(few[single[few] & (counts[few] == number)]):
             found = _programs(
                 model,
                 jnp.asarray(groups[some]),
@@ -99,19 +115,6 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
             )
             found = np.asarray(found)[:count].reshape(len(some[:count]), -1)
             parts.append(_explained(some[:count], 0, found))
-    for some, count in batches(few[~single & (counts[few] == 2 * GROUPS_PER_STEP)]):
-        best, loss, next_loss = _two_steps(
-            model,
-            jnp.asarray(groups[some]),
-            jnp.asarray(similarities[some]),
-            scenes(data, some),
-            config,
-        )
-        sure = np.asarray((loss <= config.explained) & (next_loss > loss + MARGIN))[:count]
-        steps = np.stack(np.unravel_index(np.asarray(best)[:count], (2 * actions,) * 2), axis=1)
-        for number in range(2):
-            found = _plain(steps[:, number], actions)
-            parts.append(_explained(some[:count][sure], number, found[sure]))
     return Explained(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 
 
