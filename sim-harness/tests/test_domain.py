@@ -17,6 +17,32 @@ from nsrm_harness.common.errors import DomainError
 WORKSHOP = Path(__file__).parent / "domains" / "workshop.toml"
 
 
+def test_a_domain_extends_another_one() -> None:
+    paper, wide = domains.load(), domains.load(domains.FOUR_SIDES)
+    assert wide.attributes == paper.attributes and wide.grammar == paper.grammar
+    assert wide.actions[: len(paper.actions)] == paper.actions
+    assert [action.direction for action in wide.actions[3:]] == [(1.0, 0.0), (-1.0, 0.0)]
+    assert paper.held_out is not None and wide.held_out is not None
+    assert wide.held_out.phrases["MoveOn"] == paper.held_out.phrases["MoveOn"]
+    assert wide.held_out.phrases["MoveBehind"] == ("to the back side of",)
+    assert "extends" not in json.loads(wide.as_json())
+
+
+@pytest.mark.parametrize(
+    ("extended", "problem"),
+    [
+        ("3", "extends: expected the name of a file, got 3"),
+        ("'other.toml'", "other.toml: cannot read the domain file"),
+        ("'domain.toml'", "extends: domain.toml extends this file"),
+    ],
+)
+def test_what_cannot_be_extended_is_named(extended: str, problem: str, tmp_path: Path) -> None:
+    path = tmp_path / "domain.toml"
+    path.write_text(f"extends = {extended}\n", encoding="utf-8")
+    with pytest.raises(DomainError, match=problem):
+        domains.load(path)
+
+
 @pytest.fixture
 def document() -> dict[str, Any]:
     return copy.deepcopy(tomllib.loads(domains.DEFAULT.read_text(encoding="utf-8")))

@@ -136,7 +136,6 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["rules"].update(moved=["it"]), r"rules\.moved: has a meaning of its own"),
         (lambda w: w["rules"]["do"].append("Put"), "lower-case words or punctuation marks"),
         (lambda w: w["relations"].pop("MoveOn"), r"relations\.MoveOn: is missing"),
-        (lambda w: w["relations"].update(Fly={"rule": "on"}), r"relations\.Fly: unknown action"),
         (lambda w: w["relations"]["MoveOn"].update(rule="in"), "expected the name of a rule"),
         (lambda w: w["spelling"]["heard"].update(red="blue"), r"'red' is a word of the domain"),
         (lambda w: w["spelling"]["heard"].update(rad="rid"), r"heard\.rad: 'rid' is not a word"),
@@ -151,6 +150,19 @@ def test_faults_in_the_wording_are_named(
 ) -> None:
     with pytest.raises(DomainError, match=problem):
         with_everyday(TABLETOP, change(edit, tmp_path / "wording.toml"))
+
+
+def test_a_domain_has_the_relations_and_words_of_its_actions_alone() -> None:
+    wide = with_everyday(domains.load(domains.FOUR_SIDES))
+    assert DOMAIN.everyday is not None and wide.everyday is not None
+    assert list(DOMAIN.everyday.relations) == [action.name for action in DOMAIN.actions]
+    assert [*wide.everyday.relations][3:] == ["MoveFront", "MoveBehind"]
+    assert wide.other_words() - DOMAIN.other_words() == {"front", "back", "behind", "rear"}
+    assert domains.from_json(wide.as_json(), "a model") == wide
+    pattern = "put the _ block in front of a _ one behind the _ one"
+    tokens = [GROUP_TOKEN if word == "_" else word for word in pattern.split()]
+    assert Recogniser.of(wide).step(tokens)
+    assert not Recogniser.of(DOMAIN).step(tokens)
 
 
 def test_near_misses_are_of_known_words_and_no_commands() -> None:

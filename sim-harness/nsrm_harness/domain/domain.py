@@ -1,7 +1,7 @@
 """Reads domains: the concepts, the actions, and their words (Table I).
 
-A domain is one TOML file. Everything that depends on it is derived from it: episodes, the network's
-dimensions, the model file, the static arrays, the docs.
+A domain is one TOML file, which may extend another one. Everything that depends on it is derived
+from it: episodes, the network's dimensions, the model file, the static arrays, the docs.
 
 * Concepts are the values of all attribute types, in the file's order.
 * The lexicon has the words that name a concept. The vocabulary has the group token, which stands
@@ -30,6 +30,7 @@ from nsrm_harness.domain.wording import (
     Phrase,
     Phrases,
     Relations,
+    Texts,
     Words,
 )
 
@@ -148,6 +149,21 @@ class HeldOut:
     phrases: Mapping[str, Phrases]
 
 
+#: The rules that everyday wording must have.
+NEEDED_RULES = (
+    "starting",
+    "listing",
+    "before",
+    "command",
+    "after",
+    "next",
+    "please",
+    "order",
+    "description",
+    "possessor",
+)
+#: Rules of descriptions with a relation, if some action's state has a rule.
+RELATING_RULES = ("related", "undescribed")
 #: Keys of a relation that name rules.
 RULE_NAMES = ("rule", "state")
 
@@ -163,6 +179,17 @@ class EverydayWords:
     relations: Mapping[str, Mapping[str, Phrase]]
     #: The alternatives of each rule.
     rules: Annotated[Mapping[Identifier, Alternatives], Field(min_length=1)]
+
+    def used_rules(self) -> dict[str, Texts]:
+        """The rules that sentences about the domain's actions use."""
+        used: set[str] = set()
+        named = [relation.get(key) for relation in self.relations.values() for key in RULE_NAMES]
+        left = {*NEEDED_RULES, *(RELATING_RULES if self.states() else ()), *named}
+        while left := (left & self.rules.keys()) - used:
+            used |= left
+            texts = [text for name in left for text in self.rules[name]]
+            left = {word.strip("{}") for text in texts for word in text.split()}
+        return {name: texts for name, texts in self.rules.items() if name in used}
 
     def states(self) -> dict[str, Mapping[str, Phrase]]:
         """The relations that descriptions may have."""
@@ -238,7 +265,7 @@ class Domain:
             *(phrase for action in self.actions for phrase in action.phrases),
         ]
         if self.everyday is not None:
-            texts += [text for rule in self.everyday.rules.values() for text in rule]
+            texts += [text for rule in self.everyday.used_rules().values() for text in rule]
             texts += [
                 text
                 for relation in self.everyday.relations.values()

@@ -18,9 +18,9 @@ import numpy as np
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
-from nsrm_harness.domain.domain import GROUP_TOKEN, Domain, EverydayWords
+from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
 from nsrm_harness.domain.program import Program, Relation, Step
-from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, RELATING_RULES, parse
+from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
 
 #: The wording of the paper's domain.
 EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
@@ -43,7 +43,8 @@ DESCRIBED = ("moved", "reference", "possessor")
 
 
 def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
-    """The domain with the everyday wording of a file. Raises ``DomainError`` with the problem."""
+    """The domain with the everyday wording of a file, without what only actions use that the domain
+    does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
     synonyms = words.pop("synonyms", {})
@@ -61,6 +62,9 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
+    checked = everyday_of(parse(document, str(path)))
+    words["relations"] = dict(checked.relations)
+    words["rules"] = checked.used_rules()
     return parse(document, str(path))
 
 

@@ -13,10 +13,18 @@ from typing import Any
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.common.toml_file import checked, read_toml, refusal
-from nsrm_harness.domain.domain import RULE_NAMES, Attribute, Domain
+from nsrm_harness.domain.domain import (
+    NEEDED_RULES,
+    RELATING_RULES,
+    RULE_NAMES,
+    Attribute,
+    Domain,
+)
 
 #: The paper's domain.
 DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
+#: That of the built-in model.
+FOUR_SIDES = DEFAULT.with_name("four_sides.toml")
 #: Largest number of concepts that describe one object, a capacity of the core: a domain has no
 #: more attribute types.
 MAX_ATTRIBUTES = 4
@@ -25,19 +33,6 @@ MAX_CONCEPTS = 255
 
 #: Largest number of steps of a program, a capacity of the core.
 MAX_STEPS = 8
-#: The rules that everyday wording must have.
-NEEDED_RULES = (
-    "starting",
-    "listing",
-    "before",
-    "command",
-    "after",
-    "next",
-    "please",
-    "order",
-    "description",
-    "possessor",
-)
 #: Rules with an alternative for each step.
 COUNTING = ("number", "numbered", "ordinal")
 #: What is filled in from the program, and the rules that it uses.
@@ -48,8 +43,6 @@ FILLED_IN = {
     "relation": (),
     "relating": (),
 }
-#: Rules of descriptions with a relation, if some action's state has a rule.
-RELATING_RULES = ("related", "undescribed")
 _FIELD = re.compile(r"\{([a-z_]+)\}")
 
 Faults = Iterator[tuple[str, str]]
@@ -58,8 +51,34 @@ Faults = Iterator[tuple[str, str]]
 
 def load(path: Path | str = DEFAULT) -> Domain:
     """Reads and checks a domain file. Raises ``DomainError`` with file, key and problem."""
-    path = Path(path)
-    return parse(read_toml(path, DomainError, "domain file"), str(path))
+    return parse(_read(Path(path), ()), str(path))
+
+
+def _read(path: Path, extended_by: tuple[Path, ...]) -> dict[str, Any]:
+    """The content of a file, added to that of the file that it extends, if there is one."""
+    content = read_toml(path, DomainError, "domain file")
+    if "extends" not in content:
+        return content
+    extended, chain = content.pop("extends"), (*extended_by, path.resolve())
+    if not isinstance(extended, str):
+        raise DomainError(f"{path}: extends: expected the name of a file, got {extended!r}")
+    if (path.parent / extended).resolve() in chain:
+        raise DomainError(f"{path}: extends: {extended} extends this file")
+    return _added(content, _read(path.parent / extended, chain))
+
+
+def _added(more: Mapping[str, Any], content: Mapping[str, Any]) -> dict[str, Any]:
+    """The content of a file with more: longer lists, larger tables, and other values."""
+    every = dict(content)
+    for key, value in more.items():
+        there = content.get(key)
+        if isinstance(value, list) and isinstance(there, list):
+            every[key] = [*there, *value]
+        elif isinstance(value, dict) and isinstance(there, dict):
+            every[key] = _added(value, there)
+        else:
+            every[key] = value
+    return every
 
 
 def from_json(text: str, source: str) -> Domain:
@@ -81,7 +100,11 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         attributes=tuple(map(_with_its_name, read.attributes)),
         document=json_text(document, ensure_ascii=False),
     )
-    for check in (_names, _appearance, _words, _held_out_actions, _held_out, _everyday, _spelling):
+    for check in (_names, _appearance, _held_out_actions, _everyday):
+        if faults := list(check(domain)):
+            raise refusal(source, faults, DomainError)
+    domain = _with_its_relations(domain)
+    for check in (_words, _held_out, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -91,6 +114,15 @@ def _with_its_name(attribute: Attribute) -> Attribute:
     """The attribute type, with its name set in each of its values."""
     values = (replace(value, attribute=attribute.name) for value in attribute.values)
     return replace(attribute, values=tuple(values))
+
+
+def _with_its_relations(domain: Domain) -> Domain:
+    """The domain without the everyday relations of actions that it does not have."""
+    if domain.everyday is None:
+        return domain
+    every, names = domain.everyday.relations, [action.name for action in domain.actions]
+    relations = {name: every[name] for name in names}
+    return replace(domain, everyday=replace(domain.everyday, relations=relations))
 
 
 def _names(domain: Domain) -> Faults:
@@ -192,9 +224,6 @@ def _everyday(domain: Domain) -> Faults:
                     f"everyday.relations.{name}.{key}",
                     f"expected the name of a rule, got {rule!r}",
                 )
-    for name in domain.everyday.relations:
-        if name not in names:
-            yield f"everyday.relations.{name}", f"unknown action; expected {', '.join(names)}"
     if states := domain.everyday.states():
         for name in RELATING_RULES:
             if name not in rules:

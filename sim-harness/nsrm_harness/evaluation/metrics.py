@@ -22,7 +22,7 @@ from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.number_text import or_dash
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, StepTruth, Truth
-from nsrm_harness.domain import Domain
+from nsrm_harness.domain import FOUR_SIDES, Domain, load
 from nsrm_harness.domain.dictionary import with_dictionary
 from nsrm_harness.domain.everyday import with_everyday, without_states
 from nsrm_harness.domain.program import Step, canonical
@@ -264,11 +264,14 @@ def check_domain(model: nsrm.Model, demonstrations: Demonstrations) -> None:
 
 
 def domain_of(model: nsrm.Model, domain: Domain) -> Domain:
-    """The domain of the episodes, with everyday wording if the model was taught it, and with
-    relations in descriptions if it was taught those."""
+    """The domain of the episodes, with the model's actions if it has more of them, with everyday
+    wording if it was taught that, and with relations in descriptions if it was taught those."""
     if domain.name != DEFAULT_DOMAIN:
         return domain
-    everyday, info = with_dictionary(with_everyday(domain)), model.info()
+    info, every = model.info(), load(FOUR_SIDES)
+    if [action.name for action in every.actions] == info["actions"]:
+        domain = every
+    everyday = with_dictionary(with_everyday(domain))
     if not everyday.other_words() <= set(info["words"]):
         return domain
     return everyday if info["relations"] else without_states(everyday)
