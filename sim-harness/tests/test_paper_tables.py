@@ -242,27 +242,25 @@ def test_the_readme_gets_what_the_models_understand(tmp_path: Path) -> None:
         with_language(readme, tmp_path)
 
 
-def test_nothing_is_published_without_a_model(report: Path, tmp_path: Path) -> None:
+def test_nothing_is_published_without_refusals(report: Path, tmp_path: Path) -> None:
     root = tmp_path / "checkout"
     root.mkdir()
     (root / README).write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
-    with pytest.raises(PublishError, match=r"model\.safetensors: not found"):
-        publish(report, tmp_path / "model.safetensors", root)
+    (report / REFUSALS).unlink()
+    with pytest.raises(PublishError, match=r"refusals\.csv: not found"):
+        publish(report, root)
     assert [path.name for path in root.iterdir()] == ["README.md"]
 
 
 def test_what_is_published_replaces_the_report_before_it_and_no_other(
     report: Path, tmp_path: Path
 ) -> None:
-    root, model = tmp_path / "checkout", tmp_path / "model.safetensors"
-    for folder in ("docs/report/arm", "weights-codegen/tabletop"):
-        (root / folder).mkdir(parents=True)
+    root = tmp_path / "checkout"
+    (root / "docs/report/arm").mkdir(parents=True)
     (root / README).write_text(f"{BEGIN}\n{END}\n", encoding="utf-8")
     for old in ("docs/report/gone.png", "docs/report/arm/figures.csv"):
         (root / old).write_text("old", encoding="utf-8")
-    model.write_bytes(b"weights")
-    publish(report, model, root)
-    assert (root / "weights-codegen/tabletop/tabletop.safetensors").read_bytes() == b"weights"
+    publish(report, root)
     published = {path.name for path in (root / "docs/report").iterdir()}
     assert published == {path.name for path in report.iterdir()} | {"arm"}
     assert (root / "docs/report/arm/figures.csv").read_text(encoding="utf-8") == "old"

@@ -14,7 +14,6 @@ from nsrm_harness.evaluation.refusals.spoiler import KINDS
 from nsrm_harness.paper.tables import published_figures as paper
 from nsrm_harness.paper.tables.publish import (
     LANGUAGE,
-    MODEL,
     README,
     REPORT_FOLDER,
     with_figures,
@@ -25,6 +24,7 @@ from nsrm_harness.paper.tables.tables_report import REFUSALS, REPORT, TABLES, ta
 
 ROOT = Path(__file__).resolve().parents[2]
 REPORT_PATH = ROOT / REPORT_FOLDER
+PRETRAINED = ROOT / "weights-codegen/tabletop/tabletop.safetensors"
 GOALS = {
     "test": {"program": 99.8, "o1": 99.8, "o2": 99.8, "iou_2d": 96, "iou_3d": 95},
     "novel_pairs": {"program": 99.8, "o1": 99.5, "o2": 99.5, "iou_2d": 96, "iou_3d": 95},
@@ -64,8 +64,8 @@ def test_the_reports_text_has_the_figures_of_its_tables() -> None:
         assert table in text
 
 
-def test_the_committed_model_was_taught_without_harm_to_the_one_that_was_judged() -> None:
-    content = (ROOT / MODEL).read_bytes()
+def test_the_built_in_model_is_as_good_as_the_one_that_was_judged() -> None:
+    content = PRETRAINED.read_bytes()
     (size,) = struct.unpack("<Q", content[:8])
     metadata = json.loads(content[8 : 8 + size])["__metadata__"]
     metrics, training = json.loads(metadata["metrics"]), json.loads(metadata["training"])

@@ -1,4 +1,4 @@
-"""``harness publish``: copies a finished report and its model into the project."""
+"""``harness publish``: copies a finished report into the project."""
 
 from __future__ import annotations
 
@@ -22,15 +22,11 @@ import click
     help="Only copy the figures of this checkout's own report into its README.",
 )
 def command(folder: Path, readme_only: bool) -> None:
-    """Copy the report and the first model into this checkout, and its figures into the README.
-
-    Afterwards, teach the model everyday wording (CONTRIBUTING.md has the commands).
-    """
+    """Copy the report into this checkout, and its figures into the README."""
     from nsrm_harness.paper.tables.publish import publish, update_readme
-    from nsrm_harness.paper.tables.run_tables import PUBLISHED
 
     if readme_only:
         update_readme(Path.cwd())
         return
-    publish(folder / "report", folder / PUBLISHED, Path.cwd())
-    click.echo("published; now teach the model everyday wording, as CONTRIBUTING.md describes")
+    publish(folder / "report", Path.cwd())
+    click.echo("published")

@@ -1,4 +1,4 @@
-"""Publishes a report into the project: the report itself, the model, and the README's figures."""
+"""Publishes a report into the project: the report itself, and the README's figures."""
 
 from __future__ import annotations
 
@@ -37,21 +37,19 @@ SETS = {
     "sentences": "other people's sentences",
     "sentences; to refuse": "other people's sentences, to refuse",
     "sentences; to refuse; misspelt": "the same, one word misspelt",
-    "probes; to refuse": "other people's near misses, to refuse",
-    "probes; to refuse; misspelt": "the same, one word misspelt",
+    "probes": 'other people\'s sentences of the kind "put the block left of the red one on …"',
 }
 """What the README calls the sets of `language.csv`."""
 README = Path("README.md")
-MODEL = Path("weights-codegen/tabletop/tabletop.safetensors")
 
 
 class PublishError(HarnessError):
     """A report or a README that cannot be used for publishing."""
 
 
-def publish(report: Path, model: Path, root: Path) -> None:
-    """Copy the report's files and the model into the checkout at `root`; update its README."""
-    for needed in (report / TABLES_FILE, report / REFUSALS, model):
+def publish(report: Path, root: Path) -> None:
+    """Copy the report's files into the checkout at `root`; update its README."""
+    for needed in (report / TABLES_FILE, report / REFUSALS):
         if not needed.exists():
             raise PublishError(f"{needed}: not found: create it with 'harness tables'")
     text = with_figures(read_readme(root), report)
@@ -61,7 +59,6 @@ def publish(report: Path, model: Path, root: Path) -> None:
         if old.is_file() and old.name != LANGUAGE:
             old.unlink()
     shutil.copytree(report, target, dirs_exist_ok=True)
-    shutil.copyfile(model, root / MODEL)
     (root / README).write_text(text, encoding="utf-8")
 
 

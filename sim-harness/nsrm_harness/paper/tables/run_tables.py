@@ -36,8 +36,6 @@ from nsrm_harness.paper.tables.times import PartTime, ReportTimes
 from nsrm_harness.paper.tables.trainings import Training, packed, train, train_elsewhere, unpack
 
 REFUSAL_SETS = ("validation", "test")
-PUBLISHED = Path("runs") / f"nsrm-{FAMILIES[0].name}-0" / "model.safetensors"
-"""The model that the project publishes: the first seed's, in a study's folder."""
 TRAININGS = "models and baselines"
 FIRST_MODELS = "of these, until the models of the full data were done"
 """Name of a part of the training time."""
