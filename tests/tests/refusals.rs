@@ -218,7 +218,8 @@ fn doubt_cases() -> Vec<Case> {
     }
     vec![
         said(
-            format!("{GOOD} maybe {GOOD}"),
+            // Neither one step nor two.
+            format!("{GOOD} maybe put the small red block"),
             |refusal| unsure(refusal, Decision::Split, 0.57),
             "not sure where the step ends: probability 0.57, needed 0.60",
         ),

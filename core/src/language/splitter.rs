@@ -55,11 +55,19 @@ impl Splitter {
     /// continues.
     pub fn decide(&mut self, hazard: f32) -> Option<f32> {
         if hazard > SPLIT_HAZARD {
-            Some(self.survival * hazard)
+            self.follow(true, hazard)
         } else {
-            self.survival *= 1.0 - hazard;
-            None
+            self.follow(false, 1.0 - hazard)
         }
+    }
+
+    /// Follows a decision that is right with this probability: see [`Splitter::decide`].
+    pub(super) fn follow(&mut self, ends: bool, probability: f32) -> Option<f32> {
+        let both = self.survival * probability;
+        if !ends {
+            self.survival = both;
+        }
+        ends.then_some(both)
     }
 
     /// Probability that the step did not end at any token so far.

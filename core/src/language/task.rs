@@ -1,4 +1,5 @@
 mod decode;
+mod split;
 
 use super::relations::Roles;
 use super::segments::Segments;
@@ -8,6 +9,7 @@ use crate::dsl::Argument;
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::{Decision, LengthUnit, Quantity, Refusal};
 use core::task::Poll;
+use split::{Doubts, is_final};
 
 /// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
 /// one token to the splitter or to one direction of the encoder, which also judges its
@@ -15,7 +17,8 @@ use core::task::Poll;
 ///
 /// If words are misspelt, each reading of the sentence, at most [`crate::MAX_READINGS`], is parsed in turn.
 /// All that make sense must mean the same program; otherwise, or if none makes sense, the first
-/// misspelt word is refused as unknown.
+/// misspelt word is refused as unknown. If it is not clear where a step ends, a reading is parsed both
+/// ways, and the one that makes sense is taken.
 ///
 /// `T` is the sentence: borrowed (`&str`), or owned, such as a
 /// [`heapless::String`], where the task outlives the call that began it.
@@ -41,6 +44,7 @@ pub struct ParsingTask<'m, T> {
     sentence: T,
     reader: Reader,
     splitter: Splitter,
+    doubts: Doubts,
     segments: Segments,
     encoder: Encoder,
     acceptability: Acceptability,
@@ -119,6 +123,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             sentence,
             reader,
             splitter: Splitter::new(),
+            doubts: Doubts::new(),
             segments: Segments::new(),
             encoder: Encoder::new(),
             acceptability: Acceptability::new(),
@@ -135,9 +140,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// result again.
     pub fn poll(&mut self) -> Poll<Result<&Parsed, Refusal>> {
         self.stage = match self.advance(self.stage) {
-            Ok(Stage::Parsed) => self.end_reading(None),
+            Ok(Stage::Parsed) => self.end_attempt(None),
             Ok(stage) => stage,
-            Err(refusal) => self.end_reading(Some(refusal)),
+            Err(refusal) => self.end_attempt(Some(refusal)),
         };
         match self.stage {
             Stage::Done(None) => Poll::Ready(Ok(&self.parsed)),
@@ -202,13 +207,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                     return Stage::Done(Some(unknown));
                 }
             }
-            // No reading makes these go away.
-            Some(
-                Refusal::UnknownWord { .. }
-                | Refusal::SentenceTooLong { .. }
-                | Refusal::NotFinite { .. }
-                | Refusal::InvalidModel,
-            ) => return Stage::Done(refusal),
+            Some(refusal) if is_final(refusal) => return Stage::Done(Some(refusal)),
             Some(_) => {}
         }
         self.reading = self.reading.saturating_add(1);
@@ -230,6 +229,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             Err(refusal) => return Stage::Done(Some(refusal)),
         };
         self.splitter = Splitter::new();
+        self.doubts = Doubts::new();
         self.segments = Segments::new();
         self.parsed = Parsed::empty(self.model);
         Stage::Read
@@ -243,27 +243,6 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         } else {
             Ok(Stage::Split { token: 0 })
         }
-    }
-
-    fn split(&mut self, token: usize) -> Result<Stage, Refusal> {
-        let behind = token.saturating_add(1);
-        let (model, tokens) = (self.model, self.reader.tokens());
-        let Some(ahead) = tokens.get(behind..).filter(|ahead| !ahead.is_empty()) else {
-            // Nothing follows: what remains is the last step.
-            self.segments.end(behind, self.splitter.survival())?;
-            return Ok(Stage::Step { step: 0 });
-        };
-        let ahead = ahead.iter().map_while(|token| token.embeddings(model));
-        let (this, _) = self.token(token)?;
-        let hazard = self.splitter.hazard(&model.language, this, ahead);
-        if !hazard.is_finite() {
-            return Err(not_finite(self.segments.count(), Quantity::Split));
-        }
-        if let Some(probability) = self.splitter.decide(hazard) {
-            self.segments.end(behind, probability)?;
-            self.splitter = Splitter::new();
-        }
-        Ok(Stage::Split { token: behind })
     }
 
     fn begin_step(&mut self, step: usize) -> Result<Stage, Refusal> {

@@ -308,8 +308,9 @@ fn what_the_parser_is_not_sure_of_is_refused() {
         refusal => panic!("{refusal:?}"),
     };
     let (object, reference) = (Argument::Object, Argument::Reference);
+    // Neither one step nor two.
     assert_eq!(
-        unsure("put red on green perhaps put green on red"),
+        unsure("put red on green perhaps put green"),
         (0, Decision::Split)
     );
     assert_eq!(unsure("put red near green"), (0, Decision::Action));
