@@ -21,6 +21,8 @@ pub const MAX_GROUPS: usize = 2 * (1 + MAX_RELATIONS);
 pub const MAX_CORRECTIONS: usize = 4;
 /// Readings of a sentence with misspelt words that are tried.
 pub const MAX_READINGS: usize = 8;
+/// Ways to split a reading into steps that are tried.
+pub const MAX_SPLITS: usize = 4;
 /// Candidates that an ambiguous description lists, the best first.
 pub const MAX_CANDIDATES: usize = 8;
 

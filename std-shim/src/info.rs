@@ -7,7 +7,7 @@ use nsrm_core::model::{self, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{
     MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS,
-    MAX_SENTENCE_BYTES, MAX_STEP_TOKENS, MAX_STEPS, MAX_TOKENS,
+    MAX_SENTENCE_BYTES, MAX_SPLITS, MAX_STEP_TOKENS, MAX_STEPS, MAX_TOKENS,
 };
 use serde_json::{Value, json};
 
@@ -31,7 +31,7 @@ const DIMENSIONS: [(&str, usize); 12] = [
 ];
 
 /// The capacities by name.
-const CAPACITIES: [(&str, usize); 10] = [
+const CAPACITIES: [(&str, usize); 11] = [
     ("objects", MAX_OBJECTS),
     ("steps", MAX_STEPS),
     ("tokens", MAX_TOKENS),
@@ -39,6 +39,7 @@ const CAPACITIES: [(&str, usize); 10] = [
     ("sentence_bytes", MAX_SENTENCE_BYTES),
     ("corrections", MAX_CORRECTIONS),
     ("readings", MAX_READINGS),
+    ("splits", MAX_SPLITS),
     ("concepts_a_description", MAX_FILTERS),
     ("relations_a_description", MAX_RELATIONS),
     ("groups_a_step", MAX_GROUPS),

@@ -47,6 +47,11 @@ impl Segments {
         self.segments.get(step).map(|segment| segment.probability)
     }
 
+    /// Those of all steps.
+    pub(super) fn probabilities(&self) -> impl Iterator<Item = f32> + Clone {
+        self.segments.iter().map(|segment| segment.probability)
+    }
+
     /// The places of the step's tokens in the sentence.
     pub(super) fn tokens(&self, step: usize) -> Range<usize> {
         let end_of = |step: usize| self.segments.get(step).map_or(0, |segment| segment.end);

@@ -9,7 +9,7 @@ use crate::dsl::Argument;
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::{Decision, LengthUnit, Quantity, Refusal};
 use core::task::Poll;
-use split::{Doubts, is_final};
+use split::{Splits, is_final};
 
 /// Parses a sentence; each [`ParsingTask::poll`] does a bounded unit of work: reads one word, feeds
 /// one token to the splitter or to one direction of the encoder, which also judges its
@@ -17,8 +17,9 @@ use split::{Doubts, is_final};
 ///
 /// If words are misspelt, each reading of the sentence, at most [`crate::MAX_READINGS`], is parsed in turn.
 /// All that make sense must mean the same program; otherwise, or if none makes sense, the first
-/// misspelt word is refused as unknown. If it is not clear where a step ends, a reading is parsed both
-/// ways, and the one that makes sense is taken.
+/// misspelt word is refused as unknown. If it is not clear where a step
+/// ends, or its words make no sense, the reading is parsed with each of at most [`crate::MAX_SPLITS`]
+/// − 1 of the splitter's decisions reversed, and the most probable way is taken.
 ///
 /// `T` is the sentence: borrowed (`&str`), or owned, such as a
 /// [`heapless::String`], where the task outlives the call that began it.
@@ -44,7 +45,7 @@ pub struct ParsingTask<'m, T> {
     sentence: T,
     reader: Reader,
     splitter: Splitter,
-    doubts: Doubts,
+    splits: Splits,
     segments: Segments,
     encoder: Encoder,
     acceptability: Acceptability,
@@ -123,7 +124,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             sentence,
             reader,
             splitter: Splitter::new(),
-            doubts: Doubts::new(),
+            splits: Splits::new(),
             segments: Segments::new(),
             encoder: Encoder::new(),
             acceptability: Acceptability::new(),
@@ -140,9 +141,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// result again.
     pub fn poll(&mut self) -> Poll<Result<&Parsed, Refusal>> {
         self.stage = match self.advance(self.stage) {
-            Ok(Stage::Parsed) => self.end_attempt(None),
+            Ok(Stage::Parsed) => self.end_way(None),
             Ok(stage) => stage,
-            Err(refusal) => self.end_attempt(Some(refusal)),
+            Err(refusal) => self.end_way(Some(refusal)),
         };
         match self.stage {
             Stage::Done(None) => Poll::Ready(Ok(&self.parsed)),
@@ -229,7 +230,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             Err(refusal) => return Stage::Done(Some(refusal)),
         };
         self.splitter = Splitter::new();
-        self.doubts = Doubts::new();
+        self.splits = Splits::new();
         self.segments = Segments::new();
         self.parsed = Parsed::empty(self.model);
         Stage::Read
@@ -258,7 +259,10 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                 unit: LengthUnit::StepTokens,
             });
         }
-        self.sure(step, Decision::Split, probability)?;
+        // Of the splitter's own way, all steps together are judged.
+        if self.splits.is_reversed() {
+            self.sure(step, Decision::Split, probability)?;
+        }
         self.encoder.clear();
         self.acceptability.clear();
         self.roles = Roles::new();

@@ -21,7 +21,8 @@ use core::task::Poll;
 
 use crate::calibration::{self, Cause};
 use crate::capacity::{
-    MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS, MAX_STEPS, MAX_TOKENS,
+    MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS, MAX_SPLITS, MAX_STEPS,
+    MAX_TOKENS,
 };
 use crate::language::{Parsed, ParsingTask};
 use crate::model::{
@@ -40,7 +41,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 13 * 1024 && PLAN_BYTES <= 1424);
+const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1424);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -79,12 +80,12 @@ pub const UNIT_ACTIONS: usize = 64;
 pub const UNIT_SIZES: usize = 64;
 
 /// The most calls of [`PlanningTask::poll`] until it is done: for each reading of the sentence
-/// words, and twice, if the end of a step is not clear, tokens through splitter and encoder, and for
-/// each step its begin, three decoders and the role of each group; the scene against the calibration, which takes another for each cause that
+/// words, and for each way to split it tokens through splitter and encoder, and for each step its
+/// begin, three decoders and the role of each group; the scene against the calibration, which takes another for each cause that
 /// may explain what disagrees; and for each step two descriptions, each with all that it relates to
 /// over all objects and a choice, and the action.
 pub const MAX_POLLS: usize =
-    MAX_READINGS * 2 * READING_POLLS + Cause::ALL.len() + MAX_STEPS * GROUNDING_POLLS + 3;
+    MAX_READINGS * MAX_SPLITS * READING_POLLS + Cause::ALL.len() + MAX_STEPS * GROUNDING_POLLS + 3;
 const READING_POLLS: usize = (MAX_FILTERS + 3) * MAX_TOKENS + 1 + MAX_STEPS * (4 + MAX_GROUPS);
 const GROUNDING_POLLS: usize = 2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + 1;
 

@@ -1,23 +1,39 @@
-//! From the words of a sentence to its steps. A split of which the splitter is unsure is settled by
-//! what makes sense: the sentence is parsed with the splitter's decision, and with the other one.
+//! From the words of a sentence to its steps. Where the splitter is unsure or its steps make no sense,
+//! the sentence is also parsed with each of its least sure decisions reversed.
+
+use heapless::Vec;
 
 use super::{ParsingTask, Stage, not_finite};
+use crate::capacity::MAX_SPLITS;
 use crate::language::segments::Segments;
 use crate::language::splitter::{SPLIT_HAZARD, Splitter};
 use crate::language::{Parsed, Token};
 use crate::refusal::{Decision, Quantity, Refusal};
 
-/// What is known about the decision that is in doubt.
+/// A decision of the splitter that is more probable than this is never reversed.
+const CERTAIN: f32 = 0.98;
+
+/// The ways in which one reading of a sentence is split: that of the splitter first, then with one
+/// decision reversed.
 #[derive(Debug, Clone)]
-pub(super) struct Doubts {
-    /// The least sure decision in the step that has not ended yet.
-    least: Option<Doubt>,
-    doubt: Option<Doubt>,
-    /// How it ended with the splitter's decision; `None` while that is parsed.
-    own: Option<Attempt>,
+pub(super) struct Splits {
+    /// The least sure decisions of the splitter, the least sure first.
+    doubts: Vec<Doubt, { MAX_SPLITS - 1 }, u8>,
+    /// Whether the end of a step is less probable than it must be.
+    is_unclear: bool,
+    /// The probability of all other decisions together.
+    others: f32,
+    /// How many ways were parsed to the end.
+    parsed: usize,
+    /// The most probable one of them.
+    best: Option<Attempt>,
+    /// The weights of all of them.
+    total: f32,
+    /// How the first one ended.
+    refusal: Option<Refusal>,
 }
 
-/// Whether a step ends at a token, of which the splitter is not sure.
+/// Whether a step ends at a token, of which the splitter is not certain.
 #[derive(Debug, Clone, Copy)]
 struct Doubt {
     step: usize,
@@ -26,73 +42,130 @@ struct Doubt {
     probability: f32,
 }
 
-/// How the parsing of a sentence ended.
+/// How the parsing of one way ended.
 #[derive(Debug, Clone)]
 struct Attempt {
     parsed: Parsed,
     refusal: Option<Refusal>,
+    /// The step with the decision that this way is about.
+    step: usize,
+    /// In proportion to its probability.
+    weight: f32,
 }
 
-impl Doubts {
+impl Splits {
     pub(super) const fn new() -> Self {
         Self {
-            least: None,
-            doubt: None,
-            own: None,
+            doubts: Vec::new(),
+            is_unclear: false,
+            others: 1.0,
+            parsed: 0,
+            best: None,
+            total: 0.0,
+            refusal: None,
         }
+    }
+
+    /// The decision that is reversed in the way that is being parsed.
+    fn reversed(&self) -> Option<Doubt> {
+        self.doubts.get(self.parsed.checked_sub(1)?).copied()
+    }
+
+    /// Whether a decision is reversed in the way that is being parsed; else it is the splitter's own.
+    pub(super) fn is_reversed(&self) -> bool {
+        self.parsed > 0
+    }
+
+    /// The sentence is split as the splitter decided, into steps with ends of these probabilities.
+    fn end(&mut self, probabilities: impl Iterator<Item = f32> + Clone, threshold: f32) {
+        self.is_unclear = probabilities
+            .clone()
+            .any(|probability| probability < threshold);
+        let doubts = self.doubts.iter().map(|doubt| doubt.probability);
+        self.others = probabilities.product::<f32>() / doubts.product::<f32>();
     }
 
     /// Whether the step ends at a token with this hazard, and with which probability.
     fn decide(&mut self, step: usize, token: usize, hazard: f32) -> (bool, f32) {
         let ends = hazard > SPLIT_HAZARD;
-        let reversed = self.own.as_ref().and(self.doubt);
-        if reversed.is_some_and(|doubt| doubt.token == token) {
-            return (!ends, 1.0);
-        }
         let probability = if ends { hazard } else { 1.0 - hazard };
-        if self
-            .least
-            .is_none_or(|least| probability < least.probability)
-        {
-            self.least = Some(Doubt {
+        match self.reversed() {
+            Some(doubt) if doubt.token == token => return (!ends, 1.0),
+            Some(_) => {}
+            None => self.note(Doubt {
                 step,
                 token,
                 probability,
-            });
+            }),
         }
         (ends, probability)
     }
 
-    /// A step ends with this probability. If it is below the threshold, its least sure decision is
-    /// in doubt from now on, if none is yet; returns the probability that the others are right.
-    fn end_step(&mut self, probability: f32, threshold: f32) -> f32 {
-        match self.least.take() {
-            Some(least) if probability < threshold && self.doubt.is_none() => {
-                self.doubt = Some(least);
-                probability / least.probability
+    /// Keeps a decision if it is one of the least sure.
+    fn note(&mut self, doubt: Doubt) {
+        if doubt.probability > CERTAIN {
+            return;
+        }
+        let surer = |other: &Doubt| other.probability > doubt.probability;
+        let place = self.doubts.iter().position(surer);
+        let place = place.unwrap_or(self.doubts.len());
+        if self.doubts.is_full() && place < self.doubts.len() {
+            let _ = self.doubts.pop();
+        }
+        let _ = self.doubts.insert(place, doubt);
+    }
+
+    /// Takes the end of one way into account.
+    fn add(&mut self, parsed: Parsed, refusal: Option<Refusal>) {
+        let (step, prior) = match self.reversed() {
+            Some(Doubt {
+                step, probability, ..
+            }) => (step, (1.0 - probability) / probability),
+            None => (self.doubts.first().map_or(0, |doubt| doubt.step), 1.0),
+        };
+        let weight = prior * sense(&parsed, refusal);
+        if self.parsed == 0 {
+            self.refusal = refusal;
+        }
+        self.parsed = self.parsed.saturating_add(1);
+        self.total += weight;
+        match &mut self.best {
+            // Words between two steps may belong to either.
+            Some(best)
+                if best.refusal.is_none()
+                    && refusal.is_none()
+                    && best.parsed.program == parsed.program =>
+            {
+                best.weight += weight;
             }
-            _ => probability,
+            Some(best) if best.weight >= weight => {}
+            best => {
+                *best = Some(Attempt {
+                    parsed,
+                    refusal,
+                    step,
+                    weight,
+                });
+            }
         }
     }
 }
 
-impl Attempt {
-    /// How much sense the words make as they were split: the probability of all that was decided
-    /// about the steps, until the end or the refusal; 0 for a step that no command has.
-    fn sense(&self) -> f32 {
-        let steps =
-            self.parsed.decisions.iter().map(|step| {
-                step.words * step.action * step.relations * step.object * step.reference
-            });
-        let refused = match self.refusal {
-            None => 1.0,
-            Some(
-                Refusal::UnclearWords { probability, .. } | Refusal::Unsure { probability, .. },
-            ) => probability,
-            Some(_) => 0.0,
-        };
-        steps.product::<f32>() * refused
-    }
+/// How much sense the words make as they were split: the probability of all that was decided about
+/// the steps, until the end or the refusal; 0 for a step that no command has.
+fn sense(parsed: &Parsed, refusal: Option<Refusal>) -> f32 {
+    let steps = parsed
+        .decisions
+        .iter()
+        .map(|step| step.words * step.action * step.relations * step.object * step.reference);
+    let refused = match refusal {
+        None => 1.0,
+        Some(Refusal::UnclearWords { probability, .. } | Refusal::Unsure { probability, .. }) => {
+            probability
+        }
+        Some(_) => 0.0,
+    };
+    steps.product::<f32>() * refused
 }
 
 impl<T: AsRef<str>> ParsingTask<'_, T> {
@@ -102,7 +175,11 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         let behind = token.saturating_add(1);
         let Some(ahead) = tokens.get(behind..).filter(|ahead| !ahead.is_empty()) else {
             // Nothing follows: what remains is the last step.
-            self.end_segment(behind, self.splitter.survival())?;
+            self.segments.end(behind, self.splitter.survival())?;
+            if !self.splits.is_reversed() {
+                let threshold = model.header.thresholds.decision;
+                self.splits.end(self.segments.probabilities(), threshold);
+            }
             return Ok(Stage::Step { step: 0 });
         };
         let ahead = ahead
@@ -114,70 +191,57 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         if !hazard.is_finite() {
             return Err(not_finite(step, Quantity::Split));
         }
-        let (ends, probability) = self.doubts.decide(step, token, hazard);
+        let (ends, probability) = self.splits.decide(step, token, hazard);
         if let Some(probability) = self.splitter.follow(ends, probability) {
-            self.end_segment(behind, probability)?;
+            self.segments.end(behind, probability)?;
             self.splitter = Splitter::new();
         }
         Ok(Stage::Split { token: behind })
     }
 
-    fn end_segment(&mut self, behind: usize, probability: f32) -> Result<(), Refusal> {
-        let threshold = self.model.header.thresholds.decision;
-        let probability = self.doubts.end_step(probability, threshold);
-        self.segments.end(behind, probability)
-    }
-
-    /// The sentence was parsed or refused as it was split: the other way is next, if there is one.
-    pub(super) fn end_attempt(&mut self, refusal: Option<Refusal>) -> Stage {
-        let Some(doubt) = self.doubts.doubt else {
-            return self.end_reading(refusal);
-        };
-        let parsed = &mut self.parsed;
-        if let Some(own) = self.doubts.own.take() {
-            let parsed = core::mem::replace(parsed, Parsed::empty(self.model));
-            let refusal = self.settle(doubt, own, Attempt { parsed, refusal });
+    /// The sentence was parsed or refused as it was split: another way is next, if there is one.
+    pub(super) fn end_way(&mut self, refusal: Option<Refusal>) -> Stage {
+        let is_clear = !self.splits.is_reversed() && !self.splits.is_unclear;
+        if refusal.map_or(is_clear, is_final) {
             return self.end_reading(refusal);
         }
-        let refused_before = refusal.is_some() && parsed.decisions.len() < doubt.step;
-        if refused_before || refusal.is_some_and(is_final) {
-            return self.end_reading(refusal);
+        let parsed = core::mem::replace(&mut self.parsed, Parsed::empty(self.model));
+        self.splits.add(parsed, refusal);
+        if self.splits.reversed().is_some() {
+            self.splitter = Splitter::new();
+            self.segments = Segments::new();
+            return Stage::Split { token: 0 };
         }
-        let parsed = core::mem::replace(parsed, Parsed::empty(self.model));
-        self.doubts.own = Some(Attempt { parsed, refusal });
-        self.splitter = Splitter::new();
-        self.segments = Segments::new();
-        Stage::Split { token: 0 }
+        let refusal = self.settle();
+        self.end_reading(refusal)
     }
 
-    /// Chooses one of two ways to split the sentence: by Bayes' rule, from how sure the splitter is
-    /// and how much sense they make.
-    fn settle(&mut self, doubt: Doubt, own: Attempt, reversed: Attempt) -> Option<Refusal> {
-        let weights = [
-            doubt.probability * own.sense(),
-            (1.0 - doubt.probability) * reversed.sense(),
-        ];
-        let parsed = own.refusal.is_none() && reversed.refusal.is_none();
-        // Words between two steps may belong to either.
-        let same = parsed && own.parsed.program == reversed.parsed.program;
-        let share = match weights {
-            _ if same => 1.0,
-            [0.0, 0.0] => doubt.probability,
-            [own, reversed] => own / (own + reversed),
+    /// Chooses the most probable way to split the sentence, by Bayes' rule: from how sure the
+    /// splitter is, and how much sense its steps make.
+    fn settle(&mut self) -> Option<Refusal> {
+        let splits = &mut self.splits;
+        let Some(best) = splits.best.take() else {
+            return Some(Refusal::InvalidModel);
         };
-        let (chosen, share) = if share >= 0.5 {
-            (own, share)
+        let share = if splits.total > 0.0 {
+            best.weight / splits.total
         } else {
-            (reversed, 1.0 - share)
+            // No way makes sense.
+            splits.doubts.first().map_or(1.0, |doubt| doubt.probability)
         };
-        self.parsed = chosen.parsed;
-        if let Some(decisions) = self.parsed.decisions.get_mut(doubt.step) {
-            decisions.split *= share;
+        let (split, own, is_unclear) = (share * splits.others, splits.refusal, splits.is_unclear);
+        self.parsed = best.parsed;
+        for (step, decisions) in self.parsed.decisions.iter_mut().enumerate() {
+            if step == best.step || decisions.split < split {
+                decisions.split = split;
+            }
         }
-        let decisions = self.parsed.decisions.get(doubt.step);
-        let split = decisions.map_or(share, |decisions| decisions.split);
-        let unsure = self.sure(doubt.step, Decision::Split, split);
-        unsure.err().or(chosen.refusal)
+        let unsure = self.sure(best.step, Decision::Split, split).err();
+        if is_unclear {
+            unsure.or(best.refusal)
+        } else {
+            unsure.or(best.refusal).and(own)
+        }
     }
 }
 
@@ -200,12 +264,6 @@ mod tests {
     use crate::fixture;
     use crate::model::Model;
 
-    const DOUBT: Doubt = Doubt {
-        step: 0,
-        token: 3,
-        probability: 0.625,
-    };
-
     fn parse(model: &Model<'_>, sentence: &str) -> Result<Parsed, Refusal> {
         let mut task = ParsingTask::new(model, sentence);
         loop {
@@ -215,14 +273,24 @@ mod tests {
         }
     }
 
-    /// A sentence with one step, parsed with this probability of its words.
-    fn attempt(model: &Model<'_>, sentence: &str, words: f32) -> Attempt {
-        let mut parsed = parse(model, sentence).unwrap();
-        parsed.decisions[0].words = words;
-        Attempt {
-            parsed,
-            refusal: None,
+    /// Ways to parse sentences of one step, each with the probability of its words: the first one
+    /// is the splitter's own, of which it is sure with 0.625.
+    fn settle(ways: &[(&str, f32)]) -> (Option<Refusal>, Parsed) {
+        let model = fixture::model();
+        let mut task = ParsingTask::new(&model, "");
+        task.splits.is_unclear = true;
+        task.splits.note(Doubt {
+            step: 0,
+            token: 3,
+            probability: 0.625,
+        });
+        for (sentence, words) in ways {
+            let mut parsed = parse(&model, sentence).unwrap();
+            parsed.decisions[0].words = *words;
+            task.splits.add(parsed, None);
         }
+        let refusal = task.settle();
+        (refusal, task.parsed)
     }
 
     #[test]
@@ -242,26 +310,17 @@ mod tests {
 
     #[test]
     fn words_between_two_steps_may_belong_to_either() {
-        let model = fixture::model();
-        let mut task = ParsingTask::new(&model, "");
-        let [own, reversed] = [0.75, 0.5].map(|words| attempt(&model, "put red on green", words));
-        assert_eq!(task.settle(DOUBT, own, reversed), None);
-        let decisions = task.parsed.decisions[0];
-        assert!((decisions.split - 1.0).abs() < 1e-3 && decisions.words == 0.75);
+        let (refusal, parsed) = settle(&[("put red on green", 0.75), ("put red on green", 0.5)]);
+        assert_eq!(refusal, None);
+        assert!((parsed.decisions[0].split - 1.0).abs() < 1e-3);
+        assert_eq!(parsed.decisions[0].words, 0.75);
     }
 
     #[test]
     fn of_two_programs_that_make_sense_one_must_be_far_likelier() {
-        let model = fixture::model();
-        let mut task = ParsingTask::new(&model, "");
-        let mut settle = |own, reversed| {
-            let own = attempt(&model, "put red on green", own);
-            let reversed = attempt(&model, "put green on red", reversed);
-            let refusal = task.settle(DOUBT, own, reversed);
-            (refusal, task.parsed.decisions[0].split)
-        };
-        // 0.625 · 0.5 against 0.375 · 0.75.
-        let (refusal, split) = settle(0.5, 0.75);
+        // 0.5 against 0.6 · 0.75.
+        let (refusal, parsed) = settle(&[("put red on green", 0.5), ("put green on red", 0.75)]);
+        let split = parsed.decisions[0].split;
         let unsure = Refusal::Unsure {
             step: 0,
             decision: Decision::Split,
@@ -270,27 +329,32 @@ mod tests {
         };
         assert_eq!(refusal, Some(unsure));
         assert!((split - 0.526).abs() < 1e-3, "{split}");
-        // 0.625 · 0.75 against 0.375 · 0.25.
-        let (refusal, split) = settle(0.75, 0.25);
+        // 0.75 against 0.6 · 0.25.
+        let (refusal, parsed) = settle(&[("put red on green", 0.75), ("put green on red", 0.25)]);
+        let split = parsed.decisions[0].split;
         assert_eq!(refusal, None);
         assert!((split - 0.833).abs() < 1e-3, "{split}");
     }
 
     #[test]
-    fn the_less_likely_split_is_chosen_if_only_that_makes_sense() {
-        let model = fixture::model();
-        let mut task = ParsingTask::new(&model, "");
-        let mut own = attempt(&model, "put red on green", 1.0);
-        let threshold = 0.6;
-        own.refusal = Some(Refusal::Unsure {
-            step: 0,
-            decision: Decision::Action,
-            probability: 0.1,
-            threshold,
-        });
-        let reversed = attempt(&model, "put green on red", 1.0);
-        let program = reversed.parsed.program.clone();
-        assert_eq!(task.settle(DOUBT, own, reversed), None);
-        assert_eq!(task.parsed.program, program);
+    fn the_less_likely_way_is_chosen_if_only_that_makes_sense() {
+        let (refusal, parsed) = settle(&[("put red on green", 0.01), ("put green on red", 0.99)]);
+        assert_eq!(refusal, None);
+        let meant = parse(&fixture::model(), "put green on red").unwrap();
+        assert_eq!(parsed.program, meant.program);
+    }
+
+    #[test]
+    fn the_least_sure_decisions_are_kept_in_order() {
+        let mut splits = Splits::new();
+        for (token, probability) in [0.75, 0.99, 0.6, 0.9, 0.95, 0.5].into_iter().enumerate() {
+            splits.note(Doubt {
+                step: 0,
+                token,
+                probability,
+            });
+        }
+        let kept = splits.doubts.iter().map(|doubt| doubt.token);
+        assert!(kept.eq([5, 2, 0]));
     }
 }
