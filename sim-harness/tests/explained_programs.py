@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from nsrm_harness.data.relations import Described
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.program import Relation, Step
@@ -21,8 +19,7 @@ def programs_of(
     """The index of the sentence of each explained step, and the steps that explain it."""
     names = [action.name for action in domain.actions]
     table = structures(len(names))
-    for index, number, bits in zip(*found, strict=True):
-        every = np.unpackbits(bits)[: len(table.count) * len(names)].reshape(-1, len(names))
+    for index, number, programs in zip(*found, strict=True):
         groups = [
             tuple(domain.concepts[concept].name for concept in group if concept >= 0)
             for group in sentences.groups[index][: sentences.group_count[index]]
@@ -31,7 +28,7 @@ def programs_of(
             int(index),
             [
                 _step(table, structure, names, action, groups[GROUPS_PER_STEP * number :])
-                for structure, action in np.argwhere(every)
+                for structure, action in (divmod(int(p), len(names)) for p in programs if p >= 0)
             ],
         )
 

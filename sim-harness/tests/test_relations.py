@@ -196,20 +196,18 @@ def test_a_relation_holds_clearly_and_for_one_object_only(
 
 
 def test_the_probability_of_an_explanation_is_that_of_its_programs() -> None:
-    table, actions = structures(2), 2
+    actions = 2
     heard = Heard(
         Parse(jnp.log(jnp.array([0.75, 0.25])), jnp.array([0.0, 1.0]), jnp.array([0.0, MISSING])),
         jnp.zeros((2, 5)),
         jnp.array(0.0),
     )
     places = jnp.array([0, 1, 0, 0])
-    programs = np.zeros((len(table.count), actions), bool)
     # Plain, the second description moved, the first action.
-    programs[1, 0] = True
-    packed = jnp.asarray(np.packbits(programs.reshape(-1)))
+    programs = jnp.array([1 * actions + 0, -1, -1])
     # Roles: one of three for the first group, one of five for the second.
     expected = np.log(0.75 / 3 / 5) + np.log(1 / (1 + np.exp(-1.0)))
-    found = explaining_log_probability(heard, places, packed)
+    found = explaining_log_probability(heard, places, programs)
     assert float(found) == pytest.approx(expected, rel=1e-5)
 
 

@@ -61,7 +61,7 @@ PARTS = (
     "taking",
 )
 #: Sentences with a relation in a description, and with pronouns, that no program has; `{words}`
-#: stands for the words of a relation without its reference.
+#: stands for the words of a relation without its reference, `{part}` for some of them.
 REFERRING_TEXTS = (
     "{do} {article} {noun} {that_is} {relation} {relation}",
     "{do} {article} {noun} {relation} {relation}",
@@ -86,6 +86,10 @@ REFERRING_TEXTS = (
     "{ensuring} it {is} {relation} {joining} {do} {moved}",
     "{moved} {is} {relation}",
     "{moved} {that_is} {relation}",
+    "{do} {moved} {relation} {part}",
+    "{do} {moved} {part} {relation}",
+    "{moved} {relation} {part}",
+    "{taken} {joining} {do} it {relation} {part}",
 )
 #: Sentences that join descriptions or relations as no program does.
 JOINED_TEXTS = (
@@ -348,6 +352,8 @@ class NearMisses:
         return self._speaker.words(f"{lead} {{before}} {text} {{after}}", step)
 
     def _with_relation_texts(self, text: str) -> str:
+        while "{part}" in text:
+            text = text.replace("{part}", " ".join(self._part_of(self._choose(self._relations))), 1)
         while "{words}" in text:
             text = text.replace("{words}", " ".join(self._choose(self._relations)), 1)
         return text
@@ -457,6 +463,11 @@ class NearMisses:
 
     def _relation_words(self) -> list[str]:
         return [self._choose(self._choose(self._relations)) for _ in range(1 + self._any(2))]
+
+    def _part_of(self, words: list[str]) -> list[str]:
+        """The words without the last few or the first few: "on the right"."""
+        cut = 1 + self._any(max(1, len(words) - 1))
+        return words[:cut] if self._rng.random() < 0.7 else words[cut:]
 
     def _insert(self, words: list[str], added: Sequence[str]) -> list[str]:
         place = self._any(len(words) + 1)

@@ -46,10 +46,11 @@ CHUNK = 512
 """Number of sentences per batch."""
 MARGIN = 0.02
 """Smallest difference between the losses of what explains a final scene and what does not."""
-
 NESTED = 0.95
 """Least share of the smaller of two boxes that lies in the other one if they are of an object that
 has not moved."""
+MOST_PROGRAMS = 16
+"""What more programs explain teaches nothing."""
 
 
 class Explained(NamedTuple):
@@ -60,7 +61,8 @@ class Explained(NamedTuple):
     step: np.ndarray
     """Index of the step in it, `[R]`."""
     programs: np.ndarray
-    """Whether each of `structures` with each action explains it, bits `[R, ⌈S·A / 8⌉]`."""
+    """What explains it, `[R, MOST_PROGRAMS]`: A times the number of one of `structures`, plus the
+    action's; -1 behind the last."""
 
 
 def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Camera) -> Explained:
@@ -119,14 +121,19 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
 
 
 def _explained(rows: np.ndarray, step: int, programs: np.ndarray) -> Explained:
-    kept = programs.any(axis=1)
-    packed = np.packbits(programs[kept], axis=1)
-    return Explained(rows[kept], np.full(int(kept.sum()), step), packed)
+    """The steps that a few programs explain: rows `[N]`, whether each program does `[N, S·A]`."""
+    counts = programs.sum(axis=1)
+    kept = (counts > 0) & (counts <= MOST_PROGRAMS)
+    row, program = np.nonzero(programs[kept])
+    listed = np.full((int(kept.sum()), MOST_PROGRAMS), -1, np.int32)
+    first = np.cumsum(counts[kept]) - counts[kept]
+    listed[row, np.arange(len(row)) - first[row]] = program
+    return Explained(rows[kept], np.full(len(listed), step), listed)
 
 
 def _plain(steps: np.ndarray, actions: int) -> np.ndarray:
     """Plain programs by number, 2·action + (0 if the first description is of the object to be
-    moved), as the programs of `Explained`."""
+    moved), as for `_explained`."""
     found = np.zeros((len(steps), len(structures(actions).count), actions), bool)
     found[np.arange(len(steps)), steps % 2, steps // 2] = True
     return found.reshape(len(steps), -1)

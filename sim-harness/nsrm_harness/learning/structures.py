@@ -137,7 +137,7 @@ def explaining_log_probability(heard: Heard, places: Array, programs: Array) -> 
     """Log probability that a step means one of the programs that explain its final scene.
 
     * `places` `[G]`: index of each group token
-    * `programs` `[⌈S·A / 8⌉]`: bits; see `explain`
+    * `programs` `[P]`: see `explain.Explained`
     """
     parse, roles = heard.parse, heard.roles[places]
     actions = len(parse.action)
@@ -145,13 +145,14 @@ def explaining_log_probability(heard: Heard, places: Array, programs: Array) -> 
     role = jnp.arange(roles.shape[1])
     # Before the first group there is no description.
     roles = roles.at[0].set(jnp.where((role >= 1) & (role <= actions), MISSING, roles[0]))
-    chosen = jax.nn.log_softmax(roles)[jnp.arange(MOST_GROUPS), table.roles]
-    used = jnp.arange(MOST_GROUPS) < table.count[:, None]
-    moved, reference = jnp.asarray(table.moved), jnp.asarray(table.reference)
+    # Those behind the last are masked.
+    which = jnp.maximum(programs, 0)
+    count, own, moved, reference = (jnp.asarray(column)[which // actions] for column in table)
+    chosen = jax.nn.log_softmax(roles)[jnp.arange(MOST_GROUPS), own]
+    used = jnp.arange(MOST_GROUPS) < count[:, None]
     objects, references = parse.object[places], parse.reference[places]
     order = jax.nn.log_sigmoid(objects[moved] - objects[reference])
     order += jax.nn.log_sigmoid(references[reference] - references[moved])
     structure = jnp.where(used, chosen, 0.0).sum(axis=1) + order
-    every = structure[:, None] + jax.nn.log_softmax(parse.action)
-    explains = jnp.unpackbits(programs)[: every.size].reshape(every.shape)
-    return jax.nn.logsumexp(jnp.where(explains, every, MISSING))
+    every = structure + jax.nn.log_softmax(parse.action)[which % actions]
+    return jax.nn.logsumexp(jnp.where(programs >= 0, every, MISSING))

@@ -96,7 +96,7 @@ class ToldSteps(NamedTuple):
     places: Array
     """Index of each group token in the step, `[G]`; 0 behind the last."""
     programs: Array
-    """Whether each of `structures` with each action explains the final scene, as bits."""
+    """What explains the final scene, `[P]`; see `explain.Explained`."""
 
 
 class NearMisses(NamedTuple):
@@ -331,9 +331,12 @@ def plain_actions(
     rng = np.random.default_rng(0)
     steps = told_steps(model, validation.data, config.training, validation.camera, rng)
     actions = model.language.action_decoder.weight.shape[0]
-    programs = np.unpackbits(np.asarray(steps.programs), axis=1)
+    programs = np.asarray(steps.programs)
     # The first two structures are the plain ones.
-    plain = programs[:, : 2 * actions].reshape(-1, 2, actions).max(axis=1)
+    is_plain = (programs >= 0) & (programs < 2 * actions)
+    plain = np.zeros((len(programs), actions), int)
+    row, _ = np.nonzero(is_plain)
+    plain[row, programs[is_plain] % actions] = 1
     chosen = np.flatnonzero(plain.sum(axis=1) == 1)
 
     @eqx.filter_jit
