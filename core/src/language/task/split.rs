@@ -106,13 +106,14 @@ impl Splits {
         if doubt.probability > CERTAIN {
             return;
         }
-        let surer = |other: &Doubt| other.probability > doubt.probability;
-        let place = self.doubts.iter().position(surer);
-        let place = place.unwrap_or(self.doubts.len());
-        if self.doubts.is_full() && place < self.doubts.len() {
-            let _ = self.doubts.pop();
+        let mut surer = doubt;
+        for kept in &mut self.doubts {
+            if surer.probability < kept.probability {
+                core::mem::swap(kept, &mut surer);
+            }
         }
-        let _ = self.doubts.insert(place, doubt);
+        // If there is no place, the surest is left out.
+        let _ = self.doubts.push(surer);
     }
 
     /// Takes the end of one way into account.
