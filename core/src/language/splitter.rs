@@ -54,11 +54,8 @@ impl Splitter {
     /// Whether the step ends at a token with this hazard: its probability, or `None` if it
     /// continues.
     pub fn decide(&mut self, hazard: f32) -> Option<f32> {
-        if hazard > SPLIT_HAZARD {
-            self.follow(true, hazard)
-        } else {
-            self.follow(false, 1.0 - hazard)
-        }
+        let (ends, probability) = decision(hazard);
+        self.follow(ends, probability)
     }
 
     /// Follows a decision that is right with this probability: see [`Splitter::decide`].
@@ -73,6 +70,15 @@ impl Splitter {
     /// Probability that the step did not end at any token so far.
     pub const fn survival(&self) -> f32 {
         self.survival
+    }
+}
+
+/// Whether the step ends at a token with this hazard, and the probability that this is right.
+pub(super) fn decision(hazard: f32) -> (bool, f32) {
+    if hazard > SPLIT_HAZARD {
+        (true, hazard)
+    } else {
+        (false, 1.0 - hazard)
     }
 }
 

@@ -6,11 +6,12 @@ use heapless::Vec;
 use super::{ParsingTask, Stage, not_finite};
 use crate::capacity::MAX_SPLITS;
 use crate::language::segments::Segments;
-use crate::language::splitter::{SPLIT_HAZARD, Splitter};
+use crate::language::splitter::{Splitter, decision};
 use crate::language::{Parsed, Token};
 use crate::refusal::{Decision, Quantity, Refusal};
 
-/// A decision of the splitter that is more probable than this is never reversed.
+/// A decision of the splitter that is more probable than this is never reversed: where the steps
+/// make no sense, the prior alone would otherwise not keep a far-fetched split from being obeyed.
 const CERTAIN: f32 = 0.98;
 
 /// The ways in which one reading of a sentence is split: that of the splitter first, then with one
@@ -87,8 +88,7 @@ impl Splits {
 
     /// Whether the step ends at a token with this hazard, and with which probability.
     fn decide(&mut self, step: usize, token: usize, hazard: f32) -> (bool, f32) {
-        let ends = hazard > SPLIT_HAZARD;
-        let probability = if ends { hazard } else { 1.0 - hazard };
+        let (ends, probability) = decision(hazard);
         match self.reversed() {
             Some(doubt) if doubt.token == token => return (!ends, 1.0),
             Some(_) => {}
