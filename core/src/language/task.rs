@@ -57,6 +57,8 @@ pub struct ParsingTask<'m, T> {
     readings: usize,
     /// The first reading that makes sense, if there are several.
     accepted: Option<Parsed>,
+    /// The first decision that is not sure enough, as the sentence is split now.
+    doubt: Option<Refusal>,
     stage: Stage,
 }
 
@@ -133,6 +135,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             reading: 0,
             readings: 1,
             accepted: None,
+            doubt: None,
             stage,
         }
     }
@@ -261,7 +264,8 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         }
         // Of the splitter's own way, all steps together are judged.
         if self.splits.is_reversed() {
-            self.sure(step, Decision::Split, probability)?;
+            let sure = self.sure(step, Decision::Split, probability);
+            self.note(sure);
         }
         self.encoder.clear();
         self.acceptability.clear();
@@ -301,6 +305,12 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         } else {
             Stage::Action { step }
         })
+    }
+
+    /// Keeps the first doubt. What follows it is decided all the same: how much sense the steps make
+    /// depends on all of it.
+    fn note(&mut self, sure: Result<(), Refusal>) {
+        self.doubt = self.doubt.or(sure.err());
     }
 
     fn token(&self, token: usize) -> Result<(&'m WordEmbeddings, bool), Refusal> {

@@ -58,7 +58,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         Ok(())
     }
 
-    fn check_words(&self, step: usize) -> Result<(), Refusal> {
+    fn check_words(&mut self, step: usize) -> Result<(), Refusal> {
         let probability = self.acceptability.probability();
         if !probability.is_finite() {
             return Err(not_finite(step, Quantity::Words));
@@ -69,16 +69,17 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         }
         let token = self.segments.tokens(step).start + self.acceptability.least();
         let token = self.reader.tokens().get(token);
-        Err(Refusal::UnclearWords {
+        self.note(Err(Refusal::UnclearWords {
             step: step as u8,
             span: token.ok_or(Refusal::InvalidModel)?.span,
             probability,
             threshold,
-        })
+        }));
+        Ok(())
     }
 
     pub(super) fn argument(
-        &self,
+        &mut self,
         step: usize,
         argument: Argument,
         decoder: &Linear<INSTRUCTION, INSTRUCTION>,
@@ -130,8 +131,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         })
     }
 
-    /// A decoder's choice, refused when it is not finite or below the threshold.
-    fn decide(&self, step: usize, decision: Decision, choice: Choice) -> Result<Decided, Refusal> {
+    /// A decoder's choice, refused when it is not finite and doubted below the threshold.
+    fn decide(
+        &mut self,
+        step: usize,
+        decision: Decision,
+        choice: Choice,
+    ) -> Result<Decided, Refusal> {
         let quantity = match decision {
             Decision::Split => Quantity::Split,
             Decision::Action => Quantity::Action,
@@ -140,7 +146,8 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         };
         let index = choice.index().ok_or(not_finite(step, quantity))?;
         let probability = choice.probability();
-        self.sure(step, decision, probability)?;
+        let sure = self.sure(step, decision, probability);
+        self.note(sure);
         Ok(Decided { index, probability })
     }
 

@@ -117,14 +117,16 @@ impl Splits {
     }
 
     /// Takes the end of one way into account.
-    fn add(&mut self, parsed: Parsed, refusal: Option<Refusal>) {
+    ///
+    /// * `sense`: how much its steps make
+    fn add(&mut self, parsed: Parsed, refusal: Option<Refusal>, sense: f32) {
         let (step, prior) = match self.reversed() {
             Some(Doubt {
                 step, probability, ..
             }) => (step, (1.0 - probability) / probability),
             None => (self.doubts.first().map_or(0, |doubt| doubt.step), 1.0),
         };
-        let weight = prior * sense(&parsed, refusal);
+        let weight = prior * sense;
         if self.parsed == 0 {
             self.refusal = refusal;
         }
@@ -153,20 +155,13 @@ impl Splits {
 }
 
 /// How much sense the words make as they were split: the probability of all that was decided about
-/// the steps, until the end or the refusal; 0 for a step that no command has.
-fn sense(parsed: &Parsed, refusal: Option<Refusal>) -> f32 {
+/// the steps.
+fn sense(parsed: &Parsed) -> f32 {
     let steps = parsed
         .decisions
         .iter()
         .map(|step| step.words * step.action * step.relations * step.object * step.reference);
-    let refused = match refusal {
-        None => 1.0,
-        Some(Refusal::UnclearWords { probability, .. } | Refusal::Unsure { probability, .. }) => {
-            probability
-        }
-        Some(_) => 0.0,
-    };
-    steps.product::<f32>() * refused
+    steps.product()
 }
 
 impl<T: AsRef<str>> ParsingTask<'_, T> {
@@ -200,14 +195,20 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         Ok(Stage::Split { token: behind })
     }
 
-    /// The sentence was parsed or refused as it was split: another way is next, if there is one.
-    pub(super) fn end_way(&mut self, refusal: Option<Refusal>) -> Stage {
+    /// The sentence was parsed to its end as it was split, or it has a step that no command has:
+    /// another way is next, if there is one.
+    pub(super) fn end_way(&mut self, error: Option<Refusal>) -> Stage {
+        if error.is_some_and(is_final) {
+            return self.end_reading(error);
+        }
+        let refusal = self.doubt.take().or(error);
         let is_clear = !self.splits.is_reversed() && !self.splits.is_unclear;
-        if refusal.map_or(is_clear, is_final) {
-            return self.end_reading(refusal);
+        if refusal.is_none() && is_clear {
+            return self.end_reading(None);
         }
         let parsed = core::mem::replace(&mut self.parsed, Parsed::empty(self.model));
-        self.splits.add(parsed, refusal);
+        let sense = if error.is_none() { sense(&parsed) } else { 0.0 };
+        self.splits.add(parsed, refusal, sense);
         if self.splits.reversed().is_some() {
             self.splitter = Splitter::new();
             self.segments = Segments::new();
@@ -288,7 +289,8 @@ mod tests {
         for (sentence, words) in ways {
             let mut parsed = parse(&model, sentence).unwrap();
             parsed.decisions[0].words = *words;
-            task.splits.add(parsed, None);
+            let sense = sense(&parsed);
+            task.splits.add(parsed, None, sense);
         }
         let refusal = task.settle();
         (refusal, task.parsed)
@@ -307,6 +309,16 @@ mod tests {
             parsed.decisions[0].span.of(sentence),
             Some("put red on green")
         );
+    }
+
+    #[test]
+    fn a_way_with_a_step_that_no_command_has_does_not_count() {
+        // "near" is as likely on as right of, and after "perhaps" nothing is described.
+        let refusal = parse(&fixture::model(), "put red near green perhaps put").unwrap_err();
+        let Refusal::Unsure { decision, .. } = refusal else {
+            panic!("{refusal}");
+        };
+        assert_eq!(decision, Decision::Action);
     }
 
     #[test]
