@@ -2,7 +2,7 @@
 //! after an action.
 
 use crate::model::{Action, LOCATION, Simulator};
-use crate::nn::tanh_all;
+use crate::nn::{add_products, tanh_all};
 
 /// The location of the moved object after `action`:
 /// `loc' = (centre and depth of the reference, size of the object) + MLP(action, loc_1, loc_2)`.
@@ -36,10 +36,9 @@ pub fn simulate(
     let object = Centred::from_corners(object);
     let reference = Centred::from_corners(reference);
     let mut hidden = action.simulator_bias;
-    let inputs = object.numbers().into_iter().chain(reference.numbers());
-    for (value, column) in inputs.zip(&simulator.input) {
-        crate::nn::accumulate(&mut hidden, value, column);
-    }
+    let (object_columns, reference_columns) = simulator.input.split_at(LOCATION);
+    add_products(&mut hidden, &object.numbers(), object_columns);
+    add_products(&mut hidden, &reference.numbers(), reference_columns);
     tanh_all(&mut hidden);
     let mut hidden = simulator.hidden.apply(&hidden);
     tanh_all(&mut hidden);

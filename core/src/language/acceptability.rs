@@ -2,7 +2,7 @@ use heapless::Vec;
 
 use crate::capacity::MAX_STEP_TOKENS;
 use crate::model::{ACCEPTABILITY_HIDDEN, ENCODER_HIDDEN, Language};
-use crate::nn::{accumulate, sigmoid, tanh_all};
+use crate::nn::{add_products, sigmoid, tanh_all};
 
 /// Judges whether each word of a step stands where commands have it: a step is accepted if all its
 /// words are. What nobody says is so refused, although all its words are known. Not in the paper.
@@ -51,9 +51,8 @@ impl Acceptability {
     pub fn ahead(&mut self, language: &Language<'_>, state: &[f32; ENCODER_HIDDEN]) -> bool {
         let hidden = language.acceptability_hidden;
         let mut share = hidden.bias;
-        for (&value, column) in state.iter().zip(&hidden.weight) {
-            accumulate(&mut share, value, column);
-        }
+        let (columns, _) = hidden.weight.split_at(ENCODER_HIDDEN);
+        add_products(&mut share, state, columns);
         self.shares.push(share).is_ok()
     }
 
@@ -65,13 +64,13 @@ impl Acceptability {
         let Some(mut features) = self.shares.pop() else {
             return;
         };
-        let columns = language.acceptability_hidden.weight.iter();
-        for (&value, column) in state.iter().zip(columns.skip(ENCODER_HIDDEN)) {
-            accumulate(&mut features, value, column);
-        }
+        let (_, columns) = language
+            .acceptability_hidden
+            .weight
+            .split_at(ENCODER_HIDDEN);
+        add_products(&mut features, state, columns);
         tanh_all(&mut features);
-        let [logit] = language.acceptability.apply(&features);
-        let probability = sigmoid(logit);
+        let probability = sigmoid(language.acceptability.single(&features));
         self.probability *= probability;
         if probability < self.least.probability {
             self.least = Least {

@@ -1,5 +1,5 @@
-use crate::model::{HAZARD_INPUT, LOOKAHEAD, Language, SPLITTER_HIDDEN, WordEmbeddings};
-use crate::nn::{sigmoid, tanh_all};
+use crate::model::{LOOKAHEAD, Language, SPLITTER_HIDDEN, SPLITTER_WORD, WordEmbeddings};
+use crate::nn::{add_products, sigmoid, tanh_all};
 
 /// A hazard above this ends the step. Below 1 − h > h: not splitting is likelier.
 pub const SPLIT_HAZARD: f32 = 0.5;
@@ -40,15 +40,17 @@ impl Splitter {
         ahead: impl Iterator<Item = &'w WordEmbeddings>,
     ) -> f32 {
         self.hidden = language.splitter.step(&token.splitter, &self.hidden);
-        let ahead = ahead.take(LOOKAHEAD).flat_map(|token| &token.splitter);
-        let mut input = [0.0; HAZARD_INPUT];
-        for (place, &value) in input.iter_mut().zip(self.hidden.iter().chain(ahead)) {
-            *place = value;
+        let layer = language.hazard_hidden;
+        let mut features = layer.bias;
+        let (columns, mut rest) = layer.weight.split_at(SPLITTER_HIDDEN);
+        add_products(&mut features, &self.hidden, columns);
+        for token in ahead.take(LOOKAHEAD) {
+            let (columns, behind) = rest.split_at(rest.len().min(SPLITTER_WORD));
+            add_products(&mut features, &token.splitter, columns);
+            rest = behind;
         }
-        let mut features = language.hazard_hidden.apply(&input);
         tanh_all(&mut features);
-        let [logit] = language.hazard.apply(&features);
-        sigmoid(logit)
+        sigmoid(language.hazard.single(&features))
     }
 
     /// Whether the step ends at a token with this hazard: its probability, or `None` if it
@@ -92,6 +94,7 @@ impl Default for Splitter {
 mod tests {
     use super::*;
     use crate::fixture;
+    use crate::model::HAZARD_INPUT;
 
     #[test]
     fn a_hazard_sees_the_state_and_the_six_tokens_behind() {

@@ -295,9 +295,16 @@ fn letters(word: &str) -> impl Iterator<Item = char> + '_ {
 
 /// The entry whose text is `word` in lower case, and its index.
 fn find<'a, T>(entries: &'a [T], word: &str, text: fn(&T) -> &str) -> Option<(usize, &'a T)> {
-    let index = entries
-        .binary_search_by(|entry| text(entry).chars().cmp(letters(word)))
-        .ok()?;
+    // In UTF-8, bytes are in the order of letters.
+    let index = if word.is_ascii() {
+        entries.binary_search_by(|entry| {
+            let lower = word.bytes().map(|byte| byte.to_ascii_lowercase());
+            text(entry).bytes().cmp(lower)
+        })
+    } else {
+        entries.binary_search_by(|entry| text(entry).chars().cmp(letters(word)))
+    };
+    let index = index.ok()?;
     entries.get(index).map(|entry| (index, entry))
 }
 

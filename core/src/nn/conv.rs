@@ -1,8 +1,10 @@
-use super::accumulate;
+use super::{Kernel, add_row_products, widest};
 
 /// A convolution (cross-correlation) whose stride is its kernel; no padding.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
+// A cache line: no vector of a column lies across two.
+#[repr(align(64))]
 pub struct Conv<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> {
     /// `[INPUT][KERNEL][KERNEL][OUTPUT]`: input channel, kernel row, kernel column, output channel.
     pub weight: [[[[f32; OUTPUT]; KERNEL]; KERNEL]; INPUT],
@@ -20,37 +22,86 @@ impl<const INPUT: usize, const OUTPUT: usize, const KERNEL: usize> Conv<INPUT, O
         input: &[[[f32; SIDE]; SIDE]; INPUT],
         output: &mut [[[f32; RESULT]; RESULT]; OUTPUT],
     ) {
-        const { assert!(KERNEL > 0 && SIDE == RESULT * KERNEL) };
+        widest(Apply {
+            layer: self,
+            input,
+            output,
+        });
+    }
+}
+
+/// See [`Conv::apply`].
+struct Apply<
+    'a,
+    const INPUT: usize,
+    const OUTPUT: usize,
+    const KERNEL: usize,
+    const SIDE: usize,
+    const RESULT: usize,
+> {
+    layer: &'a Conv<INPUT, OUTPUT, KERNEL>,
+    input: &'a [[[f32; SIDE]; SIDE]; INPUT],
+    output: &'a mut [[[f32; RESULT]; RESULT]; OUTPUT],
+}
+
+impl<
+    const INPUT: usize,
+    const OUTPUT: usize,
+    const KERNEL: usize,
+    const SIDE: usize,
+    const RESULT: usize,
+> Kernel for Apply<'_, INPUT, OUTPUT, KERNEL, SIDE, RESULT>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            layer,
+            input,
+            output,
+        } = self;
+        const { assert!(KERNEL > 0 && SIDE == RESULT * KERNEL && INPUT * KERNEL * KERNEL <= PATCH) };
+        let columns = layer.weight.as_flattened().as_flattened();
+        let mut patch = [0.0; PATCH];
         for row in 0..RESULT {
             for column in 0..RESULT {
-                let values = self.at(input, row * KERNEL, column * KERNEL);
+                let patch = gather::<SIDE, KERNEL>(input, row, column, &mut patch);
+                let mut values = layer.bias;
+                add_row_products::<OUTPUT, 1, 0>(&mut values, patch, columns.as_chunks::<1>().0);
                 for (map, value) in output.iter_mut().zip(values) {
                     // Always present: row and column are below RESULT.
-                    if let Some(place) = map.get_mut(row).and_then(|row| row.get_mut(column)) {
+                    if let Some(place) = map.as_flattened_mut().get_mut(row * RESULT + column) {
                         *place = value;
                     }
                 }
             }
         }
     }
+}
 
-    /// Every output channel over the patch whose first pixel is (`top`, `left`).
-    fn at<const SIDE: usize>(
-        &self,
-        input: &[[[f32; SIDE]; SIDE]; INPUT],
-        top: usize,
-        left: usize,
-    ) -> [f32; OUTPUT] {
-        let mut sum = self.bias;
-        for (map, kernel) in input.iter().zip(&self.weight) {
-            for (pixels, kernel_row) in map.iter().skip(top).zip(kernel) {
-                for (&pixel, column) in pixels.iter().skip(left).zip(kernel_row) {
-                    accumulate(&mut sum, pixel, column);
-                }
-            }
-        }
-        sum
+/// The most inputs of one result.
+const PATCH: usize = 96;
+
+/// The patch of all channels at a row and column of the result, in the order of the weights.
+#[inline(always)]
+fn gather<'p, const SIDE: usize, const KERNEL: usize>(
+    input: &[[[f32; SIDE]; SIDE]],
+    row: usize,
+    column: usize,
+    patch: &'p mut [f32; PATCH],
+) -> &'p [f32] {
+    let rows = input
+        .iter()
+        .flat_map(|map| map.as_chunks::<KERNEL>().0.get(row))
+        .flatten();
+    let pieces = rows.flat_map(|pixels| pixels.as_chunks::<KERNEL>().0.get(column));
+    let mut length = 0_usize;
+    for (place, piece) in patch.as_chunks_mut::<KERNEL>().0.iter_mut().zip(pieces) {
+        *place = *piece;
+        length = length.wrapping_add(KERNEL);
     }
+    patch.get(..length).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
-use super::{accumulate, sigmoid, tanh};
+use super::{Kernel, add_row_products, sigmoid, tanh, widest};
 
 /// A GRU cell.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
+// A cache line: no vector of a column lies across two.
+#[repr(align(64))]
 pub struct Gru<const INPUT: usize, const HIDDEN: usize> {
     /// For each input its column in the reset, update and new gate.
     pub weight_ih: [[[f32; HIDDEN]; 3]; INPUT],
@@ -24,19 +26,40 @@ impl<const INPUT: usize, const HIDDEN: usize> Gru<INPUT, HIDDEN> {
     /// Cost: `3·HIDDEN·(INPUT + HIDDEN)` multiply-adds and `3·HIDDEN` scalar functions.
     /// Convention: that of `equinox.nn.GRUCell` (and `torch.nn.GRU`).
     pub fn step(&self, input: &[f32; INPUT], hidden: &[f32; HIDDEN]) -> [f32; HIDDEN] {
+        widest(Step {
+            cell: self,
+            input,
+            hidden,
+        })
+    }
+}
+
+/// See [`Gru::step`].
+struct Step<'a, const INPUT: usize, const HIDDEN: usize> {
+    cell: &'a Gru<INPUT, HIDDEN>,
+    input: &'a [f32; INPUT],
+    hidden: &'a [f32; HIDDEN],
+}
+
+impl<const INPUT: usize, const HIDDEN: usize> Kernel for Step<'_, INPUT, HIDDEN> {
+    type Output = [f32; HIDDEN];
+
+    #[inline(always)]
+    fn run(self) -> [f32; HIDDEN] {
         const { assert!(INPUT > 0 && HIDDEN > 0) };
-        let [mut reset, mut update, mut input_new] = self.bias;
-        for (&value, [column_r, column_z, column_n]) in input.iter().zip(&self.weight_ih) {
-            accumulate(&mut reset, value, column_r);
-            accumulate(&mut update, value, column_z);
-            accumulate(&mut input_new, value, column_n);
-        }
-        let mut recurrent_new = self.bias_n;
-        for (&value, [column_r, column_z, column_n]) in hidden.iter().zip(&self.weight_hh) {
-            accumulate(&mut reset, value, column_r);
-            accumulate(&mut update, value, column_z);
-            accumulate(&mut recurrent_new, value, column_n);
-        }
+        let Self {
+            cell,
+            input,
+            hidden,
+        } = self;
+        let [mut reset, mut update, mut input_new] = cell.bias;
+        let mut recurrent_new = cell.bias_n;
+        add_row_products::<HIDDEN, 3, 0>(&mut reset, input, &cell.weight_ih);
+        add_row_products::<HIDDEN, 3, 1>(&mut update, input, &cell.weight_ih);
+        add_row_products::<HIDDEN, 3, 2>(&mut input_new, input, &cell.weight_ih);
+        add_row_products::<HIDDEN, 3, 0>(&mut reset, hidden, &cell.weight_hh);
+        add_row_products::<HIDDEN, 3, 1>(&mut update, hidden, &cell.weight_hh);
+        add_row_products::<HIDDEN, 3, 2>(&mut recurrent_new, hidden, &cell.weight_hh);
         let mut next = *hidden;
         let gated = reset.iter().zip(&update);
         let candidates = input_new.iter().zip(&recurrent_new);

@@ -1,13 +1,24 @@
-use super::accumulate;
+use super::{add_products, dot};
 
 /// A dense layer: `y = W·x + b`.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
+// A cache line: no vector of a column lies across two.
+#[repr(align(64))]
 pub struct Linear<const INPUT: usize, const OUTPUT: usize> {
     /// A column for each input.
     pub weight: [[f32; OUTPUT]; INPUT],
     /// Added to the product.
     pub bias: [f32; OUTPUT],
+}
+
+impl<const INPUT: usize> Linear<INPUT, 1> {
+    /// The only element of [`Linear::apply`], faster. Cost: `INPUT` multiply-adds.
+    #[inline(always)]
+    pub(crate) fn single(&self, input: &[f32; INPUT]) -> f32 {
+        let [bias] = self.bias;
+        dot(&self.weight.map(|[weight]| weight), input) + bias
+    }
 }
 
 impl<const INPUT: usize, const OUTPUT: usize> Linear<INPUT, OUTPUT> {
@@ -23,9 +34,7 @@ impl<const INPUT: usize, const OUTPUT: usize> Linear<INPUT, OUTPUT> {
     pub fn apply(&self, input: &[f32; INPUT]) -> [f32; OUTPUT] {
         const { assert!(INPUT > 0 && OUTPUT > 0) };
         let mut output = self.bias;
-        for (&value, column) in input.iter().zip(&self.weight) {
-            accumulate(&mut output, value, column);
-        }
+        add_products(&mut output, input, &self.weight);
         output
     }
 }

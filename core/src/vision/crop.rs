@@ -1,10 +1,8 @@
 use thiserror::Error;
 
+use super::resample::resample;
 use crate::model::CROP;
 use crate::scene::{ObjectFault, location_fault};
-
-/// Samples along a side of the crop: two for each pixel.
-const SAMPLES: usize = 2 * CROP;
 
 /// An image of bytes, red, green and blue for each pixel, row by row from the top.
 #[derive(Debug, Clone, Copy)]
@@ -105,16 +103,11 @@ impl<'a> RgbImage<'a> {
         self.height
     }
 
-    /// Red, green and blue, 0 to 255; black outside.
-    #[inline]
-    fn pixel(&self, column: usize, row: usize) -> [f32; 3] {
-        let begin = row
-            .wrapping_mul(self.stride)
-            .wrapping_add(column.wrapping_mul(3));
-        match self.pixels.get(begin..).and_then(|rest| rest.first_chunk()) {
-            Some(&[red, green, blue]) => [f32::from(red), f32::from(green), f32::from(blue)],
-            None => [0.0; 3],
-        }
+    /// The bytes of a row and of all behind it.
+    #[inline(always)]
+    pub(super) fn bytes_from(&self, row: usize) -> &'a [u8] {
+        let begin = row.wrapping_mul(self.stride);
+        self.pixels.get(begin..).unwrap_or_default()
     }
 }
 
@@ -139,7 +132,8 @@ impl Crop {
     ///
     /// * `bounds`: corners x1, y1, x2, y2 as fractions of the image's width and height
     ///
-    /// Cost: `64²` samples of four pixels, for any size of box and image.
+    /// Cost: at most 128 rows with 128 pixels each, and `128²` multiply-adds, for any size of box and
+    /// image.
     ///
     /// ```
     /// use nsrm_core::vision::{Crop, RgbImage};
@@ -162,71 +156,9 @@ impl Crop {
         if let Some(fault) = location_fault(&[x1, y1, x2, y2, 1.0]) {
             return Err(fault);
         }
-        let columns = samples(x1, x2, image.width);
-        let rows = samples(y1, y2, image.height);
-        let [red, green, blue] = &mut self.channels;
-        let maps = red.iter_mut().zip(green).zip(blue);
-        for (((red, green), blue), row_pair) in maps.zip(rows.as_chunks::<2>().0) {
-            let pixels = red.iter_mut().zip(green).zip(blue);
-            for (((red, green), blue), column_pair) in pixels.zip(columns.as_chunks::<2>().0) {
-                let mut sum = [0.0; 3];
-                for row in row_pair {
-                    for column in column_pair {
-                        crate::nn::accumulate(&mut sum, 1.0, &sample(image, column, row));
-                    }
-                }
-                [*red, *green, *blue] = sum.map(|sum| sum / (4.0 * 255.0));
-            }
-        }
+        resample(image, bounds, &mut self.channels);
         Ok(())
     }
-}
-
-/// A place between two neighbouring pixels along one axis.
-#[derive(Clone, Copy)]
-struct Place {
-    before: usize,
-    after: usize,
-    /// From 0 at the centre of `before` to 1 at the centre of `after`.
-    share: f32,
-}
-
-/// The places of all samples along one axis.
-///
-/// * `from`, `to`: the box's edges as fractions of `pixels`
-fn samples(from: f32, to: f32, pixels: u32) -> [Place; SAMPLES] {
-    let last = pixels.saturating_sub(1);
-    core::array::from_fn(|index| {
-        let fraction = (index as f32 + 0.5) / SAMPLES as f32;
-        // Behind the box's edges come fractions of 0..=1 only, so that the floor
-        // is at least −1.
-        let position = (from + fraction * (to - from)) * pixels as f32 - 0.5;
-        let before = libm::floorf(position);
-        Place {
-            before: (before.max(0.0) as u32).min(last) as usize,
-            after: ((before + 1.0) as u32).min(last) as usize,
-            share: position - before,
-        }
-    })
-}
-
-/// Bilinear between four pixels, 0 to 255.
-fn sample(image: &RgbImage<'_>, column: &Place, row: &Place) -> [f32; 3] {
-    let weights = [
-        (
-            column.before,
-            row.before,
-            (1.0 - column.share) * (1.0 - row.share),
-        ),
-        (column.after, row.before, column.share * (1.0 - row.share)),
-        (column.before, row.after, (1.0 - column.share) * row.share),
-        (column.after, row.after, column.share * row.share),
-    ];
-    let mut sum = [0.0; 3];
-    for (x, y, weight) in weights {
-        crate::nn::accumulate(&mut sum, weight, &image.pixel(x, y));
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@ use crate::model::{
     CROP, MERGE_CHANNELS, MERGED, Model, OBJECT_EMBEDDING, PATCH_CHANNELS, VIEW_EMBEDDING,
     ViewEncoder,
 };
-use crate::nn::relu_all;
+use crate::nn::{Kernel, relu_all, widest};
 
 /// Subtracted from red, green and blue, as in training.
 const COLOR_CENTRE: f32 = 0.5;
@@ -60,7 +60,7 @@ pub fn encode_in_place(model: &Model<'_>, crop: &mut Crop) -> [f32; OBJECT_EMBED
 fn encode_brightness(model: &Model<'_>, crop: &Crop) -> [f32; VIEW_EMBEDDING] {
     let mut view = [[[0.0; CROP]; CROP]];
     let [map] = &mut view;
-    brightness(crop, map);
+    widest(Brightness { crop, view: map });
     encode_view(model.vision.brightness, &view)
 }
 
@@ -85,28 +85,49 @@ fn encode_view<const CHANNELS: usize>(
     embedding
 }
 
-/// Fills `view`, which is zero, with the standardised brightness.
-fn brightness(crop: &Crop, view: &mut [[f32; CROP]; CROP]) {
-    for map in &crop.channels {
-        let values = map.iter().flatten();
-        for (place, value) in view.iter_mut().flatten().zip(values) {
-            *place = place.max(*value);
+/// Fills `view` with the standardised brightness of a crop.
+struct Brightness<'a> {
+    crop: &'a Crop,
+    view: &'a mut [[f32; CROP]; CROP],
+}
+
+impl Kernel for Brightness<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [red, green, blue] = &self.crop.channels;
+        let channels = red.iter().zip(green).zip(blue);
+        for (row, ((red, green), blue)) in self.view.iter_mut().zip(channels) {
+            let channels = red.iter().zip(green).zip(blue);
+            for (place, ((&red, &green), &blue)) in row.iter_mut().zip(channels) {
+                *place = greater(greater(red, green), blue);
+            }
         }
-    }
-    let mean = mean(view, |value| value);
-    let variance = self::mean(view, |value| (value - mean) * (value - mean));
-    let deviation = libm::sqrtf(variance);
-    for value in view.iter_mut().flatten() {
-        *value = (*value - mean) / (deviation + LEAST_CONTRAST);
+        let mean = mean(self.view, |value| value);
+        let variance = self::mean(self.view, |value| (value - mean) * (value - mean));
+        let scale = 1.0 / (libm::sqrtf(variance) + LEAST_CONTRAST);
+        for value in self.view.as_flattened_mut() {
+            *value = (*value - mean) * scale;
+        }
     }
 }
 
-/// Mean over all pixels, row by row, so that rounding errors do not accumulate.
+#[inline(always)]
+fn greater(left: f32, right: f32) -> f32 {
+    if left > right { left } else { right }
+}
+
+/// Mean over all pixels, column by column, so that rounding errors do not accumulate.
+#[inline(always)]
 fn mean(view: &[[f32; CROP]; CROP], of: impl Fn(f32) -> f32) -> f32 {
-    let rows = view
-        .iter()
-        .map(|row| row.iter().map(|&value| of(value)).sum::<f32>());
-    rows.sum::<f32>() / (CROP * CROP) as f32
+    let mut sums = [0.0; CROP];
+    for row in view {
+        for (sum, &value) in sums.iter_mut().zip(row) {
+            *sum += of(value);
+        }
+    }
+    sums.iter().sum::<f32>() / (CROP * CROP) as f32
 }
 
 #[cfg(test)]
@@ -130,7 +151,10 @@ mod tests {
 
     fn brightness_of(crop: &Crop) -> [[f32; CROP]; CROP] {
         let mut view = [[0.0; CROP]; CROP];
-        brightness(crop, &mut view);
+        widest(Brightness {
+            crop,
+            view: &mut view,
+        });
         view
     }
 

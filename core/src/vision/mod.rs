@@ -6,6 +6,7 @@ mod concepts;
 mod crop;
 mod encoder;
 mod observer;
+mod resample;
 
 pub use concepts::{operate, similarity};
 pub use crop::{Crop, ImageError, RgbImage};

@@ -144,6 +144,12 @@ pub(super) const CHECKS: &[Check] = &[
         "1 min",
         proofs,
     ),
+    Check::new(
+        "instructions",
+        "plans and crops take as many instructions as written, within 2 %",
+        "30 s",
+        instructions,
+    ),
     Check::new("docs", "rustdoc has no warning", "15 s", docs),
     Check::new(
         "package",
@@ -323,6 +329,15 @@ fn proofs(_: &Context) -> Result<Vec<Step>> {
         "--skip=golden_",
     ];
     Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+}
+
+fn instructions(_: &Context) -> Result<Vec<Step>> {
+    let arguments = ["run", "--quiet", "--locked", "--release"];
+    let step = Step::cargo(&arguments);
+    Ok(vec![step.arguments(&[
+        "--package=nsrm-bench",
+        "--bin=instructions",
+    ])])
 }
 
 fn docs(_: &Context) -> Result<Vec<Step>> {

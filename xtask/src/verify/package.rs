@@ -9,7 +9,8 @@ use super::context::Context;
 use super::step::Step;
 
 /// Their manifests have `rust-version` and everything else that users see.
-const PUBLISHED: [&str; 5] = [
+const PUBLISHED: [&str; 6] = [
+    "nsrm-vectors",
     "nsrm-core",
     "nsrm-tabletop",
     "nsrm-codegen",

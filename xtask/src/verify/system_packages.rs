@@ -12,7 +12,7 @@ struct SystemPackage {
     without: &'static str,
 }
 
-const PACKAGES: [SystemPackage; 5] = [
+const PACKAGES: [SystemPackage; 6] = [
     SystemPackage {
         name: "gcc",
         without: "no program can be linked",
@@ -32,6 +32,10 @@ const PACKAGES: [SystemPackage; 5] = [
     SystemPackage {
         name: "libgl1-mesa-dri",
         without: "the GL renderer is not checked",
+    },
+    SystemPackage {
+        name: "valgrind",
+        without: "instructions are not counted",
     },
 ];
 

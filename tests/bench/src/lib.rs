@@ -1,0 +1,158 @@
+//! The jobs whose time and instructions are measured: a table with six blocks, and sentences of one,
+//! three and eight steps about them.
+
+use std::hint::black_box;
+use std::io::Cursor;
+use std::path::Path;
+
+use nsrm::read_scene_text;
+use nsrm_core::vision::{Crop, Detection, ObservationTask, RgbImage, Stamp, encode};
+use nsrm_core::{Camera, Planner, Scene};
+use nsrm_tabletop::TABLETOP;
+
+/// Written by `cargo demo --seed 7`.
+const SCENE: &[u8] = include_bytes!("../scene/scene.json");
+const PICTURE: &[u8] = include_bytes!("../scene/camera.png");
+
+/// Twelve tokens.
+pub const ONE_STEP: &str = "now put the blue block to the left of the small yellow block";
+/// Three steps.
+pub const THREE_STEPS: &str = "put the blue block to the left of the small yellow block, then put \
+    the magenta block on the blue block, then put the small yellow block on the yellow lego block";
+/// The most steps of a sentence.
+pub const EIGHT_STEPS: &str = "put the blue block to the left of the small yellow block, then put \
+    the magenta block on the blue block, then put the small yellow block on the yellow lego block, \
+    then put the magenta block to the left of the small yellow block, then put the blue block to \
+    the right of the yellow lego block, then put the blue block to the left of the small yellow \
+    block, then put the magenta block on the blue block, then put the magenta block to the left of \
+    the small yellow block";
+
+/// A job; see [`Table::run`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Job {
+    /// A plan of [`ONE_STEP`].
+    PlanOneStep,
+    /// A plan of [`THREE_STEPS`].
+    PlanThreeSteps,
+    /// A plan of [`EIGHT_STEPS`].
+    PlanEightSteps,
+    /// The program of [`ONE_STEP`].
+    ParseOneStep,
+    /// One crop out of the image.
+    CutCrop,
+    /// One crop's embedding.
+    EncodeCrop,
+    /// From the image to the scene of six objects.
+    ObserveSixObjects,
+}
+
+impl Job {
+    /// All jobs.
+    pub const ALL: [Self; 7] = [
+        Self::PlanOneStep,
+        Self::PlanThreeSteps,
+        Self::PlanEightSteps,
+        Self::ParseOneStep,
+        Self::CutCrop,
+        Self::EncodeCrop,
+        Self::ObserveSixObjects,
+    ];
+
+    /// Its name in tables and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PlanOneStep => "plan-1-step",
+            Self::PlanThreeSteps => "plan-3-steps",
+            Self::PlanEightSteps => "plan-8-steps",
+            Self::ParseOneStep => "parse-1-step",
+            Self::CutCrop => "cut-crop",
+            Self::EncodeCrop => "encode-crop",
+            Self::ObserveSixObjects => "observe-6-objects",
+        }
+    }
+}
+
+/// What a camera sees, and what was made of it.
+#[derive(Debug)]
+pub struct Table {
+    pixels: Vec<u8>,
+    camera: Camera,
+    detections: Vec<Detection>,
+    scene: Scene,
+    crop: Crop,
+}
+
+impl Table {
+    /// The table with six blocks.
+    ///
+    /// # Panics
+    /// If the committed scene is not in order.
+    pub fn new() -> Self {
+        let file = read_scene_text(Path::new("scene.json"), SCENE, &TABLETOP).expect("scene.json");
+        let mut reader = png::Decoder::new(Cursor::new(PICTURE))
+            .read_info()
+            .expect("camera.png");
+        let (width, height) = (file.camera.width, file.camera.height);
+        let mut pixels = vec![0; 3 * (width * height) as usize];
+        reader.next_frame(&mut pixels).expect("camera.png");
+        let image = image(&pixels, &file.camera);
+        let scene = observe(image, file.camera, &file.detections);
+        let crop = Crop::from_rgb(&image, &file.detections[0].visible).expect("a crop");
+        Self {
+            pixels,
+            camera: file.camera,
+            detections: file.detections,
+            scene,
+            crop,
+        }
+    }
+
+    /// Does a job once.
+    ///
+    /// # Panics
+    /// If a sentence is refused.
+    #[inline(never)]
+    pub fn run(&self, job: Job) {
+        let planner = Planner::new(black_box(&TABLETOP));
+        let plan = |sentence: &str| {
+            let plan = planner.plan(black_box(&self.scene), black_box(sentence));
+            black_box(plan.expect("a plan"));
+        };
+        let image = image(&self.pixels, &self.camera);
+        match job {
+            Job::PlanOneStep => plan(ONE_STEP),
+            Job::PlanThreeSteps => plan(THREE_STEPS),
+            Job::PlanEightSteps => plan(EIGHT_STEPS),
+            Job::ParseOneStep => {
+                black_box(planner.parse(black_box(ONE_STEP)).expect("a program"));
+            }
+            Job::CutCrop => {
+                let bounds = &self.detections[0].visible;
+                black_box(Crop::from_rgb(black_box(&image), bounds).expect("a crop"));
+            }
+            Job::EncodeCrop => {
+                black_box(encode(&TABLETOP, black_box(&self.crop)));
+            }
+            Job::ObserveSixObjects => {
+                black_box(observe(black_box(image), self.camera, &self.detections));
+            }
+        }
+    }
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn image<'a>(pixels: &'a [u8], camera: &Camera) -> RgbImage<'a> {
+    let stride = 3 * camera.width as usize;
+    RgbImage::new(pixels, camera.width, camera.height, stride).expect("an image")
+}
+
+fn observe(image: RgbImage<'_>, camera: Camera, detections: &[Detection]) -> Scene {
+    ObservationTask::new(&TABLETOP, image, camera, detections, Stamp::default())
+        .and_then(ObservationTask::finish)
+        .expect("a scene in order")
+}
