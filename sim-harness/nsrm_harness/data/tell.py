@@ -15,9 +15,11 @@ from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.told import Told
 from nsrm_harness.domain import Domain
+from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Grammar
 from nsrm_harness.domain.program import Program, Relation, Step
+from nsrm_harness.domain.tokens import Tokenizer
 
 #: Number of sentences of which one is plain.
 PLAIN = 3
@@ -32,11 +34,14 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
     """`count` sentences for each episode of a file, and so many near misses.
 
     One of `PLAIN` sentences, at least one, is in the grammar that a model is first trained on.
+    Where a relation may belong to either of two descriptions, nobody can tell what is meant: such a
+    sentence is one more near miss.
 
     `domain`: that of the episodes, with everyday wording.
     """
     told, grammar = Told([], [], [], []), Grammar(domain)
     plain = -(-count // PLAIN)
+    attachments, tokenizer = Attachments(domain), Tokenizer(domain)
     with GroundTruth(episodes) as judge:
         for number in range(len(judge)):
             rng = generator(seed, "told", number)
@@ -49,10 +54,14 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
             for index, program in enumerate(programs):
                 if index < plain:
                     words = plain_words(domain, grammar, rng, program)
-                    told.sentences.append(grammar.spell(rng, words))
+                    sentence = grammar.spell(rng, words)
                 else:
-                    told.sentences.append(" ".join(speaker.sentence(program)))
-            told.episodes.extend([number] * count)
+                    sentence = " ".join(speaker.sentence(program))
+                if len(program) == 1 and attachments.is_ambiguous(tokenizer(sentence).words):
+                    told.near_misses.append(sentence)
+                else:
+                    told.sentences.append(sentence)
+                    told.episodes.append(number)
     misses = NearMisses(domain, generator(seed, "near_misses", 0))
     for _ in range(near_misses):
         miss = misses.draw()
