@@ -196,6 +196,23 @@ mod tests {
     }
 
     #[test]
+    fn of_a_wide_box_two_samples_make_a_pixel() {
+        let mut pixels = std::vec![0; 3 * 128 * 96];
+        for (index, pixel) in pixels.chunks_mut(3).enumerate() {
+            pixel.copy_from_slice(&[(index % 128) as u8, (index / 128) as u8, 0]);
+        }
+        let image = RgbImage::new(&pixels, 128, 96, 3 * 128).unwrap();
+        let crop = Crop::from_rgb(&image, &[0.0, 0.0, 1.0, 1.0]).unwrap();
+        let [red, green, _] = &crop.channels;
+        for index in 0..CROP {
+            // Samples at ¼ and ¾ of 4 columns, or 3 rows: as far as the middle.
+            let (column, row) = (4.0 * index as f32 + 1.5, 3.0 * index as f32 + 1.0);
+            assert!((red[7][index] - column / 255.0).abs() < 1e-6, "{index}");
+            assert!((green[index][7] - row / 255.0).abs() < 1e-6, "{index}");
+        }
+    }
+
+    #[test]
     fn a_box_at_the_edge_holds_the_outermost_pixels() {
         let pixels = [0, 10, 20, 100, 110, 120];
         let image = RgbImage::new(&pixels, 2, 1, 6).unwrap();

@@ -114,9 +114,9 @@ fn taps(from: f32, to: f32, pixels: u32, step: u32) -> [Taps; CROP] {
     let last = pixels.saturating_sub(1);
     let sample = |index: usize| {
         let fraction = (index as f32 + 0.5) / (2 * CROP) as f32;
-        // Fractions of 0..=1 are at least half a pixel before the first centre.
+        // At least −0.5: half a pixel before the centre of the first.
         let position = (from + fraction * (to - from)) * pixels as f32 - 0.5;
-        // Rounded down, as the cast rounds towards 0 and −0.5 is the least.
+        // Rounded down: what is rounded towards 0 is positive.
         let before = ((position + 1.0) as u32).saturating_sub(1);
         let share = if position < 0.0 {
             0.0
