@@ -331,13 +331,14 @@ fn proofs(_: &Context) -> Result<Vec<Step>> {
     Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
 }
 
-fn instructions(_: &Context) -> Result<Vec<Step>> {
-    let arguments = ["run", "--quiet", "--locked", "--release"];
-    let step = Step::cargo(&arguments);
-    Ok(vec![step.arguments(&[
-        "--package=nsrm-bench",
-        "--bin=instructions",
-    ])])
+fn instructions(context: &Context) -> Result<Vec<Step>> {
+    // With nsrm: alone, it would be built with other features than other checks build it with.
+    let build = Step::cargo(&["build", "--locked", "--release", "--package=nsrm"]);
+    let count = context.project().target().join("release/instructions");
+    Ok(vec![
+        build.argument("--package=nsrm-bench"),
+        Step::new(count, &[]),
+    ])
 }
 
 fn docs(_: &Context) -> Result<Vec<Step>> {
