@@ -80,7 +80,7 @@ impl<
     }
 }
 
-/// The most inputs of one result.
+/// The most inputs of one result: 24 channels of 2×2, in the encoder's second layer.
 const PATCH: usize = 96;
 
 /// The patch of all channels at a row and column of the result, in the order of the weights.
