@@ -27,7 +27,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, bail};
 
@@ -36,7 +36,7 @@ use crate::{BAD_INPUT, USAGE};
 use checks::{CHECKS, Check, Lane};
 use context::Context;
 use count::Counts;
-use limit::LIMIT;
+use limit::{Ended, LIMIT};
 use report::{Outcome, Report};
 use step::Step;
 
@@ -199,7 +199,7 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let start = Instant::now();
     let log = context.logs().join(format!("{}.log", check.name));
     fs::write(&log, "").with_context(|| format!("writing {}", log.display()))?;
-    let mut counts = Counts::default();
+    let (mut counts, mut processor) = (Counts::default(), Duration::ZERO);
     let mut problem = None;
     let steps = if quick { check.quick } else { None };
     match steps.unwrap_or(check.steps)(context) {
@@ -210,7 +210,10 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
             for steps in steps.chunk_by(|one, next| one.beside && next.beside) {
                 for result in run_steps(context, steps, &log)? {
                     match result {
-                        Ok(of_step) => counts.add(of_step),
+                        Ok(done) => {
+                            counts.add(done.counts);
+                            processor += done.processor;
+                        }
                         Err(error) => {
                             problem.get_or_insert(error);
                         }
@@ -237,6 +240,7 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
         failed,
         counts,
         seconds: start.elapsed().as_secs_f32(),
+        processor: processor.as_secs_f32(),
         slow: slow::in_output(&fs::read_to_string(&log).unwrap_or_default()),
     })
 }
@@ -244,9 +248,15 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
 /// How many steps run at the same time, of those that can.
 const AT_ONCE: usize = 2;
 
+/// A step that ran to its end.
+struct Done {
+    counts: Counts,
+    processor: Duration,
+}
+
 /// Runs one step, or several in parallel. Parallel steps write their own logs, which are then
 /// appended to the check's log in the order of the steps.
-fn run_steps(context: &Context, steps: &[Step], log: &Path) -> Result<Vec<Result<Counts>>> {
+fn run_steps(context: &Context, steps: &[Step], log: &Path) -> Result<Vec<Result<Done>>> {
     if let [step] = steps {
         return Ok(vec![run_step(context, step, log)]);
     }
@@ -286,7 +296,7 @@ fn run_steps(context: &Context, steps: &[Step], log: &Path) -> Result<Vec<Result
 }
 
 /// Runs one command, writes its output to the log, and counts its tests.
-fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
+fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Done> {
     let shown = step.shown();
     let mut file = append_to(log)?;
     writeln!(file, "$ {shown}")?;
@@ -301,7 +311,8 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
         .spawn()
         .with_context(|| format!("{shown}: cannot be started"))?;
     let printed = || fs::metadata(log).map_or(0, |file| file.len());
-    let status = limit::wait(child, LIMIT, printed).with_context(|| shown.clone())?;
+    let Ended { status, processor } =
+        limit::wait(child, LIMIT, printed).with_context(|| shown.clone())?;
     let written = fs::read(log).with_context(|| format!("reading {}", log.display()))?;
     let printed = String::from_utf8_lossy(&written[before..]);
     let counts = step.tests.map_or(Ok(Counts::default()), |kind| {
@@ -309,7 +320,7 @@ fn run_step(context: &Context, step: &Step, log: &Path) -> Result<Counts> {
     });
     // Failed tests also make the status a failure; they are counted already.
     match counts {
-        Ok(counts) if status.success() || counts.failed > 0 => Ok(counts),
+        Ok(counts) if status.success() || counts.failed > 0 => Ok(Done { counts, processor }),
         Err(error) if status.success() => Err(error.context(shown)),
         _ => bail!("{shown}: failed ({status})"),
     }

@@ -24,8 +24,11 @@ const CARGO_FUZZ: Tool = Tool {
 };
 /// The package of the targets.
 const FOLDER: &str = "tests/fuzz";
-/// How long each target is given new inputs, seconds.
+/// How long each target is given new inputs, seconds,
 const TIME_S: u32 = 25;
+/// and how many at most: those that read messages of fixed size take as many in a few seconds, and find
+/// nothing new after that.
+const INPUTS: u32 = 2_000_000;
 /// The longest that one input may take, seconds, before it counts as a find.
 const INPUT_S: u32 = 20;
 
@@ -57,6 +60,7 @@ pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
             .argument(format!("{FOLDER}/corpus/{name}"))
             .argument("--")
             .argument(format!("-max_total_time={TIME_S}"))
+            .argument(format!("-runs={INPUTS}"))
             .argument(format!("-timeout={INPUT_S}"));
         let words = format!("{FOLDER}/dictionaries/{name}.dict");
         if context.project().path(&words).exists() {

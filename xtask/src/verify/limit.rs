@@ -1,4 +1,5 @@
-//! A time limit for silent commands: one test that hangs must not block the other checks.
+//! Waits for commands, with a time limit for silent ones: one test that hangs must not block the
+//! other checks.
 
 use std::fs;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -14,18 +15,28 @@ pub(super) const LIMIT: Duration = Duration::from_secs(40 * 60);
 /// How often a running command is polled.
 const NAP: Duration = Duration::from_millis(20);
 
+/// Ticks a second of the times in `/proc`, on every Linux.
+const TICKS: u64 = 100;
+
+/// How a command ended.
+#[derive(Debug)]
+pub(super) struct Ended {
+    pub(super) status: ExitStatus,
+    /// Processor time of the command and of the descendants that were waited for.
+    pub(super) processor: Duration,
+}
+
 /// Waits until a command has ended; kills it and its descendants if it is silent for too long.
 ///
 /// * `printed`: how much it has printed so far
-pub(super) fn wait(
-    mut child: Child,
-    limit: Duration,
-    printed: impl Fn() -> u64,
-) -> Result<ExitStatus> {
+pub(super) fn wait(mut child: Child, limit: Duration, printed: impl Fn() -> u64) -> Result<Ended> {
     let (mut before, mut since) = (printed(), Instant::now());
+    let mut processor = Duration::ZERO;
     loop {
+        // Nobody can read it any more once the command has been waited for.
+        processor = processor_time(child.id()).unwrap_or(processor);
         if let Some(status) = child.try_wait().context("waiting for a command")? {
-            return Ok(status);
+            return Ok(Ended { status, processor });
         }
         let now = printed();
         if now != before {
@@ -40,6 +51,17 @@ pub(super) fn wait(
         }
         thread::sleep(NAP);
     }
+}
+
+/// The processor time of a process and of its descendants that were waited for (proc_pid_stat(5):
+/// utime, stime, cutime and cstime).
+fn processor_time(process: u32) -> Option<Duration> {
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // The second field, the program's name in parentheses, may contain anything.
+    let (_, fields) = stat.rsplit_once(')')?;
+    let ticks = fields.split_whitespace().skip(11).take(4);
+    let ticks: u64 = ticks.filter_map(|field| field.parse::<u64>().ok()).sum();
+    Some(Duration::from_millis(ticks * 1000 / TICKS))
 }
 
 /// Kills a process and its descendants. They share our process group, so that Ctrl-C reaches
@@ -97,7 +119,8 @@ mod tests {
 
     #[test]
     fn what_ends_by_itself_is_waited_for() {
-        assert_eq!(wait(shell("exit 3"), LIMIT, || 0).unwrap().code(), Some(3));
+        let ended = wait(shell("exit 3"), LIMIT, || 0).unwrap();
+        assert_eq!(ended.status.code(), Some(3));
     }
 
     #[test]
@@ -107,7 +130,16 @@ mod tests {
             printed.set(printed.get() + 1);
             printed.get()
         });
-        assert!(status.unwrap().success());
+        assert!(status.unwrap().status.success());
+    }
+
+    #[test]
+    fn the_processor_time_of_descendants_counts() {
+        let busy = shell("(i=0; while [ $i -lt 300000 ]; do i=$((i + 1)); done); true");
+        let ended = wait(busy, LIMIT, || 0).unwrap();
+        assert!(ended.processor > Duration::ZERO);
+        let idle = wait(shell("true"), LIMIT, || 0).unwrap();
+        assert!(idle.processor < ended.processor);
     }
 
     #[test]

@@ -12,6 +12,8 @@ pub(super) struct Outcome {
     pub(super) failed: bool,
     pub(super) counts: Counts,
     pub(super) seconds: f32,
+    /// Processor time, seconds, without that of an environment that it set up.
+    pub(super) processor: f32,
     pub(super) slow: Vec<Slow>,
 }
 
@@ -59,8 +61,8 @@ impl Report {
         let mut outcomes: Vec<_> = self.0.iter().collect();
         outcomes.sort_by_key(|outcome| CHECKS.iter().position(|check| check.name == outcome.name));
         let mut text = format!(
-            "{:<14} {:>8} {:>8} {:>8} {:>8} {:>9}\n",
-            "check", "result", "passed", "failed", "skipped", "seconds"
+            "{:<14} {:>8} {:>8} {:>8} {:>8} {:>9} {:>10}\n",
+            "check", "result", "passed", "failed", "skipped", "seconds", "processor"
         );
         let mut all = Counts::default();
         for outcome in &outcomes {
@@ -68,13 +70,14 @@ impl Report {
             // Writing to a String cannot fail.
             let _ = writeln!(
                 text,
-                "{:<14} {:>8} {:>8} {:>8} {:>8} {:>9.1}",
+                "{:<14} {:>8} {:>8} {:>8} {:>8} {:>9.1} {:>10.1}",
                 outcome.name,
                 outcome.verdict(),
                 counts.passed,
                 counts.failed,
                 counts.skipped,
-                outcome.seconds
+                outcome.seconds,
+                outcome.processor
             );
             all.add(counts);
         }
@@ -89,11 +92,13 @@ impl Report {
         }
         let names: Vec<_> = outcomes.iter().map(|outcome| outcome.name).collect();
         let failed: Vec<_> = outcomes.iter().filter(|outcome| outcome.failed).collect();
+        let processor: f32 = outcomes.iter().map(|outcome| outcome.processor).sum();
         let _ = writeln!(
             text,
-            "\nchecked in {:.0} min {:.0} s: {}",
+            "\nchecked in {:.0} min {:.0} s, {:.0} min of processor time: {}",
             (seconds / 60.0).floor(),
             seconds % 60.0,
+            processor / 60.0,
             names.join(", ")
         );
         if !failed.is_empty() {
@@ -129,6 +134,7 @@ mod tests {
                     skipped: 0,
                 },
                 seconds: 35.0,
+                processor: 60.0,
                 slow: [(4.0, "quick"), (6.0, "slow"), (50.0, "slowest")]
                     .map(|(seconds, what)| Slow {
                         seconds,
@@ -140,7 +146,7 @@ mod tests {
         let table = report.table(70.0);
         assert!(!report.passed());
         assert!(table.ends_with("failed: rust-tests\nverify: 41 passed, 2 failed"));
-        assert!(table.contains("checked in 1 min 10 s: format, rust-tests"));
+        assert!(table.contains("checked in 1 min 10 s, 2 min of processor time: format"));
         let listed =
             "     50.0  slowest of format\n     50.0  slowest of rust-tests\n      6.0  slow of";
         assert!(table.contains(listed) && !table.contains("quick of"));
