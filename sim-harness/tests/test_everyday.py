@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +23,7 @@ from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.near_misses import NearMisses
-from nsrm_harness.data.tell import tell
+from nsrm_harness.data.tell import never_shown, tell
 from nsrm_harness.data.told import Told, read_told, write_told
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.attachment import Attachments
@@ -180,6 +181,26 @@ def test_near_misses_are_of_known_words_and_no_commands() -> None:
     assert len({miss.sentence for miss in drawn}) > 950
     assert min(counts.values()) > 50
     assert 20 < sum(miss.is_untimely for miss in drawn) < 200
+
+
+def test_commands_that_nobody_demonstrates_are_near_misses() -> None:
+    domain = with_everyday(domains.load(domains.FOUR_SIDES))
+    misses = NearMisses(domain, np.random.default_rng(5), [("MoveLeft", "MoveOn")])
+    tokenizer, recogniser = Tokenizer(domain), Recogniser.of(domain)
+    drawn = [misses.draw() for _ in range(4000)]
+    words = [tokenizer(miss.sentence).words for miss in drawn if not miss.is_untimely]
+    commands = [each for each in words if recogniser.step(each)]
+    assert 50 < len(commands) < 200
+    assert all(each.count(GROUP_TOKEN) in (2, 3) for each in commands)
+    assert all({"left", "left-hand"} & {*each} for each in commands)
+
+
+def test_a_combination_counts_as_never_shown_if_chance_would_have_shown_it() -> None:
+    shown = Counter({("MoveOn", "MoveOn"): 60, ("MoveLeft", "MoveLeft"): 60})
+    assert never_shown(shown) == [("MoveLeft", "MoveOn"), ("MoveOn", "MoveLeft")]
+    assert never_shown(shown | Counter({("MoveOn", "MoveLeft"): 1})) == [("MoveLeft", "MoveOn")]
+    # With so few demonstrations, it may be missing by chance.
+    assert never_shown(Counter(dict.fromkeys(shown, 10))) == []
 
 
 @pytest.mark.slow

@@ -1,9 +1,9 @@
 """Near misses: sentences of known words that mean no program, made from everyday wording.
 
 After such a sentence a demonstrator does nothing. A near miss is a command with a few words changed
-(`_edited`), a sentence with the parts of commands in the wrong places (`_rearranged`), or two
-commands in an order of time that no program has. Nothing that the recogniser takes for a command is
-a near miss.
+(`_changed`), a sentence with the parts of commands in the wrong places (`_rearranged`), two
+commands in an order of time that no program has, or a command that no demonstrator carries out.
+Nothing else that the recogniser takes for a command is a near miss.
 
 Each has the descriptions of one step, from two to `MOST_GROUPS`, or four if it is about the order
 of time: with another number, the core refuses it anyway.
@@ -18,6 +18,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from nsrm_harness.data.plain_wording import plain_words
 from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.domain.everyday import MAX_STEPS, Recogniser, Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Command, Grammar
@@ -28,6 +29,8 @@ from nsrm_harness.domain.tokens import Tokenizer
 PLAIN = 0.35
 #: Share of near misses about the order of time.
 UNTIMELY = 0.1
+#: Share of those about what is never shown, if there is anything.
+UNSHOWN = 0.03
 #: Of the others, share of those that are rearranged, of those with a relation in a description or a
 #: pronoun that stands for no object, and of those with a relation that is none.
 REARRANGED, REFERRING, RELATED = 0.1, 0.1, 0.4
@@ -173,8 +176,16 @@ class NearMiss:
 class NearMisses:
     """Makes near misses of one domain's everyday wording."""
 
-    def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        rng: np.random.Generator,
+        never_shown: Sequence[tuple[str, str]] = (),
+    ) -> None:
+        """`never_shown`: actions, each with a relation of the reference with which nobody
+        demonstrates it."""
         words = everyday_of(domain)
+        self._never_shown = never_shown
         self._domain = domain
         self._rng = rng
         self._speaker = Speaker(domain, rng)
@@ -235,7 +246,12 @@ class NearMisses:
         """A near miss."""
         while True:
             is_untimely = self._rng.random() < UNTIMELY
-            words = self._untimely() if is_untimely else self._changed()
+            if is_untimely:
+                words = self._untimely()
+            elif self._never_shown and self._rng.random() < UNSHOWN:
+                words = self._unshown()
+            else:
+                words = self._changed()
             if words is not None:
                 return NearMiss(" ".join(self._described(words)), is_untimely)
 
@@ -261,6 +277,21 @@ class NearMisses:
             return None
         is_command = self._recogniser.step(words) or self._recogniser.program(words)
         return None if is_command else words
+
+    def _unshown(self) -> list[str]:
+        """A command that no demonstrator carries out: "put the red block left of the one on the
+        blue block"."""
+        action, relation = self._choose(self._never_shown)
+        is_plain = self._rng.random() < PLAIN
+        # The values mean nothing.
+        values = (self._domain.concepts[0].name if is_plain else GROUP_TOKEN,)
+        reference = values if self._any(2) else ()
+        step = Step(action, values, reference, (), (Relation(relation, values),))
+        if is_plain:
+            words = plain_words(self._domain, self._grammar, self._rng, (step,))
+            return list(self._tokenizer(" ".join(words)).words)
+        index = self._any(2)
+        return self._speaker.step(step, index, "{next}" if index else "")
 
     def _untimely(self) -> list[str] | None:
         """A second command that must come first: "…, first put the green block there".

@@ -3,22 +3,22 @@ misses."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.plain_wording import plain_words
 from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.told import Told
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
-from nsrm_harness.domain.everyday import Speaker, everyday_of, filled_in
+from nsrm_harness.domain.everyday import Speaker, everyday_of
 from nsrm_harness.domain.grammar import Grammar
-from nsrm_harness.domain.program import Program, Relation, Step
+from nsrm_harness.domain.program import Program, Step
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Number of sentences of which one is plain.
@@ -28,6 +28,8 @@ PLAIN = 3
 RELATED = 2
 #: Share of descriptions with two relations among those with any.
 CHAINED = 0.15
+#: A combination is impossible if chance would give at least so many programs, and there are none.
+EXPECTED = 20.0
 
 
 def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int) -> Told:
@@ -35,11 +37,12 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
 
     One of `PLAIN` sentences, at least one, is in the grammar that a model is first trained on.
     Where a relation may belong to either of two descriptions, nobody can tell what is meant: such a
-    sentence is one more near miss.
+    sentence is one more near miss. So are commands that no demonstrator carries out: "put the red
+    block left of the one on the blue block", where nothing would support it.
 
     `domain`: that of the episodes, with everyday wording.
     """
-    told, grammar = Told([], [], [], []), Grammar(domain)
+    told, grammar, shown = Told([], [], [], []), Grammar(domain), Counter[tuple[str, str]]()
     plain = -(-count // PLAIN)
     attachments, tokenizer = Attachments(domain), Tokenizer(domain)
     with GroundTruth(episodes) as judge:
@@ -51,6 +54,11 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
             # Every `RELATED`th of the plain ones and of the others.
             related = related_programs(domain, truth, rng, count // RELATED)
             programs[: len(related) * RELATED : RELATED] = related
+            shown.update(
+                (step.action, step.reference_relations[0].action)
+                for (step,) in related
+                if step.reference_relations
+            )
             for index, program in enumerate(programs):
                 if index < plain:
                     words = plain_words(domain, grammar, rng, program)
@@ -62,57 +70,27 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
                 else:
                     told.sentences.append(sentence)
                     told.episodes.append(number)
-    misses = NearMisses(domain, generator(seed, "near_misses", 0))
+    misses = NearMisses(domain, generator(seed, "near_misses", 0), never_shown(shown))
     for _ in range(near_misses):
         miss = misses.draw()
         (told.untimely if miss.is_untimely else told.near_misses).append(miss.sentence)
     return told
 
 
-def plain_words(
-    domain: Domain, grammar: Grammar, rng: np.random.Generator, program: Program
-) -> list[str]:
-    """A program in the grammar that a model is first trained on, in which descriptions have
-    relations, too: "put the block left of the red block on the blue block"."""
-    words: list[str] = []
-    for step, command in zip(program, grammar.commands(rng, program), strict=True):
-        fields = dict(command.fields)
-        for argument, concepts, relations in (
-            ("moved", step.object, step.object_relations),
-            ("reference", step.reference, step.reference_relations),
-        ):
-            if relations:
-                fields[argument] = _plain_description(domain, grammar, rng, concepts, relations)
-        words += replace(command, fields=fields).words()
-    return words
-
-
-def _plain_description(
-    domain: Domain,
-    grammar: Grammar,
-    rng: np.random.Generator,
-    concepts: Sequence[str],
-    relations: Sequence[Relation],
-) -> str:
-    if not concepts:
-        nouns = domain.grammar.nouns
-        parts = [f"the {nouns[int(rng.integers(len(nouns)))]}"]
-    else:
-        parts = [grammar.description(rng, concepts)]
-    for relation in relations:
-        phrases = _state_phrases(domain, relation.action)
-        parts.append(phrases[int(rng.integers(len(phrases)))])
-        parts.append(grammar.description(rng, relation.to))
-    return " ".join(parts)
-
-
-def _state_phrases(domain: Domain, action: str) -> list[str]:
-    """The phrases of an action that also say what it brings about: "on", but not "onto"."""
-    words = everyday_of(domain)
-    state = words.states()[action]
-    texts = {filled_in(text, state) for text in words.rules[state["state"]]}
-    phrases = domain.action(action).phrases
-    return [phrase for phrase in phrases if f"{phrase} {{reference}}" in texts]
+def never_shown(shown: Counter[tuple[str, str]]) -> list[tuple[str, str]]:
+    """The combinations of an action and a relation of its reference that nobody demonstrates,
+    though each of the two is frequent."""
+    actions, relations = Counter[str](), Counter[str]()
+    for (action, relation), count in shown.items():
+        actions[action] += count
+        relations[relation] += count
+    least = EXPECTED * shown.total()
+    return sorted(
+        (action, relation)
+        for action in actions
+        for relation in relations
+        if (action, relation) not in shown and actions[action] * relations[relation] >= least
+    )
 
 
 def related_programs(

@@ -256,8 +256,8 @@ class Lesson:
         return cls(base, domain, data, camera, found)
 
     def untaught(self, seed: int) -> Model:
-        """The model with random embeddings for the words that are new to it, and an acceptability
-        and a relation decoder that know nothing."""
+        """The model with random embeddings for the words that are new to it, and before its first
+        lesson with an acceptability and a relation decoder that know nothing."""
         fresh = Model(Dimensions.of(self.domain), jax.random.key(seed))
         base, row = self.base.model, {word: n for n, word in enumerate(self.domain.vocabulary())}
         known = jnp.array([row[word] for word in self.base.domain.vocabulary()])
@@ -270,8 +270,10 @@ class Lesson:
             new.at[known].set(old)
             for new, old in zip(embeddings(fresh), embeddings(base), strict=True)
         ]
-        judge = Acceptability(jax.random.key(seed), ODDS)
-        relations = without_relations(len(self.domain.actions), ODDS)
+        judge, relations = base.language.acceptability, base.language.relation_decoder
+        if NAME not in self.base.training:
+            judge = Acceptability(jax.random.key(seed), ODDS)
+            relations = without_relations(len(self.domain.actions), ODDS)
         return eqx.tree_at(
             lambda model: (
                 *embeddings(model),
