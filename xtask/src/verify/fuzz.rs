@@ -26,8 +26,8 @@ const CARGO_FUZZ: Tool = Tool {
 const FOLDER: &str = "tests/fuzz";
 /// How long each target is given new inputs, seconds,
 const TIME_S: u32 = 25;
-/// and how many at most: those that read messages of fixed size take as many in a few seconds, and find
-/// nothing new after that.
+/// and how many at most: those that read messages of fixed size take as many in a few seconds, and
+/// find nothing new after that.
 const INPUTS: u32 = 2_000_000;
 /// The longest that one input may take, seconds, before it counts as a find.
 const INPUT_S: u32 = 20;
