@@ -160,7 +160,7 @@ def test_the_command_in_rust_plans_the_same_from_the_picture_it_saw(
     out, document, _ = planned
     scene = str(out / "scene.json")
     arguments = ["plan", "--scene", scene, "--json", document["sentence"]]
-    ran = cargo("run", "--quiet", "--package", "nsrm", "--", *arguments)
+    ran = cargo("run", "--quiet", "--release", "--package", "nsrm", "--", *arguments)
     assert ran.returncode == 0, ran.stderr
     steps = json.loads(ran.stdout)["steps"]
     assert len(steps) == len(document["steps"])

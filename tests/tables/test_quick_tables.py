@@ -119,8 +119,9 @@ def test_refusals_are_counted_on_both_sets(run: Run) -> None:
 
 
 def test_the_model_file_is_valid_and_says_how_it_was_made(run: Run) -> None:
-    cargo("run", "--quiet", "--package", "nsrm", "--", "check", str(run.model))
-    info = cargo("run", "--quiet", "--package", "nsrm", "--", "info", "--json", str(run.model))
+    nsrm = ("run", "--quiet", "--release", "--package", "nsrm", "--")
+    cargo(*nsrm, "check", str(run.model))
+    info = cargo(*nsrm, "info", "--json", str(run.model))
     training = json.loads(info)["training"]
     assert training["episodes"] == 500
     assert len(training["data_hash"]) == 64

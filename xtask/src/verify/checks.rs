@@ -113,8 +113,8 @@ pub(super) const CHECKS: &[Check] = &[
     .quick(lints),
     Check::new(
         "rust-tests",
-        "tests and doctests of the crates",
-        "2 min",
+        "tests and doctests: no allocation, every refusal, robustness to any input",
+        "3 min",
         rust_tests,
     )
     .quick(quick_rust_tests),
@@ -140,8 +140,8 @@ pub(super) const CHECKS: &[Check] = &[
     .quick(golden),
     Check::new(
         "proofs",
-        "no allocation, no panic, every refusal, robustness to any input",
-        "1 min",
+        "a program that neither allocates nor panics links, and no other",
+        "30 s",
         proofs,
     ),
     Check::new(
@@ -247,59 +247,38 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
     Ok(steps)
 }
 
+/// All but those that are ignored in a plain `cargo test`; the golden vectors have a check of their
+/// own.
 fn rust_tests(_: &Context) -> Result<Vec<Step>> {
-    let arguments = [
-        "test",
-        "--locked",
-        "--workspace",
-        "--exclude=nsrm-tests",
-        "--no-fail-fast",
-        // Run by the check second-user.
-        "--",
-        "--skip=a_second_user_is_refused",
-        "--skip=too_little_shared_memory_is_refused",
-    ];
-    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+    Ok(vec![Step::rust_tests(&["--", "--skip=golden_"])])
 }
 
-/// All but doc tests, of which each is linked alone.
+/// Neither doc tests, of which each is linked alone, nor what crosses crates.
 fn quick_rust_tests(_: &Context) -> Result<Vec<Step>> {
-    let arguments = [
-        "test",
-        "--locked",
-        "--workspace",
-        "--exclude=nsrm-tests",
-        "--no-fail-fast",
-        "--lib",
-        "--bins",
-        "--tests",
-        "--",
-        "--skip=a_second_user_is_refused",
-        "--skip=too_little_shared_memory_is_refused",
-    ];
-    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+    let chosen = ["--lib", "--bins", "--tests", "--exclude=nsrm-tests"];
+    Ok(vec![Step::rust_tests(&chosen)])
 }
 
 /// Ignored in a plain `cargo test`, since only root can start processes as another user and
 /// mount memory.
 fn second_user(_: &Context) -> Result<Vec<Step>> {
-    let arguments = [
-        "test",
-        "--locked",
-        // As rust-tests does, so that nothing is built with other features.
-        "--workspace",
-        "--exclude=nsrm-tests",
-        "--test=second_user",
-        "--test=small_memory",
-        "--",
-        "--ignored",
-    ];
-    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+    let chosen = ["--test=second_user", "--test=small_memory"];
+    Ok(vec![
+        Step::rust_tests(&chosen).arguments(&["--", "--ignored"]),
+    ])
 }
 
-fn generated(_: &Context) -> Result<Vec<Step>> {
-    let mut step = Step::cargo(&["run", "--locked", "--package", "nsrm-codegen", "--"]);
-    step.arguments.extend(
+fn generated(context: &Context) -> Result<Vec<Step>> {
+    // With a test of the generator, cargo builds the generator as it does for the other tests.
+    let build = Step::cargo(&[
+        "test",
+        "--locked",
+        "--workspace",
+        "--no-run",
+        "--test=source",
+    ]);
+    let mut generator = Step::new(context.project().target().join("debug/nsrm-codegen"), &[]);
+    generator.arguments.extend(
         [
             "weights-codegen/tabletop/tabletop.safetensors",
             "--out",
@@ -308,27 +287,17 @@ fn generated(_: &Context) -> Result<Vec<Step>> {
         ]
         .map(Into::into),
     );
-    Ok(vec![step])
+    Ok(vec![build, generator])
 }
 
 fn golden(_: &Context) -> Result<Vec<Step>> {
-    let arguments = ["test", "--locked", "--package=nsrm-tests", "--test=golden"];
-    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+    Ok(vec![Step::rust_tests(&["--test=golden"])])
 }
 
+/// Ignored in a plain `cargo test`, since they build programs.
 fn proofs(_: &Context) -> Result<Vec<Step>> {
-    // Golden vectors have a check of their own; those that build programs are
-    // ignored in a plain `cargo test`.
-    let arguments = [
-        "test",
-        "--locked",
-        "--package=nsrm-tests",
-        "--no-fail-fast",
-        "--",
-        "--include-ignored",
-        "--skip=golden_",
-    ];
-    Ok(vec![Step::cargo(&arguments).counting(Runner::Cargo)])
+    let chosen = ["--test=linking", "--", "--ignored"];
+    Ok(vec![Step::rust_tests(&chosen)])
 }
 
 fn instructions(context: &Context) -> Result<Vec<Step>> {

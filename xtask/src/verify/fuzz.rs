@@ -33,8 +33,7 @@ const INPUTS: u32 = 2_000_000;
 const INPUT_S: u32 = 20;
 
 pub(super) fn steps(context: &Context) -> Result<Vec<Step>> {
-    let replay = ["test", "--locked", "--package=nsrm-tests", "--test=corpora"];
-    let mut steps = vec![Step::cargo(&replay).counting(Runner::Cargo)];
+    let mut steps = vec![Step::rust_tests(&["--test=corpora"])];
     if output_of(Command::new("c++").arg("--version")).is_err() {
         eprintln!(
             "verify: no C++ compiler found, which libFuzzer needs; only committed inputs are tested"

@@ -39,6 +39,15 @@ impl Step {
         Self::new("cargo", arguments)
     }
 
+    /// Tests of the Rust packages; `chosen` says which of them are built. All packages are always
+    /// selected: for each other selection, cargo would build the dependencies again, with the
+    /// features of that selection.
+    pub(super) fn rust_tests(chosen: &[&str]) -> Self {
+        Self::cargo(&["test", "--locked", "--workspace", "--no-fail-fast"])
+            .arguments(chosen)
+            .counting(Runner::Cargo)
+    }
+
     /// Appends an argument.
     pub(super) fn argument(mut self, argument: impl Into<OsString>) -> Self {
         self.arguments.push(argument.into());
@@ -73,7 +82,9 @@ impl Step {
     /// Builds with the workspace's profile, for packages that do not inherit it: their dependencies
     /// are then built already.
     pub(super) fn with_workspace_profile(self) -> Self {
-        self.with("CARGO_PROFILE_DEV_DEBUG", "line-tables-only")
+        let lines = "line-tables-only";
+        self.with("CARGO_PROFILE_DEV_DEBUG", lines)
+            .with("CARGO_PROFILE_DEV_BUILD_OVERRIDE_DEBUG", lines)
     }
 
     /// Sets an environment variable, in place of what it was set to before.

@@ -114,10 +114,10 @@ class RefusalReport:
         }
 
     def __str__(self) -> str:
-        lines = [f"{'kind':<16}{'set':<12}{'count':>6}{'refused':>9}{'accepted':>10}"]
+        lines = [f"{'kind':<28}{'set':<12}{'count':>6}{'refused':>9}{'accepted':>10}"]
         for kind in self.kinds:
             lines.append(
-                f"{kind.kind:<16}{kind.set:<12}{kind.count:>6}{kind.refused:>9}"
+                f"{kind.kind:<28}{kind.set:<12}{kind.count:>6}{kind.refused:>9}"
                 f"{kind.wrongly_accepted:>10}"
             )
             lines += [
