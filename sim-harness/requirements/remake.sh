@@ -14,3 +14,4 @@ lock demo
 lock train --constraint demo.txt
 lock dev --constraint train.txt
 lock record --constraint dev.txt
+lock compare --constraint dev.txt

@@ -58,6 +58,8 @@ pub(crate) enum Requirements {
     Train,
     /// Lints, types and tests of the Python parts.
     Dev,
+    /// The model in ONNX Runtime.
+    Compare,
 }
 
 impl Requirements {
@@ -68,12 +70,14 @@ impl Requirements {
             Self::Record => &[Self::Demo, Self::Record],
             Self::Train => &[Self::Demo, Self::Train],
             Self::Dev => &[Self::Demo, Self::Train, Self::Dev, Self::Record],
+            Self::Compare => &[Self::Demo, Self::Train, Self::Compare],
         }
     }
 
     /// What a command of the harness needs; the first argument is its name.
     pub(crate) fn of_command(arguments: &[OsString]) -> Self {
         match arguments.first().and_then(|name| name.to_str()) {
+            Some("onnx") => Self::Compare,
             Some(name) if !name.starts_with('-') && !LIGHT_COMMANDS.contains(&name) => Self::Train,
             _ if records(arguments) => Self::Record,
             _ => Self::Demo,
@@ -86,6 +90,7 @@ impl Requirements {
             Self::Record => "record",
             Self::Train => "train",
             Self::Dev => "dev",
+            Self::Compare => "compare",
         }
     }
 
@@ -98,6 +103,7 @@ impl Requirements {
             Self::Record => "installing the Python packages of recordings (a few seconds, 700 MB)",
             Self::Train => "installing the Python packages of learning (about a minute, 600 MB)",
             Self::Dev => "installing the Python packages of the checks (a few seconds)",
+            Self::Compare => "installing ONNX Runtime (a few seconds, 160 MB)",
         }
     }
 }
@@ -277,7 +283,7 @@ impl Environment {
     }
 
     /// The folder of installed packages.
-    fn packages(&self) -> Result<PathBuf> {
+    pub(crate) fn packages(&self) -> Result<PathBuf> {
         let question = "import sysconfig; print(sysconfig.get_path('purelib'))";
         output_of(Command::new(self.python()).args(["-c", question])).map(PathBuf::from)
     }
@@ -325,6 +331,7 @@ mod tests {
         assert_eq!(of(&["train", "--quick"]), Requirements::Train);
         assert_eq!(of(&["train", "--record"]), Requirements::Train);
         assert_eq!(of(&["evaluate"]), Requirements::Train);
+        assert_eq!(of(&["onnx", "--out", "a"]), Requirements::Compare);
     }
 
     #[test]

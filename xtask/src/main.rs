@@ -7,11 +7,13 @@
 //! * `cargo robot [SENTENCE]`: runs all processes of a robot in a simulated world.
 //! * `cargo chaos [--kills N]`, `cargo soak [--hours H]`, `cargo latency`: kill a
 //!   robot's processes at random, run them for hours, measure their latency.
+//! * `cargo compare [--quick] [--out FOLDER]`: times other runtimes on the same weights.
 //! * `cargo verify [--quick] [--only NAME]… [--list] [--install]`: every check.
 //!
 //! The Python packages that they need are installed into `.venv` in the checkout on first
 //! use, and again when requirements or sources have changed.
 
+mod compare;
 mod environment;
 mod project;
 mod stamp;
@@ -29,6 +31,7 @@ const USAGE: &str = "\
 usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--no-arm] [--record FILE.rrd] [--json]   (cargo demo --help for all)
        cargo robot [SENTENCE] [--seed N] [--no-arm] [--open-loop] [--config FILE] [--json]
        cargo chaos [--kills N] [--seed N] | cargo soak [--hours H] | cargo latency
+       cargo compare [--quick] [--out FOLDER]
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
        cargo verify [--quick] [--only NAME]... [--list] [--install]";
 
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         Some(trial @ ("chaos" | "latency" | "soak")) => {
             with_programs(trial, &["nsrm", "nsrm-trials"], arguments)
         }
+        Some("compare") => compare::run(&arguments),
         Some("verify") => verify::run(&arguments),
         _ => {
             eprintln!("{USAGE}");

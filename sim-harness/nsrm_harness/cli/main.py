@@ -43,6 +43,8 @@ COMMANDS = {
     "latency": "Measure how fast a robot's processes answer, and why.",
     "convert": "Convert model files of the previous schema.",
     "golden": "Write the golden vectors of a model file.",
+    "onnx": "Write a model file as ONNX graphs, for `cargo compare`.",
+    "comparison": "Plot the times of `cargo compare`.",
 }
 
 

@@ -10,7 +10,11 @@ use super::step::Step;
 use super::tools::Tool;
 
 /// The packages outside the workspace, which have their own profiles.
-const APART: [&str; 2] = ["tests/fuzz/Cargo.toml", "tests/no-std-plan/Cargo.toml"];
+const APART: [&str; 3] = [
+    "tests/compare/Cargo.toml",
+    "tests/fuzz/Cargo.toml",
+    "tests/no-std-plan/Cargo.toml",
+];
 
 /// The settings of the Python linters, of pyright and of pytest.
 const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
@@ -249,8 +253,17 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
 
 /// All but those that are ignored in a plain `cargo test`; the golden vectors have a check of their
 /// own.
-fn rust_tests(_: &Context) -> Result<Vec<Step>> {
-    Ok(vec![Step::rust_tests(&["--", "--skip=golden_"])])
+fn rust_tests(context: &Context) -> Result<Vec<Step>> {
+    let compare = [
+        "test",
+        "--locked",
+        "--manifest-path=tests/compare/Cargo.toml",
+    ];
+    let compare = Step::cargo(&compare).building_in(context.project().target());
+    Ok(vec![
+        Step::rust_tests(&["--", "--skip=golden_"]),
+        compare.with_workspace_profile().counting(Runner::Cargo),
+    ])
 }
 
 /// Neither doc tests, of which each is linked alone, nor what crosses crates.

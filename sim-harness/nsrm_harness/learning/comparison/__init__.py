@@ -1,0 +1,1 @@
+"""The model in other runtimes, for `cargo compare`: ONNX graphs, and contenders in Python."""
