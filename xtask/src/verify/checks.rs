@@ -9,12 +9,11 @@ use super::package;
 use super::step::Step;
 use super::tools::Tool;
 
-/// The packages outside the workspace, which have their own profiles.
-const APART: [&str; 3] = [
-    "tests/compare/Cargo.toml",
-    "tests/fuzz/Cargo.toml",
-    "tests/no-std-plan/Cargo.toml",
-];
+/// The packages outside the workspace, which have their own profiles,
+const APART: [&str; 2] = ["tests/compare/Cargo.toml", "tests/no-std-plan/Cargo.toml"];
+/// and the fuzz targets, whose build denies warnings: clippy would check all that they are made of
+/// once more.
+const FUZZ_TARGETS: &str = "tests/fuzz/Cargo.toml";
 
 /// The settings of the Python linters, of pyright and of pytest.
 const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
@@ -215,7 +214,7 @@ const TUNNEL: Tool = Tool {
 
 fn format(_: &Context) -> Result<Vec<Step>> {
     let mut steps = vec![Step::cargo(&["fmt", "--all", "--check"])];
-    for manifest in APART {
+    for manifest in APART.into_iter().chain([FUZZ_TARGETS]) {
         steps.push(Step::cargo(&[
             "fmt",
             "--manifest-path",
@@ -241,9 +240,7 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
     alone.extend(strict);
     steps.push(Step::cargo(&alone));
     for manifest in APART {
-        // The default of the fuzz targets is to build libFuzzer, which lints do without.
-        let mut step = vec!["clippy", "--locked", "--no-default-features"];
-        step.extend(["--manifest-path", manifest]);
+        let mut step = vec!["clippy", "--locked", "--manifest-path", manifest];
         step.extend(strict);
         let step = Step::cargo(&step).building_in(context.project().target());
         steps.push(step.with_workspace_profile());
@@ -251,8 +248,15 @@ fn lints(context: &Context) -> Result<Vec<Step>> {
     Ok(steps)
 }
 
-/// All but those that are ignored in a plain `cargo test`; the golden vectors have a check of their
-/// own.
+/// What other checks run: golden vectors, second-user, proofs.
+const ELSEWHERE: [&str; 5] = [
+    "--skip=golden_",
+    "--skip=a_second_user_is_refused",
+    "--skip=too_little_shared_memory_is_refused",
+    "--skip=without_allocator_and_panics_it_links",
+    "--skip=it_does_not_link_with",
+];
+
 fn rust_tests(context: &Context) -> Result<Vec<Step>> {
     let compare = [
         "test",
@@ -261,7 +265,7 @@ fn rust_tests(context: &Context) -> Result<Vec<Step>> {
     ];
     let compare = Step::cargo(&compare).building_in(context.project().target());
     Ok(vec![
-        Step::rust_tests(&["--", "--skip=golden_"]),
+        Step::rust_tests(&["--"]).arguments(&ELSEWHERE),
         compare.with_workspace_profile().counting(Runner::Cargo),
     ])
 }
@@ -269,7 +273,8 @@ fn rust_tests(context: &Context) -> Result<Vec<Step>> {
 /// Neither doc tests, of which each is linked alone, nor what crosses crates.
 fn quick_rust_tests(_: &Context) -> Result<Vec<Step>> {
     let chosen = ["--lib", "--bins", "--tests", "--exclude=nsrm-tests"];
-    Ok(vec![Step::rust_tests(&chosen)])
+    let step = Step::rust_tests(&chosen);
+    Ok(vec![step.argument("--").arguments(&ELSEWHERE)])
 }
 
 /// Ignored in a plain `cargo test`, since only root can start processes as another user and
