@@ -39,10 +39,17 @@ LEAST_UNDERSTOOD = {
     "test": 99.8,
     "test; everyday wording": 95,
     "test; everyday wording held out": 95,
+    "relations": 90,
+    "relations held out": 90,
     "sentences": 87,
+    "probes": 80,
 }
 MOST_TAKEN_FOR_ELSE = {
     "test; everyday wording held out": 0.3,
+    "relations": 0.2,
+    "relations in scenes": 0.3,
+    "relations of none or several": 0.2,
+    "relations with two readings": 5,
     "near misses": 0.8,
     "sentences; to refuse; misspelt": 0.3,
 }

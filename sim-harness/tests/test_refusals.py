@@ -38,7 +38,12 @@ from nsrm_harness.evaluation.refusals.sentences import (
     make_items,
     set_of,
 )
-from nsrm_harness.evaluation.refusals.spoiler import KINDS, OF_ORDER_WORDS, Situation
+from nsrm_harness.evaluation.refusals.spoiler import (
+    KINDS,
+    OF_ORDER_WORDS,
+    OF_PLAIN_DESCRIPTIONS,
+    Situation,
+)
 from nsrm_harness.simulation.layout import sample_layout
 
 TABLETOP = domains.load()
@@ -256,7 +261,7 @@ def test_the_command_of_a_step_is_said_as_before() -> None:
 
 def test_an_action_that_is_not_there_is_never_another_one() -> None:
     model = nsrm.Model.pretrained()
-    for relation in ("under", "behind", "in front of", "inside", "between", "next to"):
+    for relation in ("under", "inside", "between", "beneath", "next to"):
         with pytest.raises(nsrm.Refused) as refused:
             model.parse(f"put the red block {relation} the blue block")
         kinds = {"unclear_words", "unsure"} if relation == "next to" else {"unknown_word"}
@@ -365,7 +370,9 @@ def test_the_command_counts_what_the_core_refuses(
     assert tuple(rows[0]) == COLUMNS
     for row in rows:
         assert row["set"] == "test"
-        assert int(row["refused"]) + int(row["wrongly_accepted"]) == int(row["count"]) == 3
+        # The built-in model understands relations in descriptions.
+        count = 0 if row["kind"] in OF_PLAIN_DESCRIPTIONS else 3
+        assert int(row["refused"]) + int(row["wrongly_accepted"]) == int(row["count"]) == count
         if row["kind"] in {"unknown_word", "misspelt", "negation", "no_reference"}:
             assert row["wrongly_accepted"] == "0"
     assert (tmp_path / "refusals.png").exists()

@@ -235,7 +235,7 @@ fn refuses_what_it_is_not_sure_of() {
         &bench,
         sentence,
         "unsure",
-        &["what is to be done", "0.33", "0.50"],
+        &["what is to be done", "0.20", "0.50"],
     );
     assert_eq!(
         (&details["decision"], &details["threshold"]),

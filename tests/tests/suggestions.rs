@@ -29,7 +29,7 @@ fn what_may_have_been_meant_is_a_known_word_nearby() {
             Some("magenta"),
         ),
         ("put the red block under the blue block", "under", None),
-        ("put the red block behind the blue block", "behind", None),
+        ("put the red block below the blue block", "below", None),
         ("put the red block outside the blue block", "outside", None),
         ("put the purple block on the blue block", "purple", None),
         ("don't put the red block on the blue block", "don't", None),

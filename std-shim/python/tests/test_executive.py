@@ -27,12 +27,12 @@ class World:
     def __init__(self, model: nsrm.Model, limits: nsrm.Limits | None = None) -> None:
         self.model, self.executive = model, nsrm.Executive(model, limits)
         self.camera = nsrm.Camera(
-            640, 480, 500.0, 400.0, 320.0, 240.0, (0.5, 0.0, 0.6525), (1.0, 0.0, 0.0, 0.0)
+            640, 480, 900.0, 720.0, 320.0, 240.0, (0.5, 0.0, 1.1525), (1.0, 0.0, 0.0, 0.0)
         )
         image = np.full((480, 640, 3), 120, np.uint8)
         image[220:244, 224:256], image[240:264, 320:352] = (204, 23, 23), (23, 51, 204)
         boxes = np.array([(224, 220, 256, 244), (320, 240, 352, 264)], np.float32)
-        self.locations = np.column_stack([boxes / (640, 480, 640, 480), [0.625, 0.625]])
+        self.locations = np.column_stack([boxes / (640, 480, 640, 480), [1.125, 1.125]])
         self.embeddings = model.observe(
             image, [1, 2], self.locations[:, :4], self.locations[:, 4], self.camera
         ).embeddings

@@ -34,15 +34,15 @@ def image() -> np.ndarray:
 
 
 def camera(**changes: Any) -> nsrm.Camera:
-    """Looks straight down on the table, where blocks of 4 cm are 0.625 m away."""
+    """Looks straight down on the table, where blocks of 4 cm are 1.125 m away."""
     fields: dict[str, Any] = {
         "width": WIDTH,
         "height": HEIGHT,
-        "fx": 500.0,
-        "fy": 400.0,
+        "fx": 900.0,
+        "fy": 720.0,
         "cx": 320.0,
         "cy": 240.0,
-        "position": (0.5, 0.0, 0.6525),
+        "position": (0.5, 0.0, 1.1525),
         "orientation": (1.0, 0.0, 0.0, 0.0),
     }
     return nsrm.Camera(**(fields | changes))
@@ -54,7 +54,7 @@ def boxes() -> np.ndarray:
 
 
 def depths() -> np.ndarray:
-    return np.array([0.625, 0.625], np.float32)
+    return np.array([1.125, 1.125], np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +130,7 @@ def test_simulate_and_locate(model: nsrm.Model) -> None:
     point = model.locate(location, camera())
     assert point.shape == (3,) and np.isfinite(point).all()
     moved = model.locate(location, camera(position=(0.75, -1.0, 2.0)))
-    np.testing.assert_allclose(moved - point, [0.25, -1.0, 1.3475], atol=1e-5)
+    np.testing.assert_allclose(moved - point, [0.25, -1.0, 0.8475], atol=1e-5)
     with pytest.raises(nsrm.NsrmError, match=r'expected one of MoveOn, .* got "Fly"'):
         model.simulate("Fly", here, there)
     with pytest.raises(nsrm.NsrmError, match="reference_location: expected 5 numbers, got 4"):
@@ -217,7 +217,7 @@ def test_scenes_that_disagree_with_the_calibration_are_refused(
         assert str(checked.value) == str(planned.value)
         return planned.value
 
-    high = refused(camera=camera(position=(0.5, 0.0, 0.7025)))
+    high = refused(camera=camera(position=(0.5, 0.0, 1.2025)))
     assert "would rest at 0.020 m (2 of 2 objects disagree)" in str(high)
     details = high.details
     assert details["quantity"] == "height" and details["cause"] is None
@@ -281,7 +281,7 @@ def test_cameras_that_are_none(changes: dict[str, Any], message: str) -> None:
 
 def test_camera_gives_back_what_it_was_made_of() -> None:
     made = camera(position=np.array([1, 2, 3]))
-    assert (made.width, made.height, made.fx, made.fy) == (WIDTH, HEIGHT, 500.0, 400.0)
+    assert (made.width, made.height, made.fx, made.fy) == (WIDTH, HEIGHT, 900.0, 720.0)
     assert made.position == (1.0, 2.0, 3.0) and made.orientation == (1.0, 0.0, 0.0, 0.0)
     assert made == camera(position=(1, 2, 3)) and made != camera()
     with pytest.raises(nsrm.NsrmError, match="position: expected 3 numbers, got 2"):

@@ -37,8 +37,7 @@ SETS = {
     "sentences": "other people's sentences",
     "sentences; to refuse": "other people's sentences, to refuse",
     "sentences; to refuse; misspelt": "the same, one word misspelt",
-    "probes; to refuse": "other people's near misses, to refuse",
-    "probes; to refuse; misspelt": "the same, one word misspelt",
+    "probes": 'other people\'s sentences like "put the block left of the red one on …"',
 }
 """What the README calls the sets of `language.csv`."""
 README = Path("README.md")
