@@ -14,7 +14,7 @@ use std::vec::Vec;
 use crate::camera::Camera;
 use crate::dsl::Filters;
 use crate::model::*;
-use crate::nn::{Conv, Gru, Linear};
+use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 use crate::scene::{ObservedObject, RawScene, Scene};
 
 pub(crate) const RED: usize = 0;
@@ -70,12 +70,12 @@ fn gru<const INPUT: usize, const HIDDEN: usize>() -> Gru<INPUT, HIDDEN> {
 
 fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
     ViewEncoder {
-        patch: Conv {
+        patch: PatchConv {
             weight: [[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS],
             bias: [0.0; PATCH_CHANNELS],
         },
-        merge: Conv {
-            weight: [[[[0.0; MERGE_CHANNELS]; 2]; 2]; PATCH_CHANNELS],
+        merge: MergeConv {
+            weight: [[[[0.0; MERGE_CHANNELS]; PATCH_CHANNELS]; 2]; 2],
             bias: [0.0; MERGE_CHANNELS],
         },
         dense: linear(),

@@ -18,7 +18,7 @@ mod check;
 
 pub use check::ModelFault;
 
-use crate::nn::{Conv, Gru, Linear};
+use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// Length of a word's embedding at the sentence encoder's input (section IV-B).
 pub const WORD: usize = 32;
@@ -296,10 +296,10 @@ pub struct Vision<'a> {
 #[non_exhaustive]
 pub struct ViewEncoder<const CHANNELS: usize> {
     /// 32×32 to 8×8.
-    pub patch: Conv<CHANNELS, PATCH_CHANNELS, 4>,
+    pub patch: PatchConv<CHANNELS, PATCH_CHANNELS>,
     /// 8×8 to 4×4.
-    pub merge: Conv<PATCH_CHANNELS, MERGE_CHANNELS, 2>,
-    /// Flattened by channel, row, column.
+    pub merge: MergeConv<PATCH_CHANNELS, MERGE_CHANNELS>,
+    /// Flattened by row, column, channel.
     pub dense: Linear<MERGED, VIEW_EMBEDDING>,
 }
 

@@ -17,7 +17,7 @@ use nsrm_core::model::{
     PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
     Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
-use nsrm_core::nn::{Conv, Gru, Linear};
+use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{RawScene, Scene};
 
@@ -365,13 +365,13 @@ const fn zero<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT
 const fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
     ViewEncoder::new()
         .with_patch(
-            Conv::new()
+            PatchConv::new()
                 .with_weight([[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS])
                 .with_bias([0.0; PATCH_CHANNELS]),
         )
         .with_merge(
-            Conv::new()
-                .with_weight([[[[0.0; MERGE_CHANNELS]; 2]; 2]; PATCH_CHANNELS])
+            MergeConv::new()
+                .with_weight([[[[0.0; MERGE_CHANNELS]; PATCH_CHANNELS]; 2]; 2])
                 .with_bias([0.0; MERGE_CHANNELS]),
         )
         .with_dense(zero())

@@ -8,7 +8,7 @@ use nsrm_core::language::{
     choose_group, choose_role,
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
-use nsrm_core::nn::{Choice, Conv, Gru, Linear};
+use nsrm_core::nn::{Choice, Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::relation::relate;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
@@ -55,27 +55,65 @@ fn golden_linear() {
     }
 }
 
+/// Patches of a picture, and squares of the patches.
 #[test]
-fn golden_convolution() {
+fn golden_convolutions() {
     let golden = Golden::read();
-    let weight = golden.array("layer.conv.weight");
-    assert_eq!(weight.shape, [3, 2, 4, 4]);
-    let at = |o: usize, i: usize, row: usize, column: usize| {
-        weight.values[((o * 2 + i) * 4 + row) * 4 + column]
-    };
-    let layer = Conv::<2, 3, 4>::new()
-        .with_weight(std::array::from_fn(|i| {
-            std::array::from_fn(|row| {
-                std::array::from_fn(|column| std::array::from_fn(|o| at(o, i, row, column)))
-            })
+    let patch = kernels(&golden, "layer.patch.weight", [8, 2, 4, 4]);
+    let patch = PatchConv::<2, 8>::new()
+        .with_weight(array4(|[input, row, column, output]| {
+            patch([output, input, row, column])
         }))
-        .with_bias(golden.array("layer.conv.bias").fixed());
-    let input = maps(&golden.array("layer.conv.input").values);
-    let mut output = [[[0.0; 3]; 3]; 3];
-    layer.apply::<12, 3>(&input, &mut output);
-    let expected = golden.array("layer.conv.output");
-    let output = output.as_flattened().as_flattened();
-    golden.close("layer", output, &expected.values, "convolution");
+        .with_bias(golden.array("layer.patch.bias").fixed());
+    let mut patches = [[[0.0; 8]; 4]; 4];
+    let input: [[[f32; 16]; 16]; 2] = maps(&golden.array("layer.patch.input").values);
+    patch.apply(&input, &mut patches);
+    close_maps(&golden, "layer.patch.output", &patches);
+
+    let merge = kernels(&golden, "layer.merge.weight", [3, 8, 2, 2]);
+    let merge = MergeConv::<8, 3>::new()
+        .with_weight(array4(|[row, column, input, output]| {
+            merge([output, input, row, column])
+        }))
+        .with_bias(golden.array("layer.merge.bias").fixed());
+    let mut merged = [[[0.0; 3]; 2]; 2];
+    merge.apply(&patches, &mut merged);
+    close_maps(&golden, "layer.merge.output", &merged);
+}
+
+/// The weights of a convolution, by output, input, row and column.
+fn kernels(golden: &Golden, name: &str, shape: [usize; 4]) -> impl Fn([usize; 4]) -> f32 {
+    let weight = golden.array(name);
+    assert_eq!(weight.shape, shape);
+    move |index| {
+        let flat = index
+            .iter()
+            .zip(shape)
+            .fold(0, |flat, (at, size)| flat * size + at);
+        weight.values[flat]
+    }
+}
+
+/// Panics unless a map by row, column and channel is the expected one by channel, row and column.
+fn close_maps<const CHANNELS: usize, const SIDE: usize>(
+    golden: &Golden,
+    name: &str,
+    got: &[[[f32; CHANNELS]; SIDE]; SIDE],
+) {
+    let expected: [[[f32; SIDE]; SIDE]; CHANNELS] = maps(&golden.array(name).values);
+    let by_pixel: [[[f32; CHANNELS]; SIDE]; SIDE] = std::array::from_fn(|row| {
+        std::array::from_fn(|column| expected.map(|map| map[row][column]))
+    });
+    let [got, expected] = [got, &by_pixel].map(|maps| maps.as_flattened().as_flattened());
+    golden.close("layer", got, expected, name);
+}
+
+/// An array of four dimensions, by index.
+fn array4<const A: usize, const B: usize, const C: usize, const D: usize>(
+    at: impl Fn([usize; 4]) -> f32,
+) -> [[[[f32; D]; C]; B]; A] {
+    use std::array::from_fn;
+    from_fn(|a| from_fn(|b| from_fn(|c| from_fn(|d| at([a, b, c, d])))))
 }
 
 /// Columns of a GRU's matrix, each divided into its three gates.

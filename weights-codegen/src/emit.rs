@@ -25,7 +25,7 @@ use nsrm_core::model::{
     Simulator, Spelling, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
-use nsrm_core::nn::{Conv, Gru, Linear};
+use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
 
 ";
 

@@ -146,10 +146,13 @@ fn convolutions_by_channel_row_column_and_output() {
     }
     for (output, input, row, column) in [(31, 0, 1, 0), (2, 23, 0, 1)] {
         let expected = merge[((output * 24 + input) * 2 + row) * 2 + column];
-        assert_eq!(view.merge.weight[input][row][column][output], expected);
+        assert_eq!(view.merge.weight[row][column][input][output], expected);
     }
     let dense = file.values("vision.color.dense.weight");
-    assert_eq!(view.dense.weight[511][3], dense[3 * 512 + 511]);
+    for (channel, pixel, output) in [(31, 15, 3), (1, 0, 31), (0, 1, 0)] {
+        let expected = dense[output * 512 + channel * 16 + pixel];
+        assert_eq!(view.dense.weight[pixel * 32 + channel][output], expected);
+    }
     assert_eq!(view.dense.bias[..], file.values("vision.color.dense.bias"));
 }
 

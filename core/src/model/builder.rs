@@ -8,7 +8,7 @@ use super::{
     SPLITTER_WORD, Simulator, Spelling, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
     WORD, Word, WordEmbeddings, WorkSpace,
 };
-use crate::nn::{Conv, Gru, Linear};
+use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// The value of an unset parameter. Results that depend on it are refused.
 const UNSET: f32 = f32::NAN;
@@ -134,8 +134,8 @@ builder! {
         brightness, with_brightness: &'a ViewEncoder<1> = &ViewEncoder::UNSET;
     }
     [const CHANNELS: usize] ViewEncoder<CHANNELS> {
-        patch, with_patch: Conv<CHANNELS, PATCH_CHANNELS, 4> = Conv::UNSET;
-        merge, with_merge: Conv<PATCH_CHANNELS, MERGE_CHANNELS, 2> = Conv::UNSET;
+        patch, with_patch: PatchConv<CHANNELS, PATCH_CHANNELS> = PatchConv::UNSET;
+        merge, with_merge: MergeConv<PATCH_CHANNELS, MERGE_CHANNELS> = MergeConv::UNSET;
         dense, with_dense: Linear<MERGED, VIEW_EMBEDDING> = Linear::UNSET;
     }
     [] Simulator {
@@ -151,9 +151,12 @@ builder! {
         weight, with_weight: [[f32; OUTPUT]; INPUT] = [[UNSET; OUTPUT]; INPUT];
         bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
     }
-    [const INPUT: usize, const OUTPUT: usize, const KERNEL: usize] Conv<INPUT, OUTPUT, KERNEL> {
-        weight, with_weight: [[[[f32; OUTPUT]; KERNEL]; KERNEL]; INPUT] =
-            [[[[UNSET; OUTPUT]; KERNEL]; KERNEL]; INPUT];
+    [const INPUT: usize, const OUTPUT: usize] PatchConv<INPUT, OUTPUT> {
+        weight, with_weight: [[[[f32; OUTPUT]; 4]; 4]; INPUT] = [[[[UNSET; OUTPUT]; 4]; 4]; INPUT];
+        bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
+    }
+    [const INPUT: usize, const OUTPUT: usize] MergeConv<INPUT, OUTPUT> {
+        weight, with_weight: [[[[f32; OUTPUT]; INPUT]; 2]; 2] = [[[[UNSET; OUTPUT]; INPUT]; 2]; 2];
         bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
     }
     [const INPUT: usize, const HIDDEN: usize] Gru<INPUT, HIDDEN> {

@@ -5,17 +5,19 @@
 
 mod activation;
 mod choice;
-mod conv;
 mod gru;
 mod linear;
+mod merge;
+mod patch;
 mod products;
 mod wide;
 
 pub use activation::{relu, relu_all, sigmoid, tanh, tanh_all};
 pub use choice::Choice;
-pub use conv::Conv;
 pub use gru::Gru;
 pub use linear::Linear;
+pub use merge::MergeConv;
+pub use patch::PatchConv;
 use products::add_row_products;
 pub(crate) use products::{add_products, dot};
 pub(crate) use wide::{Kernel, widest};

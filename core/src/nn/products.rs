@@ -101,6 +101,23 @@ fn add_to_blocks<
     begin
 }
 
+/// `sums[i] += Σ_j inputs[i][j]·columns[j]` of several sums, each column loaded once for all; the
+/// products are added in pairs.
+#[inline(always)]
+pub(super) fn add_four_products<const LENGTH: usize, const SUMS: usize>(
+    sums: &mut [[f32; LENGTH]; SUMS],
+    inputs: &[[f32; 4]; SUMS],
+    columns: &[[f32; LENGTH]; 4],
+) {
+    let [wa, wb, wc, wd] = columns;
+    for (sum, [a, b, c, d]) in sums.iter_mut().zip(inputs) {
+        let weights = wa.iter().zip(wb).zip(wc.iter().zip(wd));
+        for (sum, ((wa, wb), (wc, wd))) in sum.iter_mut().zip(weights) {
+            *sum += (a * wa + b * wb) + (c * wc + d * wd);
+        }
+    }
+}
+
 /// A block of one column.
 #[inline(always)]
 fn weights<const LENGTH: usize, const COLUMNS: usize, const COLUMN: usize, const BLOCK: usize>(

@@ -70,10 +70,10 @@ fn encode_view<const CHANNELS: usize>(
     encoder: &ViewEncoder<CHANNELS>,
     view: &[[[f32; CROP]; CROP]; CHANNELS],
 ) -> [f32; VIEW_EMBEDDING] {
-    let mut patches = [[[0.0; CROP / 4]; CROP / 4]; PATCH_CHANNELS];
+    let mut patches = [[[0.0; PATCH_CHANNELS]; CROP / 4]; CROP / 4];
     encoder.patch.apply(view, &mut patches);
     patches.iter_mut().flatten().for_each(relu_all);
-    let mut merged = [[[0.0; CROP / 8]; CROP / 8]; MERGE_CHANNELS];
+    let mut merged = [[[0.0; MERGE_CHANNELS]; CROP / 8]; CROP / 8];
     encoder.merge.apply(&patches, &mut merged);
     merged.iter_mut().flatten().for_each(relu_all);
     let Some(flat) = merged.as_flattened().as_flattened().first_chunk::<MERGED>() else {
@@ -187,13 +187,13 @@ mod tests {
         // row 1, column 0 of merged pixel (2, 1).
         color.patch.weight[1][1][3][20] = 4.0;
         color.patch.bias[20] = 1.0;
-        color.merge.weight[20][1][0][30] = 0.5;
-        color.dense.weight[30 * 16 + 2 * 4 + 1][7] = 2.0;
+        color.merge.weight[1][0][20][30] = 0.5;
+        color.dense.weight[(2 * 4 + 1) * 32 + 30][7] = 2.0;
         color.dense.bias[6] = -1.0;
         let mut light = *model.vision.brightness;
         light.patch.weight[0][0][0][1] = 1.0;
-        light.merge.weight[1][0][0][2] = 1.0;
-        light.dense.weight[2 * 16][9] = 1.0;
+        light.merge.weight[0][0][1][2] = 1.0;
+        light.dense.weight[2][9] = 1.0;
         model.vision = crate::model::Vision {
             color: Box::leak(Box::new(color)),
             brightness: Box::leak(Box::new(light)),

@@ -77,23 +77,28 @@ def write_golden(file: ModelFile, data: Path, folder: Path) -> None:
 
 
 def layers(rng: np.random.Generator) -> Arrays:
-    """A linear layer, a convolution and a recurrent cell with random, non-square weights."""
+    """A linear layer, two convolutions and a recurrent cell with random, non-square weights."""
     keys = iter(jax.random.split(jax.random.key(SEED), 4))
     linear = eqx.nn.Linear(7, 5, key=next(keys))
-    conv = eqx.tree_at(lambda c: c.bias, Conv(2, 3, 4, next(keys)), jnp.array([0.3, -0.2, 0.1]))
+    patch = biased(Conv(2, 8, 4, next(keys)))
+    merge = biased(Conv(8, 3, 2, next(keys)))
     cell = eqx.nn.GRUCell(6, 4, key=next(keys))
     vector = rng.normal(size=(3, 7)).astype(np.float32)
-    image = rng.normal(size=(2, 12, 12)).astype(np.float32)
+    image = rng.normal(size=(2, 16, 16)).astype(np.float32)
+    patches = patch(jnp.asarray(image))
     calm = rng.normal(size=(9, 6)).astype(np.float32)
     arrays = {
         "layer.linear.weight": linear.weight,
         "layer.linear.bias": linear.bias,
         "layer.linear.input": vector,
         "layer.linear.output": jax.vmap(linear)(jnp.asarray(vector)),
-        "layer.conv.weight": conv.weight,
-        "layer.conv.bias": conv.bias,
-        "layer.conv.input": image,
-        "layer.conv.output": conv(jnp.asarray(image)),
+        "layer.patch.weight": patch.weight,
+        "layer.patch.bias": patch.bias,
+        "layer.patch.input": image,
+        "layer.patch.output": patches,
+        "layer.merge.weight": merge.weight,
+        "layer.merge.bias": merge.bias,
+        "layer.merge.output": merge(patches),
     }
     for name in ("weight_ih", "weight_hh", "bias", "bias_n"):
         arrays[f"layer.gru.{name}"] = getattr(cell, name)
@@ -103,6 +108,11 @@ def layers(rng: np.random.Generator) -> Arrays:
         arrays[f"layer.gru.{name}.input"] = inputs
         arrays[f"layer.gru.{name}.states"] = run_gru(cell, jnp.asarray(inputs), valid)
     return {name: np.asarray(array, np.float32) for name, array in arrays.items()}
+
+
+def biased(conv: Conv) -> Conv:
+    """A convolution with a bias of its own for each output."""
+    return eqx.tree_at(lambda c: c.bias, conv, jnp.linspace(-0.2, 0.3, len(conv.bias)))
 
 
 def vision(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Generator) -> Arrays:

@@ -1,11 +1,13 @@
 //! Crop encoder, attribute operators and concepts (section IV-C).
 
-use nsrm_core::model::{CONCEPT, OPERATOR_HIDDEN, VIEW_EMBEDDING, ViewEncoder};
+use nsrm_core::model::{
+    CONCEPT, MERGE_CHANNELS, MERGED, OPERATOR_HIDDEN, VIEW_EMBEDDING, ViewEncoder,
+};
 use nsrm_core::nn::Linear;
 
 use crate::domain::Domain;
 use crate::error::ModelError;
-use crate::nn::{conv, linear};
+use crate::nn::{linear, merge_conv, patch_conv};
 use crate::tensors::Tensors;
 use crate::tree::{Describe, Node};
 
@@ -58,10 +60,20 @@ fn view<const CHANNELS: usize>(
 ) -> Result<Box<ViewEncoder<CHANNELS>>, ModelError> {
     // Built in place: it takes 85 kB, and a thread may have 2 MB of stack.
     let mut view = Box::new(ViewEncoder::new());
-    view.patch = conv(tensors, &format!("{name}.patch"))?;
-    view.merge = conv(tensors, &format!("{name}.merge"))?;
+    view.patch = patch_conv(tensors, &format!("{name}.patch"))?;
+    view.merge = merge_conv(tensors, &format!("{name}.merge"))?;
     view.dense = linear(tensors, &format!("{name}.dense"))?;
+    view.dense.weight = channels_last(&view.dense.weight);
     Ok(view)
+}
+
+/// From maps flattened by channel, row and column to by row, column and channel.
+fn channels_last<T: Copy>(flat: &[T; MERGED]) -> [T; MERGED] {
+    const PIXELS: usize = MERGED / MERGE_CHANNELS;
+    std::array::from_fn(|index| {
+        let (pixel, channel) = (index / MERGE_CHANNELS, index % MERGE_CHANNELS);
+        flat[channel * PIXELS + pixel]
+    })
 }
 
 fn operator(tensors: &mut Tensors, attribute: &str) -> Result<Operator, ModelError> {

@@ -5,6 +5,6 @@ mod conv;
 mod gru;
 mod linear;
 
-pub(crate) use conv::conv;
+pub(crate) use conv::{merge_conv, patch_conv};
 pub(crate) use gru::gru;
 pub(crate) use linear::linear;

@@ -8,7 +8,7 @@ use nsrm_core::model::{
     Simulator, Spelling, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
-use nsrm_core::nn::{Conv, Gru, Linear};
+use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// The trained model of the domain "shelf".
 ///
@@ -317,11 +317,11 @@ static HAZARD: Linear<32, 1> = Linear::new()
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static COLOR: ViewEncoder<3> = ViewEncoder::new()
-    .with_patch(Conv::new()
+    .with_patch(PatchConv::new()
         .with_weight([[[[0.09375; 24]; 4]; 4]; 3])
         .with_bias([0.0625; 24]))
-    .with_merge(Conv::new()
-        .with_weight([[[[0.09375; 32]; 2]; 2]; 24])
+    .with_merge(MergeConv::new()
+        .with_weight([[[[0.09375; 32]; 24]; 2]; 2])
         .with_bias([0.0625; 32]))
     .with_dense(Linear::new()
         .with_weight([[0.09375; 32]; 512])
@@ -330,13 +330,13 @@ static COLOR: ViewEncoder<3> = ViewEncoder::new()
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
 static BRIGHTNESS: ViewEncoder<1> = ViewEncoder::new()
-    .with_patch(Conv::new()
+    .with_patch(PatchConv::new()
         .with_weight([
             [[[-0.03125; 24]; 4]; 4],
         ])
         .with_bias([-0.0625; 24]))
-    .with_merge(Conv::new()
-        .with_weight([[[[-0.03125; 32]; 2]; 2]; 24])
+    .with_merge(MergeConv::new()
+        .with_weight([[[[-0.03125; 32]; 24]; 2]; 2])
         .with_bias([-0.0625; 32]))
     .with_dense(Linear::new()
         .with_weight([[-0.03125; 32]; 512])
