@@ -7,7 +7,10 @@ use crate::nn::{add_products, tanh_all};
 /// The location of the moved object after `action`:
 /// `loc' = (centre and depth of the reference, size of the object) + MLP(action, loc_1, loc_2)`.
 ///
-/// * `object`, `reference`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
+/// * `object`, `reference`: x1, y1, x2, y2 as fractions of the image of the training's camera
+///   (of another one: [`Viewpoint::to_training`]), mean depth in metres
+///
+/// [`Viewpoint::to_training`]: crate::viewpoint::Viewpoint::to_training
 ///
 /// The result has the same form. It may lie outside the image; an untrained model may even give a
 /// box without area. Cost: `64·(10 + 64 + 5)` multiply-adds and 128 hyperbolic tangents.

@@ -156,17 +156,43 @@ impl Camera {
         map: &PixelToCamera,
         location: &[f32; LOCATION],
     ) -> Point3<f32> {
+        Self::centre(map, &self.deproject(location))
+    }
+
+    /// What [`PixelToCamera`] maps: x and y of the box's centre, its depth, width and height at that
+    /// depth, metres; 1.
+    pub(crate) fn deproject(&self, location: &[f32; LOCATION]) -> [f32; 6] {
         let [x1, y1, x2, y2, depth] = *location;
         let (width, height) = (self.width as f32, self.height as f32);
-        let features = [
+        [
             ((x1 + x2) * 0.5 * width - self.cx) / self.fx * depth,
             ((y1 + y2) * 0.5 * height - self.cy) / self.fy * depth,
             depth,
             self.width_m(location),
             (y2 - y1) * height / self.fy * depth,
             1.0,
-        ];
-        let [x, y, z] = map.weight.map(|row| dot(&row, &features));
+        ]
+    }
+
+    /// The location with these numbers, in the order of [`Camera::deproject`].
+    pub(crate) fn project(&self, &[x, y, depth, width_m, height_m]: &[f32; 5]) -> [f32; LOCATION] {
+        let (across, down) = (self.fx / self.width as f32, self.fy / self.height as f32);
+        let centre_x = x / depth * across + self.cx / self.width as f32;
+        let centre_y = y / depth * down + self.cy / self.height as f32;
+        let half_width = 0.5 * width_m / depth * across;
+        let half_height = 0.5 * height_m / depth * down;
+        [
+            centre_x - half_width,
+            centre_y - half_height,
+            centre_x + half_width,
+            centre_y + half_height,
+            depth,
+        ]
+    }
+
+    /// The object's centre in the camera's frame, from what [`Camera::deproject`] gives.
+    pub(crate) fn centre(map: &PixelToCamera, deprojected: &[f32; 6]) -> Point3<f32> {
+        let [x, y, z] = map.weight.map(|row| dot(&row, deprojected));
         Point3::new(x, y, z)
     }
 

@@ -242,6 +242,7 @@ pub(crate) fn model() -> Model<'static> {
                 max: [1.0, 0.5, 0.6],
             },
             placed_orientation: [0.0, 0.0, 0.0, 1.0],
+            training_camera: camera(),
         },
         words: words().leak(),
         spelling: Spelling::new(),

@@ -11,7 +11,7 @@
 //! 5. [`action`]: the action simulator (section IV-D); [`relation`]: how objects stand to each other,
 //!    by what actions bring about
 //! 6. [`camera`]: from the image to the world (section III); [`calibration`]: whether the scene
-//!    agrees with it
+//!    agrees with it; [`viewpoint`]: any camera's view as the training's would have it
 //! 7. [`planner`]: the whole pipeline, at once or in bounded steps; [`refusal`]: why there is no
 //!    plan; [`explain`]: plans and refusals in words
 //!
@@ -68,6 +68,7 @@ pub mod planner;
 pub mod refusal;
 pub mod relation;
 pub mod scene;
+pub mod viewpoint;
 pub mod vision;
 
 /// Re-exported in the version used here: a task that owns its sentence keeps it in a

@@ -18,6 +18,7 @@ mod check;
 
 pub use check::ModelFault;
 
+use crate::camera::Camera;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// Length of a word's embedding at the sentence encoder's input (section IV-B).
@@ -58,9 +59,9 @@ pub const SIMULATOR_HIDDEN: usize = 64;
 pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
 /// brightness is the greatest of the three colours; 3: the file's hash covers its metadata; 4:
-/// acceptability; 5: relations in descriptions; 6: the splitter sees six tokens ahead); others are
-/// refused.
-pub const SCHEMA: u32 = 6;
+/// acceptability; 5: relations in descriptions; 6: the splitter sees six tokens ahead; 7: the
+/// training's camera); others are refused.
+pub const SCHEMA: u32 = 7;
 
 /// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
@@ -107,6 +108,8 @@ pub struct Header<'a> {
     pub work_space: WorkSpace,
     /// Orientation in which the demonstrator places objects: x, y, z, w.
     pub placed_orientation: [f32; 4],
+    /// The camera that saw the demonstrations, in whose image the simulator predicts.
+    pub training_camera: Camera,
 }
 
 /// When to refuse instead of guessing; probabilities and cosines.

@@ -144,6 +144,16 @@ pub enum Refusal {
         /// Which result.
         quantity: Quantity,
     },
+    /// An object to move, or its reference, is outside what the training's camera would see: the
+    /// simulator has learned nothing about such places.
+    OutsideTrainingView {
+        /// Which step.
+        step: u8,
+        /// Which argument.
+        argument: Argument,
+        /// Id of the object.
+        object: u32,
+    },
     /// A sub-goal is outside the work space.
     OutsideWorkSpace {
         /// Which step.
@@ -359,6 +369,7 @@ kinds! {
     Self::LowConfidence { .. } => "low_confidence",
     Self::UnclearWords { .. } => "unclear_words",
     Self::TooManyRelations { .. } => "too_many_relations",
+    Self::OutsideTrainingView { .. } => "outside_training_view",
 }
 
 impl core::error::Error for Refusal {}

@@ -25,8 +25,8 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 /// it lies, and in which the action would put it. −1 if one of them has no length; `None` if a
 /// number is not finite.
 ///
-/// * `camera`: that of the scene
-/// * `object`, `anchor`: x1, y1, x2, y2 as fractions of the image, mean depth in metres
+/// * `camera`: that of the training, turned as in [`crate::viewpoint`]
+/// * `object`, `anchor`: x1, y1, x2, y2 as fractions of its image, mean depth in metres
 ///
 /// Cost: one [`simulate`], three deprojections and two square roots.
 ///

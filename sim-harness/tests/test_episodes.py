@@ -168,6 +168,10 @@ def test_what_can_be_learned_from_is_there(episodes: Path) -> None:
             moved = (demonstrations.final_boxes[index] != boxes).any(axis=1)
             assert moved.any()
         assert demonstrations.camera(0).width == 640
+        assert demonstrations.only_camera() == demonstrations.camera(0)
+        demonstrations.cameras[-1, 0] += 1.0
+        with pytest.raises(EpisodeFileError, match="seen by several cameras"):
+            demonstrations.only_camera()
 
 
 @pytest.mark.slow

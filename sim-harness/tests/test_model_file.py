@@ -26,6 +26,7 @@ from nsrm_harness.learning.export import (
     read_model,
     read_raw,
     safetensors_bytes,
+    stored_camera,
     write_metrics,
     write_model,
 )
@@ -69,7 +70,7 @@ def test_every_entry_of_the_metadata_is_covered(path: Path) -> None:
     content = path.read_bytes()
     _, metadata = read_raw(path)
     entries = {key: value for key, value in metadata.items() if key not in ("schema", "hash")}
-    assert len(entries) == 8
+    assert len(entries) == 9
     for key, value in entries.items():
         for at in (0, len(value) // 2, len(value) - 1):
             other = value[:at] + chr(ord(value[at]) ^ 1) + value[at + 1 :]
@@ -89,7 +90,7 @@ def test_the_order_of_entries_is_free(path: Path) -> None:
     other = {key: metadata[key] for key in sorted(metadata, reverse=True)}
     path.write_bytes(safetensors_bytes(arrays, other))
     assert path.read_bytes() != content
-    assert read_checked(path, "6")[1] == metadata
+    assert read_checked(path, "7")[1] == metadata
 
 
 def test_new_metrics_give_a_new_hash_and_the_same_identity(path: Path) -> None:
@@ -101,7 +102,9 @@ def test_new_metrics_give_a_new_hash_and_the_same_identity(path: Path) -> None:
     assert nsrm.Model.load(path).info()["identity"] == before
 
 
-@pytest.mark.parametrize("key", ["domain", "thresholds", "work_space", "placed_orientation"])
+@pytest.mark.parametrize(
+    "key", ["domain", "thresholds", "work_space", "placed_orientation", "training_camera"]
+)
 def test_what_plans_depend_on_gives_another_identity(path: Path, key: str) -> None:
     arrays, metadata = read_raw(path)
     before = hashes.identity(arrays, metadata)
@@ -111,7 +114,7 @@ def test_what_plans_depend_on_gives_another_identity(path: Path, key: str) -> No
 
 
 def test_the_committed_model_is_the_cores() -> None:
-    expected = hashes.identity(*read_checked(COMMITTED, "6"))
+    expected = hashes.identity(*read_checked(COMMITTED, "7"))
     assert identity_of(read_model(COMMITTED)) == expected
     for model in (nsrm.Model.pretrained(), nsrm.Model.load(COMMITTED)):
         assert model.info()["identity"] == expected
@@ -124,35 +127,41 @@ def as_before(path: Path, schema: str) -> None:
     """The file as an earlier schema had it."""
     arrays, metadata = read_raw(path)
     if schema != "baseline 1":
-        known = {"5": 2, "4": 1}.get(schema, 0)
+        metadata.pop("training_camera")
+        known = {"6": 2, "5": 2, "4": 1}.get(schema, 0)
         added = ["acceptability", "relation_decoder"][known:]
         arrays = {
             name: array for name, array in arrays.items() if not any(part in name for part in added)
         }
-        arrays[SEEN] = arrays[SEEN][:, : 32 + 2 * 24]
+        if schema != "6":
+            arrays[SEEN] = arrays[SEEN][:, : 32 + 2 * 24]
     metadata |= {"schema": schema}
-    covered = file_hash(arrays, metadata) if schema in ("3", "4", "5") else tensor_hash(arrays)
+    covered = file_hash(arrays, metadata) if schema in ("3", "4", "5", "6") else tensor_hash(arrays)
     path.write_bytes(safetensors_bytes(arrays, metadata | {"hash": covered}))
 
 
-@pytest.mark.parametrize("schema", ["2", "3", "4", "5"])
+@pytest.mark.parametrize("schema", ["2", "3", "4", "5", "6"])
 def test_a_file_of_an_earlier_schema_is_refused_until_it_is_converted(
     path: Path, schema: str
 ) -> None:
     as_before(path, schema)
-    with pytest.raises(ModelFileError, match=f"schema 6, got {schema}: convert it with"):
+    with pytest.raises(ModelFileError, match=f"schema 7, got {schema}: convert it with"):
         read_model(path)
     with pytest.raises(nsrm.ModelError, match="cargo harness convert"):
         nsrm.Model.load(path)
     convert(path)
-    arrays, _ = read_checked(path, "6")
+    arrays, _ = read_checked(path, "7")
     assert arrays["language.acceptability.output.bias"] == ACCEPTED
     assert not arrays["language.acceptability.output.weight"].any()
     assert (arrays["language.relation_decoder.bias"] == -ACCEPTED).all()
     assert not arrays["language.relation_decoder.weight"].any()
-    assert arrays[SEEN].shape == (32, 32 + 6 * 24) and not arrays[SEEN][:, 32 + 2 * 24 :].any()
+    assert arrays[SEEN].shape == (32, 32 + 6 * 24)
+    assert schema == "6" or not arrays[SEEN][:, 32 + 2 * 24 :].any()
+    assert read_model(path).training_camera == stored_camera()
     nsrm.Model.load(path)
-    with pytest.raises(ModelFileError, match="schema 2, 3, 4, 5 or baseline 1 to convert, got 6"):
+    with pytest.raises(
+        ModelFileError, match="schema 2, 3, 4, 5, 6 or baseline 1 to convert, got 7"
+    ):
         convert(path)
 
 

@@ -327,7 +327,10 @@ class Model:
     def simulate(
         self, action: str, object_location: ArrayLike, reference_location: ArrayLike
     ) -> NDArray[np.float32]:
-        """Where the moved object will be seen after an action: float32 [5]"""
+        """Where the moved object will be seen after an action: float32 [5]
+
+        All locations are in the image of the training's camera (`info()["training_camera"]`).
+        """
 
     def locate(self, location: ArrayLike, camera: Camera) -> NDArray[np.float32]:
         """The centre of the object seen at a location, world frame, metres: float32 [3]"""

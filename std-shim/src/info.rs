@@ -6,7 +6,7 @@ use nsrm_codegen::{hexadecimal, memory_report};
 use nsrm_core::model::{self, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{
-    MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS,
+    Camera, MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS,
     MAX_SENTENCE_BYTES, MAX_SPLITS, MAX_STEP_TOKENS, MAX_STEPS, MAX_TOKENS,
 };
 use serde_json::{Value, json};
@@ -85,6 +85,7 @@ pub fn info_json(any: &AnyModel) -> Value {
             "max": decimals(&header.work_space.max),
         },
         "placed_orientation": decimals(&header.placed_orientation),
+        "training_camera": camera(&header.training_camera),
         "bounds": object(&BOUNDS),
         "flash": {
             "arrays": arrays.collect::<Vec<_>>(),
@@ -94,6 +95,19 @@ pub fn info_json(any: &AnyModel) -> Value {
         },
         "training": about["training"],
         "metrics": about["metrics"],
+    })
+}
+
+fn camera(camera: &Camera) -> Value {
+    json!({
+        "width": camera.width,
+        "height": camera.height,
+        "fx": decimal(camera.fx),
+        "fy": decimal(camera.fy),
+        "cx": decimal(camera.cx),
+        "cy": decimal(camera.cy),
+        "position": decimals(&camera.position),
+        "orientation": decimals(&camera.orientation),
     })
 }
 

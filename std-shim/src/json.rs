@@ -205,6 +205,11 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
             "count": candidates.count(),
         }),
         Refusal::SameObject { step, object } => json!({"step": step, "object_id": object}),
+        Refusal::OutsideTrainingView {
+            step,
+            argument,
+            object,
+        } => json!({"step": step, "argument": argument.name(), "object_id": object}),
         Refusal::OutsideWorkSpace {
             step,
             object,

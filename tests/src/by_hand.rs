@@ -244,6 +244,7 @@ fn header() -> Header<'static> {
                 .with_max([0.7, 0.3, 0.2]),
         )
         .with_placed_orientation([0.0, 0.0, 0.0, 1.0])
+        .with_training_camera(picture::camera())
 }
 
 fn words() -> Vec<Word<'static>> {

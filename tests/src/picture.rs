@@ -86,7 +86,7 @@ pub fn squares() -> Picture {
     let mut detections = Vec::new();
     for (index, color) in (0..).zip(COLORS) {
         let (side, depth) = SIDES[index as usize % 2];
-        let (left, top) = (60 + 110 * index, 200);
+        let (left, top) = (170 + 60 * index, 200);
         for row in top..top + side {
             for column in left..left + side {
                 let at = ((row * width + column) * 3) as usize;

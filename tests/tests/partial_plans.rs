@@ -15,8 +15,9 @@ use serde_json::Value;
 /// the squares outside.
 static MODEL: LazyLock<Model<'static>> = LazyLock::new(|| {
     let mut model = TABLETOP;
-    model.header.work_space.min = [-1.0; 3];
-    model.header.work_space.max = [1.0; 3];
+    // The same middle, about which the view is turned.
+    model.header.work_space.min = [-0.5, -1.0, -1.0];
+    model.header.work_space.max = [1.5, 1.0, 1.0];
     model
 });
 

@@ -332,6 +332,24 @@ fn place_cases() -> Vec<Case> {
             )
         },
         Case {
+            // All blocks half a metre farther to the side than the training's camera sees.
+            disturb: |scene| scene.camera.position[1] += 0.5,
+            ..said(
+                GOOD,
+                |refusal| {
+                    matches!(
+                        refusal,
+                        Refusal::OutsideTrainingView {
+                            step: 0,
+                            argument: Argument::Object,
+                            object: 1,
+                        }
+                    )
+                },
+                "step 1: the object, object 1, is farther out than the model was trained for",
+            )
+        },
+        Case {
             disturb: |scene| scene.camera.position[2] += 0.05,
             ..said(
                 GOOD,

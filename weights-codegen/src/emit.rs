@@ -20,6 +20,8 @@ const SHORT: usize = 4;
 
 const IMPORTS: &str = "\
 #[rustfmt::skip]
+use nsrm_core::Camera;
+#[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
     Simulator, Spelling, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,

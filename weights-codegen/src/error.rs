@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use nsrm_core::camera::CameraError;
 use thiserror::Error;
 
 /// Why a model file is refused: one variant for each malformation.
@@ -272,10 +273,13 @@ pub enum ModelError {
         /// Its length.
         length: f32,
     },
+    /// `training_camera` is invalid.
+    #[error("metadata `training_camera`: {0}; export the model again")]
+    TrainingCamera(CameraError),
 }
 
 /// The schemas that `cargo harness convert` converts.
-const CONVERTIBLE: [&str; 4] = ["2", "3", "4", "5"];
+const CONVERTIBLE: [&str; 5] = ["2", "3", "4", "5", "6"];
 
 /// What to do about a file of another schema.
 fn schema_advice(got: &str) -> &'static str {

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use nsrm_core::Camera;
 use nsrm_core::model::{self, Thresholds, WorkSpace};
 use nsrm_core::nn::LENGTH_TOLERANCE;
 use serde::Deserialize;
@@ -19,6 +20,7 @@ pub(crate) struct Metadata {
     pub(crate) thresholds: Thresholds,
     pub(crate) work_space: WorkSpace,
     pub(crate) placed_orientation: [f32; 4],
+    pub(crate) training_camera: Camera,
     pub(crate) training: serde_json::Value,
     pub(crate) metrics: serde_json::Value,
 }
@@ -35,6 +37,18 @@ struct ThresholdsText {
 struct WorkSpaceText {
     min: [f32; 3],
     max: [f32; 3],
+}
+
+#[derive(Deserialize)]
+struct CameraText {
+    width: u32,
+    height: u32,
+    fx: f32,
+    fy: f32,
+    cx: f32,
+    cy: f32,
+    position: [f32; 3],
+    orientation: [f32; 4],
 }
 
 /// The architecture's dimensions, by the exporter's names.
@@ -78,6 +92,7 @@ impl Metadata {
             thresholds: thresholds(json(map, "thresholds")?)?,
             work_space: work_space(json(map, "work_space")?)?,
             placed_orientation: orientation(json(map, "placed_orientation")?)?,
+            training_camera: camera(json(map, "training_camera")?)?,
             training: json(map, "training")?,
             metrics: json(map, "metrics")?,
         })
@@ -137,6 +152,21 @@ fn work_space(text: WorkSpaceText) -> Result<WorkSpace, ModelError> {
         }
     }
     Ok(WorkSpace::new().with_min(text.min).with_max(text.max))
+}
+
+fn camera(text: CameraText) -> Result<Camera, ModelError> {
+    let camera = Camera {
+        width: text.width,
+        height: text.height,
+        fx: text.fx,
+        fy: text.fy,
+        cx: text.cx,
+        cy: text.cy,
+        position: text.position,
+        orientation: text.orientation,
+    };
+    camera.check().map_err(ModelError::TrainingCamera)?;
+    Ok(camera)
 }
 
 fn orientation(quaternion: [f32; 4]) -> Result<[f32; 4], ModelError> {

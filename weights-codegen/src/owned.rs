@@ -81,6 +81,7 @@ impl OwnedModel {
             thresholds,
             work_space,
             placed_orientation,
+            training_camera,
             training,
             metrics,
         } = metadata;
@@ -98,6 +99,7 @@ impl OwnedModel {
                     .with_thresholds(thresholds)
                     .with_work_space(work_space)
                     .with_placed_orientation(placed_orientation)
+                    .with_training_camera(training_camera)
             })
         })?;
         Ok(Self {

@@ -1,5 +1,6 @@
 //! The statics of a model, in the order in which they are written.
 
+use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard,
     INSTRUCTION, LexiconEntry, Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
@@ -22,7 +23,10 @@ pub(crate) struct Static {
 }
 
 describe! {
-    Header<'_> { domain, identity, thresholds, work_space, placed_orientation }
+    Header<'_> {
+        domain, identity, thresholds, work_space, placed_orientation, training_camera,
+    }
+    Camera { width, height, fx, fy, cx, cy, position, orientation }
     Thresholds { match_score, decision, confidence }
     WorkSpace { min, max }
     Word<'_> { text, embeddings }

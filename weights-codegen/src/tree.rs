@@ -63,6 +63,15 @@ impl Describe for u16 {
     }
 }
 
+impl Describe for u32 {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: self.to_string(),
+            bytes: size_of::<u32>(),
+        }
+    }
+}
+
 impl Describe for View {
     fn describe(&self) -> Node {
         Node::Scalar {

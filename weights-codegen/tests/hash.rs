@@ -72,6 +72,7 @@ fn what_would_pass_for_another_model_is_refused() {
         ("domain", "amber", "umber"),
         ("work_space", "-0.5", "-9.5"),
         ("placed_orientation", "0.0,1.0", "1.0,0.0"),
+        ("training_camera", "500.0", "501.0"),
         ("dimensions", "\"encoder_hidden\":48,", ""),
         ("metrics", "0.5", "0.9"),
         ("training", "3", "4"),
@@ -141,11 +142,14 @@ fn scenes_are_tied_to_what_results_depend_on() {
     let mut other = common::domain();
     other["name"] = json!("rack");
     let (min, max) = ([0.25, -0.5, 0.0], [0.75, 0.5, 0.5]);
+    let mut camera = common::training_camera();
+    camera["cx"] = json!(321);
     for (key, value) in [
         ("domain", other),
         ("thresholds", json!({"match_score": 0.5, "decision": 0.5})),
         ("work_space", json!({"min": min, "max": max})),
         ("placed_orientation", json!([0.0, 0.0, 1.0, 0.0])),
+        ("training_camera", camera),
     ] {
         assert_ne!(
             tag_after(&|file| file.set(key, value.clone())),

@@ -133,6 +133,7 @@ impl fmt::Display for Message<'_> {
             Refusal::NoSuchObject { .. }
             | Refusal::Ambiguous { .. }
             | Refusal::SameObject { .. }
+            | Refusal::OutsideTrainingView { .. }
             | Refusal::OutsideWorkSpace { .. }
             | Refusal::Calibration(_) => self.scene(f),
             Refusal::NotFinite { .. }
@@ -295,6 +296,17 @@ impl Message<'_> {
                 "step {}: both descriptions fit object {object}, which cannot be moved \
                  in relation to itself",
                 number(*step)
+            ),
+            Refusal::OutsideTrainingView {
+                step,
+                argument,
+                object,
+            } => write!(
+                f,
+                "step {}: the {}, object {object}, is farther out than the model was trained for; \
+                 move it towards the middle of the table",
+                number(*step),
+                argument.name()
             ),
             Refusal::OutsideWorkSpace {
                 step,

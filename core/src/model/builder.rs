@@ -8,6 +8,7 @@ use super::{
     SPLITTER_WORD, Simulator, Spelling, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
     WORD, Word, WordEmbeddings, WorkSpace,
 };
+use crate::camera::Camera;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// The value of an unset parameter. Results that depend on it are refused.
@@ -62,6 +63,17 @@ builder! {
         thresholds, with_thresholds: Thresholds = Thresholds::UNSET;
         work_space, with_work_space: WorkSpace = WorkSpace::UNSET;
         placed_orientation, with_placed_orientation: [f32; 4] = [UNSET; 4];
+        training_camera, with_training_camera: Camera = Camera::UNSET;
+    }
+    [] Camera {
+        width, with_width: u32 = 0;
+        height, with_height: u32 = 0;
+        fx, with_fx: f32 = UNSET;
+        fy, with_fy: f32 = UNSET;
+        cx, with_cx: f32 = UNSET;
+        cy, with_cy: f32 = UNSET;
+        position, with_position: [f32; 3] = [UNSET; 3];
+        orientation, with_orientation: [f32; 4] = [UNSET; 4];
     }
     [] Thresholds {
         match_score, with_match_score: f32 = UNSET;
@@ -170,6 +182,7 @@ builder! {
 #[cfg(test)]
 mod tests {
     use super::super::{Header, Model, ModelFault};
+    use crate::camera::CameraError;
     use crate::nn::Linear;
     use crate::{Planner, Refusal, fixture};
 
@@ -184,7 +197,10 @@ mod tests {
         assert_eq!(header(unset), Err(ModelFault::WorkSpace));
         let unset = unset.with_work_space(model.header.work_space);
         assert_eq!(header(unset), Err(ModelFault::PlacedOrientation));
-        let set = unset.with_placed_orientation(model.header.placed_orientation);
+        let unset = unset.with_placed_orientation(model.header.placed_orientation);
+        let camera = ModelFault::TrainingCamera(CameraError::NotFinite("fx"));
+        assert_eq!(header(unset), Err(camera));
+        let set = unset.with_training_camera(model.header.training_camera);
         assert_eq!(header(set), Ok(()));
     }
 

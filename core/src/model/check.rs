@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use super::{Model, WorkSpace};
+use crate::camera::CameraError;
 use crate::nn::is_unit;
 
 /// The number of concepts, attribute types or actions that a one-byte index can address.
@@ -60,6 +61,9 @@ pub enum ModelFault<'a> {
     /// The orientation of placed objects is not a quaternion of length 1.
     #[error("placed_orientation is not a quaternion of length 1")]
     PlacedOrientation,
+    /// The camera of the training is invalid.
+    #[error("training_camera: {0}")]
+    TrainingCamera(CameraError),
 }
 
 impl<'a> Model<'a> {
@@ -203,7 +207,8 @@ impl<'a> Model<'a> {
         if !is_unit(&self.header.placed_orientation) {
             return Err(ModelFault::PlacedOrientation);
         }
-        Ok(())
+        let camera = self.header.training_camera.check();
+        camera.map_err(ModelFault::TrainingCamera)
     }
 }
 
@@ -378,6 +383,10 @@ mod tests {
         assert_eq!(
             check(|m| m.header.placed_orientation[3] = 0.5),
             Err(ModelFault::PlacedOrientation)
+        );
+        assert_eq!(
+            check(|m| m.header.training_camera.fy = 0.0),
+            Err(ModelFault::TrainingCamera(CameraError::NotPositive("fy")))
         );
     }
 

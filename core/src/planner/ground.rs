@@ -14,6 +14,7 @@ use crate::language::{Parsed, StepDecisions};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Quantity, Refusal};
 use crate::scene::Scene;
+use crate::viewpoint::Viewpoint;
 
 /// Grounds a parsed sentence in a scene (sections IV-C and IV-D), from any step on, so that the
 /// rest of a program can be planned again in each observed scene. Each [`GroundingTask::poll`] does
@@ -27,7 +28,8 @@ pub struct GroundingTask<'m, S, P> {
     model: &'m Model<'m>,
     scene: S,
     parsed: P,
-    /// Where the objects are after the steps so far.
+    viewpoint: Viewpoint<'m>,
+    /// Where the objects are after the steps so far, as the training's camera would see them.
     locations: [[f32; LOCATION]; MAX_OBJECTS],
     resolver: Resolver,
     plan: Plan,
@@ -69,9 +71,10 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             check_model(model, scene.borrow()).and_then(|()| check_parsed(model, parsed.borrow()));
         let program = parsed.borrow().program();
         let first = first.min(program.steps().len());
+        let viewpoint = Viewpoint::new(model, scene.borrow().camera());
         let mut locations = [[0.0; LOCATION]; MAX_OBJECTS];
         for (location, object) in locations.iter_mut().zip(scene.borrow().objects()) {
-            *location = object.location;
+            *location = viewpoint.to_training(&object.location);
         }
         let mut task = Self {
             model,
@@ -79,6 +82,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             plan: Plan::new(parsed.borrow(), first as u8),
             scene,
             parsed,
+            viewpoint,
             locations,
             resolver: Resolver::new(&Description::new()),
             stage: Stage::Done(checked.err()),
@@ -205,6 +209,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         let within = Within {
             model: self.model,
             scene: self.scene.borrow(),
+            viewpoint: &self.viewpoint,
             locations: &self.locations,
             step,
             argument,
@@ -229,6 +234,18 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             self.locations.get(usize::from(grounding.index)).copied()
         });
         let (from, to) = from.zip(to).ok_or(Refusal::InvalidModel)?;
+        for (argument, grounding, location) in [
+            (Argument::Object, object, &from),
+            (Argument::Reference, reference, &to),
+        ] {
+            if !self.viewpoint.contains(location) {
+                return Err(Refusal::OutsideTrainingView {
+                    step: step as u8,
+                    argument,
+                    object: grounding.object,
+                });
+            }
+        }
         let location = simulate(self.model.simulator, parameters, &from, &to);
         if !location.iter().all(|number| number.is_finite()) {
             return Err(not_finite(Quantity::Location));
@@ -266,7 +283,7 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             action,
             object,
             reference,
-            location,
+            location: self.viewpoint.from_training(&location),
             sub_goal: SubGoal {
                 object: object.object,
                 pose,
@@ -277,7 +294,8 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
     }
 
     fn pose(&self, location: &[f32; LOCATION]) -> Isometry3<f32> {
-        let centre = self.scene().camera().locate(self.model.camera, location);
+        let camera = self.viewpoint.training();
+        let centre = camera.locate(self.model.camera, location);
         Isometry3::from_parts(
             Translation3::from(centre.coords),
             rotation(&self.model.header.placed_orientation),

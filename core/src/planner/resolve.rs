@@ -6,6 +6,7 @@ use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
 use crate::relation::{RELATION_CLEAR, relate};
 use crate::scene::{ObservedObject, Scene};
+use crate::viewpoint::Viewpoint;
 
 /// Finds the object that a description refers to, from the innermost anchor of its relations
 /// outwards. Each [`Resolver::poll`] scores one object or chooses one.
@@ -23,7 +24,8 @@ pub(super) struct Resolver {
 pub(super) struct Within<'a> {
     pub(super) model: &'a Model<'a>,
     pub(super) scene: &'a Scene,
-    /// Where the objects are after the steps so far.
+    pub(super) viewpoint: &'a Viewpoint<'a>,
+    /// Where the objects are after the steps so far, as the training's camera would see them.
     pub(super) locations: &'a [[f32; LOCATION]; MAX_OBJECTS],
     pub(super) step: usize,
     pub(super) argument: Argument,
@@ -107,7 +109,7 @@ impl Resolver {
             .ok_or(Refusal::InvalidModel)?;
         let cosine = relate(
             within.model,
-            within.scene.camera(),
+            within.viewpoint.training(),
             action.ok_or(Refusal::InvalidModel)?,
             object,
             anchor,

@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 38] = [
+pub const REASONS: [&str; 39] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -91,6 +91,7 @@ pub const REASONS: [&str; 38] = [
     "low_confidence",
     "unclear_words",
     "too_many_relations",
+    "outside_training_view",
     OTHER,
 ];
 

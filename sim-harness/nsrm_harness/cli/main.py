@@ -32,6 +32,7 @@ COMMANDS = {
     "language": "Measure which sentences a model understands, and which it refuses.",
     "calibrate": "Find the least confidence at which few of the accepted commands are wrong.",
     "miscalibration": "Measure how many camera miscalibrations the core detects.",
+    "viewpoints": "Measure plans through other cameras than that of the training.",
     "tables": "Reproduce the paper's tables, from scratch to a report.",
     "publish": "Copy a finished report and its model into the project.",
     "trials": "Measure how often the arm does what a sentence says.",

@@ -125,6 +125,16 @@ class Demonstrations:
         _, height, width, _ = self._rgb.shape
         return camera_from_row(self.cameras[index], width, height)
 
+    def only_camera(self) -> Camera:
+        """The camera of all episodes. Raises ``EpisodeFileError`` if there are several: the action
+        simulator learns in the image of one."""
+        if (self.cameras != self.cameras[0]).any():
+            raise EpisodeFileError(
+                f"{self.path}: the episodes were seen by several cameras, but the simulator learns "
+                "in the image of one: generate all episodes with the same camera"
+            )
+        return self.camera(0)
+
     def data_hash(self) -> str:
         """SHA-256 in hex of all observed data; it does not depend on compression or on anything
         else in the file."""

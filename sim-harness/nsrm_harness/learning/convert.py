@@ -1,16 +1,18 @@
 """Converts files of earlier schemas: the hash covered only the tensors (model 2, baseline 1), and
-models had no acceptability (2, 3), no relations in descriptions (2 to 4), and a splitter that saw
-two tokens ahead (2 to 5)."""
+models had no acceptability (2, 3), no relations in descriptions (2 to 4), a splitter that saw two
+tokens ahead (2 to 5), and did not tell the camera of their training (2 to 6)."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 import jax
 import numpy as np
 
+from nsrm_harness.common.json_text import json_text
 from nsrm_harness.learning import export, hashes
 from nsrm_harness.learning.baseline import file as baseline
 from nsrm_harness.learning.export import ModelFileError, hashed_bytes, read_raw, write_whole
@@ -36,7 +38,8 @@ LAST_OF_TENSORS = ("2", BASELINE)
 def convert(path: Path) -> None:
     """Gives a file the current schema and hash, and a model that has none an acceptability with
     which it accepts all words that it accepted before, a relation decoder that finds no relation,
-    and a splitter that ignores the tokens that it did not see before; nothing else in it changes.
+    a splitter that ignores the tokens that it did not see before, and the default camera, with
+    which all of them were trained; nothing else in it changes.
 
     Raises `ModelFileError` for a file of another schema, or which does not have its hash. The
     metadata of the first schemas are taken as they are, since nothing protected them.
@@ -69,6 +72,7 @@ def convert(path: Path) -> None:
         seen = arrays["language.splitter.hidden.weight"]
         unseen = SPLITTER_HIDDEN + LOOKAHEAD * SPLITTER_WORD - seen.shape[1]
         arrays["language.splitter.hidden.weight"] = np.pad(seen, ((0, 0), (0, unseen)))
+        metadata = {"training_camera": json_text(asdict(export.stored_camera()))} | metadata
     write_whole(path, hashed_bytes(arrays, metadata | {"schema": NEXT[found]}))
 
 

@@ -22,14 +22,16 @@ from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import HarnessError
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.common.whole_file import write_whole
+from nsrm_harness.data.file import camera_from_row, camera_row
 from nsrm_harness.domain import Domain
+from nsrm_harness.geometry.camera import Camera, default_camera
 from nsrm_harness.learning import hashes
 from nsrm_harness.learning import model as network
 from nsrm_harness.learning.model import Dimensions, Model, Network
 
-SCHEMA = 6
+SCHEMA = 7
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
-CONVERTIBLE = ("2", "3", "4", "5", "baseline 1")
+CONVERTIBLE = ("2", "3", "4", "5", "6", "baseline 1")
 """Schemas whose files differ from the current one only in the hash; see `convert.py`."""
 
 
@@ -61,6 +63,22 @@ class WorkSpace:
     max: tuple[float, float, float]
 
 
+def stored_camera() -> Camera:
+    """The default camera with the precision of episode files."""
+    camera = default_camera()
+    return camera_from_row(camera_row(camera), camera.width, camera.height)
+
+
+def camera_from_json(text: str) -> Camera:
+    """A camera in the metadata."""
+    fields = json.loads(text)
+    return Camera(**{name: _tupled(value) for name, value in fields.items()})
+
+
+def _tupled(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
 @dataclass(frozen=True)
 class ModelFile:
     """A model with the metadata of its file."""
@@ -71,6 +89,8 @@ class ModelFile:
     work_space: WorkSpace
     placed_orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     """Orientation in which the demonstrator places objects: x, y, z, w."""
+    training_camera: Camera = field(default_factory=stored_camera)
+    """The camera that saw the demonstrations, in whose image the simulator predicts."""
     training: Mapping[str, Any] = field(default_factory=dict)
     """Seed, number of episodes, hash of the data, stages."""
     metrics: Mapping[str, Any] = field(default_factory=dict)
@@ -123,6 +143,7 @@ def metadata_of(file: ModelFile) -> dict[str, str]:
         "thresholds": json_text(file.thresholds.as_json()),
         "work_space": json_text(asdict(file.work_space)),
         "placed_orientation": json_text(file.placed_orientation),
+        "training_camera": json_text(asdict(file.training_camera)),
         "training": json_text(file.training),
         "metrics": json_text(file.metrics),
     }
@@ -170,6 +191,7 @@ def read_model(path: Path) -> ModelFile:
         thresholds=Thresholds(**json.loads(metadata["thresholds"])),
         work_space=WorkSpace(tuple(space["min"]), tuple(space["max"])),
         placed_orientation=tuple(json.loads(metadata["placed_orientation"])),
+        training_camera=camera_from_json(metadata["training_camera"]),
         training=json.loads(metadata["training"]),
         metrics=json.loads(metadata["metrics"]),
     )

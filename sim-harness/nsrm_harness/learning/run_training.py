@@ -69,6 +69,7 @@ def fit(
     """
     with Demonstrations(files.train) as demonstrations:
         domain, data = demonstrations.domain, training_set(demonstrations)
+        training_camera = demonstrations.only_camera()
     with Demonstrations(files.validation) as demonstrations:
         validation = training_set(demonstrations)
     camera = calibrate.fit_camera(Calibration.load(files.calibration))
@@ -98,7 +99,14 @@ def fit(
             "jax": jax.__version__,
         }
         space = WorkSpace(WORK_SPACE.min, WORK_SPACE.max)
-        return ModelFile(model, domain, found.thresholds, space, training=training)
+        return ModelFile(
+            model,
+            domain,
+            found.thresholds,
+            space,
+            training_camera=training_camera,
+            training=training,
+        )
 
     def stage_done(name: str, model: Model, progress: TrainingProgress) -> None:
         after_stage(name, lambda: fitted(name_actions(model, domain)[0], progress))

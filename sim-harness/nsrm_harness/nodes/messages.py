@@ -47,6 +47,7 @@ REASONS = (
     "low_confidence",
     "unclear_words",
     "too_many_relations",
+    "outside_training_view",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""

@@ -211,6 +211,8 @@ impl Model {
     }
 
     /// Where the moved object will be seen after an action: float32 [5].
+    ///
+    /// All locations are in the image of the training's camera (`info()["training_camera"]`).
     fn simulate<'py>(
         &self,
         py: Python<'py>,

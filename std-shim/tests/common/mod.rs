@@ -98,6 +98,7 @@ impl ModelFile {
         file.set_json("thresholds", json!({"match_score": 0.75, "decision": 0.5}));
         let (min, max) = ([-9.0, -9.0, 0.0], [9.0, 9.0, 9.0]);
         file.set_json("work_space", json!({"min": min, "max": max}));
+        file.set_json("training_camera", scene()["camera"].clone());
         file
     }
 

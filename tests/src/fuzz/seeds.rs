@@ -75,6 +75,7 @@ pub fn dictionary(target: &str) -> Vec<String> {
             "thresholds",
             "work_space",
             "placed_orientation",
+            "training_camera",
             "training",
             "metrics",
             "attribute",

@@ -6,6 +6,7 @@
 )]
 
 use std::collections::BTreeMap;
+use std::f32::consts::FRAC_1_SQRT_2;
 
 use nsrm_codegen::{ModelError, OwnedModel};
 use serde_json::{Value, json};
@@ -42,6 +43,20 @@ pub(crate) const LEXICON: [(&str, u8); 8] = [
 ];
 pub(crate) const ACTIONS: usize = 2;
 pub(crate) const CONCEPTS: usize = 7;
+
+/// Looks straight down on the table; image right is the world's −y, image down its −x.
+pub(crate) fn training_camera() -> Value {
+    json!({
+        "width": 640,
+        "height": 480,
+        "fx": 500.0,
+        "fy": 500.0,
+        "cx": 320.0,
+        "cy": 240.0,
+        "position": [0.5, 0.0, 0.645],
+        "orientation": [FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0, 0.0],
+    })
+}
 
 /// Three attribute types and two actions, with other names than in tabletop.
 pub(crate) fn domain() -> Value {
@@ -212,6 +227,7 @@ impl ModelFile {
             json!({"min": [0.25, -0.5, 0.0], "max": [0.75, 0.5, 0.25]}),
         );
         file.set("placed_orientation", json!([0.0, 0.0, 0.0, 1.0]));
+        file.set("training_camera", training_camera());
         file.set("training", json!({"seed": 3}));
         file.set("metrics", json!({"program": 0.5}));
         file

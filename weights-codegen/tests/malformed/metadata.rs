@@ -3,7 +3,7 @@
 use nsrm_codegen::{ModelError, OwnedModel};
 use serde_json::json;
 
-use crate::common::ModelFile;
+use crate::common::{self, ModelFile};
 use crate::{assert_message, refused, refused_domain};
 
 #[test]
@@ -46,6 +46,7 @@ fn missing_metadata() {
         "thresholds",
         "work_space",
         "placed_orientation",
+        "training_camera",
         "training",
         "metrics",
     ];
@@ -74,12 +75,13 @@ fn another_schema() {
         ("3", "`cargo harness convert FILE`"),
         ("4", "`cargo harness convert FILE`"),
         ("5", "`cargo harness convert FILE`"),
+        ("6", "`cargo harness convert FILE`"),
     ] {
         let spoil = |file: &mut ModelFile| drop(file.metadata.insert("schema".into(), got.into()));
-        let parts = ["`schema`", "expected 6", &format!("{got:?}"), advice];
+        let parts = ["`schema`", "expected 7", &format!("{got:?}"), advice];
         let error = refused(spoil, &parts);
         let got = got.into();
-        assert_eq!(error, ModelError::Schema { expected: 6, got });
+        assert_eq!(error, ModelError::Schema { expected: 7, got });
     }
 }
 
@@ -232,4 +234,29 @@ fn an_orientation_that_is_none() {
             "{error:?}"
         );
     }
+}
+
+#[test]
+fn a_camera_that_is_none() {
+    for (field, value, part) in [
+        ("fx", json!(0), "fx must be greater than 0"),
+        ("width", json!(0), "width must be greater than 0"),
+        (
+            "position",
+            json!([0, 0, 1e39]),
+            "position is not a finite number",
+        ),
+        ("orientation", json!([1, 0, 0, 1]), "quaternion of length 1"),
+    ] {
+        let mut camera = common::training_camera();
+        camera[field] = value;
+        let spoil = |file: &mut ModelFile| file.set("training_camera", camera);
+        let error = refused(spoil, &["training_camera", part]);
+        assert!(matches!(error, ModelError::TrainingCamera(_)), "{error:?}");
+    }
+    let mut camera = common::training_camera();
+    camera["height"] = json!(-1);
+    let spoil = |file: &mut ModelFile| file.set("training_camera", camera);
+    let error = refused(spoil, &["training_camera"]);
+    assert!(matches!(error, ModelError::NotJson { .. }), "{error:?}");
 }

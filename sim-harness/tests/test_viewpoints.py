@@ -1,0 +1,43 @@
+"""Plans through other cameras than that of the training."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import nsrm
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.cli.main import main
+from nsrm_harness.evaluation.metrics import domain_of
+from nsrm_harness.evaluation.viewpoints import VIEWS, View, measure
+
+MODEL = nsrm.Model.pretrained()
+DOMAIN = domain_of(MODEL, domains.load())
+FAR = View(distance_m=1.7, focal_px=1250.0)
+BEHIND = View(azimuth=180.0, elevation=60.0, distance_m=1.0, focal_px=720.0)
+
+
+def test_another_camera_moves_no_sub_goal() -> None:
+    views = (None, FAR, replace(FAR, width=320, height=240, focal_px=625.0), BEHIND)
+    for row in measure(MODEL, DOMAIN, 12, 3, views):
+        assert row.wrong == 0 and row.refused <= 3, row
+        # A model that knew nothing of the camera would place the blocks 20 mm off and more.
+        assert row.p50_mm is not None and row.p50_mm < 4.0, row
+        assert row.p95_mm is not None and row.p95_mm < 15.0, row
+
+
+def test_what_a_camera_sees_too_steeply_is_refused() -> None:
+    (row,) = measure(MODEL, DOMAIN, 12, 3, [View(elevation=85.0)])
+    assert row.refused >= 8 and row.wrong == 0
+
+
+def test_the_command_prints_the_figures(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["viewpoints", "--count", "1", "--json"])
+    assert ended.value.code == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [row["sentences"] for row in rows] == [1] * len(VIEWS)
+    assert rows[0]["view"] == "the camera of the training"
+    assert rows[1]["view"] == "azimuth 0°, elevation 40°, 1.25 m, 640×480, focal length 900 px"
