@@ -46,6 +46,7 @@ COMMANDS = {
     "golden": "Write the golden vectors of a model file.",
     "onnx": "Write a model file as ONNX graphs, for `cargo compare`.",
     "comparison": "Plot the times of `cargo compare`.",
+    "growth": "Plot how the work of a plan grows with scene, sentence and domain.",
 }
 
 

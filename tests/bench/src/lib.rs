@@ -1,6 +1,9 @@
 //! The jobs whose time and instructions are measured: a table with six blocks, and sentences of one,
 //! three and eight steps about them.
 
+pub mod callgrind;
+pub mod growth;
+
 use std::hint::black_box;
 use std::io::Cursor;
 use std::path::Path;
@@ -105,6 +108,11 @@ impl Table {
             scene,
             crop,
         }
+    }
+
+    /// The scene of six objects.
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// Does a job once.

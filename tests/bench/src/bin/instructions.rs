@@ -5,10 +5,10 @@
 //! `--write` writes the counts instead. With the name of a job, does it once, for callgrind.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
-use anyhow::{Context as _, Result, bail, ensure};
-use nsrm_bench::{Job, Table};
+use anyhow::{Context as _, Result};
+use nsrm_bench::{Job, Table, callgrind};
 
 /// How far a count may be from what is written, as a fraction.
 const TOLERANCE: f64 = 0.02;
@@ -72,27 +72,5 @@ fn compare() -> Result<ExitCode> {
 
 /// The instructions of one run of a job, without those of its preparation.
 fn count(job: Job) -> Result<u64> {
-    #[cfg(target_arch = "x86_64")]
-    ensure!(
-        std::arch::is_x86_feature_detected!("avx2"),
-        "this processor lacks AVX2, with which the written instructions were counted"
-    );
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-        .arg("--toggle-collect=nsrm_bench::Table::run")
-        .arg(std::env::current_exe()?)
-        .arg(job.name())
-        .output()
-        .context("starting valgrind, of the package valgrind")?;
-    let text = String::from_utf8_lossy(&output.stderr);
-    if !output.status.success() {
-        bail!("valgrind: {text}");
-    }
-    let collected = text
-        .lines()
-        .find_map(|line| line.split_once("Collected : "));
-    let (_, number) = collected.with_context(|| format!("valgrind counted nothing: {text}"))?;
-    let number = number.trim().parse()?;
-    ensure!(number > 0, "valgrind saw no run of {}", job.name());
-    Ok(number)
+    callgrind::count("nsrm_bench::Table::run", &[job.name()])
 }
