@@ -10,9 +10,9 @@
 //! actions of another domain are relations at once. How far away the object is does not matter.
 
 use crate::action::simulate;
-use crate::camera::Camera;
 use crate::model::{Action, LOCATION, Model};
 use crate::nn::dot;
+use crate::viewpoint::Viewpoint;
 
 /// The least cosine at which an object is clearly in a relation: that of 40°, less than halfway
 /// between two directions at right angles.
@@ -25,8 +25,7 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 /// it lies, and in which the action would put it. −1 if one of them has no length; `None` if a
 /// number is not finite.
 ///
-/// * `camera`: that of the training, turned as in [`crate::viewpoint`]
-/// * `object`, `anchor`: x1, y1, x2, y2 as fractions of its image, mean depth in metres
+/// * `object`, `anchor`: locations as [`Viewpoint::to_training`] gives them
 ///
 /// Cost: one [`simulate`], three deprojections and two square roots.
 ///
@@ -34,14 +33,17 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use nsrm_core::relation::relate;
+/// use nsrm_core::viewpoint::Viewpoint;
 /// use nsrm_tabletop::TABLETOP;
 ///
 /// # let scene = scene(&TABLETOP);
-/// let (one, other) = (scene.objects()[0].location, scene.objects()[1].location);
+/// let viewpoint = Viewpoint::new(&TABLETOP, scene.camera());
+/// let seen = |index: usize| viewpoint.to_training(&scene.objects()[index].location);
+/// let (one, other) = (seen(0), seen(1));
 /// let [left, right] = ["MoveLeft", "MoveRight"].map(|name| {
 ///     let mut actions = TABLETOP.actions.iter();
 ///     let action = actions.find(|action| action.name == name).expect("an action");
-///     relate(&TABLETOP, scene.camera(), action, &one, &other).expect("finite")
+///     relate(&TABLETOP, &viewpoint, action, &one, &other).expect("finite")
 /// });
 /// assert!(left * right < 0.0); // it lies on one side
 /// # Ok(())
@@ -49,13 +51,14 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 /// ```
 pub fn relate(
     model: &Model<'_>,
-    camera: &Camera,
+    viewpoint: &Viewpoint<'_>,
     action: &Action<'_>,
     object: &[f32; LOCATION],
     anchor: &[f32; LOCATION],
 ) -> Option<f32> {
     let put = simulate(model.simulator, action, object, anchor);
     // An angle is the same in the camera's frame and in the world's.
+    let camera = viewpoint.training();
     let centre = |location| camera.locate_in_camera(model.camera, location);
     let origin = centre(anchor);
     let would_be: [f32; 3] = (centre(&put) - origin).into();
@@ -84,11 +87,15 @@ mod tests {
         [x - 0.0625, y - 0.0625, x + 0.0625, y + 0.0625, 0.5]
     }
 
-    /// Of an object at (`x`, `y`), right of the middle of the image.
+    /// Of an object at (`x`, `y`) to one in the middle of the image.
+    fn to_the_middle(model: &Model<'_>, action: usize, x: f32, y: f32) -> Option<f32> {
+        let viewpoint = Viewpoint::new(model, &fixture::camera());
+        let action = &model.actions[action];
+        relate(model, &viewpoint, action, &at(x, y), &at(0.5, 0.5))
+    }
+
     fn right_of_the_middle(x: f32, y: f32) -> Option<f32> {
-        let model = fixture::model();
-        let (camera, anchor) = (fixture::camera(), at(0.5, 0.5));
-        relate(&model, &camera, &model.actions[1], &at(x, y), &anchor)
+        to_the_middle(&fixture::model(), 1, x, y)
     }
 
     #[test]
@@ -113,10 +120,7 @@ mod tests {
     #[test]
     fn what_stands_higher_is_in_the_relation_of_what_is_moved_higher() {
         let model = fixture::model();
-        let on = |y| {
-            let (camera, anchor) = (fixture::camera(), at(0.5, 0.5));
-            relate(&model, &camera, &model.actions[0], &at(0.5, y), &anchor).unwrap()
-        };
+        let on = |y| to_the_middle(&model, 0, 0.5, y).unwrap();
         assert!((on(0.25) - 1.0).abs() < 1e-5);
         assert!((on(0.75) + 1.0).abs() < 1e-5);
     }
@@ -131,14 +135,11 @@ mod tests {
             ..*model.simulator
         };
         model.simulator = &still;
-        let (camera, anchor) = (fixture::camera(), at(0.5, 0.5));
-        let got = relate(&model, &camera, &model.actions[1], &at(0.75, 0.5), &anchor);
-        assert_eq!(got, Some(-1.0));
+        assert_eq!(to_the_middle(&model, 1, 0.75, 0.5), Some(-1.0));
     }
 
     #[test]
     fn numbers_that_are_not_finite_give_no_score() {
-        let camera = fixture::camera();
         for broken in [f32::NAN, f32::INFINITY, f32::MAX] {
             let mut simulator = *fixture::model().simulator;
             simulator.output.bias[4] = broken;
@@ -146,14 +147,7 @@ mod tests {
                 simulator: &simulator,
                 ..fixture::model()
             };
-            let got = relate(
-                &model,
-                &camera,
-                &model.actions[1],
-                &at(0.75, 0.5),
-                &at(0.5, 0.5),
-            );
-            assert_eq!(got, None, "{broken}");
+            assert_eq!(to_the_middle(&model, 1, 0.75, 0.5), None, "{broken}");
         }
     }
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import nsrm
 import pytest
@@ -12,6 +12,11 @@ from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import main
 from nsrm_harness.evaluation.metrics import domain_of
 from nsrm_harness.evaluation.viewpoints import VIEWS, View, measure
+from nsrm_harness.geometry.pose import Pose
+from nsrm_harness.simulation.blocks import block_from_attributes
+from nsrm_harness.simulation.render import Light, open_renderer
+from nsrm_harness.simulation.segmentation import render_segmented
+from nsrm_harness.simulation.world import World
 
 MODEL = nsrm.Model.pretrained()
 DOMAIN = domain_of(MODEL, domains.load())
@@ -31,6 +36,42 @@ def test_another_camera_moves_no_sub_goal() -> None:
 def test_what_a_camera_sees_too_steeply_is_refused() -> None:
     (row,) = measure(MODEL, DOMAIN, 12, 3, [View(elevation=85.0)])
     assert row.refused >= 8 and row.wrong == 0
+
+
+@pytest.mark.parametrize("view", [FAR, BEHIND])
+def test_what_is_offered_by_place_is_what_the_camera_sees(view: View) -> None:
+    values = [
+        {"color": "red", "size": "small"},
+        {"color": "red", "size": "small"},
+        {"color": "blue", "size": "lego"},
+        {"color": "white", "size": "lego"},
+    ]
+    blocks = [block_from_attributes(DOMAIN, each) for each in values]
+    height = blocks[0].edges_m[2] / 2
+    places = [(0.45, -0.15), (0.45, 0.15), (0.45, 0.0), (0.6, 0.0)]
+    poses = [Pose.upright(x, y, height) for x, y in places]
+    camera, drawing = view.camera(), open_renderer("auto")
+    with World() as world:
+        world.spawn(blocks, poses)
+        world.settle()
+        seen = render_segmented(drawing, world, camera, Light())
+    drawing.close()
+    scene = MODEL.observe(
+        seen.rgb, list(seen.ids), seen.boxes, seen.depths, nsrm.Camera(**asdict(camera))
+    )
+    with pytest.raises(nsrm.Refused) as refused:
+        MODEL.plan(scene, "put the red block on the white block")
+    assert refused.value.kind == "ambiguous" and refused.value.question is not None
+    moved = {}
+    for option in refused.value.question.options:
+        (step,) = MODEL.plan(scene, option.sentence).steps
+        moved[option.answer] = step.object_id
+    # The robot's left is the right of who stands opposite it.
+    left, right = (1, 2) if view is FAR else (2, 1)
+    assert moved == {
+        "the red one to the left of the lego blue one": left,
+        "the red one to the right of the lego blue one": right,
+    }
 
 
 def test_the_command_prints_the_figures(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,7 @@ use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::relation::relate;
 use nsrm_core::scene::ObservedObject;
+use nsrm_core::viewpoint::Viewpoint;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
 use nsrm_core::{MAX_GROUPS, Planner, Program, RawScene, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
@@ -406,17 +407,14 @@ fn golden_relations() {
                 [model.actions.len(), objects.len(), objects.len()]
             );
             let mut expected = cosines.values.iter();
+            let viewpoint = Viewpoint::new(model, scene.camera());
             for action in model.actions {
                 for (number, object) in objects.iter().enumerate() {
                     for (other, anchor) in objects.iter().enumerate() {
                         let expected = *expected.next().expect("a cosine for each pair");
-                        let got = relate(
-                            model,
-                            scene.camera(),
-                            action,
-                            &object.location,
-                            &anchor.location,
-                        );
+                        let [object, anchor] =
+                            [object, anchor].map(|seen| viewpoint.to_training(&seen.location));
+                        let got = relate(model, &viewpoint, action, &object, &anchor);
                         if number != other {
                             let got = got.expect("a finite cosine");
                             golden.close("relation", &[got], &[expected], action.name);

@@ -109,7 +109,7 @@ impl Resolver {
             .ok_or(Refusal::InvalidModel)?;
         let cosine = relate(
             within.model,
-            within.viewpoint.training(),
+            within.viewpoint,
             action.ok_or(Refusal::InvalidModel)?,
             object,
             anchor,

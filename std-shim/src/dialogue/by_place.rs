@@ -7,13 +7,14 @@ use nsrm_core::grounding::score;
 use nsrm_core::model::Action;
 use nsrm_core::relation::{RELATION_CLEAR, relate};
 use nsrm_core::scene::ObservedObject;
+use nsrm_core::viewpoint::Viewpoint;
 
 use super::described::Described;
 use super::{Choice, Context};
 
 /// What objects may be told apart by.
 struct Surroundings<'a> {
-    scene: &'a Scene,
+    viewpoint: Viewpoint<'a>,
     /// Those that have the values of the refused description.
     fitting: Vec<&'a ObservedObject>,
     /// Those whose values name no other object.
@@ -60,7 +61,7 @@ impl Context<'_> {
             !shown.concepts().is_empty() && self.fitting(scene, shown).len() == 1
         };
         Some(Surroundings {
-            scene,
+            viewpoint: Viewpoint::new(self.model, scene.camera()),
             fitting,
             anchors: anchors.filter(names_no_other).collect(),
         })
@@ -102,9 +103,11 @@ impl Context<'_> {
         anchor: &ObservedObject,
         around: &Surroundings<'_>,
     ) -> Option<f32> {
-        let (model, camera) = (self.model, around.scene.camera());
+        let (model, viewpoint) = (self.model, &around.viewpoint);
         let cosine = |object: &ObservedObject| {
-            relate(model, camera, action, &object.location, &anchor.location)
+            let [object, anchor] =
+                [object, anchor].map(|seen| viewpoint.to_training(&seen.location));
+            relate(model, viewpoint, action, &object, &anchor)
         };
         // An object in a relation to itself has no direction, so that its cosine is -1.
         let own = cosine(object).filter(|own| *own >= RELATION_CLEAR)?;
