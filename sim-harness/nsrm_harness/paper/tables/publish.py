@@ -31,7 +31,7 @@ SETS = {
     "relations": 'relations in descriptions: "the block left of the red one"',
     "relations held out": "the same, in patterns kept from training",
     "relations in scenes": "the same in their scenes: the right blocks",
-    "relations of none or several": "relations that hold for no block or for several, to refuse",
+    "relations of none or several": "in scenes where they hold for none or several; to refuse",
     "relations with two readings": "relations that may belong to either description, to refuse",
     "near misses": "near misses, all of known words; to refuse",
     "sentences": "other people's sentences",
@@ -145,8 +145,9 @@ def understood(rows: Sequence[tuple[int, language.Counted]]) -> str:
         )
         lines.append(f"| {title} | {count} | {right} | {refused} | {wrong} |")
     seeds = len({seed for seed, _ in rows})
-    told = f"Means of {seeds} models" if seeds > 1 else "The committed model"
-    return "\n".join([*lines, "", f"{told}, through the Rust core; the scenes play no part."])
+    told = f"Means of {seeds} models" if seeds > 1 else "The built-in model"
+    scenes = "Sentences are planned in scenes where the table says so, and only parsed elsewhere."
+    return "\n".join([*lines, "", f"{told}, through the Rust core. {scenes}"])
 
 
 def _with_detector(rows: Sequence[ResultRow]) -> str:
