@@ -144,8 +144,8 @@ pub enum Refusal {
         /// Which result.
         quantity: Quantity,
     },
-    /// An object to move, or its reference, is outside what the training's camera would see: the
-    /// simulator has learned nothing about such places.
+    /// An object to move, or its reference, is outside what the training's camera would see, or the
+    /// scene's camera sees it from lower: the model has learned nothing about such places and views.
     OutsideTrainingView {
         /// Which step.
         step: u8,

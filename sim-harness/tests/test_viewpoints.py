@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import nsrm
 import pytest
+from harness_command import run
 
 from nsrm_harness import domain as domains
-from nsrm_harness.cli.main import main
 from nsrm_harness.evaluation.metrics import domain_of
 from nsrm_harness.evaluation.viewpoints import VIEWS, View, measure
 from nsrm_harness.geometry.pose import Pose
@@ -18,6 +19,7 @@ from nsrm_harness.simulation.render import Light, open_renderer
 from nsrm_harness.simulation.segmentation import render_segmented
 from nsrm_harness.simulation.world import World
 
+PRETRAINED = Path(__file__).parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 MODEL = nsrm.Model.pretrained()
 DOMAIN = domain_of(MODEL, domains.load())
 FAR = View(distance_m=1.7, focal_px=1250.0)
@@ -36,6 +38,11 @@ def test_another_camera_moves_no_sub_goal() -> None:
 def test_what_a_camera_sees_too_steeply_is_refused() -> None:
     (row,) = measure(MODEL, DOMAIN, 12, 3, [View(elevation=85.0)])
     assert row.refused >= 8 and row.wrong == 0
+
+
+def test_what_a_camera_sees_from_too_low_is_refused() -> None:
+    (row,) = measure(MODEL, DOMAIN, 12, 3, [View(elevation=25.0)])
+    assert row.refused == 12
 
 
 @pytest.mark.parametrize("view", [FAR, BEHIND])
@@ -75,10 +82,20 @@ def test_what_is_offered_by_place_is_what_the_camera_sees(view: View) -> None:
 
 
 def test_the_command_prints_the_figures(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as ended:
-        main(["viewpoints", "--count", "1", "--json"])
-    assert ended.value.code == 0
+    assert run("viewpoints", "--count", 1, "--json") == 0
     rows = json.loads(capsys.readouterr().out)
     assert [row["sentences"] for row in rows] == [1] * len(VIEWS)
     assert rows[0]["view"] == "the camera of the training"
     assert rows[1]["view"] == "azimuth 0°, elevation 40°, 1.25 m, 640×480, focal length 900 px"
+
+
+def test_without_the_transformation_sub_goals_are_centimetres_off(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run("viewpoints", "--untransformed") == 2
+    assert "--untransformed needs --model" in capsys.readouterr().err
+    given = ("--untransformed", "--model", PRETRAINED, "--count", 3, "--seed", 1, "--json")
+    assert run("viewpoints", *given) == 0
+    rows = {row["view"]: row for row in json.loads(capsys.readouterr().out)}
+    assert rows["the camera of the training"]["p50_mm"] < 4.0
+    assert rows[str(FAR)]["p50_mm"] > 20.0

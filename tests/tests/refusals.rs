@@ -346,7 +346,7 @@ fn place_cases() -> Vec<Case> {
                         }
                     )
                 },
-                "step 1: the object, object 1, is farther out than the model was trained for",
+                "step 1: the object, object 1, is farther out, or seen by a lower camera, than in training",
             )
         },
         Case {

@@ -303,8 +303,8 @@ impl Message<'_> {
                 object,
             } => write!(
                 f,
-                "step {}: the {}, object {object}, is farther out than the model was trained for; \
-                 move it towards the middle of the table",
+                "step {}: the {}, object {object}, is farther out, or seen by a lower camera, than \
+                 in training; move it towards the middle of the table, or raise the camera",
                 number(*step),
                 argument.name()
             ),

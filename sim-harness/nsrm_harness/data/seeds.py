@@ -43,6 +43,7 @@ STREAMS = {
     "arm_disturbed": 59,
     "arm_checks": 60,
     "miscalibration": 71,
+    "viewpoints": 72,
     "told": 81,
     "near_misses": 82,
     "misspelt": 83,

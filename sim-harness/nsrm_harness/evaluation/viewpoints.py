@@ -77,6 +77,7 @@ VIEWS = (
     View(width=320, height=240, focal_px=450.0),
     View(width=1280, height=960, focal_px=1800.0),
     View(elevation=25.0),
+    View(elevation=35.0),
     View(elevation=60.0),
     View(elevation=75.0),
     View(azimuth=30.0),
@@ -132,7 +133,7 @@ def measure(
             errors: list[float] = []
             refused = wrong = 0
             for index in range(count):
-                rng = generator(seed, "calibration", index)
+                rng = generator(seed, "viewpoints", index)
                 task, seen = _scene(rng, domain, world, camera, drawing)
                 plan = _plan(model, task, seen, camera)
                 if plan is None:

@@ -63,10 +63,14 @@ class WorkSpace:
     max: tuple[float, float, float]
 
 
-def stored_camera() -> Camera:
-    """The default camera with the precision of episode files."""
-    camera = default_camera()
+def stored(camera: Camera) -> Camera:
+    """The camera with the precision of episode files."""
     return camera_from_row(camera_row(camera), camera.width, camera.height)
+
+
+def stored_camera() -> Camera:
+    """The default camera with that precision."""
+    return stored(default_camera())
 
 
 def camera_from_json(text: str) -> Camera:
