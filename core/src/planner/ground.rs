@@ -98,6 +98,11 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         self.scene.borrow()
     }
 
+    /// What the sentence says.
+    pub fn parsed(&self) -> &Parsed {
+        self.parsed.borrow()
+    }
+
     /// Whether grounding has failed.
     pub(super) const fn is_refused(&self) -> bool {
         matches!(self.stage, Stage::Done(Some(_)))

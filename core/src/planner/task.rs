@@ -33,6 +33,12 @@ impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
         }
     }
 
+    /// What the sentence says; `None` until it is parsed, and if it or the scene was refused before.
+    pub fn parsed(&self) -> Option<&Parsed> {
+        let parsed = self.grounding.parsed();
+        (!parsed.decisions().is_empty()).then_some(parsed)
+    }
+
     /// Does one unit of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is done, every further
     /// call returns the same result.
     pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {

@@ -5,7 +5,8 @@ use crate::model::{LOCATION, Model};
 use crate::scene::{ObservedObject, RawScene, Scene, SceneError};
 use core::task::Poll;
 
-/// A detected object.
+/// A detected object. Plain data without padding.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detection {
     /// Id of the object, the same in all scenes; not zero.

@@ -148,6 +148,12 @@ pub(super) const CHECKS: &[Check] = &[
         proofs,
     ),
     Check::new(
+        "c-interface",
+        "C does what Rust does, to the bit; misuse has error codes; cmake installs what programs find",
+        "1 min",
+        c_interface,
+    ),
+    Check::new(
         "instructions",
         "plans and crops take as many instructions as written, within 2 %",
         "30 s",
@@ -315,6 +321,12 @@ fn golden(_: &Context) -> Result<Vec<Step>> {
 /// Ignored in a plain `cargo test`, since they build programs.
 fn proofs(_: &Context) -> Result<Vec<Step>> {
     let chosen = ["--test=linking", "--", "--ignored"];
+    Ok(vec![Step::rust_tests(&chosen)])
+}
+
+/// Ignored in a plain `cargo test`, since they build a library.
+fn c_interface(_: &Context) -> Result<Vec<Step>> {
+    let chosen = ["--test=c_interface", "--", "--ignored"];
     Ok(vec![Step::rust_tests(&chosen)])
 }
 

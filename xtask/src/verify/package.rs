@@ -9,10 +9,11 @@ use super::context::Context;
 use super::step::Step;
 
 /// Their manifests have `rust-version` and everything else that users see.
-const PUBLISHED: [&str; 6] = [
+const PUBLISHED: [&str; 7] = [
     "nsrm-vectors",
     "nsrm-core",
     "nsrm-tabletop",
+    "nsrm-c",
     "nsrm-codegen",
     "nsrm-ipc",
     "nsrm",

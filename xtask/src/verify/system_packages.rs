@@ -12,7 +12,11 @@ struct SystemPackage {
     without: &'static str,
 }
 
-const PACKAGES: [SystemPackage; 6] = [
+const PACKAGES: [SystemPackage; 8] = [
+    SystemPackage {
+        name: "cmake",
+        without: "the C library's installation is not checked",
+    },
     SystemPackage {
         name: "gcc",
         without: "no program can be linked",
@@ -34,8 +38,12 @@ const PACKAGES: [SystemPackage; 6] = [
         without: "the GL renderer is not checked",
     },
     SystemPackage {
+        name: "pkg-config",
+        without: "the C library's installation is not checked",
+    },
+    SystemPackage {
         name: "valgrind",
-        without: "instructions are not counted",
+        without: "instructions are not counted, and the C library's memory is not checked",
     },
 ];
 

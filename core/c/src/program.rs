@@ -1,0 +1,186 @@
+use nsrm_core::Model;
+use nsrm_core::dsl::{self, Step};
+use nsrm_core::language::{self, Parsed, StepDecisions};
+
+use crate::capacity::{MAX_CORRECTIONS, MAX_FILTERS, MAX_RELATIONS, MAX_STEPS};
+use crate::pointers::Sized32;
+use crate::text::Text;
+
+/// A part of the sentence, in bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Span {
+    /// First byte.
+    pub start: u16,
+    /// One behind the last byte.
+    pub end: u16,
+}
+
+/// Attribute values that an object must have: "small red".
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Filters {
+    /// How many; 0 for a noun without values.
+    pub count: u32,
+    /// Their indices, in the order of the sentence; 0 behind the last.
+    pub concepts: [u8; MAX_FILTERS],
+}
+
+/// A relation to another object: "left of the yellow one".
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Relation {
+    /// Index of the action that brings the relation about: "left of" is where `MoveLeft` puts things.
+    pub action: u32,
+    /// What the other object looks like.
+    pub to: Filters,
+}
+
+/// What describes one object.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Description {
+    /// What the object itself looks like.
+    pub filters: Filters,
+    /// How many relations there are.
+    pub relation_count: u32,
+    /// The object's own relation to another one, then that one's to a third; 0 behind the last.
+    pub relations: [Relation; MAX_RELATIONS],
+}
+
+/// One step of a program.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ProgramStep {
+    /// Index of the action.
+    pub action: u32,
+    /// The object to move.
+    pub object: Description,
+    /// The reference.
+    pub reference: Description,
+    /// The step's place in the sentence.
+    pub span: Span,
+    /// The place of the words that describe the object to move.
+    pub object_span: Span,
+    /// The place of the words that describe the reference.
+    pub reference_span: Span,
+    /// The probability that the parser's choices are right.
+    pub probability: f32,
+}
+
+/// A misspelt word of the sentence, and what it was read as: tell the person.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct Correction {
+    /// The word's place in the sentence.
+    pub span: Span,
+    /// The known word; the text lives as long as the model.
+    pub read_as: Text,
+}
+
+/// What a sentence says, independent of a scene.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct Program {
+    /// `sizeof(nsrm_program_t)`; set it before the call.
+    pub size: u32,
+    /// How many steps it has.
+    pub step_count: u32,
+    /// The steps in the order of execution; 0 behind the last.
+    pub steps: [ProgramStep; MAX_STEPS],
+    /// How many words were misspelt.
+    pub correction_count: u32,
+    /// These words; 0 behind the last.
+    pub corrections: [Correction; MAX_CORRECTIONS],
+}
+
+// SAFETY: the first field is the size.
+unsafe impl Sized32 for Program {}
+
+impl From<language::Span> for Span {
+    fn from(span: language::Span) -> Self {
+        let language::Span { start, end, .. } = span;
+        Self { start, end }
+    }
+}
+
+impl From<&dsl::Filters> for Filters {
+    fn from(filters: &dsl::Filters) -> Self {
+        let mut copied = Self::default();
+        for (place, concept) in copied.concepts.iter_mut().zip(filters.concepts()) {
+            *place = *concept;
+            copied.count += 1;
+        }
+        copied
+    }
+}
+
+impl From<&dsl::Description> for Description {
+    fn from(description: &dsl::Description) -> Self {
+        let mut copied = Self {
+            filters: description.filters().into(),
+            ..Self::default()
+        };
+        for (place, relation) in copied.relations.iter_mut().zip(description.relations()) {
+            *place = Relation {
+                action: relation.action.into(),
+                to: (&relation.to).into(),
+            };
+            copied.relation_count += 1;
+        }
+        copied
+    }
+}
+
+impl ProgramStep {
+    fn new(step: &Step, decisions: &StepDecisions) -> Self {
+        Self {
+            action: step.action.into(),
+            object: (&step.object).into(),
+            reference: (&step.reference).into(),
+            span: decisions.span.into(),
+            object_span: decisions.object_span.into(),
+            reference_span: decisions.reference_span.into(),
+            probability: decisions.split
+                * decisions.words
+                * decisions.action
+                * decisions.relations
+                * decisions.object
+                * decisions.reference,
+        }
+    }
+}
+
+impl Program {
+    /// Without steps.
+    pub(crate) fn empty() -> Self {
+        const NONE: Correction = Correction {
+            span: Span { start: 0, end: 0 },
+            read_as: Text::NONE,
+        };
+        Self {
+            size: size_of::<Self>() as u32,
+            step_count: 0,
+            steps: [ProgramStep::default(); MAX_STEPS],
+            correction_count: 0,
+            corrections: [NONE; MAX_CORRECTIONS],
+        }
+    }
+
+    pub(crate) fn new(model: &Model<'static>, parsed: &Parsed) -> Self {
+        let mut copied = Self::empty();
+        let steps = parsed.program().steps().iter().zip(parsed.decisions());
+        for (place, (step, decisions)) in copied.steps.iter_mut().zip(steps) {
+            *place = ProgramStep::new(step, decisions);
+            copied.step_count += 1;
+        }
+        for (place, correction) in copied.corrections.iter_mut().zip(parsed.corrections()) {
+            *place = Correction {
+                span: correction.span().into(),
+                read_as: Text::of(correction.read_as(model)),
+            };
+            copied.correction_count += 1;
+        }
+        copied
+    }
+}
