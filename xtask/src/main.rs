@@ -8,13 +8,16 @@
 //! * `cargo chaos [--kills N]`, `cargo soak [--hours H]`, `cargo latency`: kill a
 //!   robot's processes at random, run them for hours, measure their latency.
 //! * `cargo compare [--quick] [--out FOLDER]`: times other runtimes on the same weights.
+//! * `cargo footprint [--quick]`: flash, RAM, stack and instructions on Cortex-M.
 //! * `cargo verify [--quick] [--only NAME]… [--list] [--install]`: every check.
 //!
 //! The Python packages that they need are installed into `.venv` in the checkout on first
 //! use, and again when requirements or sources have changed.
 
+mod arm;
 mod compare;
 mod environment;
+mod footprint;
 mod project;
 mod stamp;
 mod verify;
@@ -32,6 +35,7 @@ usage: cargo demo [SENTENCE] [--seed N] [--out DIR] [--no-arm] [--record FILE.rr
        cargo robot [SENTENCE] [--seed N] [--no-arm] [--open-loop] [--config FILE] [--json]
        cargo chaos [--kills N] [--seed N] | cargo soak [--hours H] | cargo latency
        cargo compare [--quick] [--out FOLDER]
+       cargo footprint [--quick]
        cargo harness COMMAND [ARGUMENTS]                       (cargo harness --help for all)
        cargo verify [--quick] [--only NAME]... [--list] [--install]";
 
@@ -54,6 +58,7 @@ fn main() -> ExitCode {
             with_programs(trial, &["nsrm", "nsrm-trials"], arguments)
         }
         Some("compare") => compare::run(&arguments),
+        Some("footprint") => footprint::run(&arguments),
         Some("verify") => verify::run(&arguments),
         _ => {
             eprintln!("{USAGE}");

@@ -2,6 +2,7 @@
 //! three and eight steps about them.
 
 pub mod callgrind;
+pub mod firmware;
 pub mod growth;
 
 use std::hint::black_box;
@@ -113,6 +114,50 @@ impl Table {
     /// The scene of six objects.
     pub const fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// What the firmware reads; see `tests/firmware/src/input.rs`.
+    pub(crate) fn firmware_input(&self, has_vision: bool, sentences: &[&str]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let put = |bytes: &mut Vec<u8>, numbers: &[f32]| {
+            bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        };
+        let raw = self.scene.raw();
+        let camera = |bytes: &mut Vec<u8>| {
+            let camera = &self.camera;
+            bytes.extend([camera.width, camera.height].map(u32::to_le_bytes).concat());
+            put(bytes, &[camera.fx, camera.fy, camera.cx, camera.cy]);
+            put(bytes, &camera.position);
+            put(bytes, &camera.orientation);
+        };
+        if has_vision {
+            camera(&mut bytes);
+            bytes.extend((self.detections.len() as u32).to_le_bytes());
+            for detection in &self.detections {
+                bytes.extend(detection.id.to_le_bytes());
+                put(&mut bytes, &detection.visible);
+                put(&mut bytes, &detection.location);
+            }
+            bytes.extend(&self.pixels);
+        } else {
+            let header = &raw.header;
+            bytes.extend([header.schema, header.frame].map(u32::to_le_bytes).concat());
+            let numbers = [header.model_tag, header.sequence, header.timestamp_ns];
+            bytes.extend(numbers.map(u64::to_le_bytes).concat());
+            camera(&mut bytes);
+            bytes.extend(raw.count.to_le_bytes());
+            for object in &raw.objects {
+                bytes.extend(object.id.to_le_bytes());
+                put(&mut bytes, &object.location);
+                put(&mut bytes, &object.embedding);
+            }
+        }
+        bytes.extend((sentences.len() as u32).to_le_bytes());
+        for sentence in sentences {
+            bytes.extend((sentence.len() as u32).to_le_bytes());
+            bytes.extend(sentence.as_bytes());
+        }
+        bytes
     }
 
     /// Does a job once.

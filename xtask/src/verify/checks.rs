@@ -9,11 +9,11 @@ use super::package;
 use super::step::Step;
 use super::tools::Tool;
 
-/// The packages outside the workspace, which have their own profiles,
+/// The packages outside the workspace, which have their own profiles;
 const APART: [&str; 2] = ["tests/compare/Cargo.toml", "tests/no-std-plan/Cargo.toml"];
-/// and the fuzz targets, whose build denies warnings: clippy would check all that they are made of
-/// once more.
-const FUZZ_TARGETS: &str = "tests/fuzz/Cargo.toml";
+/// the fuzz targets, whose build denies warnings: clippy would check all that they are made of once
+/// more, and the firmware, which is for another target.
+const BUILT_ELSEWHERE: [&str; 2] = ["tests/fuzz/Cargo.toml", "tests/firmware/Cargo.toml"];
 
 /// The settings of the Python linters, of pyright and of pytest.
 const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
@@ -182,6 +182,13 @@ pub(super) const CHECKS: &[Check] = &[
     )
     .waiting(),
     Check::new(
+        "firmware",
+        "on emulated Cortex-M4F and M7 the whole chain gives this machine's bits, within its budget",
+        "3 min, in parallel",
+        firmware,
+    )
+    .waiting(),
+    Check::new(
         "hosts",
         "a robot on two hosts: a sentence from each, a slow link, a lost link (needs root)",
         "3 min, in parallel",
@@ -220,7 +227,7 @@ const TUNNEL: Tool = Tool {
 
 fn format(_: &Context) -> Result<Vec<Step>> {
     let mut steps = vec![Step::cargo(&["fmt", "--all", "--check"])];
-    for manifest in APART.into_iter().chain([FUZZ_TARGETS]) {
+    for manifest in APART.into_iter().chain(BUILT_ELSEWHERE) {
         steps.push(Step::cargo(&[
             "fmt",
             "--manifest-path",
@@ -328,6 +335,13 @@ fn proofs(_: &Context) -> Result<Vec<Step>> {
 fn c_interface(_: &Context) -> Result<Vec<Step>> {
     let chosen = ["--test=c_interface", "--", "--ignored"];
     Ok(vec![Step::rust_tests(&chosen)])
+}
+
+/// What it builds takes one processor.
+fn firmware(context: &Context) -> Result<Vec<Step>> {
+    let command = context.project().target().join("release/xtask");
+    let build = Step::cargo(&["build", "--locked", "--release", "--package=xtask"]);
+    Ok(vec![build, Step::new(command, &["footprint", "--quick"])])
 }
 
 fn instructions(context: &Context) -> Result<Vec<Step>> {
