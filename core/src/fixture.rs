@@ -262,10 +262,10 @@ pub(crate) fn model() -> Model<'static> {
         ])),
         actions: actions(),
         language: language(),
-        vision: Vision {
+        vision: Some(Vision {
             color: Box::leak(Box::new(view_encoder())),
             brightness: Box::leak(Box::new(view_encoder())),
-        },
+        }),
         simulator: Box::leak(Box::new(simulator())),
         camera: Box::leak(Box::new(PixelToCamera {
             weight: [

@@ -85,8 +85,8 @@ pub struct Model<'a> {
     pub actions: &'a [Action<'a>],
     /// Sentence encoder, decoders and splitter (section IV-B).
     pub language: Language<'a>,
-    /// Crop encoder (section IV-C).
-    pub vision: Vision<'a>,
+    /// Crop encoder (section IV-C); without it, scenes must come from elsewhere.
+    pub vision: Option<Vision<'a>>,
     /// Action simulator (section IV-D).
     pub simulator: &'a Simulator,
     /// From a location to the object's centre in the camera's frame.

@@ -103,7 +103,7 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
 /// The statics that [`model_record`] refers to.
 pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
     let language = &model.language;
-    vec![
+    let mut statics = vec![
         table("WORDS", "words", "Word<'static>", model.words),
         single("GROUP", "group", "WordEmbeddings", model.group),
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
@@ -181,21 +181,26 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             format!("Linear<{SPLITTER_HIDDEN}, 1>"),
             language.hazard,
         ),
-        single(
-            "COLOR",
-            "vision.color",
-            "ViewEncoder<3>",
-            model.vision.color,
-        ),
-        single(
+    ];
+    // The model of a file has all parts.
+    if let Some(vision) = &model.vision {
+        let (color, light) = (vision.color, vision.brightness);
+        statics.push(single("COLOR", "vision.color", "ViewEncoder<3>", color));
+        statics.push(single(
             "BRIGHTNESS",
             "vision.brightness",
             "ViewEncoder<1>",
-            model.vision.brightness,
-        ),
-        single("SIMULATOR", "simulator", "Simulator", model.simulator),
-        single("CAMERA", "camera", "PixelToCamera", model.camera),
-    ]
+            light,
+        ));
+    }
+    statics.push(single(
+        "SIMULATOR",
+        "simulator",
+        "Simulator",
+        model.simulator,
+    ));
+    statics.push(single("CAMERA", "camera", "PixelToCamera", model.camera));
+    statics
 }
 
 fn single<T: Describe>(

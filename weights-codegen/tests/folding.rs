@@ -137,7 +137,7 @@ fn weights_of_a_cell_by_column_gate_and_row() {
 fn convolutions_by_channel_row_column_and_output() {
     let file = ModelFile::random(7);
     let owned = file.load();
-    let view = owned.as_model().vision.color;
+    let view = owned.as_model().vision.expect("all parts").color;
     let patch = file.values("vision.color.patch.weight");
     let merge = file.values("vision.color.merge.weight");
     for (output, input, row, column) in [(0, 0, 0, 1), (23, 2, 3, 0), (11, 1, 2, 3)] {

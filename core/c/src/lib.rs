@@ -12,6 +12,7 @@
 mod capacity;
 mod memory;
 mod model;
+#[cfg(feature = "vision")]
 mod observer;
 mod plan;
 mod pointers;

@@ -20,7 +20,10 @@ const MAGIC: u64 = 0x4e53_524d_0000_0001;
 #[cfg(feature = "tabletop")]
 static TABLETOP: ModelHandle = ModelHandle {
     magic: MAGIC,
+    #[cfg(feature = "vision")]
     model: nsrm_tabletop::TABLETOP,
+    #[cfg(not(feature = "vision"))]
+    model: nsrm_tabletop::TABLETOP.without_vision(),
 };
 
 /// The built-in model: toy blocks on a table. Never null.

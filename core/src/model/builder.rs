@@ -19,7 +19,9 @@ const NOWHERE: u8 = u8::MAX;
 
 /// Defines `new`, which sets nothing, and a `with_` method for each field.
 macro_rules! builder {
-    ($([$($parameter:tt)*] $type:ty { $($field:ident, $with:ident: $kind:ty = $unset:expr;)* })*) => {$(
+    ($([$($parameter:tt)*] $type:ty {
+        $($field:ident, $with:ident: $kind:ty $(as $wrapped:path)? = $unset:expr;)*
+    })*) => {$(
         impl<$($parameter)*> $type {
             const UNSET: Self = Self { $($field: $unset),* };
 
@@ -34,7 +36,7 @@ macro_rules! builder {
                 #[doc = concat!("Sets [`", stringify!($field), "`](Self::", stringify!($field), ").")]
                 #[must_use]
                 pub const fn $with(mut self, $field: $kind) -> Self {
-                    self.$field = $field;
+                    self.$field = $($wrapped)? ($field);
                     self
                 }
             )*
@@ -53,7 +55,7 @@ builder! {
         concepts, with_concepts: &'a [Concept<'a>] = &[];
         actions, with_actions: &'a [Action<'a>] = &[];
         language, with_language: Language<'a> = Language::UNSET;
-        vision, with_vision: Vision<'a> = Vision::UNSET;
+        vision, with_vision: Vision<'a> as Some = None;
         simulator, with_simulator: &'a Simulator = &Simulator::UNSET;
         camera, with_camera: &'a PixelToCamera = &PixelToCamera::UNSET;
     }

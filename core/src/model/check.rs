@@ -77,6 +77,24 @@ impl<'a> Model<'a> {
         u64::from_le_bytes([a, b, c, d, e, f, g, h])
     }
 
+    /// The same model without the crop encoder. In a program that has only this one, the linker leaves
+    /// the encoder's weights out, 160 KB.
+    ///
+    /// ```
+    /// use nsrm_core::{Model, Planner};
+    /// use nsrm_tabletop::TABLETOP;
+    ///
+    /// static PLANNING: Model<'static> = TABLETOP.without_vision();
+    /// assert!(Planner::new(&PLANNING).parse("put the red block on the blue block").is_ok());
+    /// ```
+    #[must_use]
+    pub const fn without_vision(self) -> Self {
+        Self {
+            vision: None,
+            ..self
+        }
+    }
+
     /// Checks that every index is valid, every list is sorted and the header is valid. A model that
     /// passes never causes [`crate::Refusal::InvalidModel`].
     ///

@@ -77,6 +77,9 @@ pub enum SceneError {
         /// What is wrong with it.
         fault: ObjectFault,
     },
+    /// The model is one [without vision](crate::Model::without_vision).
+    #[error("scene: the model has no vision; make scenes with the whole model")]
+    NoVision,
     /// The size of the image differs from the camera's.
     #[error(
         "scene: the image is {}×{} pixels, but the camera says {}×{}",

@@ -41,14 +41,18 @@ pub fn encode(model: &Model<'_>, crop: &Crop) -> [f32; OBJECT_EMBEDDING] {
     encode_in_place(model, &mut crop.clone())
 }
 
-/// [`encode`] without a copy of the crop, whose content is overwritten.
+/// [`encode`] without a copy of the crop, whose content is overwritten. NaN from a model without
+/// vision: no scene accepts it.
 #[inline(never)]
 pub fn encode_in_place(model: &Model<'_>, crop: &mut Crop) -> [f32; OBJECT_EMBEDDING] {
-    let light = encode_brightness(model, crop);
+    let Some(vision) = model.vision else {
+        return [f32::NAN; OBJECT_EMBEDDING];
+    };
+    let light = encode_brightness(vision.brightness, crop);
     for value in crop.channels.as_flattened_mut().as_flattened_mut() {
         *value -= COLOR_CENTRE;
     }
-    let color = encode_view(model.vision.color, &crop.channels);
+    let color = encode_view(vision.color, &crop.channels);
     let mut embedding = [0.0; OBJECT_EMBEDDING];
     for (place, value) in embedding.iter_mut().zip(color.into_iter().chain(light)) {
         *place = value;
@@ -57,11 +61,11 @@ pub fn encode_in_place(model: &Model<'_>, crop: &mut Crop) -> [f32; OBJECT_EMBED
 }
 
 #[inline(never)]
-fn encode_brightness(model: &Model<'_>, crop: &Crop) -> [f32; VIEW_EMBEDDING] {
+fn encode_brightness(encoder: &ViewEncoder<1>, crop: &Crop) -> [f32; VIEW_EMBEDDING] {
     let mut view = [[[0.0; CROP]; CROP]];
     let [map] = &mut view;
     widest(Brightness { crop, view: map });
-    encode_view(model.vision.brightness, &view)
+    encode_view(encoder, &view)
 }
 
 // Not inlined, so that both views use the same stack.
@@ -182,7 +186,8 @@ mod tests {
     #[test]
     fn a_pixel_finds_its_way_through_both_views() {
         let mut model = fixture::model();
-        let mut color = *model.vision.color;
+        let vision = model.vision.unwrap();
+        let mut color = *vision.color;
         // Green of crop pixel (4·5 + 1, 4·2 + 3), then patch (5, 2) of channel 20 is
         // row 1, column 0 of merged pixel (2, 1).
         color.patch.weight[1][1][3][20] = 4.0;
@@ -190,14 +195,14 @@ mod tests {
         color.merge.weight[1][0][20][30] = 0.5;
         color.dense.weight[(2 * 4 + 1) * 32 + 30][7] = 2.0;
         color.dense.bias[6] = -1.0;
-        let mut light = *model.vision.brightness;
+        let mut light = *vision.brightness;
         light.patch.weight[0][0][0][1] = 1.0;
         light.merge.weight[0][0][1][2] = 1.0;
         light.dense.weight[2][9] = 1.0;
-        model.vision = crate::model::Vision {
+        model.vision = Some(crate::model::Vision {
             color: Box::leak(Box::new(color)),
             brightness: Box::leak(Box::new(light)),
-        };
+        });
         let crop = crop(|row, column| match (row, column) {
             (21, 11) => [0.0, 1.0, 0.0],
             (0, 0) => [1.0, 1.0, 1.0],

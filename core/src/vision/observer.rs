@@ -73,8 +73,8 @@ pub struct ObservationTask<'a> {
 }
 
 impl<'a> ObservationTask<'a> {
-    /// Starts a task; refuses an image of another size than the camera's and more than
-    /// [`MAX_OBJECTS`] detections.
+    /// Starts a task; refuses a model without vision, an image of another size than the camera's and
+    /// more than [`MAX_OBJECTS`] detections.
     pub fn new(
         model: &'a Model<'a>,
         image: RgbImage<'a>,
@@ -82,6 +82,9 @@ impl<'a> ObservationTask<'a> {
         detections: &'a [Detection],
         stamp: Stamp,
     ) -> Result<Self, SceneError> {
+        if model.vision.is_none() {
+            return Err(SceneError::NoVision);
+        }
         let (expected, got) = (
             [camera.width, camera.height],
             [image.width(), image.height()],
@@ -240,6 +243,14 @@ mod tests {
                 fault(1, 9, ObjectFault::BoxNotOrdered)
             );
         }
+        let blind = model.without_vision();
+        let task = ObservationTask::new(&blind, image, fixture::camera(), &[], Stamp::default());
+        assert_eq!(task.err(), Some(SceneError::NoVision));
+        assert!(
+            encode(&blind, &Crop::BLACK)
+                .iter()
+                .all(|value| value.is_nan())
+        );
         let mut camera = fixture::camera();
         camera.fx = 0.0;
         assert!(matches!(

@@ -15,8 +15,19 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use input::Reader;
 use measure::{Clock, stack};
-use nsrm_core::{Plan, Planner, PlanningTask, Refusal, Scene};
+use nsrm_core::{Model, Plan, Planner, PlanningTask, Refusal, Scene};
 use nsrm_tabletop::TABLETOP;
+
+/// The built-in model. A program that only plans has no weights of vision.
+fn model() -> &'static Model<'static> {
+    #[cfg(feature = "vision")]
+    return &TABLETOP;
+    #[cfg(not(feature = "vision"))]
+    {
+        static PLANNING: Model<'static> = TABLETOP.without_vision();
+        &PLANNING
+    }
+}
 
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
@@ -84,7 +95,7 @@ fn run(clock: &mut Clock) -> Option<()> {
 }
 
 fn plan(clock: &mut Clock, scene: &'static Scene, sentence: &'static str) {
-    let planner = Planner::new(&TABLETOP);
+    let planner = Planner::new(model());
     let ((task, begin), begin_stack) = stack(|| {
         // SAFETY: the task before is done.
         clock.ticks(|| unsafe { TASK.put(planner.begin(scene, sentence)) })
@@ -146,7 +157,7 @@ fn observe(_: &mut Clock, input: &mut Reader) -> Option<&'static Scene> {
         return None;
     }
     // SAFETY: as many bytes, aligned, and any are a raw scene.
-    let scene = Scene::new(unsafe { raw.read() }, &TABLETOP).ok()?;
+    let scene = Scene::new(unsafe { raw.read() }, model()).ok()?;
     // SAFETY: there is no other.
     Some(unsafe { SCENE.put(scene) })
 }
@@ -188,7 +199,7 @@ fn observe(clock: &mut Clock, input: &mut Reader) -> Option<&'static Scene> {
     let pixels = input.bytes(row.checked_mul(usize::try_from(height).ok()?)?)?;
     let image = RgbImage::new(pixels, width, height, row).ok()?;
     let detections = detections.get(..count)?;
-    let task = ObservationTask::new(&TABLETOP, image, camera, detections, Stamp::default());
+    let task = ObservationTask::new(model(), image, camera, detections, Stamp::default());
     // SAFETY: there is no other.
     let task = unsafe { OBSERVER.put(task.ok()?) };
     let (mut total, mut largest, mut polls) = (0, 0, 0);

@@ -26,7 +26,7 @@ pub(crate) fn library_without_std() -> PathBuf {
     let target = concat!(env!("CARGO_TARGET_TMPDIR"), "/c-without-std");
     build(&[
         "--no-default-features",
-        "--features=tabletop",
+        "--features=tabletop,vision",
         "--target-dir",
         target,
     ])
