@@ -22,6 +22,9 @@ const COMPILER: [&str; 5] = [
     "rust-web-src",
     "rustc-web",
 ];
+/// What disassembles programs.
+const BINUTILS: [&str; 1] = ["binutils-arm-none-eabi"];
+const OBJDUMP: &str = "arm-none-eabi-objdump";
 /// QEMU, and those of its libraries that a system without it lacks.
 const EMULATOR: [&str; 12] = [
     "libcapstone4",
@@ -103,6 +106,15 @@ impl Tools {
         self.unpack(&EMULATOR)?;
         let environment = vec![("LD_LIBRARY_PATH", self.libraries())];
         Ok((self.unpacked.join("usr/bin").join(QEMU), environment))
+    }
+
+    /// What disassembles programs; needs no environment.
+    pub(crate) fn objdump(&self) -> Result<PathBuf> {
+        if output_of(Command::new(OBJDUMP).arg("--version")).is_ok() {
+            return Ok(OBJDUMP.into());
+        }
+        self.unpack(&BINUTILS)?;
+        Ok(self.unpacked.join("usr/bin").join(OBJDUMP))
     }
 
     fn libraries(&self) -> OsString {

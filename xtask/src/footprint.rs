@@ -66,6 +66,7 @@ fn measuring(project: &Project, quick: bool) -> Result<Command> {
     let (qemu, environment) = tools.qemu()?;
     measure
         .arg(qemu)
+        .arg(tools.objdump()?)
         .arg(if quick { "compare" } else { "write" });
     for (name, value) in environment {
         measure.env(name, value);

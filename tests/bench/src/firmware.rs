@@ -10,6 +10,7 @@ use nsrm_tabletop::TABLETOP;
 use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind};
 
 use crate::Table;
+use crate::call_graph::CallGraph;
 
 /// A processor, on a board that QEMU has.
 #[derive(Debug, Clone, Copy)]
@@ -104,6 +105,19 @@ impl Image {
             }
         }
         Ok((flash, ram))
+    }
+
+    /// The most bytes of stack that beginning, polling and observing can take, whatever the input. An
+    /// error if a function on the way calls itself or through a pointer.
+    ///
+    /// * `objdump`: the program `arm-none-eabi-objdump`
+    pub fn stack_bound(&self, objdump: &Path) -> Result<u64> {
+        let graph = CallGraph::of(objdump, &self.file)?;
+        let mut bound = graph.stack("plan_begin")?.max(graph.stack("plan_poll")?);
+        if self.has_vision {
+            bound = bound.max(graph.stack("observe_poll")?);
+        }
+        Ok(bound)
     }
 
     /// Runs it on a processor with these sentences about the table.

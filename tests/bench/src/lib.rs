@@ -1,6 +1,7 @@
 //! The jobs whose time and instructions are measured: a table with six blocks, and sentences of one,
 //! three and eight steps about them.
 
+pub mod call_graph;
 pub mod callgrind;
 pub mod firmware;
 pub mod growth;

@@ -94,23 +94,57 @@ fn run(clock: &mut Clock) -> Option<()> {
     Some(())
 }
 
+// These have names in the program: `cargo footprint` bounds the stack of what they call.
+
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn plan_begin(
+    planner: &Planner<'static>,
+    scene: &'static Scene,
+    sentence: &'static str,
+) -> &'static mut PlanningTask<'static, &'static Scene, &'static str> {
+    // SAFETY: the task before is done.
+    unsafe { TASK.put(planner.begin(scene, sentence)) }
+}
+
+/// Whether it is done.
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn plan_poll(task: &mut PlanningTask<'static, &'static Scene, &'static str>) -> bool {
+    match task.poll() {
+        Poll::Pending => false,
+        Poll::Ready(result) => {
+            // SAFETY: the result before is told.
+            unsafe { RESULT.put(result) };
+            true
+        }
+    }
+}
+
+/// Whether there is a scene, once it is done.
+#[cfg(feature = "vision")]
+#[unsafe(no_mangle)]
+#[inline(never)]
+fn observe_poll(task: &mut nsrm_core::vision::ObservationTask<'static>) -> Option<bool> {
+    match task.poll() {
+        Poll::Pending => None,
+        Poll::Ready(Err(_)) => Some(false),
+        Poll::Ready(Ok(scene)) => {
+            // SAFETY: there is no other.
+            unsafe { SCENE.put(scene) };
+            Some(true)
+        }
+    }
+}
+
 fn plan(clock: &mut Clock, scene: &'static Scene, sentence: &'static str) {
     let planner = Planner::new(model());
-    let ((task, begin), begin_stack) = stack(|| {
-        // SAFETY: the task before is done.
-        clock.ticks(|| unsafe { TASK.put(planner.begin(scene, sentence)) })
-    });
+    let ((task, begin), begin_stack) =
+        stack(|| clock.ticks(|| plan_begin(&planner, scene, sentence)));
     let (mut total, mut largest, mut polls) = (begin, 0, 0);
     let ((), poll_stack) = stack(|| {
         loop {
-            let (is_done, ticks) = clock.ticks(|| match task.poll() {
-                Poll::Pending => false,
-                // SAFETY: the result before is told.
-                Poll::Ready(result) => {
-                    unsafe { RESULT.put(result) };
-                    true
-                }
-            });
+            let (is_done, ticks) = clock.ticks(|| plan_poll(task));
             total += ticks;
             largest = largest.max(ticks);
             polls += 1;
@@ -205,15 +239,7 @@ fn observe(clock: &mut Clock, input: &mut Reader) -> Option<&'static Scene> {
     let (mut total, mut largest, mut polls) = (0, 0, 0);
     let (is_scene, bytes) = stack(|| {
         loop {
-            let (is_done, ticks) = clock.ticks(|| match task.poll() {
-                Poll::Pending => None,
-                Poll::Ready(Err(_)) => Some(false),
-                Poll::Ready(Ok(scene)) => {
-                    // SAFETY: there is no other.
-                    unsafe { SCENE.put(scene) };
-                    Some(true)
-                }
-            });
+            let (is_done, ticks) = clock.ticks(|| observe_poll(task));
             total += ticks;
             largest = largest.max(ticks);
             polls += 1;

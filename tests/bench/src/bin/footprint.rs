@@ -1,7 +1,7 @@
 //! Flash, RAM, stack and instructions of the library on emulated Cortex-M processors, into
 //! `docs/controller/footprint.csv`. `cargo footprint` builds the images and calls this.
 //!
-//! Arguments: QEMU; `write`, or `compare` with what is written; the images.
+//! Arguments: QEMU; `arm-none-eabi-objdump`; `write`, or `compare` with what is written; the images.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use nsrm_bench::firmware::{Image, PROCESSORS};
 use nsrm_bench::{ONE_STEP, THREE_STEPS, Table};
 
 const HEADER: &str = "target,precision,vision,flash_bytes,ram_bytes,stack_bytes,instructions_1,\
-    instructions_3,largest_poll,vision_instructions,vision_largest_poll";
+    instructions_3,largest_poll,vision_instructions,vision_largest_poll,stack_bound_bytes";
 
 /// Where the table of the page begins, and where it ends.
 const BEGIN: &str = "<!-- figures: `cargo footprint` replaces them -->\n";
@@ -20,17 +20,22 @@ const END: &str = "<!-- end of figures -->";
 /// How far a figure may be above what is written, as a fraction: another compiler compiles differently.
 const TOLERANCE: f64 = 0.1;
 
+/// Stack of the functions that measure, which the painted stack includes.
+const MEASURING_BYTES: u64 = 256;
+
 /// Refused at its second word, and planned.
 const UNKNOWN_WORD: &str = "put crimson block on the blue block";
 
 fn main() -> Result<ExitCode> {
     let mut arguments = std::env::args_os().skip(1);
     let qemu = PathBuf::from(arguments.next().context("QEMU's path")?);
+    let objdump = PathBuf::from(arguments.next().context("the path of objdump")?);
     let compares = arguments.next().is_some_and(|word| word == "compare");
     let table = Table::new();
     let mut rows = Vec::new();
     for file in arguments {
         let image = Image::open(Path::new(&file))?;
+        let bound = image.stack_bound(&objdump)?;
         for processor in PROCESSORS.iter().filter(|one| one.target == image.target) {
             let sentences = [ONE_STEP, THREE_STEPS, UNKNOWN_WORD];
             let run = image.run(&qemu, processor, &table, &sentences)?;
@@ -43,11 +48,16 @@ fn main() -> Result<ExitCode> {
             let largest = run
                 .instructions("plan", 0, "largest")?
                 .max(run.instructions("plan", 1, "largest")?);
+            let stack = run.stack()?;
+            ensure!(
+                stack <= bound + MEASURING_BYTES,
+                "{}: {stack} bytes of stack were used, above the bound of {bound}",
+                processor.name
+            );
             rows.push(format!(
-                "{},f32,{},{flash},{ram},{},{},{},{largest},{vision},{vision_largest}",
+                "{},f32,{},{flash},{ram},{stack},{},{},{largest},{vision},{vision_largest},{bound}",
                 processor.name,
                 if image.has_vision { "yes" } else { "no" },
-                run.stack()?,
                 run.instructions("plan", 0, "ticks")?,
                 run.instructions("plan", 1, "ticks")?,
             ));
@@ -86,14 +96,14 @@ fn write(rows: &[String]) -> Result<ExitCode> {
 fn markdown(rows: &[String]) -> String {
     let mut table = String::from(
         "| processor | weights | vision | flash KB | RAM KB | stack KB | one step | three steps | \
-         largest poll | image | its largest poll |\n|---|---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n",
+         largest poll | image | its largest poll | stack bound KB |\n|---|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
     );
     for row in rows {
         let cells = row.split(',').enumerate().map(|(column, cell)| {
             let number: f64 = cell.parse().unwrap_or_default();
             match column {
                 0..3 => cell.to_owned(),
-                3..6 => format!("{:.1}", number / 1024.0),
+                3..6 | 11 => format!("{:.1}", number / 1024.0),
                 _ if number == 0.0 => String::new(),
                 _ if number < 1e6 => format!("{:.1} k", number / 1e3),
                 _ => format!("{:.2} M", number / 1e6),
