@@ -1,10 +1,10 @@
 use super::Grounding;
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description};
+use crate::dsl::{Argument, Description, RelationKind};
 use crate::grounding::{ScoreError, Scores, score};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
-use crate::relation::{RELATION_CLEAR, relate};
+use crate::relation::{CLEARLY_NEARER, RELATION_CLEAR, distance, relate};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
 
@@ -58,6 +58,7 @@ impl Resolver {
             let _ = self.scores.push(score);
             return Ok(None);
         }
+        self.compare(&sought, within)?;
         let found = self.choose(&sought, within)?;
         let Some(level) = self.level.checked_sub(1) else {
             return Ok(Some(found));
@@ -86,7 +87,8 @@ impl Resolver {
         Ok(related.map_or(filtered, |related| filtered.min(related)))
     }
 
-    /// How clearly an object is in the relation to the anchor; `None` without a relation.
+    /// How clearly an object is in the relation to the anchor, which never is; `None` without a
+    /// relation, and for a superlative, which compares those that fit.
     fn relation(
         &self,
         sought: &Description,
@@ -100,7 +102,10 @@ impl Resolver {
         if index == anchor {
             return Ok(Some(-1.0));
         }
-        let action = within.model.actions.get(usize::from(relation.action));
+        let RelationKind::Action(action) = relation.kind else {
+            return Ok(None);
+        };
+        let action = within.model.actions.get(usize::from(action));
         // Always there: both are objects of the scene.
         let (object, anchor) = within
             .locations
@@ -115,6 +120,45 @@ impl Resolver {
             anchor,
         );
         cosine.map(Some).ok_or(within.not_finite())
+    }
+
+    /// Of a superlative, takes those objects out that fit and are clearly not meant.
+    fn compare(&mut self, sought: &Description, within: &Within<'_>) -> Result<(), Refusal> {
+        let Some((relation, anchor)) = sought.relations().first().zip(self.anchor) else {
+            return Ok(());
+        };
+        if matches!(relation.kind, RelationKind::Action(_)) {
+            return Ok(());
+        }
+        let threshold = within.model.header.thresholds.match_score;
+        let anchor = usize::from(anchor.index);
+        let anchor = within.locations.get(anchor).ok_or(Refusal::InvalidModel)?;
+        let mut lengths_m = [None; MAX_OBJECTS];
+        let (mut least_m, mut greatest_m) = (f32::INFINITY, 0.0_f32);
+        for ((place, score), object) in lengths_m
+            .iter_mut()
+            .zip(self.scores.values())
+            .zip(within.locations)
+        {
+            // The anchor does not fit, either.
+            if *score >= threshold {
+                let length_m = distance(within.model, within.viewpoint, object, anchor)
+                    .ok_or(within.not_finite())?;
+                *place = Some(length_m);
+                (least_m, greatest_m) = (least_m.min(length_m), greatest_m.max(length_m));
+            }
+        }
+        for (score, length_m) in self.scores.values_mut().iter_mut().zip(lengths_m) {
+            let is_another = length_m.is_some_and(|length_m| match relation.kind {
+                RelationKind::Action(_) => false,
+                RelationKind::Nearest => length_m >= CLEARLY_NEARER * least_m,
+                RelationKind::Farthest => greatest_m >= CLEARLY_NEARER * length_m,
+            });
+            if is_another {
+                *score = -1.0;
+            }
+        }
+        Ok(())
     }
 
     /// The object that fits, if only one does and is clearly in its relation. Objects that fit
