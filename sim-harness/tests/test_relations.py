@@ -21,12 +21,15 @@ from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday, without_states
 from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step, canonical
 from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.learning.export import read_model
 from nsrm_harness.learning.model import MISSING, Heard, Parse
 from nsrm_harness.learning.structures import (
     CLEAR,
     MOST_GROUPS,
     NEARER,
+    Pairs,
     Structures,
+    apart,
     explaining_log_probability,
     referents,
     structures,
@@ -220,10 +223,11 @@ def structure(roles: list[int], reference: int) -> Structures:
     return Structures(*(jnp.asarray(column[index]) for column in table))
 
 
-def remote(places: list[float]) -> jnp.ndarray:
-    """How far objects on a line are from each other, and the inverses."""
+def on_a_line(cosines: np.ndarray, places: list[float]) -> Pairs:
+    """Objects on a line on the table, with these cosines."""
     lengths = np.abs(np.subtract.outer(places, places))
-    return jnp.asarray(np.stack([lengths, 1.0 / np.maximum(lengths, 1e-9)]))
+    remote = np.stack([lengths, 1.0 / np.maximum(lengths, 1e-9)])
+    return Pairs(jnp.asarray(cosines), jnp.asarray(remote), jnp.ones(lengths.shape, bool))
 
 
 @pytest.mark.parametrize(
@@ -259,8 +263,7 @@ def test_structures_refer_to_what_fits_alone(
     found = referents(
         structure(roles, reference),
         jnp.asarray(matches),
-        jnp.asarray(cosines),
-        remote([0.0, 0.1, 0.4, 0.3]),
+        on_a_line(cosines, [0.0, 0.1, 0.4, 0.3]),
         jnp.ones(4, bool),
     )
     assert tuple(int(index) for index in found) == expected
@@ -280,8 +283,7 @@ def test_a_relation_holds_clearly_and_for_one_object_only(
     _, reference = referents(
         structure([0, 0, 1], 1),
         jnp.asarray(matches),
-        jnp.asarray(cosines),
-        remote([0.0, 0.1, 0.2, 0.3]),
+        on_a_line(cosines, [0.0, 0.1, 0.2, 0.3]),
         jnp.ones(4, bool),
     )
     assert int(reference) == expected
@@ -308,11 +310,49 @@ def test_a_superlative_is_clear_and_of_several(
         moved, reference = referents(
             structure([0, 0, role], 1),
             jnp.asarray(matches),
-            jnp.full((2, 4, 4), -1.0),
-            remote([0.0, 0.05, two, three or 0.2]),
+            on_a_line(np.full((2, 4, 4), -1.0), [0.0, 0.05, two, three or 0.2]),
             jnp.ones(4, bool),
         )
         assert (int(moved), int(reference)) == (1, expected)
+
+
+def test_a_superlative_of_what_stands_on_the_anchor_shows_nothing() -> None:
+    matches = np.zeros((MOST_GROUPS, 4), bool)
+    matches[0, 1] = matches[1, 2] = matches[1, 3] = matches[2, 0] = True
+    among = on_a_line(np.full((2, 4, 4), -1.0), [0.0, 0.1, 0.2, 0.3])
+    stacked = np.ones((4, 4), bool)
+    stacked[2, 0] = stacked[0, 2] = False
+    for side_by_side, expected in ((among.apart, 2), (jnp.asarray(stacked), -1)):
+        _, reference = referents(
+            structure([0, 0, 3], 1),
+            jnp.asarray(matches),
+            among._replace(apart=side_by_side),
+            jnp.ones(4, bool),
+        )
+        assert int(reference) == expected
+
+
+def test_objects_are_apart_unless_one_stands_on_the_other(episodes: Path) -> None:
+    model = read_model(PRETRAINED).model
+    stacked = 0
+    with Demonstrations(episodes) as demonstrations, GroundTruth(episodes) as judge:
+        camera = demonstrations.camera(0)
+        for number in range(len(judge)):
+            count = int(demonstrations.object_count[number])
+            boxes = demonstrations.initial_boxes[number, :count]
+            depths = demonstrations.initial_depths[number, :count, None]
+            seen = jnp.asarray(np.concatenate([boxes, depths], axis=1))
+            found = np.asarray(apart(model, seen, camera))
+            poses = judge.truth(number).initial_poses
+            places = np.array([pose.position for pose in poses])
+            between = places[:, None] - places
+            flat = np.hypot(between[..., 0], between[..., 1])
+            # What stands between is a matter of the boxes.
+            on = (np.abs(between[..., 2]) > flat) & ~np.eye(count, dtype=bool)
+            beside = np.abs(between[..., 2]) < 0.2 * flat
+            assert not found[on].any() and found[beside].all()
+            stacked += int(on.sum())
+    assert stacked > 5
 
 
 def test_the_probability_of_an_explanation_is_that_of_its_programs() -> None:
@@ -336,7 +376,6 @@ def test_final_scenes_show_which_relations_sentences_mean(episodes: Path) -> Non
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
-    from nsrm_harness.learning.export import read_model
 
     meant: list[tuple[Step, int]] = []
     with GroundTruth(episodes) as judge:
@@ -368,7 +407,6 @@ def test_one_step_that_may_be_two_is_not_explained(episodes: Path) -> None:
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
-    from nsrm_harness.learning.export import read_model
 
     # The block is moved twice: the final scene shows only the second step.
     sentences: list[str] = []

@@ -99,7 +99,10 @@ fn programs_and_refusals_are_as_the_schema_says() {
             "reference": ["small", "blue"],
         })
     );
-    let farthest = check(sound, "put the small furthest the red block on the blue block");
+    let farthest = check(
+        sound,
+        "put the small furthest the red block on the blue block",
+    );
     assert_eq!(
         farthest["steps"][0]["object"],
         json!({"concepts": ["small"], "relation": {"name": "Farthest", "to": ["red"]}})

@@ -7,6 +7,7 @@
 mod ground;
 mod plan;
 mod resolve;
+mod superlative;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -58,8 +59,8 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
             + 3 * (3 * (LOCATION + 1) + 3),
-        // The distances of all objects to an anchor.
-        MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 3),
+        // The distances of all objects to an anchor, and each one's box compared with all others.
+        MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 3 + 2 * MAX_OBJECTS),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
         // All objects' places, each compared with all others and with all sizes.

@@ -1,10 +1,11 @@
 use super::Grounding;
+use super::superlative::Superlative;
 use crate::capacity::MAX_OBJECTS;
 use crate::dsl::{Argument, Description, RelationKind};
 use crate::grounding::{ScoreError, Scores, score};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
-use crate::relation::{CLEARLY_NEARER, RELATION_CLEAR, distance, relate};
+use crate::relation::{RELATION_CLEAR, relate};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
 
@@ -122,43 +123,17 @@ impl Resolver {
         cosine.map(Some).ok_or(within.not_finite())
     }
 
-    /// Of a superlative, takes those objects out that fit and are clearly not meant.
+    /// Of a superlative, leaves those objects that may be meant.
     fn compare(&mut self, sought: &Description, within: &Within<'_>) -> Result<(), Refusal> {
         let Some((relation, anchor)) = sought.relations().first().zip(self.anchor) else {
             return Ok(());
         };
-        if matches!(relation.kind, RelationKind::Action(_)) {
-            return Ok(());
-        }
-        let threshold = within.model.header.thresholds.match_score;
-        let anchor = usize::from(anchor.index);
-        let anchor = within.locations.get(anchor).ok_or(Refusal::InvalidModel)?;
-        let mut lengths_m = [None; MAX_OBJECTS];
-        let (mut least_m, mut greatest_m) = (f32::INFINITY, 0.0_f32);
-        for ((place, score), object) in lengths_m
-            .iter_mut()
-            .zip(self.scores.values())
-            .zip(within.locations)
-        {
-            // The anchor does not fit, either.
-            if *score >= threshold {
-                let length_m = distance(within.model, within.viewpoint, object, anchor)
-                    .ok_or(within.not_finite())?;
-                *place = Some(length_m);
-                (least_m, greatest_m) = (least_m.min(length_m), greatest_m.max(length_m));
-            }
-        }
-        for (score, length_m) in self.scores.values_mut().iter_mut().zip(lengths_m) {
-            let is_another = length_m.is_some_and(|length_m| match relation.kind {
-                RelationKind::Action(_) => false,
-                RelationKind::Nearest => length_m >= CLEARLY_NEARER * least_m,
-                RelationKind::Farthest => greatest_m >= CLEARLY_NEARER * length_m,
-            });
-            if is_another {
-                *score = -1.0;
-            }
-        }
-        Ok(())
+        let superlative = match relation.kind {
+            RelationKind::Action(_) => return Ok(()),
+            RelationKind::Nearest => Superlative::Nearest,
+            RelationKind::Farthest => Superlative::Farthest,
+        };
+        superlative.compare(usize::from(anchor.index), self.scores.values_mut(), within)
     }
 
     /// The object that fits, if only one does and is clearly in its relation. Objects that fit
@@ -203,7 +178,7 @@ impl Resolver {
 }
 
 impl Within<'_> {
-    const fn not_finite(&self) -> Refusal {
+    pub(super) const fn not_finite(&self) -> Refusal {
         Refusal::NotFinite {
             step: self.step as u8,
             quantity: Quantity::Score(self.argument),

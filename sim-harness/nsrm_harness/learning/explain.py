@@ -37,9 +37,8 @@ from nsrm_harness.learning.objective import (
 from nsrm_harness.learning.structures import (
     MOST_GROUPS,
     Structures,
+    pairs,
     referents,
-    related,
-    remoteness,
     structures,
 )
 
@@ -194,10 +193,9 @@ def _programs(
 
     def one(groups: Array, similarities: Array, scene: SceneArrays, moves: Array) -> Array:
         matches = jax.vmap(filter_scene, (None, 0))(similarities, groups) >= MATCH_SCORE
-        cosines = related(model, scene.before, camera)
-        remote = remoteness(model, scene.before, camera)
-        refers = jax.vmap(referents, (0, None, None, None, None))
-        moved, reference = refers(every, matches, cosines, remote, scene.present)
+        among = pairs(model, scene.before, camera)
+        refers = jax.vmap(referents, (0, None, None, None))
+        moved, reference = refers(every, matches, among, scene.present)
         explains = moves[:, moved, reference].T & ((moved >= 0) & (reference >= 0))[:, None]
         return jnp.zeros((len(table.count), explains.shape[1]), bool).at[used].set(explains)
 

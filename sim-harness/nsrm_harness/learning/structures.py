@@ -28,6 +28,8 @@ CLEAR = 0.766
 NEARER = 1.2
 """Least ratio of two distances at which the shorter one is clearly shorter,
 `nsrm_core::relation::CLEARLY_NEARER`."""
+STEEP = 0.5
+"""Share of a distance that is vertical from which on one object stands on another."""
 LEAST_LENGTH = 1e-9
 """Square metres below which a product of two distances is no direction."""
 PLAIN = 0
@@ -108,15 +110,44 @@ def remoteness(model: Model, locations: Array, camera: Camera) -> Array:
     return jnp.stack([distances, 1.0 / jnp.maximum(distances, LEAST_LENGTH)])
 
 
+def apart(model: Model, locations: Array, camera: Camera) -> Array:
+    """Whether objects stand side by side rather than on each other: `[M, 5]` -> `[M, M]`.
+
+    What stands on an object is nearly always the nearest to it, and often so much hidden that no
+    action's relation explains it: a superlative would explain what is said about it all the same.
+    """
+    center = centers(model, locations, camera)
+    between = (center[:, None] - center[None]) @ jnp.asarray(camera.pose.rotation()).T
+    return jnp.abs(between[..., 2]) < STEEP * jnp.linalg.norm(between, axis=-1)
+
+
+class Pairs(NamedTuple):
+    """What each object is to each other one."""
+
+    cosines: Array
+    """`[A, M, M]`, see `related`."""
+    remote: Array
+    """`[2, M, M]`, see `remoteness`."""
+    apart: Array
+    """`[M, M]`, see `apart`."""
+
+
+def pairs(model: Model, locations: Array, camera: Camera) -> Pairs:
+    """All of it, for locations `[M, 5]`."""
+    found = (each(model, locations, camera) for each in (related, remoteness, apart))
+    return Pairs(*found)
+
+
 def referents(
-    structure: Structures, matches: Array, cosines: Array, remote: Array, present: Array
+    structure: Structures, matches: Array, among: Pairs, present: Array
 ) -> tuple[Array, Array]:
     """The objects that the two descriptions of one structure refer to; -1 for none or several.
 
     * `matches` `[G, M]`: whether each object fits the values of each group
-    * `cosines` `[A, M, M]`: see `related`
-    * `remote` `[2, M, M]`: see `remoteness`; a superlative of a single object shows nothing
+
+    A superlative of a single object, or of one that stands on another, shows nothing.
     """
+    cosines, remote, side_by_side = among
     count, roles, moved, reference = structure
     actions, size = cosines.shape[:2]
     relations = actions + len(remote)
@@ -135,7 +166,8 @@ def referents(
         extreme = compared & (far <= NEARER * least) & (compared.sum() > 1)
         compares, known = relation >= actions, anchor >= 0
         fits = jnp.where(compares, extreme, every & (cosine >= MATCH_SCORE))
-        return fits & known, (compares | (cosine >= CLEAR)) & known
+        clear = jnp.where(compares, side_by_side[:, anchor], cosine >= CLEAR)
+        return fits & known, clear & known
 
     everywhere = jnp.ones(size, bool)
     pending, anchor = jnp.array(-1), jnp.array(-1)

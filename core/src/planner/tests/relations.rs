@@ -393,6 +393,41 @@ fn what_is_not_clearly_the_nearest_is_refused() {
 }
 
 #[test]
+fn what_is_hidden_may_be_meant() {
+    let sentence = "put red closest green on small";
+    let small = fixture::object(8, OTHER, fixture::SMALL, 0.1, 0.9);
+    let mut objects = at_distances(&[0.3]);
+    objects.extend([small, fixture::object(5, OTHER, OTHER, 0.65, 0.5)]);
+    assert_eq!(meant(&plan(&objects, sentence).unwrap()), (2, 8));
+    // Something stands on it: what it looks like is not seen.
+    let mut over = fixture::object(6, OTHER, fixture::SMALL, 0.65, 0.5);
+    over.location[4] -= fixture::EDGE_M;
+    objects.push(over);
+    objects.retain(|object| object.id != 8);
+    let (refused, _) = refusal(&objects, sentence);
+    let Refusal::Ambiguous { candidates, .. } = refused else {
+        panic!("{refused:?}");
+    };
+    let found: Vec<_> = candidates
+        .listed()
+        .iter()
+        .map(|each| (each.object, each.score))
+        .collect();
+    let threshold = fixture::related().header.thresholds.match_score;
+    assert_eq!(found.len(), 2);
+    assert_eq!((found[0].0, found[1]), (2, (5, threshold)));
+    // Not if it is clearly farther away, nor if nothing else fits.
+    objects[2] = red(2, 0.6, 0.5);
+    assert_eq!(meant(&plan(&objects, sentence).unwrap()), (2, 6));
+    objects.remove(2);
+    let (refused, _) = refusal(&objects, sentence);
+    assert!(
+        matches!(refused, Refusal::NoSuchObject { .. }),
+        "{refused:?}"
+    );
+}
+
+#[test]
 fn a_superlative_needs_one_anchor_and_something_that_fits() {
     // The only red one is the nearest and the farthest.
     let objects = at_distances(&[0.3]);
