@@ -6,7 +6,8 @@
 //! `right` makes the action `MoveRight`; the steps part in front of `then`.
 //!
 //! [`related`] also knows relations in descriptions: what stands before `above` or `beside` is on, or
-//! to the right of, what stands behind; `past` stands for what is to the right of it.
+//! to the right of, what stands behind; `past` stands for what is to the right of it. So are `closest`
+//! and `furthest`; `around` stands for what is nearest to it.
 
 use std::boxed::Box;
 use std::vec::Vec;
@@ -42,6 +43,9 @@ const BESIDE: (usize, usize) = (5, 6);
 const PAST: (usize, usize) = (6, 7);
 /// Half of [`BESIDE`].
 const ROUGHLY: (usize, usize) = (7, 6);
+const CLOSEST: (usize, usize) = (8, 8);
+const FURTHEST: (usize, usize) = (9, 9);
+const AROUND: (usize, usize) = (10, 10);
 
 pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
     Linear {
@@ -158,12 +162,22 @@ fn language() -> Language<'static> {
         reference_decoder: Box::leak(Box::new(reference_decoder)),
         acceptability_hidden: Box::leak(Box::new(linear())),
         acceptability: Box::leak(Box::new(acceptability)),
+        nearest: Box::leak(Box::new(superlative())),
+        farthest: Box::leak(Box::new(superlative())),
         splitter: Box::leak(Box::new(Gru {
             bias: [[0.0; SPLITTER_HIDDEN]; 3],
             ..gru()
         })),
         hazard_hidden: Box::leak(Box::new(hazard_hidden)),
         hazard: Box::leak(Box::new(hazard)),
+    }
+}
+
+/// One that the model was not taught.
+const fn superlative() -> Superlative {
+    Superlative {
+        decoder: [[0.0; INSTRUCTION]; 2],
+        bias: [-20.0; 2],
     }
 }
 
@@ -285,6 +299,9 @@ pub(crate) fn related() -> Model<'static> {
         ("beside", BESIDE),
         ("past", PAST),
         ("roughly", ROUGHLY),
+        ("closest", CLOSEST),
+        ("furthest", FURTHEST),
+        ("around", AROUND),
     ];
     let mut words = words();
     let mut forward = *model.language.forward;
@@ -306,6 +323,12 @@ pub(crate) fn related() -> Model<'static> {
     actions[0].relation_decoder[0][ABOVE.1] = 40.0;
     actions[1].relation_decoder[0][BESIDE.1] = 40.0;
     actions[1].relation_decoder[1][PAST.1] = 40.0;
+    let [mut nearest, mut farthest] = [superlative(); 2];
+    nearest.decoder[0][CLOSEST.1] = 40.0;
+    farthest.decoder[0][FURTHEST.1] = 40.0;
+    nearest.decoder[1][AROUND.1] = 40.0;
+    model.language.nearest = Box::leak(Box::new(nearest));
+    model.language.farthest = Box::leak(Box::new(farthest));
     model.words = words.leak();
     model.actions = Box::leak(Box::new(actions));
     model.language.forward = Box::leak(Box::new(forward));

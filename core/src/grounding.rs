@@ -114,6 +114,11 @@ impl Scores {
         self.values.get(..self.count).unwrap_or_default()
     }
 
+    /// The same, to change them.
+    pub(crate) fn values_mut(&mut self) -> &mut [f32] {
+        self.values.get_mut(..self.count).unwrap_or_default()
+    }
+
     /// The object with the greatest score, the first one of a tie; `None` without objects or if a
     /// score is not finite.
     pub fn unique(&self) -> Option<Chosen> {

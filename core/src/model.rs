@@ -60,8 +60,8 @@ pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
 /// brightness is the greatest of the three colours; 3: the file's hash covers its metadata; 4:
 /// acceptability; 5: relations in descriptions; 6: the splitter sees six tokens ahead; 7: the
-/// training's camera); others are refused.
-pub const SCHEMA: u32 = 7;
+/// training's camera; 8: superlatives in descriptions); others are refused.
+pub const SCHEMA: u32 = 8;
 
 /// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
@@ -250,12 +250,32 @@ pub struct Action<'a> {
     pub simulator_bias: [f32; SIMULATOR_HIDDEN],
 }
 
+/// The rows of the relation decoder of a superlative.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Superlative {
+    /// As [`Action::relation_decoder`].
+    pub decoder: [[f32; INSTRUCTION]; 2],
+    /// As [`Action::relation_bias`].
+    pub bias: [f32; 2],
+}
+
+impl Superlative {
+    /// Whether the model was taught which words mean it. Otherwise all weights are 0.
+    pub fn is_relation(&self) -> bool {
+        is_taught(&self.decoder)
+    }
+}
+
+fn is_taught(decoder: &[[f32; INSTRUCTION]; 2]) -> bool {
+    decoder.iter().flatten().any(|weight| *weight != 0.0)
+}
+
 impl Action<'_> {
     /// Whether the model was taught that descriptions may relate objects by what the action brings
     /// about: "the block on the red one". Otherwise all weights of its relation decoder are 0.
     pub fn is_relation(&self) -> bool {
-        let mut weights = self.relation_decoder.iter().flatten();
-        weights.any(|weight| *weight != 0.0)
+        is_taught(&self.relation_decoder)
     }
 }
 
@@ -275,6 +295,10 @@ pub struct Language<'a> {
     pub acceptability_hidden: &'a Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN>,
     /// From that hidden layer to the logit.
     pub acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1>,
+    /// "nearest to", in descriptions.
+    pub nearest: &'a Superlative,
+    /// "farthest from".
+    pub farthest: &'a Superlative,
     /// The splitter's cell.
     pub splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
     /// From the splitter's state and the next [`LOOKAHEAD`] tokens to the hazard's hidden layer

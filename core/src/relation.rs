@@ -1,5 +1,7 @@
-//! How objects stand to each other, by what actions bring about: "left of" is where `MoveLeft` puts
-//! things. The paper has no relations inside a description; this is one more row of its Table II:
+//! How objects stand to each other. The paper has no relations inside a description; these are
+//! further rows of its Table II.
+//!
+//! By what actions bring about, "left of" is where `MoveLeft` puts things:
 //!
 //! * `Relate(k, y)` → `cos(p_i − y, x_i − y)` for each object `i`, and −1 for `y` itself, where
 //!   `x_i` and `y` are the centres of the object and of the anchor, and `p_i` is the centre of the
@@ -8,6 +10,18 @@
 //! So an object is in a relation as far as it lies in the direction in which the action would put
 //! it. Nothing is trained for it: the learned simulator knows what each action brings about, and the
 //! actions of another domain are relations at once. How far away the object is does not matter.
+//!
+//! By superlatives, "nearest to" and "farthest from", which compare:
+//!
+//! * `Relate(Nearest, y)` → of the objects that fit all filters, except `y`, those with
+//!   `|x_i − y| < 1.2·min_j |x_j − y|`;
+//! * `Relate(Farthest, y)` → those with `1.2·|x_i − y| > max_j |x_j − y|`.
+//!
+//! So there is one object, or it is not clear which is meant. Distances are between centres, in
+//! space: a block on the anchor touches it as one beside it does. Nothing is trained for them
+//! either; which words mean them is learned.
+
+use nalgebra::Point3;
 
 use crate::action::simulate;
 use crate::model::{Action, LOCATION, Model};
@@ -17,6 +31,9 @@ use crate::viewpoint::Viewpoint;
 /// The least cosine at which an object is clearly in a relation: that of 40°, less than halfway
 /// between two directions at right angles.
 pub const RELATION_CLEAR: f32 = 0.766;
+
+/// The least ratio of two distances at which the shorter one is clearly shorter.
+pub const CLEARLY_NEARER: f32 = 1.2;
 
 /// A shorter vector has no direction, metres.
 const LEAST_LENGTH_M: f32 = 1e-6;
@@ -58,12 +75,11 @@ pub fn relate(
 ) -> Option<f32> {
     let put = simulate(model.simulator, action, object, anchor);
     // An angle is the same in the camera's frame and in the world's.
-    let camera = viewpoint.training();
-    let centre = |location| camera.locate_in_camera(model.camera, location);
+    let centre = |location| centre(model, viewpoint, location);
     let origin = centre(anchor);
     let would_be: [f32; 3] = (centre(&put) - origin).into();
     let is: [f32; 3] = (centre(object) - origin).into();
-    let lengths = [would_be, is].map(|vector| libm::sqrtf(dot(&vector, &vector)));
+    let lengths = [would_be, is].map(|vector| length(&vector));
     if !lengths.iter().all(|length| length.is_finite()) {
         return None;
     }
@@ -74,6 +90,33 @@ pub fn relate(
     // One after the other: their product may overflow.
     let cosine = dot(&would_be.map(|x| x / would_be_m), &is.map(|x| x / is_m));
     cosine.is_finite().then_some(cosine)
+}
+
+/// How far the centre of an object is from that of an anchor, metres; `None` if it is not finite.
+///
+/// * `object`, `anchor`: locations as [`Viewpoint::to_training`] gives them
+///
+/// Cost: two deprojections and a square root.
+pub fn distance(
+    model: &Model<'_>,
+    viewpoint: &Viewpoint<'_>,
+    object: &[f32; LOCATION],
+    anchor: &[f32; LOCATION],
+) -> Option<f32> {
+    let [object, anchor] = [object, anchor].map(|location| centre(model, viewpoint, location));
+    let length_m = length(&(object - anchor).into());
+    length_m.is_finite().then_some(length_m)
+}
+
+/// The centre of an object in the frame of the training's camera, metres.
+fn centre(model: &Model<'_>, viewpoint: &Viewpoint<'_>, location: &[f32; LOCATION]) -> Point3<f32> {
+    viewpoint
+        .training()
+        .locate_in_camera(model.camera, location)
+}
+
+fn length(vector: &[f32; 3]) -> f32 {
+    libm::sqrtf(dot(vector, vector))
 }
 
 #[cfg(test)]
@@ -123,6 +166,31 @@ mod tests {
         let on = |y| to_the_middle(&model, 0, 0.5, y).unwrap();
         assert!((on(0.25) - 1.0).abs() < 1e-5);
         assert!((on(0.75) + 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_distance_is_in_space_and_the_same_both_ways() {
+        let model = fixture::model();
+        let viewpoint = Viewpoint::new(&model, &fixture::camera());
+        let between = |one: &[f32; LOCATION], other: &[f32; LOCATION]| {
+            distance(&model, &viewpoint, one, other).unwrap()
+        };
+        let middle = at(0.5, 0.5);
+        // At 0.5 m the image is 0.5 m wide and high.
+        for (x, y, raised_m, expected_m) in [
+            (0.5, 0.5, 0.0, 0.0),
+            (0.9, 0.5, 0.0, 0.2),
+            (0.9, 0.2, 0.0, 0.25),
+            (0.5, 0.5, 0.06, 0.06),
+        ] {
+            let mut object = at(x, y);
+            object[4] -= raised_m;
+            let got = between(&object, &middle);
+            assert!((got - expected_m).abs() < 1e-6, "({x}, {y}): {got}");
+            assert_eq!(got, between(&middle, &object));
+        }
+        let broken = [f32::MAX; LOCATION];
+        assert_eq!(distance(&model, &viewpoint, &broken, &middle), None);
     }
 
     #[test]

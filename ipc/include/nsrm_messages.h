@@ -168,19 +168,22 @@ NSRM_ASSERT(offsetof(nsrm_plan_request, sentence) == 24, "offset of sentence");
 
 /** A relation in a description: to what, and where this lies from it. */
 typedef struct nsrm_relation_message {
-    /** Index in the model of the action that brings the relation about. */
+    /** 0: the state that an action brings about; 1: nearest; 2: farthest. */
+    uint32_t kind;
+    /** Index of that action in the model; 0 for the other kinds. */
     uint32_t action;
     /** How many concepts describe the other object. */
     uint32_t count;
     /** Those concepts: indices in the model; 0 after the last. */
     uint8_t concepts[4];
 } nsrm_relation_message;
-#define NSRM_RELATION_MESSAGE_TYPE_NAME "nsrm.v1.RelationMessage.cb7fb11d9b80be0a"
-NSRM_ASSERT(sizeof(nsrm_relation_message) == 12, "size of nsrm_relation_message");
+#define NSRM_RELATION_MESSAGE_TYPE_NAME "nsrm.v1.RelationMessage.1c13181ebe957494"
+NSRM_ASSERT(sizeof(nsrm_relation_message) == 16, "size of nsrm_relation_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_relation_message) == 4, "alignment of nsrm_relation_message");
-NSRM_ASSERT(offsetof(nsrm_relation_message, action) == 0, "offset of action");
-NSRM_ASSERT(offsetof(nsrm_relation_message, count) == 4, "offset of count");
-NSRM_ASSERT(offsetof(nsrm_relation_message, concepts) == 8, "offset of concepts");
+NSRM_ASSERT(offsetof(nsrm_relation_message, kind) == 0, "offset of kind");
+NSRM_ASSERT(offsetof(nsrm_relation_message, action) == 4, "offset of action");
+NSRM_ASSERT(offsetof(nsrm_relation_message, count) == 8, "offset of count");
+NSRM_ASSERT(offsetof(nsrm_relation_message, concepts) == 12, "offset of concepts");
 
 /** A step as parsed and, if it is still to be done, as grounded. */
 typedef struct nsrm_step_message {
@@ -223,26 +226,26 @@ typedef struct nsrm_step_message {
      *  metres. */
     float location[5];
 } nsrm_step_message;
-#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.8ac58d9814755bea"
-NSRM_ASSERT(sizeof(nsrm_step_message) == 172, "size of nsrm_step_message");
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.f77389e51a1cd6f4"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 188, "size of nsrm_step_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
 NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
 NSRM_ASSERT(offsetof(nsrm_step_message, object) == 8, "offset of object");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_relation_count) == 12, "offset of object_relation_count");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_relations) == 16, "offset of object_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 40, "offset of reference_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 44, "offset of reference");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 48, "offset of reference_relation_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 52, "offset of reference_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 76, "offset of object_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 80, "offset of reference_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 84, "offset of object_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 88, "offset of reference_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 92, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_step_message, position) == 124, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 136, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_step_message, location) == 152, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 48, "offset of reference_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 52, "offset of reference");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 56, "offset of reference_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 60, "offset of reference_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 92, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 96, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 100, "offset of object_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 104, "offset of reference_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 108, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 140, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 152, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 168, "offset of location");
 
 /** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
@@ -274,8 +277,8 @@ typedef struct nsrm_plan_reply {
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.08d614213fec16c9"
-NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2456, "size of nsrm_plan_reply");
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.6b21b437ebd5f0b6"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2584, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");

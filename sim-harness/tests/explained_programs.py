@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from nsrm_harness.data.relations import Described
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.program import Relation, Step
+from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step
 from nsrm_harness.learning.dataset import GROUPS_PER_STEP, Sentences
 from nsrm_harness.learning.explain import Explained
 from nsrm_harness.learning.structures import Structures, structures
@@ -18,7 +18,8 @@ def programs_of(
 ) -> Iterator[tuple[int, list[Step]]]:
     """The index of the sentence of each explained step, and the steps that explain it."""
     names = [action.name for action in domain.actions]
-    table = structures(len(names))
+    relations = [*names, *SUPERLATIVES]
+    table = structures(len(relations))
     for index, number, programs in zip(*found, strict=True):
         groups = [
             tuple(domain.concepts[concept].name for concept in group if concept >= 0)
@@ -27,14 +28,16 @@ def programs_of(
         yield (
             int(index),
             [
-                _step(table, structure, names, action, groups[GROUPS_PER_STEP * number :])
+                _step(
+                    table, structure, relations, names[action], groups[GROUPS_PER_STEP * number :]
+                )
                 for structure, action in (divmod(int(p), len(names)) for p in programs if p >= 0)
             ],
         )
 
 
 def _step(
-    table: Structures, number: int, names: list[str], action: int, groups: list[tuple[str, ...]]
+    table: Structures, number: int, names: list[str], action: str, groups: list[tuple[str, ...]]
 ) -> Step:
     said: dict[int, Described] = {}
     head = 0
@@ -48,6 +51,4 @@ def _step(
         else:
             said[head] = replace(said[head], relations=(*said[head].relations, relation))
     moved, reference = said[int(table.moved[number])], said[int(table.reference[number])]
-    return Step(
-        names[action], moved.concepts, reference.concepts, moved.relations, reference.relations
-    )
+    return Step(action, moved.concepts, reference.concepts, moved.relations, reference.relations)

@@ -117,6 +117,7 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("attribute.0.values.1.words", ["red"], "'red' already names 'red'"),
         ("attribute.0.values.1.words", ["block"], "'block' names the concept 'green'"),
         ("attribute.0.values.1.name", "red", "duplicate name 'red'"),
+        ("action.0.name", "Nearest", "Nearest is a relation of every domain"),
         ("attribute.0.values.1.edges_m", [0.1, 0.1, 0.1], "more than one attribute type"),
         (
             "attribute.1.values.0.studs",

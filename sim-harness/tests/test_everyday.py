@@ -28,7 +28,7 @@ from nsrm_harness.data.told import Told, read_told, write_told
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import EVERYDAY, Recogniser, Speaker, with_everyday
-from nsrm_harness.domain.program import Program, Relation, Step, canonical
+from nsrm_harness.domain.program import SUPERLATIVES, Program, Relation, Step, canonical
 from nsrm_harness.domain.reader import COUNTING
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation import language
@@ -74,9 +74,10 @@ def test_every_sentence_is_recognised_and_names_its_objects() -> None:
         assert len(named) == 2 * len(program), " ".join(words)
         for number, pair in enumerate(pairs):
             assert named[2 * number : 2 * number + 2] in (pair, pair[::-1]), " ".join(words)
-    related = Step("MoveOn", ("red",), ("blue",), (Relation("MoveLeft", ("white",)),))
-    for _ in range(300):
-        used.update(speaker.sentence((related,)))
+    for name in ("MoveLeft", *SUPERLATIVES):
+        related = Step("MoveOn", ("red",), ("blue",), (Relation(name, ("white",)),))
+        for _ in range(300):
+            used.update(speaker.sentence((related,)))
     # Each word of the rules is said by some sentence.
     assert DOMAIN.everyday is not None
     rules = {k: rule for k, rule in DOMAIN.everyday.rules.items() if k not in COUNTING}
@@ -142,6 +143,9 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["rules"]["do"].append("Put"), "lower-case words or punctuation marks"),
         (lambda w: w["relations"].pop("MoveOn"), r"relations\.MoveOn: is missing"),
         (lambda w: w["relations"]["MoveOn"].update(rule="in"), "expected the name of a rule"),
+        (lambda w: w["relations"]["Nearest"].update(rule="on"), r"Nearest\.rule: is no place"),
+        (lambda w: w["relations"]["Nearest"].pop("state"), r"Nearest\.state: expected the name"),
+        (lambda w: w["relations"]["Farthest"].update(related="in"), r"Farthest\.related: expected"),
         (lambda w: w["spelling"]["heard"].update(red="blue"), r"'red' is a word of the domain"),
         (lambda w: w["spelling"]["heard"].update(rad="rid"), r"heard\.rad: 'rid' is not a word"),
         (lambda w: w["spelling"]["other_words"].append("red"), r"other_words: 'red' is a word of"),
@@ -160,8 +164,9 @@ def test_faults_in_the_wording_are_named(
 def test_a_domain_has_the_relations_and_words_of_its_actions_alone() -> None:
     wide = with_everyday(domains.load(domains.FOUR_SIDES))
     assert DOMAIN.everyday is not None and wide.everyday is not None
-    assert list(DOMAIN.everyday.relations) == [action.name for action in DOMAIN.actions]
-    assert [*wide.everyday.relations][3:] == ["MoveFront", "MoveBehind"]
+    actions = [action.name for action in DOMAIN.actions]
+    assert list(DOMAIN.everyday.relations) == [*actions, *SUPERLATIVES]
+    assert [*wide.everyday.relations][3:] == ["MoveFront", "MoveBehind", *SUPERLATIVES]
     assert wide.other_words() - DOMAIN.other_words() == {"front", "back", "behind", "rear"}
     assert domains.from_json(wide.as_json(), "a model") == wide
     pattern = "put the _ block in front of a _ one behind the _ one"
@@ -183,6 +188,39 @@ def test_near_misses_are_of_known_words_and_no_commands() -> None:
     assert len({miss.sentence for miss in drawn}) > 950
     assert min(counts.values()) > 50
     assert 20 < sum(miss.is_untimely for miss in drawn) < 200
+
+
+@pytest.mark.parametrize(
+    ("sentence", "is_command"),
+    [
+        ("put the red block nearest to the blue one on the green one", True),
+        ("put the block closest to the blue one on the green one", True),
+        ("put the nearest red block to the blue one on the green one", True),
+        ("put the red block on the one furthest away from the blue one", True),
+        ("put the red block that is the farthest from the blue one left of the green one", True),
+        # Nearest to what?
+        ("put the nearest red block on the green one", False),
+        ("put the red block on the nearest green block", False),
+        # No place.
+        ("put the red block nearest to the blue one", False),
+        ("put the red block farthest from the blue one", False),
+        # Not as people say it.
+        ("put the red block nearest from the blue one on the green one", False),
+        ("put the red block away from the blue one on the green one", False),
+        ("put the red block nearest to and left of the blue one on the green one", False),
+        ("put the second nearest red block to the blue one on the green one", False),
+    ],
+)
+def test_superlatives_need_an_anchor_and_say_no_place(sentence: str, is_command: bool) -> None:
+    words = Tokenizer(DOMAIN)(sentence).words
+    assert Recogniser.of(DOMAIN).step(words) == is_command
+
+
+def test_near_misses_have_superlatives_in_wrong_places() -> None:
+    misses = NearMisses(DOMAIN, np.random.default_rng(5))
+    drawn = [misses.sentence() for _ in range(1000)]
+    wrong = [each for each in drawn if {"nearest", "closest", "farthest"} & {*each.split()}]
+    assert 100 < len(wrong) < 500
 
 
 def test_commands_that_nobody_demonstrates_are_near_misses() -> None:

@@ -13,19 +13,23 @@ from explained_programs import programs_of
 from nsrm_harness import domain as domains
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.generate import SPLITS, generate
-from nsrm_harness.data.ground_truth import GroundTruth
-from nsrm_harness.data.relations import RelatedDescriptions
+from nsrm_harness.data.ground_truth import GroundTruth, Truth
+from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.tell import related_programs
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday, without_states
-from nsrm_harness.domain.program import Relation, Step, canonical
+from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step, canonical
 from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.learning.export import read_model
 from nsrm_harness.learning.model import MISSING, Heard, Parse
 from nsrm_harness.learning.structures import (
     CLEAR,
     MOST_GROUPS,
+    NEARER,
+    Pairs,
     Structures,
+    apart,
     explaining_log_probability,
     referents,
     structures,
@@ -81,7 +85,12 @@ def test_relations_are_said_and_recognised() -> None:
     rng = np.random.default_rng(5)
     speaker, tokenizer, recogniser = Speaker(DOMAIN, rng), Tokenizer(DOMAIN), Recogniser.of(DOMAIN)
     chain = (Relation("MoveOn", ("yellow", "small")), *LEFT_OF_WHITE)
+    nearest = (Relation("Nearest", ("white",)),)
+    farthest = (Relation("Farthest", ("yellow", "small")), *LEFT_OF_WHITE)
     steps = {
+        Step("MoveOn", ("red",), ("blue",), nearest): 3,
+        Step("MoveOn", (), ("blue",), nearest): 2,
+        Step("MoveLeft", ("red",), (), farthest, nearest): 4,
         Step("MoveOn", ("red",), ("blue",), LEFT_OF_WHITE): 3,
         Step("MoveOn", (), ("blue",), LEFT_OF_WHITE): 2,
         Step("MoveLeft", ("red",), (), chain, LEFT_OF_WHITE): 4,
@@ -111,8 +120,11 @@ def test_a_description_with_relations_is_true_of_its_block_alone(episodes: Path)
                         for index, values in enumerate(truth.attributes)
                         if set(relation.to) <= set(values.values())
                     )
+                    if relation.name in SUPERLATIVES:
+                        check_compared(relation.name, described, block, other, truth)
+                        continue
                     x, y, z = places[block] - places[other]
-                    direction = DOMAIN.action(relation.action).direction
+                    direction = DOMAIN.action(relation.name).direction
                     if direction is None:
                         assert z > 0.02 and z > np.hypot(x, y)
                     else:
@@ -120,6 +132,54 @@ def test_a_description_with_relations_is_true_of_its_block_alone(episodes: Path)
                 chained = every.of(block, 2)
                 assert all(len(each.relations) == 2 for each in chained)
     assert said > 100
+
+
+def check_compared(name: str, described: Described, block: int, other: int, truth: Truth) -> None:
+    """The block is clearly the nearest or farthest of several that fit."""
+    anchor = np.array(truth.initial_poses[other].position)
+    lengths = [
+        float(np.linalg.norm(np.array(pose.position) - anchor))
+        for index, (pose, values) in enumerate(
+            zip(truth.initial_poses, truth.attributes, strict=True)
+        )
+        if index not in (block, other) and set(described.concepts) <= set(values.values())
+    ]
+    own = float(np.linalg.norm(np.array(truth.initial_poses[block].position) - anchor))
+    assert lengths
+    if name == "Nearest":
+        assert min(lengths) > 1.2 * own
+    else:
+        assert own > 1.2 * max(lengths)
+
+
+def test_superlatives_that_mislead_hold_for_none_or_for_several(episodes: Path) -> None:
+    none = several = 0
+    with GroundTruth(episodes) as judge:
+        for number in range(len(judge)):
+            truth = judge.truth(number)
+            every = RelatedDescriptions(DOMAIN, truth, SUPERLATIVES)
+            for described in every.misleading():
+                (relation,) = described.relations
+                assert relation.name in SUPERLATIVES
+                fitting = [
+                    np.array(pose.position)
+                    for pose, values in zip(truth.initial_poses, truth.attributes, strict=True)
+                    if set(described.concepts) <= set(values.values())
+                    and not set(relation.to) <= set(values.values())
+                ]
+                (anchor,) = (
+                    np.array(pose.position)
+                    for pose, values in zip(truth.initial_poses, truth.attributes, strict=True)
+                    if set(relation.to) <= set(values.values())
+                )
+                lengths = sorted(float(np.linalg.norm(place - anchor)) for place in fitting)
+                if not lengths:
+                    none += 1
+                    continue
+                several += 1
+                one, other = lengths[:2] if relation.name == "Nearest" else lengths[-2:]
+                assert other < 1.05 * one
+    assert none > 10 and several > 10
 
 
 def test_only_episodes_of_one_step_are_told_with_relations(episodes: Path) -> None:
@@ -135,6 +195,17 @@ def test_only_episodes_of_one_step_are_told_with_relations(episodes: Path) -> No
     assert not related_programs(without_states(DOMAIN), truth, rng, 6)
 
 
+def test_relations_may_be_told_alone(episodes: Path) -> None:
+    names: set[str] = set()
+    with GroundTruth(episodes) as judge:
+        for number in range(len(judge)):
+            rng = np.random.default_rng(number)
+            for program in related_programs(DOMAIN, judge.truth(number), rng, 4, SUPERLATIVES):
+                (step,) = program
+                names |= {each.name for each in (*step.object_relations, *step.reference_relations)}
+    assert names == {*SUPERLATIVES}
+
+
 def test_the_first_structures_are_plain_steps_and_no_chain_is_too_long() -> None:
     table = structures(3)
     assert table.roles[:2].tolist() == [[0, 0, 0, 0]] * 2
@@ -144,12 +215,19 @@ def test_the_first_structures_are_plain_steps_and_no_chain_is_too_long() -> None
 
 
 def structure(roles: list[int], reference: int) -> Structures:
-    table = structures(2)
+    table = structures(4)
     padded = roles + [0] * (MOST_GROUPS - len(roles))
     found = (table.count == len(roles)) & (table.roles == padded).all(axis=1)
     found &= (table.moved == 0) & (table.reference == reference)
     (index,) = np.flatnonzero(found)
     return Structures(*(jnp.asarray(column[index]) for column in table))
+
+
+def on_a_line(cosines: np.ndarray, places: list[float]) -> Pairs:
+    """Objects on a line on the table, with these cosines."""
+    lengths = np.abs(np.subtract.outer(places, places))
+    remote = np.stack([lengths, 1.0 / np.maximum(lengths, 1e-9)])
+    return Pairs(jnp.asarray(cosines), jnp.asarray(remote), jnp.ones(lengths.shape, bool))
 
 
 @pytest.mark.parametrize(
@@ -161,7 +239,12 @@ def structure(roles: list[int], reference: int) -> Structures:
         # The one of the two that is in relation 0 to object 0.
         ([0, 1, 0], 2, (-1, -1)),
         # What is in relation 1 to object 1.
-        ([4, 0], 1, (3, 1)),
+        ([6, 0], 1, (3, 1)),
+        # The one of the two that is nearest to object 0, and farthest from it.
+        ([0, 0, 3], 1, (0, 3)),
+        ([0, 0, 4], 1, (0, 2)),
+        # What is nearest to object 1.
+        ([7, 0], 1, (0, 1)),
     ],
 )
 def test_structures_refer_to_what_fits_alone(
@@ -170,12 +253,18 @@ def test_structures_refer_to_what_fits_alone(
     # Four objects; group 0 fits objects 0, group 1 object 1, group 2 objects 2 and 3.
     matches = np.zeros((MOST_GROUPS, 4), bool)
     matches[0, 0] = matches[1, 1] = matches[2, 2] = matches[2, 3] = True
-    if roles[0] == 4:
+    if roles[0] > 4:
         matches[0] = [False, True, False, False]
+    if len(roles) == 3 and roles[2] > 2:
+        # Objects 2 and 3 are compared by how far they are from object 0.
+        matches[1], matches[2] = matches[2].copy(), matches[0].copy()
     cosines = np.full((2, 4, 4), -1.0)
     cosines[1, 3, 1] = CLEAR + 0.01
     found = referents(
-        structure(roles, reference), jnp.asarray(matches), jnp.asarray(cosines), jnp.ones(4, bool)
+        structure(roles, reference),
+        jnp.asarray(matches),
+        on_a_line(cosines, [0.0, 0.1, 0.4, 0.3]),
+        jnp.ones(4, bool),
     )
     assert tuple(int(index) for index in found) == expected
 
@@ -192,23 +281,92 @@ def test_a_relation_holds_clearly_and_for_one_object_only(
     cosines = np.full((2, 4, 4), -1.0)
     cosines[0, 2, 0], cosines[0, 3, 0] = two, three
     _, reference = referents(
-        structure([0, 0, 1], 1), jnp.asarray(matches), jnp.asarray(cosines), jnp.ones(4, bool)
+        structure([0, 0, 1], 1),
+        jnp.asarray(matches),
+        on_a_line(cosines, [0.0, 0.1, 0.2, 0.3]),
+        jnp.ones(4, bool),
     )
     assert int(reference) == expected
+
+
+@pytest.mark.parametrize(
+    ("two", "three", "nearest", "farthest"),
+    [
+        (0.1, 0.2, 2, 3),
+        (0.2, 0.1, 3, 2),
+        (0.1, 0.1 * NEARER + 1e-4, 2, 3),
+        (0.1, 0.1 * NEARER - 1e-4, -1, -1),
+        # Compared with nothing.
+        (0.1, None, -1, -1),
+    ],
+)
+def test_a_superlative_is_clear_and_of_several(
+    two: float, three: float | None, nearest: int, farthest: int
+) -> None:
+    matches = np.zeros((MOST_GROUPS, 4), bool)
+    matches[0, 1] = matches[1, 2] = matches[2, 0] = True
+    matches[1, 3] = three is not None
+    for role, expected in ((3, nearest), (4, farthest)):
+        moved, reference = referents(
+            structure([0, 0, role], 1),
+            jnp.asarray(matches),
+            on_a_line(np.full((2, 4, 4), -1.0), [0.0, 0.05, two, three or 0.2]),
+            jnp.ones(4, bool),
+        )
+        assert (int(moved), int(reference)) == (1, expected)
+
+
+def test_a_superlative_of_what_stands_on_the_anchor_shows_nothing() -> None:
+    matches = np.zeros((MOST_GROUPS, 4), bool)
+    matches[0, 1] = matches[1, 2] = matches[1, 3] = matches[2, 0] = True
+    among = on_a_line(np.full((2, 4, 4), -1.0), [0.0, 0.1, 0.2, 0.3])
+    stacked = np.ones((4, 4), bool)
+    stacked[2, 0] = stacked[0, 2] = False
+    for side_by_side, expected in ((among.apart, 2), (jnp.asarray(stacked), -1)):
+        _, reference = referents(
+            structure([0, 0, 3], 1),
+            jnp.asarray(matches),
+            among._replace(apart=side_by_side),
+            jnp.ones(4, bool),
+        )
+        assert int(reference) == expected
+
+
+def test_objects_are_apart_unless_one_stands_on_the_other(episodes: Path) -> None:
+    model = read_model(PRETRAINED).model
+    stacked = 0
+    with Demonstrations(episodes) as demonstrations, GroundTruth(episodes) as judge:
+        camera = demonstrations.camera(0)
+        for number in range(len(judge)):
+            count = int(demonstrations.object_count[number])
+            boxes = demonstrations.initial_boxes[number, :count]
+            depths = demonstrations.initial_depths[number, :count, None]
+            seen = jnp.asarray(np.concatenate([boxes, depths], axis=1))
+            found = np.asarray(apart(model, seen, camera))
+            poses = judge.truth(number).initial_poses
+            places = np.array([pose.position for pose in poses])
+            between = places[:, None] - places
+            flat = np.hypot(between[..., 0], between[..., 1])
+            # What stands between is a matter of the boxes.
+            on = (np.abs(between[..., 2]) > flat) & ~np.eye(count, dtype=bool)
+            beside = np.abs(between[..., 2]) < 0.2 * flat
+            assert not found[on].any() and found[beside].all()
+            stacked += int(on.sum())
+    assert stacked > 5
 
 
 def test_the_probability_of_an_explanation_is_that_of_its_programs() -> None:
     actions = 2
     heard = Heard(
         Parse(jnp.log(jnp.array([0.75, 0.25])), jnp.array([0.0, 1.0]), jnp.array([0.0, MISSING])),
-        jnp.zeros((2, 5)),
+        jnp.zeros((2, 9)),
         jnp.array(0.0),
     )
     places = jnp.array([0, 1, 0, 0])
     # Plain, the second description moved, the first action.
     programs = jnp.array([1 * actions + 0, -1, -1])
-    # Roles: one of three for the first group, one of five for the second.
-    expected = np.log(0.75 / 3 / 5) + np.log(1 / (1 + np.exp(-1.0)))
+    # Roles: one of five for the first group, one of nine for the second.
+    expected = np.log(0.75 / 5 / 9) + np.log(1 / (1 + np.exp(-1.0)))
     found = explaining_log_probability(heard, places, programs)
     assert float(found) == pytest.approx(expected, rel=1e-5)
 
@@ -218,7 +376,6 @@ def test_final_scenes_show_which_relations_sentences_mean(episodes: Path) -> Non
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
-    from nsrm_harness.learning.export import read_model
 
     meant: list[tuple[Step, int]] = []
     with GroundTruth(episodes) as judge:
@@ -250,7 +407,6 @@ def test_one_step_that_may_be_two_is_not_explained(episodes: Path) -> None:
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
-    from nsrm_harness.learning.export import read_model
 
     # The block is moved twice: the final scene shows only the second step.
     sentences: list[str] = []
@@ -288,6 +444,10 @@ def test_group_tokens_stand_for_concepts() -> None:
         ("put the block on the blue block left of the green one", False),
         ("take the red block on the blue block and put it left of the green one", False),
         ("put the red block on the blue block", False),
+        ("put the red block on the blue block nearest to the green one", False),
+        ("put the red block nearest to the blue block on the green block", False),
+        ("put the red block nearest to the blue one on the green one left of the white one", True),
+        ("put the closest block to the blue one on the green one left of the white one", True),
         ("put the red block to the blue block's right", False),
     ],
 )

@@ -150,7 +150,8 @@ class Observed:
     def __len__(self) -> int: ...
 
 class Relation(TypedDict):
-    """A relation to another object, named by the action that brings it about."""
+    """A relation to another object, named by the action that brings it about, or ``Nearest`` or
+    ``Farthest``: of all that fit the concepts."""
 
     name: str
     to: Described

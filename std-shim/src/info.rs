@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use nsrm_codegen::{hexadecimal, memory_report};
+use nsrm_core::dsl::RelationKind;
 use nsrm_core::model::{self, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{
@@ -111,10 +112,20 @@ fn camera(camera: &Camera) -> Value {
     })
 }
 
-/// The relations that the model knows in descriptions, by the actions that bring them about.
+/// The relations that the model knows in descriptions: by the actions that bring them about, and
+/// superlatives.
 fn relations<'a>(model: &Model<'a>) -> Vec<&'a str> {
     let taught = model.actions.iter().filter(|action| action.is_relation());
-    taught.map(|action| action.name).collect()
+    let mut names: Vec<&str> = taught.map(|action| action.name).collect();
+    for (kind, rows) in [
+        (RelationKind::Nearest, model.language.nearest),
+        (RelationKind::Farthest, model.language.farthest),
+    ] {
+        if rows.is_relation() {
+            names.push(kind.name(model));
+        }
+    }
+    names
 }
 
 /// The same as text.

@@ -263,7 +263,7 @@ pub fn description(model: &Model<'_>, description: &Description) -> Value {
             .checked_sub(1)
             .and_then(|before| relations.get(before));
         let own = before.map_or(description.filters(), |before| &before.to);
-        let name = action_name(model, relation.action);
+        let name = relation.kind.name(model);
         value = json!({"concepts": names(model, own), "relation": {"name": name, "to": value}});
     }
     value

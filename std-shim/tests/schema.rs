@@ -99,6 +99,14 @@ fn programs_and_refusals_are_as_the_schema_says() {
             "reference": ["small", "blue"],
         })
     );
+    let farthest = check(
+        sound,
+        "put the small furthest the red block on the blue block",
+    );
+    assert_eq!(
+        farthest["steps"][0]["object"],
+        json!({"concepts": ["small"], "relation": {"name": "Farthest", "to": ["red"]}})
+    );
     check(sound, &"x".repeat(MAX_SENTENCE_BYTES + 1));
     check(sound, &"the ".repeat(MAX_TOKENS + 1));
     check(sound, &(format!("{GOOD} then ").repeat(MAX_STEPS) + GOOD));

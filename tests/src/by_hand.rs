@@ -6,7 +6,8 @@
 //! without `on` or `beside`, and at `maybe`, which ends a step with a probability of 0.57. After
 //! `it`, it takes the next description for both arguments. `sideways` is acceptable nowhere.
 //! `behind` names the relation of the action `beside` to the next description, and `opposite` does
-//! so for an object that has no other description: `put opposite the red block on …`.
+//! so for an object that has no other description: `put opposite the red block on …`. `furthest` says
+//! that the one before it is the farthest from the next.
 //!
 //! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
 //! object at the reference's location.
@@ -15,7 +16,8 @@ use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING,
     PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
-    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings,
+    WorkSpace,
 };
 use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::scene::ObservedObject;
@@ -39,6 +41,8 @@ const ACTION_UNIT: usize = 0;
 const IT_UNIT: usize = 20;
 /// The unit of the forward encoder for `behind`; the next one is for `opposite`.
 const RELATION_UNIT: usize = 22;
+/// The unit of the forward encoder for `furthest`.
+const FARTHEST_UNIT: usize = RELATION_UNIT + 2;
 /// The unit of both encoders for `sideways`.
 const SIDEWAYS_UNIT: usize = 21;
 
@@ -69,6 +73,10 @@ pub struct Parts {
     pub acceptability_hidden: Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN>,
     /// See [`Language::acceptability`].
     pub acceptability: Linear<ACCEPTABILITY_HIDDEN, 1>,
+    /// See [`Language::nearest`].
+    pub nearest: Superlative,
+    /// See [`Language::farthest`].
+    pub farthest: Superlative,
     /// See [`Language::splitter`].
     pub splitter: Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
     /// See [`Language::hazard_hidden`].
@@ -100,6 +108,8 @@ impl Parts {
             reference_decoder: pointer(SURE),
             acceptability_hidden: zero(),
             acceptability: zero(),
+            nearest: superlative(None),
+            farthest: superlative(Some(FARTHEST_UNIT)),
             splitter: keeper(),
             hazard_hidden: zero(),
             hazard: zero(),
@@ -167,6 +177,8 @@ impl Parts {
                     .with_reference_decoder(&self.reference_decoder)
                     .with_acceptability_hidden(&self.acceptability_hidden)
                     .with_acceptability(&self.acceptability)
+                    .with_nearest(&self.nearest)
+                    .with_farthest(&self.farthest)
                     .with_splitter(&self.splitter)
                     .with_hazard_hidden(&self.hazard_hidden)
                     .with_hazard(&self.hazard),
@@ -249,8 +261,8 @@ fn header() -> Header<'static> {
 
 fn words() -> Vec<Word<'static>> {
     let mut words: Vec<_> = [
-        ",", "and", "behind", "beside", "block", "it", "maybe", "on", "opposite", "put",
-        "sideways", "the", "then",
+        ",", "and", "behind", "beside", "block", "furthest", "it", "maybe", "on", "opposite",
+        "put", "sideways", "the", "then",
     ]
     .map(|text| Word::new().with_text(text).with_embeddings(silent_word()))
     .into();
@@ -261,6 +273,7 @@ fn words() -> Vec<Word<'static>> {
             "beside" => embeddings.encoder[ACTION_UNIT + 1] = 1.0,
             "behind" => embeddings.encoder[RELATION_UNIT] = 1.0,
             "opposite" => embeddings.encoder[RELATION_UNIT + 1] = 1.0,
+            "furthest" => embeddings.encoder[FARTHEST_UNIT] = 1.0,
             "it" => embeddings.encoder[IT_UNIT] = 1.0,
             "sideways" => embeddings.encoder[SIDEWAYS_UNIT] = 1.0,
             "then" => embeddings.splitter[0] = 1.0,
@@ -299,6 +312,7 @@ fn encoder() -> Gru<WORD, ENCODER_HIDDEN> {
         SIDEWAYS_UNIT,
         RELATION_UNIT,
         RELATION_UNIT + 1,
+        FARTHEST_UNIT,
     ] {
         let [_, update, new] = &mut cell.weight_ih[unit];
         update[unit] = -2.0 * SURE;
@@ -308,6 +322,7 @@ fn encoder() -> Gru<WORD, ENCODER_HIDDEN> {
         let [_, update, _] = &mut cell.weight_ih[action];
         update[RELATION_UNIT] = -2.0 * SURE;
         update[RELATION_UNIT + 1] = -2.0 * SURE;
+        update[FARTHEST_UNIT] = -2.0 * SURE;
     }
     cell
 }
@@ -345,6 +360,17 @@ fn action(name: &'static str, phrase: &'static str, index: usize) -> Action<'sta
         .with_relation_decoder(relation_decoder)
         .with_relation_bias([-SURE; 2])
         .with_simulator_bias([0.0; SIMULATOR_HIDDEN])
+}
+
+/// With the unit that says that it restricts, if any word does.
+fn superlative(unit: Option<usize>) -> Superlative {
+    let mut decoder = [[0.0; INSTRUCTION]; 2];
+    if let Some(unit) = unit {
+        decoder[0][unit] = 2.0 * SURE;
+    }
+    Superlative::new()
+        .with_decoder(decoder)
+        .with_bias([-SURE; 2])
 }
 
 /// A decoder that prefers, or avoids, descriptions after `on` and `beside`, and prefers those after

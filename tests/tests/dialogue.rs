@@ -172,6 +172,26 @@ fn an_answer_takes_the_place_of_words_and_relations() {
 }
 
 #[test]
+fn those_that_are_about_as_far_away_are_asked_about() {
+    let sentence = "put the red block furthest the blue block on the green block";
+    let blocks = [
+        block("small", "red"),
+        block("lego", "blue"),
+        block("lego", "red"),
+        block("lego", "green"),
+    ];
+    let question = asked_in_a_row(&blocks, sentence).expect("two are as far away");
+    assert_eq!(
+        question.to_string(),
+        "which \"red\" object: the lego red one or the small red one?"
+    );
+    assert_eq!(
+        question.complete("small").as_deref(),
+        Some("put the small red block on the green block")
+    );
+}
+
+#[test]
 fn what_an_object_is_related_to_is_asked_about_in_its_own_place() {
     let blocks = [
         block("small", "blue"),

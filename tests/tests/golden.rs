@@ -9,7 +9,7 @@ use nsrm_core::language::{
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Gru, Linear, MergeConv, PatchConv};
-use nsrm_core::relation::relate;
+use nsrm_core::relation::{distance, relate};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::viewpoint::Viewpoint;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
@@ -307,11 +307,12 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         let roles = part("role_logits");
         for (group, (state, logits)) in encoder.groups().iter().zip(roles.rows()).enumerate() {
             let is_first = group == 0;
-            let choice = choose_role(model.actions, state, is_first);
+            let choice = choose_role(model, state, is_first);
             let mut logits = logits.to_vec();
             if is_first {
                 // Nothing is described before it, which it could restrict.
-                logits[1..=model.actions.len()].fill(f32::NEG_INFINITY);
+                let relations = logits.len() / 2;
+                logits[1..=relations].fill(f32::NEG_INFINITY);
             }
             check_logits(golden, &choice, &logits, &roles.name);
         }
@@ -420,6 +421,29 @@ fn golden_relations() {
                             golden.close("relation", &[got], &[expected], action.name);
                         }
                     }
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn golden_distances() {
+    on_both(|golden, model| {
+        for case in 0..3 {
+            let scene = scene(golden, model, case);
+            let expected = golden.array(&format!("scene.{case}.distances"));
+            let viewpoint = Viewpoint::new(model, scene.camera());
+            let objects = scene.objects();
+            assert_eq!(expected.shape, [objects.len(); 2]);
+            let seen = objects
+                .iter()
+                .map(|seen| viewpoint.to_training(&seen.location));
+            let places: Vec<_> = seen.collect();
+            for (object, expected) in places.iter().zip(expected.rows()) {
+                for (anchor, expected) in places.iter().zip(expected) {
+                    let got = distance(model, &viewpoint, object, anchor).expect("finite");
+                    golden.close("position_m", &[got], &[*expected], "distances");
                 }
             }
         }

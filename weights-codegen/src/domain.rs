@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::error::ModelError;
 
 /// Keys of a relation of everyday wording that name rules.
-const RULE_NAMES: [&str; 2] = ["rule", "state"];
+const RULE_NAMES: [&str; 4] = ["rule", "state", "related", "undescribed"];
 
 /// Greatest number of attribute types, of concepts and of actions: their
 /// indices are `u8` in `nsrm_core`.
@@ -44,7 +44,8 @@ pub struct Domain {
 #[derive(Debug, Clone, Deserialize)]
 pub struct Everyday {
     /// By action: the name of its relations' rule under `rule`, that of the state that it brings
-    /// about under `state`, and what the rules' placeholders stand for.
+    /// about under `state`, and what the rules' placeholders stand for. Superlatives have no `rule`,
+    /// and rules of their own for descriptions under `related` and `undescribed`.
     pub relations: BTreeMap<String, BTreeMap<String, String>>,
     /// The alternatives of each rule.
     pub rules: BTreeMap<String, Vec<String>>,

@@ -24,7 +24,8 @@ use nsrm_core::Camera;
 #[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
-    Simulator, Spelling, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
+    Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings,
+    WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};

@@ -279,7 +279,7 @@ pub enum ModelError {
 }
 
 /// The schemas that `cargo harness convert` converts.
-const CONVERTIBLE: [&str; 5] = ["2", "3", "4", "5", "6"];
+const CONVERTIBLE: [&str; 6] = ["2", "3", "4", "5", "6", "7"];
 
 /// What to do about a file of another schema.
 fn schema_advice(got: &str) -> &'static str {

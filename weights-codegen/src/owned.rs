@@ -136,6 +136,8 @@ impl OwnedModel {
                     .with_reference_decoder(&language.reference_decoder)
                     .with_acceptability_hidden(&language.acceptability_hidden)
                     .with_acceptability(&language.acceptability)
+                    .with_nearest(&folded.actions.nearest)
+                    .with_farthest(&folded.actions.farthest)
                     .with_splitter(&language.splitter)
                     .with_hazard_hidden(&language.hazard_hidden)
                     .with_hazard(&language.hazard),
@@ -145,7 +147,7 @@ impl OwnedModel {
                     .with_color(&folded.vision.color)
                     .with_brightness(&folded.vision.brightness),
             )
-            .with_simulator(&folded.simulator)
+            .with_simulator(&folded.actions.simulator)
             .with_camera(&folded.camera)
     }
 
@@ -239,7 +241,7 @@ impl<'a> Parts<'a> {
             actions: domain
                 .action
                 .iter()
-                .zip(&folded.actions)
+                .zip(&folded.actions.actions)
                 .map(|(action, parameters)| {
                     Action::new()
                         .with_name(&action.name)

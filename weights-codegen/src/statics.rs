@@ -4,7 +4,7 @@ use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard,
     INSTRUCTION, LexiconEntry, Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
-    Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
+    Superlative, Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
 };
 
 use crate::tree::{Describe, Node, describe};
@@ -38,6 +38,7 @@ describe! {
     Action<'_> {
         name, phrase, decoder, decoder_bias, relation_decoder, relation_bias, simulator_bias,
     }
+    Superlative { decoder, bias }
     Simulator { input, hidden, output }
     PixelToCamera { weight }
 }
@@ -78,6 +79,8 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                             Node::Reference("ACCEPTABILITY_HIDDEN"),
                         ),
                         ("acceptability", Node::Reference("ACCEPTABILITY")),
+                        ("nearest", Node::Reference("NEAREST")),
+                        ("farthest", Node::Reference("FARTHEST")),
                         ("splitter", Node::Reference("SPLITTER")),
                         ("hazard_hidden", Node::Reference("HAZARD_HIDDEN")),
                         ("hazard", Node::Reference("HAZARD")),
@@ -162,6 +165,18 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "language.acceptability",
             format!("Linear<{ACCEPTABILITY_HIDDEN}, 1>"),
             language.acceptability,
+        ),
+        single(
+            "NEAREST",
+            "language.nearest",
+            "Superlative",
+            language.nearest,
+        ),
+        single(
+            "FARTHEST",
+            "language.farthest",
+            "Superlative",
+            language.farthest,
         ),
         single(
             "SPLITTER",

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, WORDS};
+use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, RELATIONS, WORDS};
 use nsrm_core::model::{Model, View, WordEmbeddings};
 
 /// Rounding of a sum in `f64` to `f32`, values below 10.
@@ -224,12 +224,21 @@ fn simulator_on_plain_locations() {
         // First those that restrict, then those that stand for an object.
         let decoder = file.values("language.relation_decoder.weight");
         let bias = file.values("language.relation_decoder.bias");
-        for (side, row) in [action, ACTIONS + action].into_iter().enumerate() {
+        for (side, row) in [action, RELATIONS + action].into_iter().enumerate() {
             assert_eq!(
                 model.actions[action].relation_decoder[side][..],
                 decoder[row * 96..][..96]
             );
             assert_eq!(model.actions[action].relation_bias[side], bias[row]);
+        }
+    }
+    let decoder = file.values("language.relation_decoder.weight");
+    let bias = file.values("language.relation_decoder.bias");
+    let superlatives = [model.language.nearest, model.language.farthest];
+    for (relation, superlative) in (ACTIONS..).zip(superlatives) {
+        for (side, row) in [relation, RELATIONS + relation].into_iter().enumerate() {
+            assert_eq!(superlative.decoder[side][..], decoder[row * 96..][..96]);
+            assert_eq!(superlative.bias[side], bias[row]);
         }
     }
 }

@@ -1,6 +1,6 @@
 use core::fmt;
 
-use super::notation::{DescriptionWords, FilterWords};
+use super::notation::{DescriptionWords, FilterWords, action_name, action_phrase};
 use crate::capacity::{MAX_FILTERS, MAX_RELATIONS};
 use crate::model::Model;
 
@@ -58,12 +58,51 @@ impl Filters {
     }
 }
 
-/// A relation to another object: the state that an action brings about. "left of" is where
-/// `MoveLeft` puts things.
+/// How an object is related to another one, the anchor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RelationKind {
+    /// It is in the state that an action brings about: "left of" is where `MoveLeft` puts things.
+    /// Index into [`Model::actions`].
+    Action(u8),
+    /// Of the objects that fit the filters, it is clearly the nearest to the anchor.
+    Nearest,
+    /// Of the objects that fit the filters, it is clearly the farthest from the anchor.
+    Farthest,
+}
+
+impl RelationKind {
+    /// The name in JSON and in the notation: that of the action, `"?"` for an invalid index,
+    /// `Nearest` or `Farthest`.
+    pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
+        match self {
+            Self::Action(action) => action_name(model, action),
+            Self::Nearest => "Nearest",
+            Self::Farthest => "Farthest",
+        }
+    }
+
+    /// How a person says it: the phrase of the action, `"?"` for an invalid index, `nearest to` or
+    /// `farthest from`.
+    pub fn phrase<'a>(self, model: &Model<'a>) -> &'a str {
+        match self {
+            Self::Action(action) => action_phrase(model, action),
+            Self::Nearest => "nearest to",
+            Self::Farthest => "farthest from",
+        }
+    }
+}
+
+impl Default for RelationKind {
+    fn default() -> Self {
+        Self::Action(0)
+    }
+}
+
+/// A relation to another object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Relation {
-    /// The action: index into [`Model::actions`].
-    pub action: u8,
+    /// How the object is related to the other one.
+    pub kind: RelationKind,
     /// The filters of the other object, the anchor.
     pub to: Filters,
 }
@@ -91,7 +130,7 @@ impl Description {
     /// A description by filters alone.
     pub const fn of(filters: Filters) -> Self {
         const NONE: Relation = Relation {
-            action: 0,
+            kind: RelationKind::Action(0),
             to: Filters::new(),
         };
         Self {
@@ -176,8 +215,8 @@ mod tests {
     fn chain(own: &[u8], anchors: &[&[u8]]) -> Description {
         let mut description = Description::of(filters(own));
         for (action, concepts) in [1, 0].into_iter().zip(anchors) {
-            let to = filters(concepts);
-            description.relate(Relation { action, to }).unwrap();
+            let (kind, to) = (RelationKind::Action(action), filters(concepts));
+            description.relate(Relation { kind, to }).unwrap();
         }
         description
     }
@@ -188,7 +227,8 @@ mod tests {
         assert_eq!(whole.anchor(0), Some(whole));
         let mut first = Description::of(filters(&[3, 1]));
         let to = filters(&[2]);
-        first.relate(Relation { action: 0, to }).unwrap();
+        let kind = RelationKind::Action(0);
+        first.relate(Relation { kind, to }).unwrap();
         assert_eq!(whole.anchor(1), Some(first));
         assert_eq!(whole.anchor(2), Some(Description::of(to)));
         assert_eq!(whole.anchor(3), None);
@@ -207,5 +247,14 @@ mod tests {
             "red to the right of small green on lego"
         );
         assert_eq!(said(&[], &[&[1]]), "what is to the right of green");
+        for (kind, own, expected) in [
+            (RelationKind::Nearest, &[0][..], "red nearest to green"),
+            (RelationKind::Farthest, &[], "what is farthest from green"),
+        ] {
+            let mut description = Description::of(filters(own));
+            let to = filters(&[1]);
+            description.relate(Relation { kind, to }).unwrap();
+            assert_eq!(description.words(&model).to_string(), expected);
+        }
     }
 }

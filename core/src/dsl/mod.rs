@@ -9,7 +9,7 @@
 mod description;
 mod notation;
 
-pub use description::{Description, Filters, Relation};
+pub use description::{Description, Filters, Relation, RelationKind};
 pub(crate) use notation::{action_phrase, concept_name};
 
 use core::fmt;

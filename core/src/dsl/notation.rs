@@ -14,7 +14,7 @@ pub(crate) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
 }
 
 /// The name of an action in the domain file; "?" for an invalid index.
-fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
+pub(super) fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
     let action = model.actions.get(usize::from(action));
     action.map_or("?", |action| action.name)
 }
@@ -55,7 +55,7 @@ impl fmt::Display for DescriptionWords<'_> {
         }
         self.description.filters().words(self.model).fmt(f)?;
         for relation in relations {
-            let phrase = action_phrase(self.model, relation.action);
+            let phrase = relation.kind.phrase(self.model);
             write!(f, " {phrase} {}", relation.to.words(self.model))?;
         }
         Ok(())
@@ -71,7 +71,7 @@ impl StepNotation<'_> {
     fn unique(&self, description: &Description, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut open = self.open(description.filters(), f)?;
         for relation in description.relations() {
-            write!(f, "Relate({}, ", action_name(self.model, relation.action))?;
+            write!(f, "Relate({}, ", relation.kind.name(self.model))?;
             open += 1 + self.open(&relation.to, f)?;
         }
         f.write_str("Scene()")?;
@@ -122,7 +122,7 @@ impl fmt::Display for ProgramNotation<'_> {
 mod tests {
     use std::string::ToString;
 
-    use super::super::Relation;
+    use super::super::{Relation, RelationKind};
     use super::*;
     use crate::fixture::{self, filters};
 
@@ -154,20 +154,29 @@ mod tests {
         let model = fixture::model();
         let mut object = Description::of(filters(&[0]));
         for (action, concepts) in [(1, &[3, 1][..]), (0, &[2])] {
-            let to = filters(concepts);
-            object.relate(Relation { action, to }).unwrap();
+            let (kind, to) = (RelationKind::Action(action), filters(concepts));
+            object.relate(Relation { kind, to }).unwrap();
         }
         assert_eq!(
             step(object).notation(&model).to_string(),
             "Action(MoveOn, Unique(Filter(red, Relate(MoveRight, Unique(Filter(small, \
              Filter(green, Relate(MoveOn, Unique(Filter(lego, Scene()))))))))), Unique(Scene()))"
         );
-        let mut object = Description::new();
-        let to = filters(&[1]);
-        object.relate(Relation { action: 7, to }).unwrap();
-        assert_eq!(
-            step(object).notation(&model).to_string(),
-            "Action(MoveOn, Unique(Relate(?, Unique(Filter(green, Scene())))), Unique(Scene()))"
-        );
+        for (kind, name) in [
+            (RelationKind::Action(7), "?"),
+            (RelationKind::Nearest, "Nearest"),
+            (RelationKind::Farthest, "Farthest"),
+        ] {
+            let mut object = Description::new();
+            let to = filters(&[1]);
+            object.relate(Relation { kind, to }).unwrap();
+            assert_eq!(
+                step(object).notation(&model).to_string(),
+                std::format!(
+                    "Action(MoveOn, Unique(Relate({name}, Unique(Filter(green, Scene())))), \
+                     Unique(Scene()))"
+                )
+            );
+        }
     }
 }

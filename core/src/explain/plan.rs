@@ -83,7 +83,7 @@ impl StepExplanation<'_> {
     ) -> fmt::Result {
         self.noun(description.filters(), f)?;
         for relation in description.relations() {
-            let phrase = action_phrase(self.model, relation.action);
+            let phrase = relation.kind.phrase(self.model);
             write!(f, " that is {phrase} ")?;
             self.noun(&relation.to, f)?;
         }

@@ -22,6 +22,7 @@ pub use decoders::{choose_action, choose_group};
 pub use encoder::Encoder;
 pub use nearest::nearest_word;
 pub use parsed::{Parsed, StepDecisions};
+pub(crate) use relations::SUPERLATIVES;
 pub use relations::{GroupRole, choose_role};
 pub use spelling::{Correction, word_hash};
 pub use splitter::{SPLIT_HAZARD, Splitter};

@@ -3,8 +3,8 @@ use core::ops::Range;
 use heapless::Vec;
 
 use crate::capacity::MAX_GROUPS;
-use crate::dsl::{Description, Filters, Relation};
-use crate::model::{Action, INSTRUCTION};
+use crate::dsl::{Description, Filters, Relation, RelationKind};
+use crate::model::{INSTRUCTION, Model};
 use crate::nn::{Choice, dot};
 
 /// What a group of concept words is for.
@@ -14,11 +14,11 @@ pub enum GroupRole {
     /// It describes an object of the step: "the red block".
     Plain,
     /// It restricts what is described before it, which is in this relation to it: "left of the
-    /// yellow one". Index into [`crate::Model::actions`].
-    Restricts(u8),
+    /// yellow one".
+    Restricts(RelationKind),
     /// It describes what an object of the step, which has no values of its own, is in this relation
     /// to: "the block left of the yellow one".
-    StandsFor(u8),
+    StandsFor(RelationKind),
 }
 
 impl GroupRole {
@@ -29,10 +29,11 @@ impl GroupRole {
         let Some(index) = index.checked_sub(1) else {
             return Some(Self::Plain);
         };
-        let Some(index) = index.checked_sub(actions) else {
-            return Some(Self::Restricts(u8::try_from(index).ok()?));
-        };
-        (index < actions).then_some(Self::StandsFor(u8::try_from(index).ok()?))
+        let relations = actions.saturating_add(SUPERLATIVES);
+        match index.checked_sub(relations) {
+            None => Some(Self::Restricts(kind(index, actions)?)),
+            Some(index) => Some(Self::StandsFor(kind(index, actions)?)),
+        }
     }
 
     /// Whether it begins the description of an object of the step.
@@ -41,30 +42,53 @@ impl GroupRole {
     }
 }
 
+/// Relations of every model beside those of its actions.
+pub(crate) const SUPERLATIVES: usize = ORDER.len();
+/// Their order; they follow the actions.
+const ORDER: [RelationKind; 2] = [RelationKind::Nearest, RelationKind::Farthest];
+
+/// The relation with this index; `None` if it is none.
+fn kind(index: usize, actions: usize) -> Option<RelationKind> {
+    match index.checked_sub(actions) {
+        None => Some(RelationKind::Action(u8::try_from(index).ok()?)),
+        Some(superlative) => ORDER.get(superlative).copied(),
+    }
+}
+
 /// The relation decoder: softmax over 0 for [`GroupRole::Plain`] and a logit for each relation, an
-/// action's, and each of its two directions, `w·state + b`. The index is that of
+/// action's or a superlative, and each of its two directions, `w·state + b`. The index is that of
 /// [`GroupRole::of`]: first all that restrict, then all that stand for an object.
 ///
 /// * `state`: the encoder's, at the group
 /// * `is_first`: nothing is described before the group, which it could restrict
 ///
-/// Cost: `2·96` multiply-adds and two exponentials an action.
-pub fn choose_role(actions: &[Action<'_>], state: &[f32; INSTRUCTION], is_first: bool) -> Choice {
+/// Cost: `2·96` multiply-adds and two exponentials a relation.
+pub fn choose_role(model: &Model<'_>, state: &[f32; INSTRUCTION], is_first: bool) -> Choice {
     let mut choice = Choice::new();
     choice.offer(0.0);
-    for action in actions {
-        let ([restricts, _], [bias, _]) = (&action.relation_decoder, action.relation_bias);
+    for ([restricts, _], [bias, _]) in decoders(model) {
         if is_first {
             choice.skip();
         } else {
             choice.offer(dot(restricts, state) + bias);
         }
     }
-    for action in actions {
-        let ([_, stands_for], [_, bias]) = (&action.relation_decoder, action.relation_bias);
+    for ([_, stands_for], [_, bias]) in decoders(model) {
         choice.offer(dot(stands_for, state) + bias);
     }
     choice
+}
+
+/// The rows of each relation, with their biases.
+fn decoders<'m>(
+    model: &Model<'m>,
+) -> impl Iterator<Item = (&'m [[f32; INSTRUCTION]; 2], [f32; 2])> {
+    let of_actions = model
+        .actions
+        .iter()
+        .map(|action| (&action.relation_decoder, action.relation_bias));
+    let superlatives = [model.language.nearest, model.language.farthest];
+    of_actions.chain(superlatives.map(|each| (&each.decoder, each.bias)))
 }
 
 /// The roles of a step's groups, in the order of the sentence.
@@ -128,8 +152,8 @@ impl Roles {
         for (role, &to) in roles.iter().zip(filters) {
             match *role {
                 GroupRole::Plain => description = Description::of(to),
-                GroupRole::Restricts(action) | GroupRole::StandsFor(action) => {
-                    description.relate(Relation { action, to }).ok()?;
+                GroupRole::Restricts(kind) | GroupRole::StandsFor(kind) => {
+                    description.relate(Relation { kind, to }).ok()?;
                 }
             }
         }
@@ -139,8 +163,14 @@ impl Roles {
 
 #[cfg(test)]
 mod tests {
+    use super::RelationKind::{Action, Farthest, Nearest};
     use super::*;
     use crate::fixture::{self, filters};
+    use crate::model;
+
+    fn taught<'a>(actions: &'a [model::Action<'a>]) -> Model<'a> {
+        fixture::model().with_actions(actions)
+    }
 
     #[test]
     fn a_role_is_the_greatest_logit_and_the_first_group_restricts_nothing() {
@@ -152,34 +182,63 @@ mod tests {
         let mut state = [0.0; INSTRUCTION];
         state[5] = 0.75;
         // 2·0.75 + 0.5 against 0 and 0.25.
-        let choice = choose_role(&actions, &state, false);
+
+        let choice = choose_role(&taught(&actions), &state, false);
         let expected = 1.0 / (1.0 + libm::expf(-2.0) + libm::expf(-1.75));
         assert!((choice.probability() - expected).abs() < 1e-6);
-        let role = |choice: Choice| GroupRole::of(choice.index().unwrap(), actions.len());
-        assert_eq!(role(choice), Some(GroupRole::Restricts(1)));
-        let first = choose_role(&actions, &state, true);
-        assert_eq!(role(first), Some(GroupRole::StandsFor(0)));
+        let role = |choice: Choice| GroupRole::of(choice.index().unwrap(), 2);
+        assert_eq!(role(choice), Some(GroupRole::Restricts(Action(1))));
+        let first = choose_role(&taught(&actions), &state, true);
+        assert_eq!(role(first), Some(GroupRole::StandsFor(Action(0))));
         let expected = 1.0 / (1.0 + libm::expf(-0.25));
         assert!((first.probability() - expected).abs() < 1e-6);
         // A model that was not taught relations.
-        let untaught = choose_role(fixture::model().actions, &state, false);
+        let untaught = choose_role(&fixture::model(), &state, false);
         assert_eq!(role(untaught), Some(GroupRole::Plain));
         assert_eq!(untaught.probability(), 1.0);
-        actions[1].relation_bias[1] = f32::NAN;
-        assert_eq!(choose_role(&actions, &state, true).index(), None);
+        let mut broken = actions;
+        broken[1].relation_bias[1] = f32::NAN;
+        assert_eq!(choose_role(&taught(&broken), &state, true).index(), None);
+    }
+
+    #[test]
+    fn superlatives_stand_behind_the_actions() {
+        let model = fixture::model();
+        let (mut nearest, mut farthest) = (*model.language.nearest, *model.language.farthest);
+        nearest.decoder[1][95] = 4.0;
+        farthest.decoder[0][5] = 4.0;
+        farthest.bias[0] = 0.5;
+        let language = model.language.with_nearest(&nearest);
+        let taught = model.with_language(language.with_farthest(&farthest));
+        let mut state = [0.0; INSTRUCTION];
+        (state[5], state[95]) = (1.0, 6.0);
+        let role = |is_first| {
+            let choice = choose_role(&taught, &state, is_first);
+            GroupRole::of(choice.index().unwrap(), 2)
+        };
+        assert_eq!(role(false), Some(GroupRole::Restricts(Farthest)));
+        assert_eq!(role(true), Some(GroupRole::StandsFor(Nearest)));
+        let mut broken = nearest;
+        broken.bias[0] = f32::NAN;
+        let broken = taught.with_language(taught.language.with_nearest(&broken));
+        assert_eq!(choose_role(&broken, &state, false).index(), None);
     }
 
     #[test]
     fn indices_are_plain_then_restricting_then_standing_for() {
-        let roles: [_; 6] = core::array::from_fn(|index| GroupRole::of(index, 2));
+        let roles: [_; 10] = core::array::from_fn(|index| GroupRole::of(index, 2));
         assert_eq!(
             roles,
             [
                 Some(GroupRole::Plain),
-                Some(GroupRole::Restricts(0)),
-                Some(GroupRole::Restricts(1)),
-                Some(GroupRole::StandsFor(0)),
-                Some(GroupRole::StandsFor(1)),
+                Some(GroupRole::Restricts(Action(0))),
+                Some(GroupRole::Restricts(Action(1))),
+                Some(GroupRole::Restricts(Nearest)),
+                Some(GroupRole::Restricts(Farthest)),
+                Some(GroupRole::StandsFor(Action(0))),
+                Some(GroupRole::StandsFor(Action(1))),
+                Some(GroupRole::StandsFor(Nearest)),
+                Some(GroupRole::StandsFor(Farthest)),
                 None
             ]
         );
@@ -195,23 +254,31 @@ mod tests {
     fn a_head_and_what_restricts_it_are_one_description() {
         use GroupRole::{Plain, Restricts, StandsFor};
         let mut roles = Roles::new();
-        for role in [Plain, Restricts(1), StandsFor(0), Restricts(1)] {
+        for role in [
+            Plain,
+            Restricts(Action(1)),
+            StandsFor(Nearest),
+            Restricts(Action(1)),
+        ] {
             roles.push(role, 0.5);
         }
         assert_eq!(roles.probability(), 0.0625);
         assert!(roles.heads().eq([0, 2]));
         assert_eq!((roles.chain(0), roles.chain(1)), (Some(0..2), Some(2..4)));
         assert_eq!(roles.chain(2), None);
-        let relation = |action, concept| Relation {
-            action,
+        let relation = |kind, concept| Relation {
+            kind,
             to: filters(&[concept]),
         };
         let first = described(&roles, 0).unwrap();
         assert_eq!(first.filters(), &filters(&[0]));
-        assert_eq!(first.relations(), [relation(1, 1)]);
+        assert_eq!(first.relations(), [relation(Action(1), 1)]);
         let second = described(&roles, 1).unwrap();
         assert_eq!(second.filters(), &Filters::new());
-        assert_eq!(second.relations(), [relation(0, 2), relation(1, 3)]);
+        assert_eq!(
+            second.relations(),
+            [relation(Nearest, 2), relation(Action(1), 3)]
+        );
     }
 
     #[test]
@@ -219,11 +286,11 @@ mod tests {
         let chain = |head| {
             let mut roles = Roles::new();
             roles.push(head, 1.0);
-            roles.push(GroupRole::Restricts(0), 1.0);
-            roles.push(GroupRole::Restricts(0), 1.0);
+            roles.push(GroupRole::Restricts(Action(0)), 1.0);
+            roles.push(GroupRole::Restricts(Farthest), 1.0);
             described(&roles, 0)
         };
         assert!(chain(GroupRole::Plain).is_some());
-        assert_eq!(chain(GroupRole::StandsFor(1)), None);
+        assert_eq!(chain(GroupRole::StandsFor(Action(1))), None);
     }
 }

@@ -5,8 +5,8 @@ use super::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
     OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
-    SPLITTER_WORD, Simulator, Spelling, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
-    WORD, Word, WordEmbeddings, WorkSpace,
+    SPLITTER_WORD, Simulator, Spelling, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
+    Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
@@ -129,6 +129,10 @@ builder! {
         relation_bias, with_relation_bias: [f32; 2] = [UNSET; 2];
         simulator_bias, with_simulator_bias: [f32; SIMULATOR_HIDDEN] = [UNSET; SIMULATOR_HIDDEN];
     }
+    [] Superlative {
+        decoder, with_decoder: [[f32; INSTRUCTION]; 2] = [[UNSET; INSTRUCTION]; 2];
+        bias, with_bias: [f32; 2] = [UNSET; 2];
+    }
     ['a] Language<'a> {
         forward, with_forward: &'a Gru<WORD, ENCODER_HIDDEN> = &Gru::UNSET;
         backward, with_backward: &'a Gru<WORD, ENCODER_HIDDEN> = &Gru::UNSET;
@@ -138,6 +142,8 @@ builder! {
         acceptability_hidden, with_acceptability_hidden:
             &'a Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN> = &Linear::UNSET;
         acceptability, with_acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1> = &Linear::UNSET;
+        nearest, with_nearest: &'a Superlative = &Superlative::UNSET;
+        farthest, with_farthest: &'a Superlative = &Superlative::UNSET;
         splitter, with_splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN> = &Gru::UNSET;
         hazard_hidden, with_hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN> =
             &Linear::UNSET;
@@ -219,6 +225,7 @@ mod tests {
             model.with_language(language.with_forward(unset.language.forward)),
             model.with_language(language.with_object_decoder(unset.language.object_decoder)),
             model.with_language(language.with_acceptability(unset.language.acceptability)),
+            model.with_language(language.with_nearest(unset.language.nearest)),
             model.with_language(language.with_splitter(unset.language.splitter)),
             model.with_language(language.with_hazard(unset.language.hazard)),
         ] {

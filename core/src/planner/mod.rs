@@ -7,6 +7,7 @@
 mod ground;
 mod plan;
 mod resolve;
+mod superlative;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -24,7 +25,7 @@ use crate::capacity::{
     MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS, MAX_SPLITS, MAX_STEPS,
     MAX_TOKENS,
 };
-use crate::language::{Parsed, ParsingTask};
+use crate::language::{Parsed, ParsingTask, SUPERLATIVES};
 use crate::model::{
     ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, Model,
     OPERATOR_HIDDEN, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, VIEW_EMBEDDING, WORD,
@@ -41,7 +42,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1424);
+const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1456);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -58,13 +59,15 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
             + 3 * (3 * (LOCATION + 1) + 3),
+        // The distances of all objects to an anchor, and each one's box compared with all others.
+        MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 3 + 2 * MAX_OBJECTS),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
         // All objects' places, each compared with all others and with all sizes.
         MAX_OBJECTS * (3 * (LOCATION + 1) + 2 * 9 + 4 * MAX_OBJECTS + 4 * UNIT_SIZES),
     ];
-    // One group's role: two relations an action.
-    let mut most = 2 * UNIT_ACTIONS * INSTRUCTION;
+    // One group's role: two for each relation, of actions and superlatives.
+    let mut most = 2 * (UNIT_ACTIONS + SUPERLATIVES) * INSTRUCTION;
     let mut rest = units.as_slice();
     while let [unit, behind @ ..] = rest {
         most = if *unit > most { *unit } else { most };
@@ -73,7 +76,7 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
     most
 };
 /// Actions up to which [`UNIT_MULTIPLY_ADDS`] holds; the action decoder takes 96
-/// multiply-adds for each, the relation decoder 192.
+/// multiply-adds for each, the relation decoder 192, and as much for each superlative.
 pub const UNIT_ACTIONS: usize = 64;
 
 /// Sizes of objects up to which [`UNIT_MULTIPLY_ADDS`] holds.

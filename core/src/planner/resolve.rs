@@ -1,6 +1,7 @@
 use super::Grounding;
+use super::superlative::Superlative;
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description};
+use crate::dsl::{Argument, Description, RelationKind};
 use crate::grounding::{ScoreError, Scores, score};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
@@ -58,6 +59,7 @@ impl Resolver {
             let _ = self.scores.push(score);
             return Ok(None);
         }
+        self.compare(&sought, within)?;
         let found = self.choose(&sought, within)?;
         let Some(level) = self.level.checked_sub(1) else {
             return Ok(Some(found));
@@ -86,7 +88,8 @@ impl Resolver {
         Ok(related.map_or(filtered, |related| filtered.min(related)))
     }
 
-    /// How clearly an object is in the relation to the anchor; `None` without a relation.
+    /// How clearly an object is in the relation to the anchor, which never is; `None` without a
+    /// relation, and for a superlative, which compares those that fit.
     fn relation(
         &self,
         sought: &Description,
@@ -100,7 +103,10 @@ impl Resolver {
         if index == anchor {
             return Ok(Some(-1.0));
         }
-        let action = within.model.actions.get(usize::from(relation.action));
+        let RelationKind::Action(action) = relation.kind else {
+            return Ok(None);
+        };
+        let action = within.model.actions.get(usize::from(action));
         // Always there: both are objects of the scene.
         let (object, anchor) = within
             .locations
@@ -115,6 +121,19 @@ impl Resolver {
             anchor,
         );
         cosine.map(Some).ok_or(within.not_finite())
+    }
+
+    /// Of a superlative, leaves those objects that may be meant.
+    fn compare(&mut self, sought: &Description, within: &Within<'_>) -> Result<(), Refusal> {
+        let Some((relation, anchor)) = sought.relations().first().zip(self.anchor) else {
+            return Ok(());
+        };
+        let superlative = match relation.kind {
+            RelationKind::Action(_) => return Ok(()),
+            RelationKind::Nearest => Superlative::Nearest,
+            RelationKind::Farthest => Superlative::Farthest,
+        };
+        superlative.compare(usize::from(anchor.index), self.scores.values_mut(), within)
     }
 
     /// The object that fits, if only one does and is clearly in its relation. Objects that fit
@@ -159,7 +178,7 @@ impl Resolver {
 }
 
 impl Within<'_> {
-    const fn not_finite(&self) -> Refusal {
+    pub(super) const fn not_finite(&self) -> Refusal {
         Refusal::NotFinite {
             step: self.step as u8,
             quantity: Quantity::Score(self.argument),

@@ -19,7 +19,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// An event in the execution of a `PlanRequest`.
-    "nsrm.v1.PlanReply.08d614213fec16c9"
+    "nsrm.v1.PlanReply.6b21b437ebd5f0b6"
     pub struct PlanReply {
         /// The client.
         pub client: u64,

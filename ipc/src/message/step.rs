@@ -2,7 +2,7 @@
 
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
-use nsrm_core::dsl::{Argument, Description, Filters, Relation, Step};
+use nsrm_core::dsl::{Argument, Description, Filters, Relation, RelationKind, Step};
 use nsrm_core::planner::PlannedStep;
 use nsrm_core::{MAX_FILTERS, MAX_RELATIONS};
 
@@ -11,9 +11,11 @@ use super::layout::message;
 
 message! {
     /// A relation in a description: to what, and where this lies from it.
-    "nsrm.v1.RelationMessage.cb7fb11d9b80be0a"
+    "nsrm.v1.RelationMessage.1c13181ebe957494"
     pub struct RelationMessage {
-        /// Index in the model of the action that brings the relation about.
+        /// 0: the state that an action brings about; 1: nearest; 2: farthest.
+        pub kind: u32,
+        /// Index of that action in the model; 0 for the other kinds.
         pub action: u32,
         /// How many concepts describe the other object.
         pub count: u32,
@@ -24,7 +26,7 @@ message! {
 
 message! {
     /// A step as parsed and, if it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.8ac58d9814755bea"
+    "nsrm.v1.StepMessage.f77389e51a1cd6f4"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
@@ -70,6 +72,7 @@ message! {
 impl RelationMessage {
     /// None.
     const EMPTY: Self = Self {
+        kind: 0,
         action: 0,
         count: 0,
         concepts: [0; MAX_FILTERS],
@@ -77,7 +80,17 @@ impl RelationMessage {
 
     /// Whether a received relation is valid.
     fn makes_sense(&self) -> bool {
-        u8::try_from(self.action).is_ok() && self.count <= MAX_FILTERS as u32
+        self.kind().is_some() && self.count <= MAX_FILTERS as u32
+    }
+
+    /// What relates the objects; `None` in a relation that is not valid.
+    fn kind(&self) -> Option<RelationKind> {
+        match (self.kind, self.action) {
+            (0, action) => Some(RelationKind::Action(u8::try_from(action).ok()?)),
+            (1, 0) => Some(RelationKind::Nearest),
+            (2, 0) => Some(RelationKind::Farthest),
+            _ => None,
+        }
     }
 }
 
@@ -166,9 +179,9 @@ impl StepMessage {
         };
         let mut description = Description::of(filters(count, concepts));
         for relation in relations.iter().take(relation_count as usize) {
-            // As many places; an action above 255 was refused.
+            // As many places; other kinds were refused.
             let _ = description.relate(Relation {
-                action: u8::try_from(relation.action).unwrap_or(u8::MAX),
+                kind: relation.kind().unwrap_or(RelationKind::Action(u8::MAX)),
                 to: filters(relation.count, &relation.concepts),
             });
         }
@@ -219,8 +232,14 @@ fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS
     let mut places = [RelationMessage::EMPTY; MAX_RELATIONS];
     for (place, relation) in places.iter_mut().zip(description.relations()) {
         let (count, concepts) = concepts(&relation.to);
+        let (kind, action) = match relation.kind {
+            RelationKind::Action(action) => (0, action.into()),
+            RelationKind::Nearest => (1, 0),
+            RelationKind::Farthest => (2, 0),
+        };
         *place = RelationMessage {
-            action: relation.action.into(),
+            kind,
+            action,
             count,
             concepts,
         };
@@ -254,13 +273,17 @@ mod tests {
     #[test]
     fn descriptions_arrive_with_their_relations() {
         let mut object = Description::of(of(&[3, 1]));
-        for (action, concepts) in [(2, &[4][..]), (1, &[0, 5, 6, 7])] {
+        for (kind, concepts) in [
+            (RelationKind::Action(2), &[4][..]),
+            (RelationKind::Farthest, &[0, 5, 6, 7]),
+        ] {
             let to = of(concepts);
-            object.relate(Relation { action, to }).unwrap();
+            object.relate(Relation { kind, to }).unwrap();
         }
         let mut reference = Description::new();
         let to = of(&[2]);
-        reference.relate(Relation { action: 0, to }).unwrap();
+        let kind = RelationKind::Nearest;
+        reference.relate(Relation { kind, to }).unwrap();
         for (object, reference) in [
             (object, reference),
             (reference, Description::new()),
@@ -283,11 +306,18 @@ mod tests {
 
     #[test]
     fn relations_that_no_description_has_are_refused() {
-        let cases: [fn(&mut StepMessage); 4] = [
+        let cases: [fn(&mut StepMessage); 6] = [
             |step| step.object_relation_count = 3,
             |step| step.reference_relation_count = u32::MAX,
             |step| step.object_relations[1].count = 5,
             |step| step.reference_relations[0].action = 256,
+            |step| step.reference_relations[1].kind = 3,
+            |step| {
+                (
+                    step.object_relations[0].kind,
+                    step.object_relations[0].action,
+                ) = (1, 1)
+            },
         ];
         for break_it in cases {
             let mut broken = StepMessage::EMPTY;

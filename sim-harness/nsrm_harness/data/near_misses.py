@@ -20,6 +20,7 @@ import numpy as np
 
 from nsrm_harness.data.near_miss_texts import (
     AUXILIARIES,
+    COMPARED_TEXTS,
     INSERTED,
     JOINED_TEXTS,
     JOINTS,
@@ -31,7 +32,7 @@ from nsrm_harness.data.plain_wording import plain_words
 from nsrm_harness.domain import GROUP_TOKEN, Domain
 from nsrm_harness.domain.everyday import MAX_STEPS, Recogniser, Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Command, Grammar
-from nsrm_harness.domain.program import Relation, Step
+from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Share that is made from plain commands, in the grammar that a model is first trained on.
@@ -46,6 +47,8 @@ REARRANGED, REFERRING, RELATED = 0.1, 0.1, 0.4
 #: If descriptions may have relations, share of steps with one among those that are changed, and
 #: share of sentences that join more descriptions than a command has.
 DESCRIBED_FURTHER, JOINED = 0.4, 0.25
+#: If descriptions may have superlatives, share of sentences with a wrong one.
+COMPARED = 0.15
 #: Largest number of descriptions in a step that is learned from, a near miss or a command: more
 #: have four times the structures, and hardly anybody says them.
 MOST_GROUPS = 4
@@ -103,7 +106,7 @@ class NearMisses:
         self._rules = words.rules
         self._relation_texts = [
             filled_in(text, relation).split()
-            for relation in words.relations.values()
+            for relation in words.placements().values()
             for text in words.rules[relation["rule"]]
         ]
         self._plain_relations = [
@@ -111,9 +114,21 @@ class NearMisses:
             for action in domain.actions
             for phrase in action.phrases
         ]
-        self._relations = [
-            [word for word in text if not word.startswith("{")] for text in self._relation_texts
+        superlatives = {name: words.states()[name] for name in SUPERLATIVES if name in self._states}
+        #: "nearest to", and "nearest" before a noun.
+        self._compared = [
+            _literal(text.split())
+            for state in superlatives.values()
+            for text in words.rules[state["state"]]
         ]
+        self._most = [
+            before
+            for name in superlatives
+            for text in words.own_texts(name, "undescribed")
+            for before, word in pairwise(text.split())
+            if word == "{noun}"
+        ]
+        self._relations = [*map(_literal, self._relation_texts), *self._compared]
         self._order_words = domain.grammar.order_words or ("first",)
         # Half of them plain, as there are many.
         joints = ("and", "then", "and then", ",", ", and", ", then", ", and then", ".", ". then")
@@ -154,7 +169,9 @@ class NearMisses:
     def _changed(self) -> list[str] | None:
         """A step that is none; None if it is one after all, or would be refused anyway."""
         draw = self._rng.random()
-        if self._states and self._rng.random() < JOINED:
+        if self._compared and self._rng.random() < COMPARED:
+            words = self._wrongly_compared()
+        elif self._states and self._rng.random() < JOINED:
             words = self._joined()
         elif draw < REARRANGED:
             words = self._rearranged()
@@ -278,11 +295,25 @@ class NearMisses:
         step = self._described_further() if self._any(4) == 0 else None
         return self._speaker.words(f"{lead} {{before}} {text} {{after}}", step)
 
+    def _wrongly_compared(self) -> list[str]:
+        """A superlative that compares with nothing, or is no description's: "put the nearest red
+        block on the blue one", "put the red block nearest to the blue one"."""
+        text = self._with_relation_texts(self._choose(COMPARED_TEXTS))
+        lead = "{next}" if self._any(2) else ""
+        index = self._any(MAX_STEPS)
+        return self._speaker.words(f"{lead} {{before}} {text} {{after}}", index=index)
+
     def _with_relation_texts(self, text: str) -> str:
-        while "{part}" in text:
-            text = text.replace("{part}", " ".join(self._part_of(self._choose(self._relations))), 1)
-        while "{words}" in text:
-            text = text.replace("{words}", " ".join(self._choose(self._relations)), 1)
+        """The text with words for what stands for words of relations."""
+        for field, words in (
+            ("{part}", lambda: self._part_of(self._choose(self._relations))),
+            ("{words}", lambda: self._choose(self._relations)),
+            ("{most}", lambda: [self._choose(self._most)]),
+            ("{compared}", lambda: self._choose(self._compared)),
+            ("{some}", lambda: self._part_of(self._choose(self._compared))),
+        ):
+            while field in text:
+                text = text.replace(field, " ".join(words()), 1)
         return text
 
     def _referring(self) -> list[str]:
@@ -420,3 +451,8 @@ class NearMisses:
 
     def _any(self, count: int) -> int:
         return int(self._rng.integers(count))
+
+
+def _literal(words: Sequence[str]) -> list[str]:
+    """The words that stand for themselves."""
+    return [word for word in words if not word.startswith("{")]

@@ -11,7 +11,7 @@ import numpy as np
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import everyday_of, filled_in
 from nsrm_harness.domain.grammar import Grammar
-from nsrm_harness.domain.program import Program, Relation
+from nsrm_harness.domain.program import SUPERLATIVES, Program, Relation
 
 
 def plain_words(
@@ -44,16 +44,19 @@ def _plain_description(
     else:
         parts = [grammar.description(rng, concepts)]
     for relation in relations:
-        phrases = _state_phrases(domain, relation.action)
+        phrases = _state_phrases(domain, relation.name)
         parts.append(phrases[int(rng.integers(len(phrases)))])
         parts.append(grammar.description(rng, relation.to))
     return " ".join(parts)
 
 
-def _state_phrases(domain: Domain, action: str) -> list[str]:
-    """The phrases of an action that also say what it brings about: "on", but not "onto"."""
+def _state_phrases(domain: Domain, name: str) -> list[str]:
+    """The phrases of an action that also say what it brings about: "on", but not "onto"; all of a
+    superlative."""
     words = everyday_of(domain)
-    state = words.states()[action]
-    texts = {filled_in(text, state) for text in words.rules[state["state"]]}
-    phrases = domain.action(action).phrases
+    state = words.states()[name]
+    texts = [filled_in(text, state) for text in words.rules[state["state"]]]
+    if name in SUPERLATIVES:
+        return [text.removesuffix(" {reference}") for text in texts]
+    phrases = domain.action(name).phrases
     return [phrase for phrase in phrases if f"{phrase} {{reference}}" in texts]

@@ -4,6 +4,7 @@ misses."""
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker, everyday_of
 from nsrm_harness.domain.grammar import Grammar
-from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.program import SUPERLATIVES, Program, Step
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Number of sentences of which one is plain.
@@ -28,6 +29,8 @@ PLAIN = 3
 RELATED = 2
 #: Share of descriptions with two relations among those with any.
 CHAINED = 0.15
+#: Share of descriptions by superlatives among those with relations.
+COMPARED = 0.4
 #: A combination is impossible if chance would give at least so many programs, and there are none.
 EXPECTED = 20.0
 
@@ -55,7 +58,7 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
             related = related_programs(domain, truth, rng, count // RELATED)
             programs[: len(related) * RELATED : RELATED] = related
             shown.update(
-                (step.action, step.reference_relations[0].action)
+                (step.action, step.reference_relations[0].name)
                 for (step,) in related
                 if step.reference_relations
             )
@@ -94,14 +97,21 @@ def never_shown(shown: Counter[tuple[str, str]]) -> list[tuple[str, str]]:
 
 
 def related_programs(
-    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+    domain: Domain,
+    truth: Truth,
+    rng: np.random.Generator,
+    count: int,
+    names: Collection[str] | None = None,
 ) -> list[Program]:
     """Random programs of an episode with one step, which describe an object by its relations: that
-    to be moved, the reference, or both. None if there are no such programs."""
+    to be moved, the reference, or both. None if there are no such programs.
+
+    `names`: the relations; all of the domain by default
+    """
     if len(truth.steps) != 1 or not everyday_of(domain).states():
         return []
     (step,) = truth.steps
-    relations = RelatedDescriptions(domain, truth)
+    relations = RelatedDescriptions(domain, truth, names)
     blocks = (step.object_id - 1, step.reference_id - 1)
     every = [{links: relations.of(block, links) for links in (1, 2)} for block in blocks]
     if not any(any(found.values()) for found in every):
@@ -122,14 +132,21 @@ def related_programs(
 
 
 def misleading_programs(
-    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+    domain: Domain,
+    truth: Truth,
+    rng: np.random.Generator,
+    count: int,
+    names: Collection[str] | None = None,
 ) -> list[Program]:
     """Random programs of an episode with one step, in which a description with a relation holds for
-    no block or for several. None if there are no such programs."""
+    no block or for several. None if there are no such programs.
+
+    `names`: the relations; all of the domain by default
+    """
     if len(truth.steps) != 1 or not everyday_of(domain).states():
         return []
     (step,) = truth.steps
-    every = RelatedDescriptions(domain, truth).misleading()
+    every = RelatedDescriptions(domain, truth, names).misleading()
     programs: list[Program] = []
     while every and len(programs) < count:
         said = [Described(step.step.object, ()), Described(step.step.reference, ())]
@@ -143,7 +160,12 @@ def _step(action: str, moved: Described, reference: Described) -> Step:
 
 
 def _any(rng: np.random.Generator, found: list[Described]) -> Described:
-    """One of them: first whether it has values, so that the few without are said, too."""
+    """One of them: first whether it compares, and whether it has values, so that the few without
+    are said, too."""
+    compared = [each for each in found if each.relations[0].name in SUPERLATIVES]
+    if 0 < len(compared) < len(found):
+        directed = [each for each in found if each.relations[0].name not in SUPERLATIVES]
+        found = compared if rng.random() < COMPARED else directed
     bare = [each for each in found if not each.concepts]
     named = [each for each in found if each.concepts]
     chosen = bare if bare and (not named or rng.random() < 0.5) else named

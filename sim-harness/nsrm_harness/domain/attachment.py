@@ -13,6 +13,7 @@ from nsrm_harness.domain.domain import GROUP_TOKEN, Domain
 from nsrm_harness.domain.everyday import (
     Recogniser,
     everyday_of,
+    own_texts,
     recognised_rules,
     state_texts,
 )
@@ -33,9 +34,9 @@ class Attachments:
             texts = state_texts(words) if links == 1 else _without_owners(state_texts(words))
             rules[f"#relating_{level}"] = _with(texts, "reference", anchor)
             for rule, name, values in (("related", "anchor", 1), ("undescribed", "bare", 0)):
-                rules[f"#{name}_{level}"] = _with(
-                    words.rules[rule], "relating", f"#relating_{level}"
-                )
+                texts = _with(words.rules[rule], "relating", f"#relating_{level}")
+                own = _with(own_texts(words, rule), "reference", anchor)
+                rules[f"#{name}_{level}"] = [*texts, *own]
                 kinds[f"#{name}_{level}"] = values + links
         relations = recognised_rules(domain)["relation"]
         #: For each pair of kinds of descriptions: the number of descriptions, and its recogniser.

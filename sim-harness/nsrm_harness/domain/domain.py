@@ -164,8 +164,8 @@ NEEDED_RULES = (
 )
 #: Rules of descriptions with a relation, if some action's state has a rule.
 RELATING_RULES = ("related", "undescribed")
-#: Keys of a relation that name rules.
-RULE_NAMES = ("rule", "state")
+#: Keys of a relation that name rules. The last two name further alternatives of `RELATING_RULES`.
+RULE_NAMES = ("rule", "state", *RELATING_RULES)
 
 
 @dataclass(frozen=True)
@@ -176,6 +176,7 @@ class EverydayWords:
 
     #: For each action, by its name: the rule of its relations under ``rule``, the rule of the state
     #: that it brings about under ``state``, and what the placeholders in these rules stand for.
+    #: The `SUPERLATIVES` have no ``rule``.
     relations: Mapping[str, Mapping[str, Phrase]]
     #: The alternatives of each rule.
     rules: Annotated[Mapping[Identifier, Alternatives], Field(min_length=1)]
@@ -190,6 +191,15 @@ class EverydayWords:
             texts = [text for name in left for text in self.rules[name]]
             left = {word.strip("{}") for text in texts for word in text.split()}
         return {name: texts for name, texts in self.rules.items() if name in used}
+
+    def placements(self) -> dict[str, Mapping[str, Phrase]]:
+        """The relations that say where to: those of actions."""
+        return {name: each for name, each in self.relations.items() if "rule" in each}
+
+    def own_texts(self, name: str, rule: str) -> Texts:
+        """The further alternatives that a relation has of one of `RELATING_RULES`. There
+        ``{reference}`` is the other object."""
+        return self.rules.get(self.relations[name].get(rule, ""), ())
 
     def states(self) -> dict[str, Mapping[str, Phrase]]:
         """The relations that descriptions may have."""

@@ -160,17 +160,29 @@ class Speaker:
                 filled = self._choose(self._words.rules[relation["rule"]])
                 yield from self._expanded(filled_in(filled, relation), context)
             elif name == "relating":
-                first, *others = context.saying.relations
-                state = self._words.relations[first.action]
+                state = self._words.relations[context.saying.relations[0].name]
                 filled = self._choose(self._words.rules[state["state"]])
-                related = replace(context, reference=_Said(first.to, tuple(others)))
-                yield from self._expanded(filled_in(filled, state), related)
+                yield from self._expanded(filled_in(filled, state), context.of_anchor())
             elif name in DESCRIBED:
                 said = context.moved if name == "moved" else context.reference
-                chosen = self._choose(self._words.rules[_description_rule(name, said)])
-                yield from self._expanded(chosen, replace(context, saying=said))
+                yield from self._described(name, said, replace(context, saying=said))
             else:
                 yield from self._expanded(self._choose(self._words.rules[name]), context)
+
+    def _described(
+        self, name: str, said: _Said, context: _Context
+    ) -> Iterator[str | tuple[str, ...]]:
+        rule = _description_rule(name, said)
+        texts, own = self._words.rules[rule], ()
+        if rule in RELATING_RULES:
+            own = self._words.own_texts(said.relations[0].name, rule)
+        at = int(self._rng.integers(len(texts) + len(own)))
+        if at < len(texts):
+            yield from self._expanded(texts[at], context)
+        else:
+            state = self._words.relations[said.relations[0].name]
+            chosen = filled_in(own[at - len(texts)], state)
+            yield from self._expanded(chosen, context.of_anchor())
 
     def _values(self, concepts: Sequence[str]) -> tuple[str, ...]:
         said = [
@@ -180,7 +192,7 @@ class Speaker:
         return tuple(said[index] for index in self._rng.permutation(len(said)))
 
     def _any_action(self) -> str:
-        return self._choose(list(self._words.relations))
+        return self._choose(list(self._words.placements()))
 
     def _choose(self, texts: Sequence[str]) -> str:
         return texts[int(self._rng.integers(len(texts)))]
@@ -210,6 +222,11 @@ class _Context:
     reference: _Said = _UNKNOWN
     #: The description that is being said.
     saying: _Said = _UNKNOWN
+
+    def of_anchor(self) -> _Context:
+        """What the words of the relation of what is being said depend on."""
+        first, *others = self.saying.relations
+        return replace(self, reference=_Said(first.to, tuple(others)))
 
     @classmethod
     def of(cls, step: Step | None, index: int) -> _Context:
@@ -323,11 +340,12 @@ def recognised_rules(domain: Domain) -> dict[str, Sequence[str]]:
     described = ["{description}"]
     if words.states():
         described += [f"{{{rule}}}" for rule in RELATING_RULES]
+        described += [text for rule in RELATING_RULES for text in own_texts(words, rule)]
     return {
         **words.rules,
         "relation": [
             filled_in(text, relation)
-            for relation in words.relations.values()
+            for relation in words.placements().values()
             for text in words.rules[relation["rule"]]
         ],
         "relating": state_texts(words),
@@ -350,6 +368,15 @@ def state_texts(words: EverydayWords) -> list[str]:
         filled_in(text, state)
         for state in words.states().values()
         for text in words.rules[state["state"]]
+    ]
+
+
+def own_texts(words: EverydayWords, rule: str) -> list[str]:
+    """The further alternatives of a rule that single relations have."""
+    return [
+        filled_in(text, state)
+        for name, state in words.states().items()
+        for text in words.own_texts(name, rule)
     ]
 
 

@@ -8,14 +8,18 @@ from typing import Any
 
 from nsrm_harness.common.json_text import json_text
 
+#: Relations that compare the objects of a scene, beside those that actions bring about; in the
+#: order of a model's relations, behind the actions.
+SUPERLATIVES = ("Nearest", "Farthest")
+
 
 @dataclass(frozen=True)
 class Relation:
-    """``Relate(action, Unique(Filter(… Scene())))``: what is where the action puts objects, seen
-    from another object."""
+    """``Relate(name, Unique(Filter(… Scene())))``: what is where an action puts objects, seen
+    from another object, or what is nearest to it or farthest from it."""
 
-    #: Name of the action.
-    action: str
+    #: Name of the action, or one of `SUPERLATIVES`.
+    name: str
     #: Names of the concepts that describe the other object.
     to: tuple[str, ...]
 
@@ -61,7 +65,7 @@ def _as_json(concepts: Sequence[str], relations: Sequence[Relation]) -> Any:
         return list(concepts)
     first, *others = relations
     to = _as_json(first.to, others)
-    return {"concepts": list(concepts), "relation": {"name": first.action, "to": to}}
+    return {"concepts": list(concepts), "relation": {"name": first.name, "to": to}}
 
 
 def _from_json(content: Any) -> tuple[tuple[str, ...], tuple[Relation, ...]]:
@@ -91,5 +95,5 @@ def canonical(steps: Iterable[Step]) -> str:
 def _sorted(concepts: Sequence[str], relations: Sequence[Relation]) -> Any:
     return _as_json(
         sorted(concepts),
-        [Relation(relation.action, tuple(sorted(relation.to))) for relation in relations],
+        [Relation(relation.name, tuple(sorted(relation.to))) for relation in relations],
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,9 @@ from nsrm_harness.domain.domain import (
     RULE_NAMES,
     Attribute,
     Domain,
+    EverydayWords,
 )
+from nsrm_harness.domain.program import SUPERLATIVES
 
 #: The paper's domain.
 DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
@@ -117,11 +119,12 @@ def _with_its_name(attribute: Attribute) -> Attribute:
 
 
 def _with_its_relations(domain: Domain) -> Domain:
-    """The domain without the everyday relations of actions that it does not have."""
+    """The domain without the everyday relations of actions that it does not have; the superlatives
+    stand behind the actions."""
     if domain.everyday is None:
         return domain
     every, names = domain.everyday.relations, [action.name for action in domain.actions]
-    relations = {name: every[name] for name in names}
+    relations = {name: every[name] for name in (*names, *SUPERLATIVES) if name in every}
     return replace(domain, everyday=replace(domain.everyday, relations=relations))
 
 
@@ -136,6 +139,9 @@ def _names(domain: Domain) -> Faults:
         for name in dict.fromkeys(names):
             if names.count(name) > 1:
                 yield key, f"duplicate name {name!r}"
+    for action in domain.actions:
+        if action.name in SUPERLATIVES:
+            yield "action", f"{action.name} is a relation of every domain: use another name"
     if len(domain.attributes) > MAX_ATTRIBUTES:
         yield "attribute", f"at most {MAX_ATTRIBUTES} types, got {len(domain.attributes)}"
     if len(domain.concepts) > MAX_CONCEPTS:
@@ -213,17 +219,7 @@ def _everyday(domain: Domain) -> Faults:
     for name in COUNTING:
         if len(rules.get(name, ())) not in (0, MAX_STEPS):
             yield f"everyday.rules.{name}", f"expected {MAX_STEPS} alternatives, one for each step"
-    for name in names:
-        relation = domain.everyday.relations.get(name)
-        if relation is None:
-            yield f"everyday.relations.{name}", "is missing"
-            continue
-        for key in RULE_NAMES:
-            if (rule := relation.get(key)) not in rules and (key == "rule" or rule is not None):
-                yield (
-                    f"everyday.relations.{name}.{key}",
-                    f"expected the name of a rule, got {rule!r}",
-                )
+    yield from _everyday_relations(domain.everyday, names)
     if states := domain.everyday.states():
         for name in RELATING_RULES:
             if name not in rules:
@@ -240,10 +236,31 @@ def _everyday(domain: Domain) -> Faults:
             yield f"everyday.rules.{name}", f"unknown rule {{{used}}}"
     for used, by in FILLED_IN.items():
         uses.setdefault(used, set(by))
-    uses["relation"] = {relation.get("rule", "") for relation in domain.everyday.relations.values()}
+    uses["relation"] = {each["rule"] for each in domain.everyday.placements().values()}
     uses["relating"] = {relation["state"] for relation in states.values()}
     if (looped := _loop(uses)) is not None:
         yield f"everyday.rules.{looped}", "contains itself"
+
+
+def _everyday_relations(words: EverydayWords, actions: Sequence[str]) -> Faults:
+    """Actions have a rule, superlatives a state alone, and what they name are rules."""
+    for name in (*actions, *SUPERLATIVES):
+        relation = words.relations.get(name)
+        if relation is None:
+            if name in actions:
+                yield f"everyday.relations.{name}", "is missing"
+            continue
+        if name in SUPERLATIVES and "rule" in relation:
+            yield f"everyday.relations.{name}.rule", "is no place: only descriptions have it"
+        needed = "state" if name in SUPERLATIVES else "rule"
+        for key in RULE_NAMES:
+            if (rule := relation.get(key)) not in words.rules and (
+                key == needed or rule is not None
+            ):
+                yield (
+                    f"everyday.relations.{name}.{key}",
+                    f"expected the name of a rule, got {rule!r}",
+                )
 
 
 def _spelling(domain: Domain) -> Faults:

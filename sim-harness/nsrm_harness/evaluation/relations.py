@@ -4,12 +4,12 @@ core.
 They are about episodes of one step, and best about scenes in which blocks stand on each other. A
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
-must be refused there.
+must be refused there. Superlatives, "nearest to" and "farthest from", are counted apart.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,8 +19,9 @@ from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.tell import misleading_programs, related_programs
+from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import Speaker
-from nsrm_harness.domain.program import Program
+from nsrm_harness.domain.program import SUPERLATIVES, Program
 from nsrm_harness.evaluation.language import Counted, count, say, understand
 from nsrm_harness.evaluation.metrics import check_domain, domain_of
 from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
@@ -48,26 +49,48 @@ def measure_relations(
         domain = domain_of(model, demonstrations.domain)
         if domain.everyday is None or not domain.everyday.states():
             return []
-        told: list[Said] = []
-        misleading: list[Said] = []
-        for index in range(len(judge)):
-            truth, rng = judge.truth(index), generator(seed, "related", index)
-            for program in related_programs(domain, truth, rng, TIMES):
-                (step,) = truth.steps
-                told.append(Said(index, program, (step.object_id, step.reference_id)))
-            for program in misleading_programs(domain, truth, rng, TIMES):
-                misleading.append(Said(index, program, None))
-        rows = [
-            count(f"relations{ending}", understand(model, sentences))
-            for ending, sentences in say(domain, [each.program for each in told], seed).items()
-        ]
-        for name, chosen in (("in scenes", told), ("of none or several", misleading)):
-            words = [
-                " ".join(Speaker(domain, generator(seed, "told", number)).sentence(each.program))
-                for number, each in enumerate(chosen)
-            ]
-            rows.append(_grounded(model, demonstrations, f"relations {name}", chosen, words, quiet))
+        rows: list[Counted] = []
+        known = set(domain.everyday.states())
+        for name, names in (
+            ("relations", known - {*SUPERLATIVES}),
+            ("superlatives", known & {*SUPERLATIVES}),
+        ):
+            if not names:
+                continue
+            told, misleading = _programs(domain, judge, seed, names)
+            said = say(domain, [each.program for each in told], seed)
+            rows += [count(f"{name}{ending}", understand(model, said[ending])) for ending in said]
+            for ending, chosen in (("in scenes", told), ("of none or several", misleading)):
+                words = _words(domain, chosen, seed)
+                grounded = _grounded(
+                    model, demonstrations, f"{name} {ending}", chosen, words, quiet
+                )
+                rows.append(grounded)
         return rows
+
+
+def _programs(
+    domain: Domain, judge: GroundTruth, seed: int, names: Collection[str]
+) -> tuple[list[Said], list[Said]]:
+    """Programs with these relations that are true, and that hold for no block or for several."""
+    told: list[Said] = []
+    misleading: list[Said] = []
+    for index in range(len(judge)):
+        truth, rng = judge.truth(index), generator(seed, "related", index)
+        for program in related_programs(domain, truth, rng, TIMES, names):
+            (step,) = truth.steps
+            told.append(Said(index, program, (step.object_id, step.reference_id)))
+        for program in misleading_programs(domain, truth, rng, TIMES, names):
+            misleading.append(Said(index, program, None))
+    return told, misleading
+
+
+def _words(domain: Domain, told: Sequence[Said], seed: int) -> list[str]:
+    """A sentence for each program."""
+    return [
+        " ".join(Speaker(domain, generator(seed, "told", number)).sentence(each.program))
+        for number, each in enumerate(told)
+    ]
 
 
 def _grounded(

@@ -1,6 +1,7 @@
 """Converts files of earlier schemas: the hash covered only the tensors (model 2, baseline 1), and
 models had no acceptability (2, 3), no relations in descriptions (2 to 4), a splitter that saw two
-tokens ahead (2 to 5), and did not tell the camera of their training (2 to 6)."""
+tokens ahead (2 to 5), did not tell the camera of their training (2 to 6), and had no superlatives
+in descriptions (2 to 7)."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ import jax
 import numpy as np
 
 from nsrm_harness.common.json_text import json_text
+from nsrm_harness.domain.program import SUPERLATIVES
 from nsrm_harness.learning import export, hashes
 from nsrm_harness.learning.baseline import file as baseline
 from nsrm_harness.learning.export import ModelFileError, hashed_bytes, read_raw, write_whole
@@ -37,9 +39,9 @@ LAST_OF_TENSORS = ("2", BASELINE)
 
 def convert(path: Path) -> None:
     """Gives a file the current schema and hash, and a model that has none an acceptability with
-    which it accepts all words that it accepted before, a relation decoder that finds no relation,
-    a splitter that ignores the tokens that it did not see before, and the default camera, with
-    which all of them were trained; nothing else in it changes.
+    which it accepts all words that it accepted before, a relation decoder that finds no other
+    relations than before, a splitter that ignores the tokens that it did not see before, and the
+    default camera, with which all of them were trained; nothing else in it changes.
 
     Raises `ModelFileError` for a file of another schema, or which does not have its hash. The
     metadata of the first schemas are taken as they are, since nothing protected them.
@@ -69,6 +71,11 @@ def convert(path: Path) -> None:
             for part, module in added.items()
             for name, array in tensors(module).items()
         } | arrays
+        superlatives = without_relations(len(SUPERLATIVES))
+        for name, array in tensors(superlatives).items():
+            rows = f"language.relation_decoder.{name}"
+            old, new = np.split(arrays[rows], 2), np.split(np.asarray(array), 2)
+            arrays[rows] = np.concatenate([old[0], new[0], old[1], new[1]])
         seen = arrays["language.splitter.hidden.weight"]
         unseen = SPLITTER_HIDDEN + LOOKAHEAD * SPLITTER_WORD - seen.shape[1]
         arrays["language.splitter.hidden.weight"] = np.pad(seen, ((0, 0), (0, unseen)))

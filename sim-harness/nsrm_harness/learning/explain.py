@@ -37,8 +37,8 @@ from nsrm_harness.learning.objective import (
 from nsrm_harness.learning.structures import (
     MOST_GROUPS,
     Structures,
+    pairs,
     referents,
-    related,
     structures,
 )
 
@@ -101,7 +101,7 @@ def explain(model: Model, data: TrainingSet, config: TrainingConfig, camera: Cam
         sure = fits & np.asarray(next_loss > loss + MARGIN)[:count] & ~single[some]
         steps = np.stack(np.unravel_index(np.asarray(best)[:count], (2 * actions,) * 2), axis=1)
         for number in range(2):
-            found = _plain(steps[:, number], actions)
+            found = _plain(steps[:, number], actions, relations_of(model))
             parts.append(_explained(some[sure], number, found[sure]))
         single[some] &= ~fits
     for number in range(GROUPS_PER_STEP, MOST_GROUPS + 1):
@@ -131,10 +131,15 @@ def _explained(rows: np.ndarray, step: int, programs: np.ndarray) -> Explained:
     return Explained(rows[kept], np.full(len(listed), step), listed)
 
 
-def _plain(steps: np.ndarray, actions: int) -> np.ndarray:
+def relations_of(model: Model) -> int:
+    """The number of relations that descriptions may have."""
+    return len(model.language.relation_decoder.weight) // 2
+
+
+def _plain(steps: np.ndarray, actions: int, relations: int) -> np.ndarray:
     """Plain programs by number, 2·action + (0 if the first description is of the object to be
     moved), as for `_explained`."""
-    found = np.zeros((len(steps), len(structures(actions).count), actions), bool)
+    found = np.zeros((len(steps), len(structures(relations).count), actions), bool)
     found[np.arange(len(steps)), steps % 2, steps // 2] = True
     return found.reshape(len(steps), -1)
 
@@ -182,15 +187,15 @@ def _programs(
 
     `moves`: see `_moves`
     """
-    table = structures(model.language.action_decoder.weight.shape[0])
+    table = structures(relations_of(model))
     used = np.flatnonzero(table.count == count)
     every = Structures(*(jnp.asarray(column[used]) for column in table))
 
     def one(groups: Array, similarities: Array, scene: SceneArrays, moves: Array) -> Array:
         matches = jax.vmap(filter_scene, (None, 0))(similarities, groups) >= MATCH_SCORE
-        cosines = related(model, scene.before, camera)
+        among = pairs(model, scene.before, camera)
         refers = jax.vmap(referents, (0, None, None, None))
-        moved, reference = refers(every, matches, cosines, scene.present)
+        moved, reference = refers(every, matches, among, scene.present)
         explains = moves[:, moved, reference].T & ((moved >= 0) & (reference >= 0))[:, None]
         return jnp.zeros((len(table.count), explains.shape[1]), bool).at[used].set(explains)
 

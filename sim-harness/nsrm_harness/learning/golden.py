@@ -22,7 +22,7 @@ from nsrm_harness.domain.tokens import Tokenizer, split
 from nsrm_harness.learning import reference
 from nsrm_harness.learning.export import ModelFile, identity_of, safetensors_bytes
 from nsrm_harness.learning.model import Conv, run_gru
-from nsrm_harness.learning.structures import related
+from nsrm_harness.learning.structures import related, remoteness
 
 SEED = 20240
 TOLERANCES = {
@@ -175,7 +175,7 @@ def simulator(file: ModelFile, demonstrations: Demonstrations, rng: np.random.Ge
 def language(
     file: ModelFile, demonstrations: Demonstrations
 ) -> tuple[list[dict[str, Any]], Arrays]:
-    """Sentences of the data, two with relations, one with 128 tokens, and one with padding after
+    """Sentences of the data, three with relations, one with 128 tokens, and one with padding after
     it."""
     tokenizer = Tokenizer(file.domain)
     kinds = {True: 0, False: 0}
@@ -265,6 +265,8 @@ def chains(
         arrays[f"scene.{index}.locations"] = locations
         cosines = related(file.model, jnp.asarray(locations), demonstrations.camera(index))
         arrays[f"scene.{index}.relations"] = np.asarray(cosines)
+        remote = remoteness(file.model, jnp.asarray(locations), demonstrations.camera(index))
+        arrays[f"scene.{index}.distances"] = np.asarray(remote[0])
         arrays[f"scene.{index}.crops"] = crops
         arrays[f"scene.{index}.embeddings"] = embeddings
         sentence = demonstrations.sentences[index]

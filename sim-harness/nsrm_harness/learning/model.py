@@ -14,6 +14,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from nsrm_harness.domain.program import SUPERLATIVES
+
 if TYPE_CHECKING:
     from nsrm_harness.domain import Domain
 
@@ -72,6 +74,11 @@ class Dimensions:
     words: int
     attributes: tuple[AttributeShape, ...]
     actions: int
+
+    @property
+    def relations(self) -> int:
+        """Number of relations in descriptions: those of actions, then the superlatives."""
+        return self.actions + len(SUPERLATIVES)
 
     @property
     def concepts(self) -> int:
@@ -179,16 +186,16 @@ class Acceptability(eqx.Module):
         return rows(self.output, jnp.tanh(rows(self.hidden, states)))[:, 0]
 
 
-def without_relations(actions: int, odds: float = ACCEPTED) -> eqx.nn.Linear:
-    """The relation decoder of a model that knows no relations in descriptions.
+def without_relations(relations: int, odds: float = ACCEPTED) -> eqx.nn.Linear:
+    """The relation decoder of a model that knows none of so many relations in descriptions.
 
     `odds`: the log odds of having none against having a certain one
     """
-    decoder = eqx.nn.Linear(INSTRUCTION, 2 * actions, key=jax.random.key(0))
+    decoder = eqx.nn.Linear(INSTRUCTION, 2 * relations, key=jax.random.key(0))
     return eqx.tree_at(
         lambda layer: (layer.weight, layer.bias),
         decoder,
-        (jnp.zeros((2 * actions, INSTRUCTION)), jnp.full(2 * actions, -odds)),
+        (jnp.zeros((2 * relations, INSTRUCTION)), jnp.full(2 * relations, -odds)),
     )
 
 
@@ -205,7 +212,7 @@ class Heard(NamedTuple):
 
     parse: Parse
     roles: Array
-    """Logits `[T, 1 + 2A]` of the role that each group has; see `structures`."""
+    """Logits `[T, 1 + 2R]` of the role that each group has; see `structures`."""
     acceptable: Array
     """Log probability that all words are acceptable."""
 
@@ -219,9 +226,10 @@ class Language(eqx.Module):
     object_decoder: eqx.nn.Linear
     reference_decoder: eqx.nn.Linear
     relation_decoder: eqx.nn.Linear
-    """Logits of what a group's values do, if they are not themselves an argument's, for each action
-    that names a relation: first those of describing the object before it further, then those of
-    describing, in place of an object without values, what it is related to."""
+    """Logits of what a group's values do, if they are not themselves an argument's, for each of the
+    R relations, those of actions and then the superlatives: first those of describing the object
+    before it further, then those of describing, in place of an object without values, what it is
+    related to."""
     acceptability: Acceptability
     splitter: Splitter
 
@@ -234,7 +242,7 @@ class Language(eqx.Module):
         self.reference_decoder = eqx.nn.Linear(INSTRUCTION, INSTRUCTION, key=keys[4])
         self.splitter = Splitter(dimensions.words, keys[5])
         self.acceptability = Acceptability(jax.random.fold_in(key, 6))
-        self.relation_decoder = without_relations(dimensions.actions)
+        self.relation_decoder = without_relations(dimensions.relations)
 
     def parse(self, tokens: Array, valid: Array) -> Parse:
         """Tokens of one step `[T]`, right-padded -> logits; only group tokens can be arguments."""

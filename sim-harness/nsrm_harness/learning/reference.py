@@ -43,7 +43,7 @@ class ParsedStep:
     reference_logits: np.ndarray
     """`[g]`"""
     role_logits: np.ndarray
-    """`[g, 1 + 2A]`"""
+    """`[g, 1 + 2R]`"""
     groups: tuple[tuple[int, ...], ...]
     """Concepts of each group."""
 

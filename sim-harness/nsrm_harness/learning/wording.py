@@ -39,7 +39,7 @@ from nsrm_harness.learning.dataset import (
     told,
     training_set,
 )
-from nsrm_harness.learning.explain import explain
+from nsrm_harness.learning.explain import explain, relations_of
 from nsrm_harness.learning.export import ModelFile
 from nsrm_harness.learning.first_ends import first_ends
 from nsrm_harness.learning.model import (
@@ -257,7 +257,8 @@ class Lesson:
 
     def untaught(self, seed: int) -> Model:
         """The model with random embeddings for the words that are new to it, and before its first
-        lesson with an acceptability and a relation decoder that know nothing."""
+        lesson with an acceptability and a relation decoder that know nothing. Later lessons keep
+        both, and may add relations."""
         fresh = Model(Dimensions.of(self.domain), jax.random.key(seed))
         base, row = self.base.model, {word: n for n, word in enumerate(self.domain.vocabulary())}
         known = jnp.array([row[word] for word in self.base.domain.vocabulary()])
@@ -273,7 +274,9 @@ class Lesson:
         judge, relations = base.language.acceptability, base.language.relation_decoder
         if NAME not in self.base.training:
             judge = Acceptability(jax.random.key(seed), ODDS)
-            relations = without_relations(len(self.domain.actions), ODDS)
+            relations = without_relations(relations_of(base), ODDS)
+        else:
+            relations = _ready(relations)
         return eqx.tree_at(
             lambda model: (
                 *embeddings(model),
@@ -283,6 +286,15 @@ class Lesson:
             base,
             (*grown, judge, relations),
         )
+
+
+def _ready(relations: eqx.nn.Linear) -> eqx.nn.Linear:
+    """The relation decoder, in which those relations that no lesson has taught are as before the
+    first lesson."""
+    assert relations.bias is not None, "layers have a bias"
+    untaught = ~jnp.any(relations.weight != 0.0, axis=1)
+    bias = jnp.where(untaught, -ODDS, relations.bias)
+    return eqx.tree_at(lambda layer: layer.bias, relations, bias)
 
 
 def teach(

@@ -408,26 +408,29 @@ class RelationMessage(ctypes.Structure):
     """A relation in a description: to what, and where this lies from it."""
 
     _fields_: ClassVar = [
-        # Index in the model of the action that brings the relation about.
+        # 0: the state that an action brings about; 1: nearest; 2: farthest.
+        ("kind", ctypes.c_uint32),
+        # Index of that action in the model; 0 for the other kinds.
         ("action", ctypes.c_uint32),
         # How many concepts describe the other object.
         ("count", ctypes.c_uint32),
         # Those concepts: indices in the model; 0 after the last.
         ("concepts", ctypes.c_uint8 * 4),
     ]
-    LAYOUT: ClassVar = (12, 4)
+    LAYOUT: ClassVar = (16, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
-        "action": 0,
-        "count": 4,
-        "concepts": 8,
+        "kind": 0,
+        "action": 4,
+        "count": 8,
+        "concepts": 12,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.RelationMessage.cb7fb11d9b80be0a"
+        return "nsrm.v1.RelationMessage.1c13181ebe957494"
 
 
 class StepMessage(ctypes.Structure):
@@ -473,7 +476,7 @@ class StepMessage(ctypes.Structure):
         # metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (172, 4)
+    LAYOUT: ClassVar = (188, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
@@ -481,25 +484,25 @@ class StepMessage(ctypes.Structure):
         "object": 8,
         "object_relation_count": 12,
         "object_relations": 16,
-        "reference_count": 40,
-        "reference": 44,
-        "reference_relation_count": 48,
-        "reference_relations": 52,
-        "object_id": 76,
-        "reference_id": 80,
-        "object_score": 84,
-        "reference_score": 88,
-        "confidence": 92,
-        "position": 124,
-        "orientation": 136,
-        "location": 152,
+        "reference_count": 48,
+        "reference": 52,
+        "reference_relation_count": 56,
+        "reference_relations": 60,
+        "object_id": 92,
+        "reference_id": 96,
+        "object_score": 100,
+        "reference_score": 104,
+        "confidence": 108,
+        "position": 140,
+        "orientation": 152,
+        "location": 168,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.StepMessage.8ac58d9814755bea"
+        return "nsrm.v1.StepMessage.f77389e51a1cd6f4"
 
 
 class PlanReply(ctypes.Structure):
@@ -534,7 +537,7 @@ class PlanReply(ctypes.Structure):
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
-    LAYOUT: ClassVar = (2456, 8)
+    LAYOUT: ClassVar = (2584, 8)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
@@ -556,7 +559,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.08d614213fec16c9"
+        return "nsrm.v1.PlanReply.6b21b437ebd5f0b6"
 
 
 class SubGoal(ctypes.Structure):

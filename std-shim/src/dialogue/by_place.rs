@@ -2,7 +2,7 @@
 //! the left of the blue one".
 
 use nsrm_core::Scene;
-use nsrm_core::dsl::{Description, Filters, Relation};
+use nsrm_core::dsl::{Description, Filters, Relation, RelationKind};
 use nsrm_core::grounding::score;
 use nsrm_core::model::Action;
 use nsrm_core::relation::{RELATION_CLEAR, relate};
@@ -82,8 +82,8 @@ impl Context<'_> {
         for (index, action) in (0..).zip(self.model.actions) {
             for &(anchor, to) in &around.anchors {
                 if let Some(cosine) = self.only_one(object, action, anchor, around) {
-                    let action = index;
-                    relations.push((cosine, Relation { action, to }));
+                    let kind = RelationKind::Action(index);
+                    relations.push((cosine, Relation { kind, to }));
                 }
             }
         }
@@ -121,7 +121,7 @@ impl Context<'_> {
 
     /// The option with the refused description's values and this relation.
     fn related(&self, place: &Described, filters: &Filters, relation: Relation) -> Option<Choice> {
-        let phrase = self.model.actions.get(usize::from(relation.action))?.phrase;
+        let phrase = relation.kind.phrase(self.model);
         let (own, anchor) = (self.named(filters), self.named(&relation.to));
         let mut description = Description::of(*filters);
         description.relate(relation).ok()?;

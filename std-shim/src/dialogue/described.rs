@@ -135,8 +135,8 @@ fn replaced(description: &Description, level: usize, other: &Description) -> Opt
         } else {
             &relation.to
         };
-        let (action, to) = (relation.action, *filters);
-        replaced.relate(Relation { action, to }).ok()?;
+        let (kind, to) = (relation.kind, *filters);
+        replaced.relate(Relation { kind, to }).ok()?;
     }
     for &relation in other.relations() {
         replaced.relate(relation).ok()?;

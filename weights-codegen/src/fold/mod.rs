@@ -5,10 +5,10 @@ mod language;
 mod simulator;
 mod vision;
 
-use nsrm_core::model::{PixelToCamera, Simulator};
+use nsrm_core::model::PixelToCamera;
 
 pub(crate) use language::FoldedLanguage;
-pub(crate) use simulator::FoldedAction;
+pub(crate) use simulator::FoldedActions;
 pub(crate) use vision::FoldedVision;
 
 use crate::error::ModelError;
@@ -20,8 +20,7 @@ use crate::tensors::Tensors;
 pub(crate) struct Folded {
     pub(crate) language: FoldedLanguage,
     pub(crate) vision: FoldedVision,
-    pub(crate) actions: Vec<FoldedAction>,
-    pub(crate) simulator: Box<Simulator>,
+    pub(crate) actions: FoldedActions,
     pub(crate) camera: PixelToCamera,
 }
 
@@ -31,7 +30,7 @@ impl Folded {
         let domain = &metadata.domain;
         let language = FoldedLanguage::read(&mut tensors, metadata.vocabulary.len())?;
         let vision = FoldedVision::read(&mut tensors, domain)?;
-        let (actions, simulator) = simulator::read(&mut tensors, domain.action.len())?;
+        let actions = simulator::read(&mut tensors, domain.action.len())?;
         let [x, y, z] = tensors
             .rows("camera.weight", 3)?
             .try_into()
@@ -41,7 +40,6 @@ impl Folded {
             language,
             vision,
             actions,
-            simulator,
             camera: PixelToCamera::new().with_weight([x, y, z]),
         })
     }

@@ -1,6 +1,6 @@
 //! Action decoder's and relation decoder's rows, and action simulator (section IV-D).
 
-use nsrm_core::model::{INSTRUCTION, LOCATION, SIMULATOR_HIDDEN, Simulator};
+use nsrm_core::model::{INSTRUCTION, LOCATION, SIMULATOR_HIDDEN, Simulator, Superlative};
 use nsrm_core::nn::Linear;
 
 use super::finite;
@@ -21,6 +21,18 @@ pub(crate) struct FoldedAction {
     pub(crate) simulator_bias: [f32; SIMULATOR_HIDDEN],
 }
 
+/// The parameters of all actions, and what the tensors of some contain, too.
+#[derive(Debug)]
+pub(crate) struct FoldedActions {
+    pub(crate) actions: Vec<FoldedAction>,
+    pub(crate) nearest: Box<Superlative>,
+    pub(crate) farthest: Box<Superlative>,
+    pub(crate) simulator: Box<Simulator>,
+}
+
+/// The number of superlatives.
+const SUPERLATIVES: usize = 2;
+
 /// Reads the action decoder, the relation decoder and the simulator.
 ///
 /// With `x = (location - mean) / scale`, the first layer `W·[onehot, x] + b`
@@ -28,16 +40,21 @@ pub(crate) struct FoldedAction {
 /// `b + W_action - Σ_j W_j·mean[j] / scale[j]`.
 ///
 /// * `count`: number of actions
-pub(crate) fn read(
-    tensors: &mut Tensors,
-    count: usize,
-) -> Result<(Vec<FoldedAction>, Box<Simulator>), ModelError> {
+pub(crate) fn read(tensors: &mut Tensors, count: usize) -> Result<FoldedActions, ModelError> {
     const NAME: &str = "action.simulator";
     let decoder = tensors.rows::<INSTRUCTION>("language.action_decoder.weight", count)?;
     let decoder_bias = tensors.take("language.action_decoder.bias", &[count])?;
-    // A row for each action that restricts, then one for each that stands for an object.
-    let relations = tensors.rows::<INSTRUCTION>("language.relation_decoder.weight", 2 * count)?;
-    let relation_bias = tensors.take("language.relation_decoder.bias", &[2 * count])?;
+    // A row for each relation that restricts, those of actions and then the superlatives; then one
+    // for each that stands for an object.
+    let half = count + SUPERLATIVES;
+    let relations = tensors.rows::<INSTRUCTION>("language.relation_decoder.weight", 2 * half)?;
+    let relation_bias = tensors.take("language.relation_decoder.bias", &[2 * half])?;
+    let rows = |relation: usize| [relations[relation], relations[half + relation]];
+    let biases = |relation: usize| [relation_bias[relation], relation_bias[half + relation]];
+    let superlative = |relation: usize| {
+        let superlative = Superlative::new().with_decoder(rows(relation));
+        Box::new(superlative.with_bias(biases(relation)))
+    };
     let width = count + 2 * LOCATION;
     let weight = tensors.take(&format!("{NAME}.input.weight"), &[SIMULATOR_HIDDEN, width])?;
     let bias = tensors.vector::<SIMULATOR_HIDDEN>(&format!("{NAME}.input.bias"))?;
@@ -84,11 +101,16 @@ pub(crate) fn read(
             Ok(FoldedAction {
                 decoder,
                 decoder_bias,
-                relation_decoder: [relations[action], relations[count + action]],
-                relation_bias: [relation_bias[action], relation_bias[count + action]],
+                relation_decoder: rows(action),
+                relation_bias: biases(action),
                 simulator_bias,
             })
         })
         .collect::<Result<Vec<FoldedAction>, ModelError>>()?;
-    Ok((actions, simulator))
+    Ok(FoldedActions {
+        actions,
+        nearest: superlative(count),
+        farthest: superlative(count + 1),
+        simulator,
+    })
 }

@@ -42,6 +42,8 @@ pub(crate) const LEXICON: [(&str, u8); 8] = [
     ("tiny", 4),
 ];
 pub(crate) const ACTIONS: usize = 2;
+/// Those of the actions, and the superlatives.
+pub(crate) const RELATIONS: usize = ACTIONS + 2;
 pub(crate) const CONCEPTS: usize = 7;
 
 /// Looks straight down on the table; image right is the world's −y, image down its −x.
@@ -111,8 +113,8 @@ fn shapes() -> Vec<(String, Vec<usize>)> {
     }
     add("language.action_decoder.weight", &[ACTIONS, 96]);
     add("language.action_decoder.bias", &[ACTIONS]);
-    add("language.relation_decoder.weight", &[2 * ACTIONS, 96]);
-    add("language.relation_decoder.bias", &[2 * ACTIONS]);
+    add("language.relation_decoder.weight", &[2 * RELATIONS, 96]);
+    add("language.relation_decoder.bias", &[2 * RELATIONS]);
     for decoder in ["object", "reference"] {
         add(&format!("language.{decoder}_decoder.weight"), &[96, 96]);
         add(&format!("language.{decoder}_decoder.bias"), &[96]);

@@ -20,7 +20,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         let group = self.roles.count();
         let states = self.encoder.groups();
         let state = states.get(group).ok_or(Refusal::InvalidModel)?;
-        let choice = choose_role(self.model.actions, state, group == 0);
+        let choice = choose_role(self.model, state, group == 0);
         let Decided { index, probability } = self.decide(step, Decision::Relation, choice)?;
         let role = GroupRole::of(index, self.model.actions.len());
         self.roles

@@ -1,9 +1,13 @@
 //! Descriptions by relations, with the fixture that knows them: `beside` is to the right of, `above`
-//! on, and `past` stands for what is to the right of something.
+//! on, and `past` stands for what is to the right of something; `closest` and `furthest` compare, and
+//! `around` stands for what is nearest to something.
+
+use std::format;
+use std::vec::Vec;
 
 use super::*;
 use crate::language::Span;
-use crate::relation::RELATION_CLEAR;
+use crate::relation::{CLEARLY_NEARER, RELATION_CLEAR};
 use crate::scene::ObservedObject;
 
 /// Neither of the fixture's colours, and neither of its sizes.
@@ -317,4 +321,159 @@ fn relations_that_are_not_finite_are_refused() {
         ..model
     };
     assert_eq!(quantity(&broken), Quantity::Score(Argument::Object));
+}
+
+/// Green in the middle, and red objects at these distances to its right, in half metres.
+fn at_distances(distances: &[f32]) -> Vec<ObservedObject> {
+    let mut objects = std::vec![green(), lego()];
+    for (id, distance) in (2..).zip(distances) {
+        objects.push(red(id, 0.5 + distance, 0.5));
+    }
+    objects
+}
+
+#[test]
+fn superlatives_compare_those_that_fit() {
+    let model = fixture::related();
+    // Lego is nearer than all of them, and does not fit.
+    let mut objects = at_distances(&[0.3, 0.2, 0.4]);
+    objects[1] = fixture::object(9, OTHER, fixture::LEGO, 0.5, 0.4);
+    for (word, expected, name, said) in [
+        ("closest", 3, "Nearest", "nearest to"),
+        ("furthest", 4, "Farthest", "farthest from"),
+    ] {
+        let plan = plan(&objects, &format!("put the red {word} green on lego")).unwrap();
+        assert_eq!(meant(&plan), (expected, 9), "{word}");
+        assert_eq!(plan.steps()[0].object.anchors(), [1]);
+        assert_eq!(
+            plan.program().notation(&model).to_string(),
+            format!(
+                "Action(MoveOn, Unique(Filter(red, Relate({name}, Unique(Filter(green, \
+                 Scene()))))), Unique(Filter(lego, Scene())))"
+            )
+        );
+        let explained = plan.explain(&model).to_string();
+        let start = format!("Step 1: move the red object that is {said} the green object (id ");
+        assert!(explained.starts_with(&start), "{explained}");
+    }
+    // Without values it compares all.
+    let around = plan(&objects, "put around green on red closest green").unwrap();
+    assert_eq!(meant(&around), (9, 3));
+}
+
+#[test]
+fn what_is_not_clearly_the_nearest_is_refused() {
+    for (word, distances, expected) in [
+        ("closest", [0.2, 0.2 * CLEARLY_NEARER + 1e-4], true),
+        ("closest", [0.2, 0.2 * CLEARLY_NEARER - 1e-4], false),
+        ("furthest", [0.2, 0.2 * CLEARLY_NEARER + 1e-4], true),
+        ("furthest", [0.2, 0.2 * CLEARLY_NEARER - 1e-4], false),
+    ] {
+        let objects = at_distances(&distances);
+        let planned = plan(&objects, &format!("put the red {word} green on lego"));
+        let found = planned.as_ref().map(meant);
+        if expected {
+            let moved = if word == "closest" { 2 } else { 3 };
+            assert_eq!(found, Ok((moved, 9)), "{word} {distances:?}");
+        } else {
+            let Err(Refusal::Ambiguous { candidates, .. }) = found else {
+                panic!("{word} {distances:?}: {found:?}");
+            };
+            let ids: Vec<u32> = candidates.listed().iter().map(|each| each.object).collect();
+            assert_eq!(ids, [2, 3]);
+        }
+    }
+    let (_, message) = refusal(&at_distances(&[0.2, 0.21]), "put red closest green on lego");
+    assert!(
+        message.starts_with(
+            "step 1: the object \"red nearest to green\" fits 2 objects: 2 (score 1.00), 3"
+        ),
+        "{message}"
+    );
+}
+
+#[test]
+fn what_is_hidden_may_be_meant() {
+    let sentence = "put red closest green on small";
+    let small = fixture::object(8, OTHER, fixture::SMALL, 0.1, 0.9);
+    let mut objects = at_distances(&[0.3]);
+    objects.extend([small, fixture::object(5, OTHER, OTHER, 0.65, 0.5)]);
+    assert_eq!(meant(&plan(&objects, sentence).unwrap()), (2, 8));
+    // Something stands on it: what it looks like is not seen.
+    let mut over = fixture::object(6, OTHER, fixture::SMALL, 0.65, 0.5);
+    over.location[4] -= fixture::EDGE_M;
+    objects.push(over);
+    objects.retain(|object| object.id != 8);
+    let (refused, _) = refusal(&objects, sentence);
+    let Refusal::Ambiguous { candidates, .. } = refused else {
+        panic!("{refused:?}");
+    };
+    let found: Vec<_> = candidates
+        .listed()
+        .iter()
+        .map(|each| (each.object, each.score))
+        .collect();
+    let threshold = fixture::related().header.thresholds.match_score;
+    assert_eq!(found.len(), 2);
+    assert_eq!((found[0].0, found[1]), (2, (5, threshold)));
+    // Not if it is clearly farther away, nor if nothing else fits.
+    objects[2] = red(2, 0.6, 0.5);
+    assert_eq!(meant(&plan(&objects, sentence).unwrap()), (2, 6));
+    objects.remove(2);
+    let (refused, _) = refusal(&objects, sentence);
+    assert!(
+        matches!(refused, Refusal::NoSuchObject { .. }),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn a_superlative_needs_one_anchor_and_something_that_fits() {
+    // The only red one is the nearest and the farthest.
+    let objects = at_distances(&[0.3]);
+    for word in ["closest", "furthest"] {
+        let plan = plan(&objects, &format!("put red {word} green on lego")).unwrap();
+        assert_eq!(meant(&plan), (2, 9));
+    }
+    // An object is not the nearest to itself.
+    let (refused, message) = refusal(&at_distances(&[]), "put green closest green on lego");
+    assert!(
+        matches!(refused, Refusal::NoSuchObject { .. }),
+        "{refused:?}"
+    );
+    assert!(
+        message.starts_with("step 1: the object \"green nearest to green\" fits no object"),
+        "{message}"
+    );
+    let (refused, message) = refusal(&at_distances(&[0.2, 0.4]), "put lego on green closest red");
+    assert!(matches!(refused, Refusal::Ambiguous { .. }));
+    assert!(message.contains("\"red\" fits 2 objects"), "{message}");
+}
+
+#[test]
+fn what_an_earlier_step_moves_is_compared_where_it_will_be() {
+    let objects = at_distances(&[0.15, 0.25]);
+    // To the right of red beside it, at 0.375.
+    let sentence = "put red closest green right red furthest green then put red closest green on \
+                    lego";
+    let plan = plan(&objects, sentence).unwrap();
+    let moved: Vec<u32> = plan.steps().iter().map(|step| step.object.object).collect();
+    assert_eq!(moved, [2, 3]);
+}
+
+#[test]
+fn distances_that_are_not_finite_are_refused() {
+    let model = fixture::related();
+    let mut camera = *model.camera;
+    camera.weight[0][5] = f32::INFINITY;
+    let broken = Model {
+        camera: &camera,
+        ..model
+    };
+    let refused = plan_with(
+        &broken,
+        &at_distances(&[0.2]),
+        "put red closest green on lego",
+    );
+    assert!(refused.is_err());
 }
