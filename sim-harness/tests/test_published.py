@@ -41,6 +41,8 @@ LEAST_UNDERSTOOD = {
     "test; everyday wording held out": 95,
     "relations": 90,
     "relations held out": 90,
+    "superlatives": 90,
+    "superlatives held out": 90,
     "sentences": 87,
     "probes": 80,
 }
@@ -50,6 +52,9 @@ MOST_TAKEN_FOR_ELSE = {
     "relations in scenes": 0.3,
     "relations of none or several": 0.2,
     "relations with two readings": 5,
+    "superlatives": 0.2,
+    "superlatives in scenes": 0.5,
+    "superlatives of none or several": 0.6,
     "near misses": 0.8,
     "sentences; to refuse; misspelt": 0.3,
 }

@@ -13,7 +13,7 @@ use nsrm_tests::picture::{Picture, SIZE, camera, squares};
 const SENTENCES: [&str; 5] = [
     "put the red block on the blue block",
     "put the green block on the blue block, then move the magenta one on the green one",
-    "put the block left of the green one on the blue block",
+    "put the block left of the green block on the blue block",
     "could you please drop that yelow brick on the blue one's left",
     "fly to the moon",
 ];

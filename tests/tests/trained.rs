@@ -25,7 +25,7 @@ const EXECUTED: [(&str, &[u32]); 5] = [
 ];
 
 /// Sentences with relations in descriptions, and their programs.
-const RELATED: [(&str, &str); 5] = [
+const RELATED: [(&str, &str); 8] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -51,13 +51,33 @@ const RELATED: [(&str, &str); 5] = [
         "Action(MoveOn, Unique(Relate(MoveRight, Unique(Filter(red, Scene())))), \
          Unique(Filter(magenta, Scene())))",
     ),
+    (
+        "put the block nearest to the white cube on the red block",
+        "Action(MoveOn, Unique(Relate(Nearest, Unique(Filter(white, Scene())))), \
+         Unique(Filter(red, Scene())))",
+    ),
+    (
+        "put the red one closest to the blue block left of the green one",
+        "Action(MoveLeft, Unique(Filter(red, Relate(Nearest, Unique(Filter(blue, Scene()))))), \
+         Unique(Filter(green, Scene())))",
+    ),
+    (
+        "put the block furthest from the yellow one on the green one",
+        "Action(MoveOn, Unique(Relate(Farthest, Unique(Filter(yellow, Scene())))), \
+         Unique(Filter(green, Scene())))",
+    ),
 ];
 
 /// All of known words.
-const REFUSED: [&str; 7] = [
+const REFUSED: [&str; 11] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
+    // Nearest to what? And no places.
+    "put the nearest red block on the magenta block",
+    "put the red block on the closest green block",
+    "put the red block nearest to the magenta block",
+    "put the red block away from the magenta block",
     // An ordinal.
     "put the first red block on the magenta block",
     // Another order of time.

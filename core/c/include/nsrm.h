@@ -39,7 +39,7 @@
 #define NSRM_OBSERVER_BYTES 17408
 
 /** Bytes of a task. */
-#define NSRM_TASK_BYTES 13824
+#define NSRM_TASK_BYTES 14080
 
 /** What a function returns: not negative if it did what it says. */
 enum nsrm_status_t
@@ -159,6 +159,27 @@ enum nsrm_refusal_kind_t
 typedef enum nsrm_refusal_kind_t nsrm_refusal_kind_t;
 #else
 typedef uint32_t nsrm_refusal_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/** How an object is related to another one. */
+enum nsrm_relation_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /** It is where an action puts things: "left of" is where `MoveLeft` does. */
+    NSRM_RELATION_ACTION = 0,
+    /** It is the nearest to the other object, of all that fit. */
+    NSRM_RELATION_NEAREST = 1,
+    /** It is the farthest from the other object, of all that fit. */
+    NSRM_RELATION_FARTHEST = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum nsrm_relation_kind_t nsrm_relation_kind_t;
+#else
+typedef uint32_t nsrm_relation_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -387,7 +408,9 @@ typedef struct nsrm_filters_t {
 
 /** A relation to another object: "left of the yellow one". */
 typedef struct nsrm_relation_t {
-    /** Index of the action that brings the relation about: "left of" is where `MoveLeft` puts things. */
+    /** Its kind, of `nsrm_relation_kind_t`. */
+    uint32_t kind;
+    /** Index of the action that brings the relation about; 0 for other kinds. */
     uint32_t action;
     /** What the other object looks like. */
     struct nsrm_filters_t to;

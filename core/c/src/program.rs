@@ -26,11 +26,25 @@ pub struct Filters {
     pub concepts: [u8; MAX_FILTERS],
 }
 
+/// How an object is related to another one.
+#[repr(u32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RelationKind {
+    /// It is where an action puts things: "left of" is where `MoveLeft` does.
+    Action = 0,
+    /// It is the nearest to the other object, of all that fit.
+    Nearest = 1,
+    /// It is the farthest from the other object, of all that fit.
+    Farthest = 2,
+}
+
 /// A relation to another object: "left of the yellow one".
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Relation {
-    /// Index of the action that brings the relation about: "left of" is where `MoveLeft` puts things.
+    /// Its kind, of `nsrm_relation_kind_t`.
+    pub kind: u32,
+    /// Index of the action that brings the relation about; 0 for other kinds.
     pub action: u32,
     /// What the other object looks like.
     pub to: Filters,
@@ -122,8 +136,14 @@ impl From<&dsl::Description> for Description {
             ..Self::default()
         };
         for (place, relation) in copied.relations.iter_mut().zip(description.relations()) {
+            let (kind, action) = match relation.kind {
+                dsl::RelationKind::Action(action) => (RelationKind::Action, action.into()),
+                dsl::RelationKind::Nearest => (RelationKind::Nearest, 0),
+                dsl::RelationKind::Farthest => (RelationKind::Farthest, 0),
+            };
             *place = Relation {
-                action: relation.action.into(),
+                kind: kind as u32,
+                action,
                 to: (&relation.to).into(),
             };
             copied.relation_count += 1;

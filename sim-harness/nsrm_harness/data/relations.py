@@ -28,6 +28,9 @@ HOLDS, DOES_NOT = float(np.cos(np.radians(35.0))), float(np.cos(np.radians(65.0)
 #: Of two distances the longer one is clearly longer from this ratio on, and they are about the same
 #: up to the other one.
 LONGER, SAME = 1.25, 1.04
+#: Share of a distance that is vertical from which on one block stands on the other: nobody calls it
+#: the nearest then.
+STEEP = 0.5
 #: Largest number of attribute values in a description.
 MOST_VALUES = 2
 
@@ -57,7 +60,9 @@ class RelatedDescriptions:
             if name not in SUPERLATIVES
         }
         places = np.array([pose.position for pose in self._poses])
-        distances = np.linalg.norm(places[:, None] - places, axis=-1)
+        between = places[:, None] - places
+        distances = np.linalg.norm(between, axis=-1)
+        self._stacked = np.abs(between[..., 2]) > STEEP * distances
         remoteness = (distances, 1.0 / np.where(distances > 0.0, distances, np.inf))
         #: How far each block is from the one that a superlative names, seen from each other one:
         #: distances or their inverses, `[n, n]`.
@@ -132,7 +137,7 @@ class RelatedDescriptions:
         """Descriptions by superlatives. There are others to compare the block with."""
         for name, remoteness in self._remoteness.items():
             for other, described in enumerate(anchors):
-                if not described or block == other:
+                if not described or block == other or self._stacked[block, other]:
                     continue
                 for kind in kinds:
                     others = [at for at in self._fitting(kind, other) if at != block]

@@ -42,6 +42,7 @@ PADDING = 9
 RELATED = (
     "put the block left of the red one on the small blue one",
     "take the green block that is on the white one and put it right of the cube on the lego block",
+    "put the green block nearest to the white one on the block farthest from the small red one",
 )
 """Sentences with relations in descriptions."""
 

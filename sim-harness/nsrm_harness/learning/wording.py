@@ -338,6 +338,18 @@ def teach(
     return state.model
 
 
+def between(before: Model, behind: Model, share: float) -> Model:
+    """The weights between those before and behind a lesson: a short lesson about something new
+    costs less of what was known before if it is not followed all the way."""
+
+    def mixed(old: Array, new: Array) -> Array:
+        # What the lesson does not touch stays the same, bit by bit.
+        return old + share * (new - old)
+
+    old, new = (eqx.filter(model, eqx.is_inexact_array) for model in (before, behind))
+    return eqx.combine(jax.tree.map(mixed, old, new), behind)
+
+
 def plain_actions(
     model: Model, validation: Lesson, config: WordingConfig
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use nsrm_core::dsl::Argument;
+use nsrm_core::dsl::{Argument, Description, RelationKind};
 use nsrm_core::language::{Correction, Parsed};
 use nsrm_core::planner::{Grounding, Plan};
 use nsrm_core::refusal::Candidate;
@@ -138,12 +138,14 @@ impl Requests {
     fn program(&mut self, parsed: &Parsed, program: &Program) {
         for (step, decisions) in program.steps().iter().zip(parsed.decisions()) {
             self.line(&format!(
-                "parsed: action {} concepts {} {} relations {} {} span {} {}",
+                "parsed: action {} concepts {} {} relations {} {} kinds {} {} span {} {}",
                 step.action,
                 step.object.concepts().len(),
                 step.reference.concepts().len(),
                 step.object.relations().len(),
                 step.reference.relations().len(),
+                kind(&step.object),
+                kind(&step.reference),
                 decisions.span.start,
                 decisions.span.end,
             ));
@@ -321,4 +323,17 @@ fn corrected(correction: &Correction) -> String {
     let span = correction.span();
     let read_as = correction.read_as(&TABLETOP);
     format!("corrected: {} {} {read_as}", span.start, span.end)
+}
+
+/// The kind of the first relation as a number, 0 without one.
+fn kind(description: &Description) -> u32 {
+    match description
+        .relations()
+        .first()
+        .map(|relation| relation.kind)
+    {
+        None | Some(RelationKind::Action(_)) => 0,
+        Some(RelationKind::Nearest) => 1,
+        Some(RelationKind::Farthest) => 2,
+    }
 }

@@ -45,6 +45,13 @@ from nsrm_harness.cli.commands.options import seed_option
 )
 @click.option("--epochs", type=click.IntRange(1), help="Passes over the near misses.")
 @click.option(
+    "--share",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Share of the way from the weights before the lesson to those behind it.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     required=True,
@@ -59,6 +66,7 @@ def command(
     wording: Path | None,
     test: Path,
     epochs: int | None,
+    share: float,
     out: Path,
     seed: int,
     resume: bool,
@@ -71,7 +79,7 @@ def command(
     from nsrm_harness.evaluation.language import measure_episodes
     from nsrm_harness.evaluation.metrics import evaluate, load_model
     from nsrm_harness.learning.export import read_model, write_metrics, write_model
-    from nsrm_harness.learning.wording import Lesson, WordingConfig, fitted, teach
+    from nsrm_harness.learning.wording import Lesson, WordingConfig, between, fitted, teach
 
     base, config = read_model(model_path), WordingConfig()
     if epochs is not None:
@@ -80,6 +88,7 @@ def command(
     try:
         lesson = Lesson.read(base, episodes, episodes.with_suffix(".jsonl"), wording)
         model = teach(lesson, config, seed, out, resume, say=click.echo)
+        model = between(lesson.untaught(seed), model, share)
     except KeyboardInterrupt:
         click.echo(f"{out}: interrupted; run the same command with --resume to continue", err=True)
         sys.exit(130)
