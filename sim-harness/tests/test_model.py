@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
+from nsrm_harness.domain.program import SUPERLATIVES
 from nsrm_harness.learning import model as network
 from nsrm_harness.learning.model import (
     Conv,
@@ -37,7 +38,7 @@ def test_tensors_have_the_names_and_shapes_of_the_model_file(model: Model) -> No
     assert shapes["language.embedding.weight"] == (words, 32)
     assert shapes["language.encoder.backward.weight_hh"] == (144, 48)
     assert shapes["language.action_decoder.weight"] == (actions, 96)
-    assert shapes["language.relation_decoder.weight"] == (2 * actions, 96)
+    assert shapes["language.relation_decoder.weight"] == (2 * (actions + len(SUPERLATIVES)), 96)
     assert shapes["language.acceptability.hidden.weight"] == (16, 96)
     assert shapes["language.splitter.hidden.weight"] == (32, 176)
     assert shapes["vision.color.patch.weight"] == (24, 3, 4, 4)
@@ -100,7 +101,8 @@ def test_a_step_is_as_acceptable_as_all_its_words(model: Model) -> None:
 def test_a_model_that_was_not_taught_relations_finds_none(model: Model) -> None:
     rows = jnp.array([4, 0, 7, 9, 0, 2])
     roles = jax.nn.softmax(model.language.heard(rows, jnp.ones(6, bool)).roles)
-    assert roles.shape == (6, 1 + 2 * model.language.action_decoder.weight.shape[0])
+    relations = model.language.action_decoder.weight.shape[0] + len(SUPERLATIVES)
+    assert roles.shape == (6, 1 + 2 * relations)
     assert float(roles[:, 0].min()) > 1.0 - 1e-6
 
 

@@ -145,7 +145,8 @@ def referents(
 
     * `matches` `[G, M]`: whether each object fits the values of each group
 
-    A superlative of a single object, or of one that stands on another, shows nothing.
+    A superlative of a single object, or of one that stands on another, shows nothing; nor does a
+    chain in which the moved object is described by how far something is from itself.
     """
     cosines, remote, side_by_side = among
     count, roles, moved, reference = structure
@@ -171,7 +172,7 @@ def referents(
 
     everywhere = jnp.ones(size, bool)
     pending, anchor = jnp.array(-1), jnp.array(-1)
-    meant = jnp.full(MOST_GROUPS, -1)
+    meant, compared_with = jnp.full(MOST_GROUPS, -1), jnp.full(MOST_GROUPS, -1)
     for group in reversed(range(MOST_GROUPS)):
         role = roles[group]
 
@@ -183,9 +184,14 @@ def referents(
         used = group < count
         restricts = (role >= 1) & ~stands
         meant = meant.at[group].set(jnp.where(stands, other, own))
+        compares = used & (role >= 1) & ((role - 1) % relations >= actions)
+        compared_with = compared_with.at[group].set(jnp.where(compares, own, -1))
         pending = jnp.where(used & restricts, (role - 1) % relations, -1)
         anchor = jnp.where(used & restricts, own, -1)
-    return meant[moved], meant[reference]
+    group = jnp.arange(MOST_GROUPS)
+    own_chain = (group >= moved) & ((group < reference) | (moved > reference))
+    around_itself = jnp.any(own_chain & (compared_with >= 0) & (compared_with == meant[moved]))
+    return jnp.where(around_itself, -1, meant[moved]), meant[reference]
 
 
 def explaining_log_probability(heard: Heard, places: Array, programs: Array) -> Array:

@@ -341,6 +341,8 @@ def teach(
 def between(before: Model, behind: Model, share: float) -> Model:
     """The weights between those before and behind a lesson: a short lesson about something new
     costs less of what was known before if it is not followed all the way."""
+    if share == 1.0:
+        return behind  # Not rounded again.
 
     def mixed(old: Array, new: Array) -> Array:
         # What the lesson does not touch stays the same, bit by bit.
