@@ -1,5 +1,5 @@
 use super::Grounding;
-use super::superlative::Superlative;
+use super::superlative::Extreme;
 use crate::capacity::MAX_OBJECTS;
 use crate::dsl::{Argument, Description, RelationKind};
 use crate::grounding::{ScoreError, Scores, score};
@@ -128,12 +128,12 @@ impl Resolver {
         let Some((relation, anchor)) = sought.relations().first().zip(self.anchor) else {
             return Ok(());
         };
-        let superlative = match relation.kind {
+        let extreme = match relation.kind {
             RelationKind::Action(_) => return Ok(()),
-            RelationKind::Nearest => Superlative::Nearest,
-            RelationKind::Farthest => Superlative::Farthest,
+            RelationKind::Nearest => Extreme::Least,
+            RelationKind::Farthest => Extreme::Greatest,
         };
-        superlative.compare(usize::from(anchor.index), self.scores.values_mut(), within)
+        extreme.compare(usize::from(anchor.index), self.scores.values_mut(), within)
     }
 
     /// The object that fits, if only one does and is clearly in its relation. Objects that fit

@@ -8,16 +8,16 @@ use crate::relation::{CLEARLY_NEARER, distance};
 /// may fit any filters.
 const HIDDEN: f32 = 0.2;
 
-/// What an object is of all that fit.
+/// Which of the distances to an anchor is sought.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Superlative {
-    /// To an anchor.
-    Nearest,
-    /// From an anchor.
-    Farthest,
+pub(super) enum Extreme {
+    /// That of the nearest object.
+    Least,
+    /// That of the farthest.
+    Greatest,
 }
 
-impl Superlative {
+impl Extreme {
     /// Leaves the objects that may be meant: those that fit and are not clearly another's rivals, and
     /// those in their place that are hidden, which get the score at which an object may fit or not.
     ///
@@ -56,8 +56,8 @@ impl Superlative {
         let each = scores.iter_mut().zip(lengths_m).zip(objects).enumerate();
         for (index, ((score, length_m), object)) in each {
             let may_be_meant = match self {
-                Self::Nearest => length_m < CLEARLY_NEARER * least_m,
-                Self::Farthest => greatest_m < CLEARLY_NEARER * length_m,
+                Self::Least => length_m < CLEARLY_NEARER * least_m,
+                Self::Greatest => greatest_m < CLEARLY_NEARER * length_m,
             };
             let fits = *score >= threshold;
             if fits && !may_be_meant {
