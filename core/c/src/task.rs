@@ -266,12 +266,20 @@ pub unsafe extern "C" fn nsrm_poll(task: *mut TaskMemory) -> Status {
     polled.unwrap_or_else(|error| error)
 }
 
+/// Polls what was begun to its end, and gets its result.
+///
 /// # Safety
 /// As [`nsrm_poll`]'s.
-unsafe fn poll_to_the_end(task: *mut TaskMemory) -> Status {
+unsafe fn finish(task: *mut TaskMemory, begun: Status, get: impl FnOnce() -> Status) -> Status {
+    if begun != Status::Pending {
+        return begun;
+    }
     // SAFETY: the caller's promise.
     let polled = unsafe { Slot::with(slot(task), |task| Ok(task.poll_to_the_end())) };
-    polled.unwrap_or_else(|error| error)
+    match polled.unwrap_or_else(|error| error) {
+        Status::Ok => get(),
+        other => other,
+    }
 }
 
 /// Plans a sentence in a scene at once: `nsrm_begin`, `nsrm_poll` to the end and `nsrm_get_plan`.
@@ -296,13 +304,7 @@ pub unsafe extern "C" fn nsrm_plan(
             return error;
         }
         let begun = nsrm_begin(task, model, scene, sentence, length);
-        if begun != Status::Pending {
-            return begun;
-        }
-        match poll_to_the_end(task) {
-            Status::Ok => nsrm_get_plan(task, plan),
-            other => other,
-        }
+        finish(task, begun, || nsrm_get_plan(task, plan))
     }
 }
 
@@ -325,13 +327,7 @@ pub unsafe extern "C" fn nsrm_parse(
             return error;
         }
         let begun = nsrm_begin_parsing(task, model, sentence, length);
-        if begun != Status::Pending {
-            return begun;
-        }
-        match poll_to_the_end(task) {
-            Status::Ok => nsrm_get_program(task, program),
-            other => other,
-        }
+        finish(task, begun, || nsrm_get_program(task, program))
     }
 }
 
