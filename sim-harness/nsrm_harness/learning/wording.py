@@ -9,7 +9,7 @@ order of time the splitter learns to leave them whole; the core refuses both.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -338,18 +338,26 @@ def teach(
     return state.model
 
 
-def between(before: Model, behind: Model, share: float) -> Model:
-    """The weights between those before and behind a lesson: a short lesson about something new
-    costs less of what was known before if it is not followed all the way."""
-    if share == 1.0:
+def between(lessons: Sequence[tuple[Model, Model]], share: float) -> Model:
+    """The weights between those before and behind lessons, the mean of several: a lesson about
+    something new costs less of what was known before if it is not followed all the way, and what it
+    costs differs from seed to seed.
+
+    `lessons`: the model before and behind each
+    """
+    _, behind = lessons[0]
+    if share == 1.0 and len(lessons) == 1:
         return behind  # Not rounded again.
 
-    def mixed(old: Array, new: Array) -> Array:
-        # What the lesson does not touch stays the same, bit by bit.
-        return old + share * (new - old)
+    def mixed(*weights: Array) -> Array:
+        first = weights[0]
+        pairs = zip(weights[::2], weights[1::2], strict=True)
+        # What no lesson touches stays the same, bit by bit.
+        steps = jnp.stack([old - first + share * (new - old) for old, new in pairs])
+        return first + steps.mean(axis=0)
 
-    old, new = (eqx.filter(model, eqx.is_inexact_array) for model in (before, behind))
-    return eqx.combine(jax.tree.map(mixed, old, new), behind)
+    trees = [eqx.filter(model, eqx.is_inexact_array) for lesson in lessons for model in lesson]
+    return eqx.combine(jax.tree.map(mixed, *trees), behind)
 
 
 def plain_actions(
@@ -379,15 +387,22 @@ def plain_actions(
 
 
 def fitted(
-    lesson: Lesson, model: Model, validation: Lesson, config: WordingConfig, seed: int
+    lesson: Lesson,
+    model: Model,
+    validation: Lesson,
+    config: WordingConfig,
+    record: Mapping[str, Any],
 ) -> ModelFile:
-    """The model file, with the certainty of actions fitted to told validation demonstrations."""
+    """The model file, with the certainty of actions fitted to told validation demonstrations.
+
+    `record`: how it was taught, beside the lesson and its configuration
+    """
     certainty = calibrate.certainty_of(*plain_actions(model, validation, config))
     model = calibrate.with_certainty(model, certainty)
     training = {
         **lesson.base.training,
         NAME: {
-            "seed": seed,
+            **record,
             "sentences": len(lesson.data),
             "near_misses": len(lesson.told.near_misses) + len(lesson.told.untimely),
             "data_hash": lesson.data.hash(),

@@ -52,6 +52,13 @@ from nsrm_harness.cli.commands.options import seed_option
     help="Share of the way from the weights before the lesson to those behind it.",
 )
 @click.option(
+    "--lessons",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="Number of lessons, each with the next seed and its own folder; the model is their mean.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     required=True,
@@ -67,6 +74,7 @@ def command(
     test: Path,
     epochs: int | None,
     share: float,
+    lessons: int,
     out: Path,
     seed: int,
     resume: bool,
@@ -79,6 +87,7 @@ def command(
     from nsrm_harness.evaluation.language import measure_episodes
     from nsrm_harness.evaluation.metrics import evaluate, load_model
     from nsrm_harness.learning.export import read_model, write_metrics, write_model
+    from nsrm_harness.learning.model import Model
     from nsrm_harness.learning.wording import Lesson, WordingConfig, between, fitted, teach
 
     base, config = read_model(model_path), WordingConfig()
@@ -87,14 +96,19 @@ def command(
     wording = wording or EVERYDAY
     try:
         lesson = Lesson.read(base, episodes, episodes.with_suffix(".jsonl"), wording)
-        model = teach(lesson, config, seed, out, resume, say=click.echo)
-        model = between(lesson.untaught(seed), model, share)
+        taught: list[tuple[Model, Model]] = []
+        for number in range(seed, seed + lessons):
+            folder = out if lessons == 1 else out / f"seed-{number}"
+            model = teach(lesson, config, number, folder, resume, say=click.echo)
+            taught.append((lesson.untaught(number), model))
+        model = between(taught, share)
     except KeyboardInterrupt:
         click.echo(f"{out}: interrupted; run the same command with --resume to continue", err=True)
         sys.exit(130)
     heard = Lesson.read(base, validation, validation.with_suffix(".jsonl"), wording)
     path = out / "model.safetensors"
-    write_model(path, fitted(lesson, model, heard, config, seed))
+    record = {"seed": seed, "lessons": lessons, "share": share}
+    write_model(path, fitted(lesson, model, heard, config, record))
     metrics = evaluate(load_model(path), test)
     write_metrics(path, metrics.as_json())
     click.echo(metrics)
