@@ -13,7 +13,7 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use crate::camera::Camera;
-use crate::dsl::Filters;
+use crate::dsl::{Filters, Property};
 use crate::model::*;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 use crate::scene::{ObservedObject, RawScene, Scene};
@@ -205,6 +205,7 @@ fn actions() -> &'static [Action<'static>] {
     let mut on = Action {
         name: "MoveOn",
         phrase: "on",
+        extreme: Some("topmost"),
         decoder: [0.0; INSTRUCTION],
         decoder_bias: 10.0,
         relation_decoder: [[0.0; INSTRUCTION]; 2],
@@ -213,6 +214,7 @@ fn actions() -> &'static [Action<'static>] {
     };
     let mut right = on;
     (right.name, right.phrase) = ("MoveRight", "to the right of");
+    right.extreme = Some("rightmost");
     right.decoder[RIGHT] = 20.0;
     right.decoder_bias = 0.0;
     on.simulator_bias[0] = 20.0;
@@ -241,7 +243,18 @@ pub(crate) fn model() -> Model<'static> {
     let mut identity = [0; 32];
     identity[0] = 7;
     identity[7] = 1;
-    let lexicon = [("green", 1), ("lego", 2), ("red", 0), ("small", 3)];
+    use crate::dsl::Extreme::{Action, Largest, Smallest};
+    use Property::{Concept, Extreme};
+    let lexicon = [
+        ("green", Concept(1)),
+        ("largest", Extreme(Largest)),
+        ("lego", Concept(2)),
+        ("red", Concept(0)),
+        ("rightmost", Extreme(Action(1))),
+        ("small", Concept(3)),
+        ("smallest", Extreme(Smallest)),
+        ("topmost", Extreme(Action(0))),
+    ];
     Model {
         header: Header {
             domain: "fixture",
@@ -262,7 +275,7 @@ pub(crate) fn model() -> Model<'static> {
         spelling: Spelling::new(),
         group: Box::leak(Box::new(word())),
         lexicon: Box::leak(Box::new(
-            lexicon.map(|(text, concept)| LexiconEntry { text, concept }),
+            lexicon.map(|(text, property)| LexiconEntry { text, property }),
         )),
         attributes: Box::leak(Box::new([
             attribute("color", View::Color),

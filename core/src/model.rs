@@ -19,6 +19,7 @@ mod check;
 pub use check::ModelFault;
 
 use crate::camera::Camera;
+use crate::dsl::Property;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// Length of a word's embedding at the sentence encoder's input (section IV-B).
@@ -60,8 +61,9 @@ pub const LOCATION: usize = 5;
 /// Version of the model file, of these structs and of the inputs that they were trained on (2:
 /// brightness is the greatest of the three colours; 3: the file's hash covers its metadata; 4:
 /// acceptability; 5: relations in descriptions; 6: the splitter sees six tokens ahead; 7: the
-/// training's camera; 8: superlatives in descriptions); others are refused.
-pub const SCHEMA: u32 = 8;
+/// training's camera; 8: superlatives in descriptions; 9: extremes, such as "leftmost"); others are
+/// refused.
+pub const SCHEMA: u32 = 9;
 
 /// A trained model, which [`crate::Planner`] only reads.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +75,8 @@ pub struct Model<'a> {
     pub words: &'a [Word<'a>],
     /// The token for a group of concept words, `[[X]]` in the paper.
     pub group: &'a WordEmbeddings,
-    /// Words that name a concept (the paper's only lexicon); sorted by text.
+    /// Words that name a concept (the paper's only lexicon), or which one of several objects is
+    /// meant; sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
     /// What unknown words are read as.
     pub spelling: Spelling<'a>,
@@ -178,14 +181,14 @@ pub struct WordEmbeddings {
     pub splitter: [f32; SPLITTER_WORD],
 }
 
-/// A word that names a concept.
+/// A word that names a concept, or which one of several objects is meant.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct LexiconEntry<'a> {
     /// In lower case.
     pub text: &'a str,
-    /// Index into [`Model::concepts`].
-    pub concept: u8,
+    /// What it says of an object.
+    pub property: Property,
 }
 
 /// The part of a crop that an attribute operator sees.
@@ -235,6 +238,10 @@ pub struct Action<'a> {
     pub name: &'a str,
     /// How a person says it, the first phrase of the domain file: `on`.
     pub phrase: &'a str,
+    /// How a person says which object lies farthest in the direction in which it puts things,
+    /// [`Extreme::Action`](crate::dsl::Extreme::Action): `leftmost`. `None` if the domain has no word
+    /// for it.
+    pub extreme: Option<&'a str>,
     /// Its row of the action decoder.
     pub decoder: [f32; INSTRUCTION],
     /// Its logit's bias.

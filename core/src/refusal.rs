@@ -3,7 +3,7 @@
 
 use crate::calibration::CalibrationFault;
 use crate::capacity::MAX_CANDIDATES;
-use crate::dsl::{Argument, Description};
+use crate::dsl::{Argument, Description, Property};
 use crate::language::Span;
 use crate::model::WorkSpace;
 
@@ -35,14 +35,15 @@ pub enum Refusal {
         /// The greatest number in one description.
         limit: u8,
     },
-    /// Two adjacent values of one attribute, such as two colours.
+    /// Two adjacent values of one attribute, such as two colours, or two extremes, such as "leftmost
+    /// topmost".
     ConflictingValues {
         /// The description's place in the sentence.
         span: Span,
-        /// The first value: index into [`crate::Model::concepts`].
-        first: u8,
-        /// The other value.
-        second: u8,
+        /// What the first word says.
+        first: Property,
+        /// What the other word says.
+        second: Property,
     },
     /// Too many steps for a program.
     TooManySteps {
@@ -119,7 +120,8 @@ pub enum Refusal {
         /// The required score.
         threshold: f32,
     },
-    /// Several objects fit a description.
+    /// Several objects fit a description; or one does that is seen in part only, so that it may not, and
+    /// the description compares objects.
     Ambiguous {
         /// Which step.
         step: u8,

@@ -20,6 +20,13 @@
 //! So there is one object, or it is not clear which is meant. Distances are between centres, in
 //! space: a block on the anchor touches it as one beside it does. Nothing is trained for them
 //! either; which words mean them is learned.
+//!
+//! By extremes, "leftmost" and "largest", which compare without an anchor:
+//!
+//! * `Extreme(scores, k)` → of the objects that fit, those with `max_j d·x_j − d·x_i < 20 mm`, where
+//!   `d` is the [`direction`] in which action `k` puts things in the middle of the work space;
+//! * `Extreme(scores, Largest)` → those with `1.2·v_i > max_j v_j`, where `v` is the volume of the
+//!   size that an object shows, and those that show none; `Smallest` likewise.
 
 use nalgebra::Point3;
 
@@ -34,6 +41,12 @@ pub const RELATION_CLEAR: f32 = 0.766;
 
 /// The least ratio of two distances at which the shorter one is clearly shorter.
 pub const CLEARLY_NEARER: f32 = 1.2;
+
+/// The least distance by which an object that lies farther in a direction clearly does, metres.
+pub const CLEARLY_FARTHER_M: f32 = 0.02;
+
+/// The least ratio of two volumes at which the larger one is clearly larger.
+pub const CLEARLY_LARGER: f32 = 1.2;
 
 /// A shorter vector has no direction, metres.
 const LEAST_LENGTH_M: f32 = 1e-6;
@@ -90,6 +103,32 @@ pub fn relate(
     // One after the other: their product may overflow.
     let cosine = dot(&would_be.map(|x| x / would_be_m), &is.map(|x| x / is_m));
     cosine.is_finite().then_some(cosine)
+}
+
+/// The direction in which an action puts things: from an object to where the action would put it with
+/// itself as reference, a unit vector in the world. As the table is level, it is vertical or
+/// horizontal, whichever is nearer. `None` if it has no length or is not finite.
+///
+/// * `object`: a location as [`Viewpoint::to_training`] gives it
+///
+/// Cost: one [`simulate`], two deprojections and a square root.
+pub fn direction(
+    model: &Model<'_>,
+    viewpoint: &Viewpoint<'_>,
+    action: &Action<'_>,
+    object: &[f32; LOCATION],
+) -> Option<[f32; 3]> {
+    let camera = viewpoint.training();
+    let put = simulate(model.simulator, action, object, object);
+    let moved = camera.locate(model.camera, &put) - camera.locate(model.camera, object);
+    let [x, y, z]: [f32; 3] = moved.into();
+    let moved = if z * z > x * x + y * y {
+        [0.0, 0.0, z]
+    } else {
+        [x, y, 0.0]
+    };
+    let length_m = length(&moved);
+    (length_m.is_finite() && length_m >= LEAST_LENGTH_M).then(|| moved.map(|x| x / length_m))
 }
 
 /// How far the centre of an object is from that of an anchor, metres; `None` if it is not finite.

@@ -117,11 +117,34 @@ impl<'m> Viewpoint<'m> {
         let seen = Camera::centre(self.map, &[x, y, depth, width_m, height_m, one]);
         let place = from.world_from_camera * seen;
         let height_m = height_m / from.share_of_height(&place) * to.share_of_height(&place);
+        self.project(&place, width_m, height_m, to)
+    }
+
+    /// The location of a box in the image of a camera.
+    ///
+    /// * `place`: of its centre, in the world
+    fn project(
+        &self,
+        place: &Point3<f32>,
+        width_m: f32,
+        height_m: f32,
+        camera: &View,
+    ) -> [f32; LOCATION] {
         // What of the position the map's first three columns have to give.
-        let offset = Camera::centre(self.map, &[0.0, 0.0, 0.0, width_m, height_m, one]);
-        let rest = to.world_from_camera.inverse_transform_point(&place) - offset;
+        let offset = Camera::centre(self.map, &[0.0, 0.0, 0.0, width_m, height_m, 1.0]);
+        let rest = camera.world_from_camera.inverse_transform_point(place) - offset;
         let [x, y, depth] = self.inverse.map(|row| row.dot(&rest));
-        to.camera.project(&[x, y, depth, width_m, height_m])
+        camera.camera.project(&[x, y, depth, width_m, height_m])
+    }
+
+    /// The location of a cube in the image of the training's camera.
+    ///
+    /// * `place`: of its centre, in the world
+    ///
+    /// Cost: a projection and four square roots.
+    pub(crate) fn locate(&self, place: &Point3<f32>, edge_m: f32) -> [f32; LOCATION] {
+        let height_m = edge_m * self.training.share_of_height(place);
+        self.project(place, edge_m, height_m, &self.training)
     }
 }
 
@@ -145,8 +168,8 @@ impl View {
             (0.0, 1.0)
         };
         let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, 0.0, 0.0, z));
-        let [[x1, y1, _], [x2, y2, _]] = [work_space.min, work_space.max];
-        let middle = Vector3::new(0.5 * (x1 + x2), 0.5 * (y1 + y2), 0.0);
+        let [x, y] = work_space.middle();
+        let middle = Vector3::new(x, y, 0.0);
         let pose = self.world_from_camera;
         let position = turn * (pose.translation.vector - middle) + middle;
         let rotation = turn * pose.rotation;

@@ -176,14 +176,18 @@ typedef struct nsrm_relation_message {
     uint32_t count;
     /** Those concepts: indices in the model; 0 after the last. */
     uint8_t concepts[4];
+    /** Which of several such objects: 0 if that is left open, 1 for the largest, 2 for the
+     *  smallest, or 3 plus the index of the action in whose direction it lies farthest. */
+    uint32_t which;
 } nsrm_relation_message;
-#define NSRM_RELATION_MESSAGE_TYPE_NAME "nsrm.v1.RelationMessage.1c13181ebe957494"
-NSRM_ASSERT(sizeof(nsrm_relation_message) == 16, "size of nsrm_relation_message");
+#define NSRM_RELATION_MESSAGE_TYPE_NAME "nsrm.v1.RelationMessage.c033a237e5f05959"
+NSRM_ASSERT(sizeof(nsrm_relation_message) == 20, "size of nsrm_relation_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_relation_message) == 4, "alignment of nsrm_relation_message");
 NSRM_ASSERT(offsetof(nsrm_relation_message, kind) == 0, "offset of kind");
 NSRM_ASSERT(offsetof(nsrm_relation_message, action) == 4, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_relation_message, count) == 8, "offset of count");
 NSRM_ASSERT(offsetof(nsrm_relation_message, concepts) == 12, "offset of concepts");
+NSRM_ASSERT(offsetof(nsrm_relation_message, which) == 16, "offset of which");
 
 /** A step as parsed and, if it is still to be done, as grounded. */
 typedef struct nsrm_step_message {
@@ -193,6 +197,8 @@ typedef struct nsrm_step_message {
     uint32_t object_count;
     /** Those concepts: indices in the model; 0 after the last. */
     uint8_t object[4];
+    /** Which of several such objects is moved, as in a relation. */
+    uint32_t object_which;
     /** How many relations the description of the object to move has. */
     uint32_t object_relation_count;
     /** Those relations: its own to another object, then that one's to a third; all 0 after the
@@ -202,6 +208,8 @@ typedef struct nsrm_step_message {
     uint32_t reference_count;
     /** Those concepts. */
     uint8_t reference[4];
+    /** Which of several such objects is the reference, as in a relation. */
+    uint32_t reference_which;
     /** How many relations the description of the reference has. */
     uint32_t reference_relation_count;
     /** Those relations. */
@@ -226,26 +234,28 @@ typedef struct nsrm_step_message {
      *  metres. */
     float location[5];
 } nsrm_step_message;
-#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.f77389e51a1cd6f4"
-NSRM_ASSERT(sizeof(nsrm_step_message) == 188, "size of nsrm_step_message");
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.efbad8f1abdc34da"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 212, "size of nsrm_step_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
 NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
 NSRM_ASSERT(offsetof(nsrm_step_message, object) == 8, "offset of object");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_relation_count) == 12, "offset of object_relation_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_relations) == 16, "offset of object_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 48, "offset of reference_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 52, "offset of reference");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 56, "offset of reference_relation_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 60, "offset of reference_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 92, "offset of object_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 96, "offset of reference_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 100, "offset of object_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 104, "offset of reference_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 108, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_step_message, position) == 140, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 152, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_step_message, location) == 168, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_which) == 12, "offset of object_which");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_relation_count) == 16, "offset of object_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_relations) == 20, "offset of object_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 60, "offset of reference_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 64, "offset of reference");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_which) == 68, "offset of reference_which");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 72, "offset of reference_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 76, "offset of reference_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 116, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 120, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 124, "offset of object_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 128, "offset of reference_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 132, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 164, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 176, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 192, "offset of location");
 
 /** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
@@ -277,8 +287,8 @@ typedef struct nsrm_plan_reply {
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.6b21b437ebd5f0b6"
-NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2584, "size of nsrm_plan_reply");
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.45eea5f5d2d49f37"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2776, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");

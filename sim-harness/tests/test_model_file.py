@@ -90,7 +90,7 @@ def test_the_order_of_entries_is_free(path: Path) -> None:
     other = {key: metadata[key] for key in sorted(metadata, reverse=True)}
     path.write_bytes(safetensors_bytes(arrays, other))
     assert path.read_bytes() != content
-    assert read_checked(path, "8")[1] == metadata
+    assert read_checked(path, "9")[1] == metadata
 
 
 def test_new_metrics_give_a_new_hash_and_the_same_identity(path: Path) -> None:
@@ -114,25 +114,27 @@ def test_what_plans_depend_on_gives_another_identity(path: Path, key: str) -> No
 
 
 def test_the_committed_model_is_the_cores() -> None:
-    expected = hashes.identity(*read_checked(COMMITTED, "8"))
+    expected = hashes.identity(*read_checked(COMMITTED, "9"))
     assert identity_of(read_model(COMMITTED)) == expected
     for model in (nsrm.Model.pretrained(), nsrm.Model.load(COMMITTED)):
         assert model.info()["identity"] == expected
 
 
 SEEN = "language.splitter.hidden.weight"
+HASHED_WHOLE = ("3", "4", "5", "6", "7", "8")
+"""Schemas whose hash covers the metadata, too."""
 
 
 def as_before(path: Path, schema: str) -> None:
     """The file as an earlier schema had it."""
     arrays, metadata = read_raw(path)
-    if schema != "baseline 1":
+    if schema not in ("baseline 1", "8"):
         for name in ("language.relation_decoder.weight", "language.relation_decoder.bias"):
             # Without superlatives.
             half = len(arrays[name]) // 2
             of_actions = [*range(half - 2), *range(half, 2 * half - 2)]
             arrays[name] = arrays[name][of_actions]
-    if schema not in ("baseline 1", "7"):
+    if schema not in ("baseline 1", "7", "8"):
         metadata.pop("training_camera")
         known = {"6": 2, "5": 2, "4": 1}.get(schema, 0)
         added = ["acceptability", "relation_decoder"][known:]
@@ -142,33 +144,31 @@ def as_before(path: Path, schema: str) -> None:
         if schema != "6":
             arrays[SEEN] = arrays[SEEN][:, : 32 + 2 * 24]
     metadata |= {"schema": schema}
-    covered = (
-        file_hash(arrays, metadata) if schema in ("3", "4", "5", "6", "7") else tensor_hash(arrays)
-    )
+    covered = file_hash(arrays, metadata) if schema in HASHED_WHOLE else tensor_hash(arrays)
     path.write_bytes(safetensors_bytes(arrays, metadata | {"hash": covered}))
 
 
-@pytest.mark.parametrize("schema", ["2", "3", "4", "5", "6", "7"])
+@pytest.mark.parametrize("schema", ["2", "3", "4", "5", "6", "7", "8"])
 def test_a_file_of_an_earlier_schema_is_refused_until_it_is_converted(
     path: Path, schema: str
 ) -> None:
     as_before(path, schema)
-    with pytest.raises(ModelFileError, match=f"schema 8, got {schema}: convert it with"):
+    with pytest.raises(ModelFileError, match=f"schema 9, got {schema}: convert it with"):
         read_model(path)
     with pytest.raises(nsrm.ModelError, match="cargo harness convert"):
         nsrm.Model.load(path)
     convert(path)
-    arrays, _ = read_checked(path, "8")
+    arrays, _ = read_checked(path, "9")
     assert arrays["language.acceptability.output.bias"] == ACCEPTED
     assert not arrays["language.acceptability.output.weight"].any()
     assert (arrays["language.relation_decoder.bias"] == -ACCEPTED).all()
     assert not arrays["language.relation_decoder.weight"].any()
     assert arrays[SEEN].shape == (32, 32 + 6 * 24)
-    assert schema in ("6", "7") or not arrays[SEEN][:, 32 + 2 * 24 :].any()
+    assert schema in ("6", "7", "8") or not arrays[SEEN][:, 32 + 2 * 24 :].any()
     assert read_model(path).training_camera == stored_camera()
     nsrm.Model.load(path)
     with pytest.raises(
-        ModelFileError, match="schema 2, 3, 4, 5, 6, 7 or baseline 1 to convert, got 8"
+        ModelFileError, match="schema 2, 3, 4, 5, 6, 7, 8 or baseline 1 to convert, got 9"
     ):
         convert(path)
 
@@ -179,7 +179,7 @@ def test_a_converted_model_knows_the_relations_that_it_knew(tmp_path: Path) -> N
     before = read_raw(path)[0]
     as_before(path, "7")
     convert(path)
-    after = read_checked(path, "8")[0]
+    after = read_checked(path, "9")[0]
     for name in ("language.relation_decoder.weight", "language.relation_decoder.bias"):
         (restricts, stands), (of, for_) = np.split(after[name], 2), np.split(before[name], 2)
         assert (restricts[:5] == of[:5]).all() and (stands[:5] == for_[:5]).all()

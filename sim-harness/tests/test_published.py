@@ -43,6 +43,8 @@ LEAST_UNDERSTOOD = {
     "relations held out": 90,
     "superlatives": 90,
     "superlatives held out": 90,
+    "extremes": 99,
+    "extremes held out": 99,
     "sentences": 87,
     "probes": 80,
 }
@@ -53,8 +55,11 @@ MOST_TAKEN_FOR_ELSE = {
     "relations of none or several": 0.2,
     "relations with two readings": 5,
     "superlatives": 0.2,
-    "superlatives in scenes": 0.5,
-    "superlatives of none or several": 0.6,
+    "superlatives in scenes": 0.1,
+    "superlatives of none or several": 0.1,
+    "extremes": 0.2,
+    "extremes in scenes": 0.1,
+    "extremes of none or several": 0.2,
     "near misses": 0.8,
     "sentences; to refuse; misspelt": 0.3,
 }

@@ -7,7 +7,7 @@ mean depth in metres.
 
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, Final, Literal, TypeAlias, TypedDict, final
+from typing import Any, Final, Literal, NotRequired, TypeAlias, TypedDict, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -158,14 +158,17 @@ class Relation(TypedDict):
     """What describes the other object."""
 
 class Related(TypedDict):
-    """What describes an object by its relation to another one."""
+    """What describes an object by more than its values."""
 
     concepts: list[str]
     """Its own values; none in "the block left of the yellow one"."""
-    relation: Relation
+    which: NotRequired[str]
+    """Which one of those that fit: that which lies farthest in a direction, ``leftmost``."""
+    relation: NotRequired[Relation]
+    """What it is related to."""
 
 Described: TypeAlias = list[str] | Related
-"""What describes an object: the names of its values, or with a relation a dict."""
+"""What describes an object: the names of its values, or with more than these a dict."""
 
 @final
 class Step:

@@ -22,7 +22,7 @@ mod described;
 use std::collections::BTreeMap;
 use std::fmt;
 
-use nsrm_core::dsl::{Argument, Description, Filters};
+use nsrm_core::dsl::{Argument, Description, Filters, Property};
 use nsrm_core::language::Span;
 use nsrm_core::model::OBJECT_EMBEDDING;
 use nsrm_core::vision::similarity;
@@ -47,7 +47,7 @@ pub struct Question {
 /// One of the possible answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Choice {
-    /// In words: `the small red one`, `the red one to the left of the blue one`.
+    /// In words: `the small red one`, `the red one to the left of the blue one`, `the leftmost red one`.
     pub answer: String,
     /// The sentence with it. The model understands it, and nothing in the scene is against it up to
     /// the place of the refusal.
@@ -262,14 +262,16 @@ impl Context<'_> {
             .map(|(_, index)| index)
     }
 
-    /// Words for values: "small red".
+    /// Words for filters: "leftmost small red".
     fn named(&self, filters: &Filters) -> String {
-        let words = filters.concepts().iter().filter_map(|&value| {
-            let concept = self.model.concepts.get(usize::from(value))?;
+        let which = filters.which().map(Property::Extreme);
+        let values = filters.concepts().iter().copied().map(Property::Concept);
+        let words = which.into_iter().chain(values).filter_map(|property| {
+            let name = property.name(self.model);
             let mut entries = self.model.lexicon.iter();
-            let own = entries.find(|entry| entry.text == concept.name);
+            let own = entries.find(|entry| entry.text == name);
             let mut entries = self.model.lexicon.iter();
-            own.or_else(|| entries.find(|entry| entry.concept == value))
+            own.or_else(|| entries.find(|entry| entry.property == property))
         });
         let words: Vec<&str> = words.map(|entry| entry.text).collect();
         words.join(" ")

@@ -72,6 +72,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "attributes": attributes(&model),
         "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
         "relations": relations(&model),
+        "extremes": extremes(&model).collect::<Vec<_>>(),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
         "lexicon": model.lexicon.iter().map(|entry| entry.text).collect::<Vec<_>>(),
         "dimensions": object(&DIMENSIONS),
@@ -128,6 +129,11 @@ fn relations<'a>(model: &Model<'a>) -> Vec<&'a str> {
     names
 }
 
+/// The extremes that descriptions may name: "leftmost".
+fn extremes<'a>(model: &Model<'a>) -> impl Iterator<Item = &'a str> {
+    model.actions.iter().filter_map(|action| action.extreme)
+}
+
 /// The same as text.
 pub fn info_text(any: &AnyModel) -> String {
     let model = any.model();
@@ -146,13 +152,12 @@ pub fn info_text(any: &AnyModel) -> String {
     }
     let actions: Vec<&str> = model.actions.iter().map(|action| action.name).collect();
     line("actions", actions.join(", "));
-    let relations = relations(&model);
-    let relations = if relations.is_empty() {
-        "none".into()
-    } else {
-        relations.join(", ")
+    let or_none = |names: Vec<&str>| match &*names {
+        [] => "none".to_owned(),
+        names => names.join(", "),
     };
-    line("relations", relations);
+    line("relations", or_none(relations(&model)));
+    line("extremes", or_none(extremes(&model).collect()));
     let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
     line("words", words.join(" "));
     line("dimensions", pairs(&DIMENSIONS));

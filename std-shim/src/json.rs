@@ -5,7 +5,7 @@
 //! sentence. Numbers have the shortest decimal notation of their `f32`.
 
 use nsrm_core::calibration::Cause;
-use nsrm_core::dsl::{Description, Filters, Step};
+use nsrm_core::dsl::{Description, Filters, Property, Step};
 use nsrm_core::language::{Correction, Parsed, Span};
 use nsrm_core::model::Model;
 use nsrm_core::planner::{Confidence, Plan, PlannedStep};
@@ -115,8 +115,8 @@ fn sentence_details(model: &Model<'_>, refusal: &Refusal, sentence: &str) -> Opt
             first,
             second,
         } => {
-            let name = |concept: &u8| model.concepts.get(usize::from(*concept)).map(|c| c.name);
-            json!({"words": words(*span, sentence), "first": name(first), "second": name(second)})
+            let (first, second) = (first.name(model), second.name(model));
+            json!({"words": words(*span, sentence), "first": first, "second": second})
         }
         Refusal::TooManyConcepts { span, limit } => {
             json!({"words": words(*span, sentence), "limit": limit})
@@ -250,21 +250,38 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
     })
 }
 
-/// A description: the names of its concepts, `["small", "red"]`; with relations `{"concepts":
-/// ["red"], "relation": {"name": "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
+/// A description: the names of its concepts, `["small", "red"]`; with an extreme `{"concepts":
+/// ["red"], "which": "leftmost"}`; with relations `{"concepts": ["red"], "relation": {"name":
+/// "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {
     let relations = description.relations();
     let innermost = relations.last().map(|relation| &relation.to);
-    let innermost = innermost.unwrap_or(description.filters());
     // From the innermost anchor outwards: what each relation belongs to stands before it.
-    let mut value = json!(names(model, innermost));
+    let mut value = filtered(model, innermost.unwrap_or(description.filters()), None);
     for (index, relation) in relations.iter().enumerate().rev() {
         let before = index
             .checked_sub(1)
             .and_then(|before| relations.get(before));
         let own = before.map_or(description.filters(), |before| &before.to);
         let name = relation.kind.name(model);
-        value = json!({"concepts": names(model, own), "relation": {"name": name, "to": value}});
+        value = filtered(model, own, Some(json!({"name": name, "to": value})));
+    }
+    value
+}
+
+/// Filters, with the relation of what they describe.
+fn filtered(model: &Model<'_>, filters: &Filters, relation: Option<Value>) -> Value {
+    let concepts = json!(names(model, filters));
+    let which = filters.which().map(Property::Extreme);
+    if which.is_none() && relation.is_none() {
+        return concepts;
+    }
+    let mut value = json!({"concepts": concepts});
+    if let Some(which) = which {
+        value["which"] = json!(which.name(model));
+    }
+    if let Some(relation) = relation {
+        value["relation"] = relation;
     }
     value
 }

@@ -107,6 +107,21 @@ fn programs_and_refusals_are_as_the_schema_says() {
         farthest["steps"][0]["object"],
         json!({"concepts": ["small"], "relation": {"name": "Farthest", "to": ["red"]}})
     );
+    let sentence = "put the outermost block on the outermost blue behind the red outermost block";
+    let extreme = check(sound, sentence);
+    let to = json!({"concepts": ["red"], "which": "outermost"});
+    assert_eq!(
+        extreme["steps"][0],
+        json!({
+            "action": "MoveOn",
+            "object": {"concepts": [], "which": "outermost"},
+            "reference": {
+                "concepts": ["blue"],
+                "which": "outermost",
+                "relation": {"name": "MoveBeside", "to": to},
+            },
+        })
+    );
     check(sound, &"x".repeat(MAX_SENTENCE_BYTES + 1));
     check(sound, &"the ".repeat(MAX_TOKENS + 1));
     check(sound, &(format!("{GOOD} then ").repeat(MAX_STEPS) + GOOD));

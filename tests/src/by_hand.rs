@@ -7,11 +7,13 @@
 //! `it`, it takes the next description for both arguments. `sideways` is acceptable nowhere.
 //! `behind` names the relation of the action `beside` to the next description, and `opposite` does
 //! so for an object that has no other description: `put opposite the red block on …`. `furthest` says
-//! that the one before it is the farthest from the next.
+//! that the one before it is the farthest from the next. `outermost` is a word for the extreme of the
+//! action `beside`.
 //!
 //! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
 //! object at the reference's location.
 
+use nsrm_core::dsl::{Extreme, Property};
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING,
@@ -145,6 +147,12 @@ impl Parts {
                     .with_edges_m((attribute == 1).then_some(EDGES_M)),
             );
         }
+        parts.lexicon.push(
+            LexiconEntry::new()
+                .with_text("outermost")
+                .with_property(Property::Extreme(Extreme::Action(1))),
+        );
+        parts.actions[1].extreme = Some("outermost");
         parts.lexicon.sort_by_key(|entry| entry.text);
         // Acceptable is every word at which not both directions have just seen "sideways".
         parts.acceptability_hidden.weight[SIDEWAYS_UNIT][0] = SURE;

@@ -3,6 +3,8 @@
 
 use nsrm::dialogue::Question;
 use nsrm_core::Planner;
+use nsrm_core::dsl::{Extreme, Property};
+use nsrm_core::model::LexiconEntry;
 use nsrm_tests::by_hand::{Block, Parts, block, scene};
 
 /// What is asked about a sentence in the scene of these blocks.
@@ -450,6 +452,43 @@ fn a_place_that_tells_nothing_apart_is_not_asked_about() {
     ] {
         assert_eq!(asked_by(&parts, blocks, sentence), None, "{blocks:?}");
     }
+}
+
+#[test]
+fn the_farthest_to_a_side_is_offered_where_no_relation_tells() {
+    let mut parts = sides();
+    parts.lexicon.retain(|entry| entry.text != "outermost");
+    for (action, word) in [(0, "rightmost"), (1, "leftmost")] {
+        parts.actions[action].extreme = Some(word);
+        let property = Property::Extreme(Extreme::Action(action as u8));
+        let entry = LexiconEntry::new().with_text(word);
+        parts.lexicon.push(entry.with_property(property));
+    }
+    parts.lexicon.sort_by_key(|entry| entry.text);
+    // The blue ones' values name two objects, and both red ones are to the left of the green one.
+    let blue = block("lego", "blue");
+    let blocks = [blue, SMALL_RED, blue, SMALL_RED, block("lego", "green")];
+    let sentence = "put the red block on the green block";
+    let question = asked_by(&parts, &blocks, sentence).expect("two are red");
+    assert_eq!(
+        question.to_string(),
+        "which \"red\" object: the leftmost red one or the rightmost red one?"
+    );
+    for (answer, id) in [("the left one", 2), ("rightmost", 4), ("2", 4)] {
+        let completed = question.complete(answer).expect(answer);
+        assert_eq!(moved(&parts, &blocks, &completed), [id], "{completed}");
+    }
+    // Of three, the one in the middle is left to the person.
+    let blocks = [
+        SMALL_RED,
+        blue,
+        SMALL_RED,
+        blue,
+        SMALL_RED,
+        block("lego", "green"),
+    ];
+    let question = asked_by(&parts, &blocks, sentence).expect("three are red");
+    assert_eq!(question.options().len(), 2);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use nsrm_core::language::{
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Gru, Linear, MergeConv, PatchConv};
-use nsrm_core::relation::{distance, relate};
+use nsrm_core::relation::{direction, distance, relate};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::viewpoint::Viewpoint;
 use nsrm_core::vision::{Crop, RgbImage, encode, similarity};
@@ -444,6 +444,26 @@ fn golden_distances() {
                 for (anchor, expected) in places.iter().zip(expected) {
                     let got = distance(model, &viewpoint, object, anchor).expect("finite");
                     golden.close("position_m", &[got], &[*expected], "distances");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn golden_directions() {
+    on_both(|golden, model| {
+        for case in 0..3 {
+            let scene = scene(golden, model, case);
+            let expected = golden.array(&format!("scene.{case}.directions"));
+            let viewpoint = Viewpoint::new(model, scene.camera());
+            let objects = scene.objects();
+            assert_eq!(expected.shape, [model.actions.len(), objects.len(), 3]);
+            for (action, expected) in model.actions.iter().zip(expected.rows()) {
+                for (seen, expected) in objects.iter().zip(expected.chunks_exact(3)) {
+                    let place = viewpoint.to_training(&seen.location);
+                    let got = direction(model, &viewpoint, action, &place).expect("finite");
+                    golden.close("relation", &got, expected, "directions");
                 }
             }
         }

@@ -3,7 +3,7 @@
 
 use core::task::Poll;
 use nsrm_core::calibration::{CalibrationFault, Measured};
-use nsrm_core::dsl::{Argument, Description};
+use nsrm_core::dsl::{Argument, Description, Property};
 use nsrm_core::language::Span;
 use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
 use nsrm_core::{MAX_FILTERS, MAX_RELATIONS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
@@ -392,7 +392,7 @@ fn model_cases() -> Vec<Case> {
     }
     vec![
         spoilt(
-            |parts| parts.lexicon[0].concept = 200,
+            |parts| parts.lexicon[0].property = Property::Concept(200),
             |refusal| matches!(refusal, Refusal::InvalidModel),
             "the model is damaged",
         ),
@@ -510,9 +510,9 @@ fn what_another_model_has_parsed_is_refused() {
     other.header.identity = [9; 32];
     // The same words, but some have another meaning.
     for entry in &mut other.lexicon {
-        entry.concept = match entry.concept {
-            0 => 1,
-            1 => 0,
+        entry.property = match entry.property {
+            Property::Concept(0) => Property::Concept(1),
+            Property::Concept(1) => Property::Concept(0),
             other => other,
         };
     }

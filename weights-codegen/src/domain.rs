@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use nsrm_core::dsl::Extreme;
 use nsrm_core::language::word_hash;
 use serde::Deserialize;
 
@@ -35,6 +36,10 @@ pub struct Domain {
     pub grammar: BTreeMap<String, Vec<String>>,
     /// Everyday wording, if the model was taught it.
     pub everyday: Option<Everyday>,
+    /// Words for which one of several objects is meant, "leftmost": by the name of the action in whose
+    /// direction it lies farthest, where the first word is the extreme's name, `Largest` or `Smallest`.
+    #[serde(default)]
+    pub extremes: BTreeMap<String, Vec<String>>,
     /// What unknown words are read as.
     #[serde(default)]
     pub spelling: Spelling,
@@ -147,6 +152,34 @@ impl Domain {
         })
     }
 
+    /// Each word for an extreme.
+    pub(crate) fn extremes(&self) -> impl Iterator<Item = (&str, Extreme)> + Clone {
+        self.extremes.iter().flat_map(|(name, words)| {
+            let extreme = self.extreme(name);
+            words
+                .iter()
+                .filter_map(move |word| Some((word.as_str(), extreme?)))
+        })
+    }
+
+    /// The extreme with this name, if the domain has it.
+    fn extreme(&self, name: &str) -> Option<Extreme> {
+        match name {
+            "Largest" => Some(Extreme::Largest),
+            "Smallest" => Some(Extreme::Smallest),
+            _ => {
+                let index = self.action.iter().position(|action| action.name == name)?;
+                u8::try_from(index).ok().map(Extreme::Action)
+            }
+        }
+    }
+
+    /// The words that stand together for a group token: of concepts, and of extremes.
+    fn group_words(&self) -> impl Iterator<Item = &str> + Clone {
+        let concepts = self.lexicon().map(|(word, _)| word);
+        concepts.chain(self.extremes().map(|(word, _)| word))
+    }
+
     /// Each concept with the index of its attribute type, in the order of the
     /// domain.
     pub fn concepts(&self) -> impl Iterator<Item = (usize, &Value)> + Clone {
@@ -179,11 +212,17 @@ impl Domain {
         unique("attribute type", self.attribute.iter().map(|a| &*a.name))?;
         unique("concept", self.concepts().map(|(_, value)| &*value.name))?;
         unique("action", self.action.iter().map(|a| &*a.name))?;
+        for (name, words) in &self.extremes {
+            not_empty(&format!("the list of words of {name:?}"), words.len())?;
+            if self.extreme(name).is_none() {
+                return Err(ModelError::Extreme { name: name.clone() });
+            }
+        }
         self.check_edges()?;
         let words = self.words();
         not_empty("the list of words", words.len())?;
         at_most("words", MAX_WORDS, words.len())?;
-        let lexicon = self.lexicon().map(|(word, _)| word);
+        let lexicon = self.group_words();
         unique(
             "word",
             words.iter().map(String::as_str).chain(lexicon.clone()),
@@ -203,7 +242,7 @@ impl Domain {
     fn check_spelling(&self) -> Result<(), ModelError> {
         let words = self.words();
         let is_known =
-            |text: &str| words.contains(text) || self.lexicon().any(|(word, _)| word == text);
+            |text: &str| words.contains(text) || self.group_words().any(|word| word == text);
         let Spelling { heard, other_words } = &self.spelling;
         for (text, read_as) in heard {
             if !is_known(read_as) {

@@ -22,6 +22,8 @@ const IMPORTS: &str = "\
 #[rustfmt::skip]
 use nsrm_core::Camera;
 #[rustfmt::skip]
+use nsrm_core::dsl::{Extreme, Property};
+#[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
     Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings,

@@ -96,6 +96,12 @@ pub enum ModelError {
         /// The word as which it is read.
         read_as: String,
     },
+    /// An extreme is of no action, and neither by size.
+    #[error("domain: extremes: {name:?} is no action of the domain, \"Largest\" or \"Smallest\"")]
+    Extreme {
+        /// Its name.
+        name: String,
+    },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
     #[error(fmt = edges)]
@@ -279,7 +285,7 @@ pub enum ModelError {
 }
 
 /// The schemas that `cargo harness convert` converts.
-const CONVERTIBLE: [&str; 6] = ["2", "3", "4", "5", "6", "7"];
+const CONVERTIBLE: [&str; 7] = ["2", "3", "4", "5", "6", "7", "8"];
 
 /// What to do about a file of another schema.
 fn schema_advice(got: &str) -> &'static str {

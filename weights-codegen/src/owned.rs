@@ -1,5 +1,6 @@
 //! A model that owns its parameters and texts.
 
+use nsrm_core::dsl::Property;
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Spelling, View,
     Vision, Word, WordEmbeddings,
@@ -196,6 +197,10 @@ impl<'a> Parts<'a> {
                 let concept = index("concepts", concept)?;
                 Ok(LexiconEntry::new().with_text(text).with_concept(concept))
             })
+            .chain(domain.extremes().map(|(text, extreme)| {
+                let property = Property::Extreme(extreme);
+                Ok(LexiconEntry::new().with_text(text).with_property(property))
+            }))
             .collect::<Result<_, ModelError>>()?;
         lexicon.sort_unstable_by_key(|entry| entry.text);
         Ok(Self {
@@ -246,6 +251,7 @@ impl<'a> Parts<'a> {
                     Action::new()
                         .with_name(&action.name)
                         .with_phrase(action.phrases.first().map_or("", String::as_str))
+                        .with_extreme(extreme(domain, action))
                         .with_decoder(parameters.decoder)
                         .with_decoder_bias(parameters.decoder_bias)
                         .with_relation_decoder(parameters.relation_decoder)
@@ -256,6 +262,12 @@ impl<'a> Parts<'a> {
             folded,
         })
     }
+}
+
+/// The name of the extreme in an action's direction.
+fn extreme<'a>(domain: &'a Domain, action: &domain::Action) -> Option<&'a str> {
+    let words = domain.extremes.get(&action.name)?;
+    words.first().map(String::as_str)
 }
 
 /// An index as core stores it, bounded by [`Domain`]'s check.

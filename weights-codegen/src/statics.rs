@@ -31,12 +31,13 @@ describe! {
     WorkSpace { min, max }
     Word<'_> { text, embeddings }
     WordEmbeddings { encoder, splitter }
-    LexiconEntry<'_> { text, concept }
+    LexiconEntry<'_> { text, property }
     Heard<'_> { text, read_as }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
     Action<'_> {
-        name, phrase, decoder, decoder_bias, relation_decoder, relation_bias, simulator_bias,
+        name, phrase, extreme, decoder, decoder_bias, relation_decoder, relation_bias,
+        simulator_bias,
     }
     Superlative { decoder, bias }
     Simulator { input, hidden, output }

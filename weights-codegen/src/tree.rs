@@ -1,13 +1,14 @@
 //! A value as a tree of records, arrays and numbers: what [`crate::emit`]
 //! prints and [`crate::report`] counts.
 
+use nsrm_core::dsl::Property;
 use nsrm_core::model::View;
 
 /// A value of the static model.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
-    /// A number, an enum's variant or an optional array of a few numbers: the Rust text and the
-    /// size in bytes.
+    /// A number, an enum's variant, or an optional text or array of a few numbers: the Rust text and
+    /// the size in bytes.
     Scalar { text: String, bytes: usize },
     /// A string.
     Text(String),
@@ -77,6 +78,27 @@ impl Describe for View {
         Node::Scalar {
             text: format!("View::{self:?}"),
             bytes: size_of::<View>(),
+        }
+    }
+}
+
+impl Describe for Property {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: match self {
+                Self::Concept(concept) => format!("Property::Concept({concept})"),
+                Self::Extreme(extreme) => format!("Property::Extreme(Extreme::{extreme:?})"),
+            },
+            bytes: size_of::<Property>(),
+        }
+    }
+}
+
+impl Describe for Option<&str> {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("{self:?}"),
+            bytes: size_of::<Self>() + self.map_or(0, str::len),
         }
     }
 }

@@ -50,8 +50,10 @@ fn names_stand_with_their_parameters() {
     let lexicon = model
         .lexicon
         .iter()
-        .map(|entry| (entry.text, entry.concept));
+        .map(|entry| (entry.text, entry.property));
     assert!(lexicon.eq(LEXICON));
+    let extremes = model.actions.iter().map(|action| action.extreme);
+    assert!(extremes.eq([None, Some("outermost")]));
     let heard = model.spelling.heard.iter();
     let heard = heard.map(|heard| (heard.text, heard.read_as));
     assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));

@@ -24,6 +24,7 @@ pub(crate) fn header() -> Result<String, Box<dyn Error>> {
         // Constants of an enum are named after it.
         .replace("NSRM_STATUS_T_", "NSRM_")
         .replace("NSRM_REFUSAL_KIND_T_", "NSRM_REFUSAL_")
+        .replace("NSRM_PROPERTY_KIND_T_", "NSRM_PROPERTY_")
         .replace("NSRM_RELATION_KIND_T_", "NSRM_RELATION_")
         // A heading of rustdoc.
         .replace(" * # Safety\n", " * Safety:\n");

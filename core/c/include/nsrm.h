@@ -38,8 +38,20 @@
 /** Bytes of an observer. */
 #define NSRM_OBSERVER_BYTES 17408
 
+/** `which`: the one of the largest volume. */
+#define NSRM_LARGEST 1
+
+/** `which`: the one of the smallest volume. */
+#define NSRM_SMALLEST 2
+
+/**
+ * `which`: with the index of an action added, the one that lies farthest in the direction in which the
+ * action puts things.
+ */
+#define NSRM_FARTHEST_BY 3
+
 /** Bytes of a task. */
-#define NSRM_TASK_BYTES 14080
+#define NSRM_TASK_BYTES 14848
 
 /** What a function returns: not negative if it did what it says. */
 enum nsrm_status_t
@@ -86,6 +98,25 @@ typedef int32_t nsrm_status_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+/** Whether a word names a value or an extreme. */
+enum nsrm_property_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /** What an object looks like, "red". */
+    NSRM_PROPERTY_CONCEPT = 0,
+    /** Which one of several it is, "leftmost". */
+    NSRM_PROPERTY_EXTREME = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum nsrm_property_kind_t nsrm_property_kind_t;
+#else
+typedef uint32_t nsrm_property_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 /**
  * Why a sentence is refused. Later versions append theirs: treat an unknown one as a refusal, and
  * report it by its message.
@@ -103,7 +134,7 @@ enum nsrm_refusal_kind_t
     NSRM_REFUSAL_SENTENCE_TOO_LONG = 3,
     /** More adjacent attribute values than `limit`: `span`. */
     NSRM_REFUSAL_TOO_MANY_CONCEPTS = 4,
-    /** Two values of one attribute, such as two colours: `span`, `concepts`. */
+    /** Two values of one attribute, such as two colours, or two extremes: `span`, `values`. */
     NSRM_REFUSAL_CONFLICTING_VALUES = 5,
     /** More steps than `limit`. */
     NSRM_REFUSAL_TOO_MANY_STEPS = 6,
@@ -398,12 +429,18 @@ typedef struct nsrm_plan_t {
     struct nsrm_sub_goal_t sub_goals[NSRM_MAX_STEPS];
 } nsrm_plan_t;
 
-/** Attribute values that an object must have: "small red". */
+/** Attribute values that an object must have, and which of several it is: "leftmost small red". */
 typedef struct nsrm_filters_t {
     /** How many; 0 for a noun without values. */
     uint32_t count;
     /** Their indices, in the order of the sentence; 0 behind the last. */
     uint8_t concepts[NSRM_MAX_FILTERS];
+    /**
+     * Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
+     * `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
+     * that of `MoveLeft`.
+     */
+    uint32_t which;
 } nsrm_filters_t;
 
 /** A relation to another object: "left of the yellow one". */
@@ -474,6 +511,14 @@ typedef struct nsrm_program_t {
     struct nsrm_correction_t corrections[NSRM_MAX_CORRECTIONS];
 } nsrm_program_t;
 
+/** What a word says of an object. */
+typedef struct nsrm_property_t {
+    /** Its kind, of `nsrm_property_kind_t`. */
+    uint32_t kind;
+    /** Index of the concept, or the extreme as in `nsrm_filters_t`. */
+    uint32_t value;
+} nsrm_property_t;
+
 /** An object that fits a description. */
 typedef struct nsrm_candidate_t {
     /** Its id. */
@@ -501,8 +546,8 @@ typedef struct nsrm_refusal_t {
     uint32_t limit;
     /** How many objects the step describes. */
     uint32_t references;
-    /** Indices of the two values. */
-    uint32_t concepts[2];
+    /** The two values. */
+    struct nsrm_property_t values[2];
     /** The description that does not fit, or fits several. */
     struct nsrm_description_t description;
     /** Id of the object. */

@@ -16,7 +16,41 @@ pub struct Span {
     pub end: u16,
 }
 
-/// Attribute values that an object must have: "small red".
+/// `which`: the one of the largest volume.
+pub const LARGEST: u32 = 1;
+/// `which`: the one of the smallest volume.
+pub const SMALLEST: u32 = 2;
+/// `which`: with the index of an action added, the one that lies farthest in the direction in which the
+/// action puts things.
+pub const FARTHEST_BY: u32 = 3;
+
+const _: () = {
+    assert!(dsl::Extreme::Largest.number() == LARGEST);
+    assert!(dsl::Extreme::Smallest.number() == SMALLEST);
+    assert!(dsl::Extreme::Action(7).number() == FARTHEST_BY + 7);
+};
+
+/// Whether a word names a value or an extreme.
+#[repr(u32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PropertyKind {
+    /// What an object looks like, "red".
+    Concept = 0,
+    /// Which one of several it is, "leftmost".
+    Extreme = 1,
+}
+
+/// What a word says of an object.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Property {
+    /// Its kind, of `nsrm_property_kind_t`.
+    pub kind: u32,
+    /// Index of the concept, or the extreme as in `nsrm_filters_t`.
+    pub value: u32,
+}
+
+/// Attribute values that an object must have, and which of several it is: "leftmost small red".
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Filters {
@@ -24,6 +58,10 @@ pub struct Filters {
     pub count: u32,
     /// Their indices, in the order of the sentence; 0 behind the last.
     pub concepts: [u8; MAX_FILTERS],
+    /// Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
+    /// `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
+    /// that of `MoveLeft`.
+    pub which: u32,
 }
 
 /// How an object is related to another one.
@@ -118,9 +156,25 @@ impl From<language::Span> for Span {
     }
 }
 
+impl From<dsl::Property> for Property {
+    fn from(property: dsl::Property) -> Self {
+        let (kind, value) = match property {
+            dsl::Property::Concept(concept) => (PropertyKind::Concept, concept.into()),
+            dsl::Property::Extreme(extreme) => (PropertyKind::Extreme, extreme.number()),
+        };
+        Self {
+            kind: kind as u32,
+            value,
+        }
+    }
+}
+
 impl From<&dsl::Filters> for Filters {
     fn from(filters: &dsl::Filters) -> Self {
-        let mut copied = Self::default();
+        let mut copied = Self {
+            which: filters.which().map_or(0, dsl::Extreme::number),
+            ..Self::default()
+        };
         for (place, concept) in copied.concepts.iter_mut().zip(filters.concepts()) {
             *place = *concept;
             copied.count += 1;

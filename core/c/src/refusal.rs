@@ -4,7 +4,7 @@ use nsrm_core::refusal::Candidate as CoreCandidate;
 
 use crate::capacity::MAX_CANDIDATES;
 use crate::pointers::Sized32;
-use crate::program::{Description, Span};
+use crate::program::{Description, Property, Span};
 use crate::text::Text;
 
 /// Why a sentence is refused. Later versions append theirs: treat an unknown one as a refusal, and
@@ -22,7 +22,7 @@ pub enum RefusalKind {
     SentenceTooLong = 3,
     /// More adjacent attribute values than `limit`: `span`.
     TooManyConcepts = 4,
-    /// Two values of one attribute, such as two colours: `span`, `concepts`.
+    /// Two values of one attribute, such as two colours, or two extremes: `span`, `values`.
     ConflictingValues = 5,
     /// More steps than `limit`.
     TooManySteps = 6,
@@ -95,8 +95,8 @@ pub struct Refusal {
     pub limit: u32,
     /// How many objects the step describes.
     pub references: u32,
-    /// Indices of the two values.
-    pub concepts: [u32; 2],
+    /// The two values.
+    pub values: [Property; 2],
     /// The description that does not fit, or fits several.
     pub description: Description,
     /// Id of the object.
@@ -152,7 +152,7 @@ impl Refusal {
             span: Span::default(),
             limit: 0,
             references: 0,
-            concepts: [0; 2],
+            values: [Property::default(); 2],
             description: Description::default(),
             object: 0,
             fitting: 0,
@@ -199,7 +199,7 @@ impl From<&CoreRefusal> for Refusal {
             }
             CoreRefusal::ConflictingValues { span, first, second } => {
                 told.span = span.into();
-                told.concepts = [first, second].map(u32::from);
+                told.values = [first, second].map(Property::from);
             }
             CoreRefusal::TooManySteps { limit } => told.limit = limit.into(),
             CoreRefusal::TooManyReferences { step, span, limit }

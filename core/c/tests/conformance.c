@@ -130,10 +130,12 @@ static void put_program(void) {
     for (uint32_t index = 0; index < program.step_count; ++index) {
         const nsrm_program_step_t *step = &program.steps[index];
         printf("parsed: action %" PRIu32 " concepts %" PRIu32 " %" PRIu32 " relations %" PRIu32
-               " %" PRIu32 " kinds %" PRIu32 " %" PRIu32 " span %u %u\n",
+               " %" PRIu32 " kinds %" PRIu32 " %" PRIu32 " which %" PRIu32 " %" PRIu32
+               " span %u %u\n",
                step->action, step->object.filters.count, step->reference.filters.count,
                step->object.relation_count, step->reference.relation_count,
                step->object.relations[0].kind, step->reference.relations[0].kind,
+               step->object.filters.which, step->reference.filters.which,
                (unsigned)step->span.start, (unsigned)step->span.end);
     }
     for (uint32_t index = 0; index < program.correction_count; ++index) {

@@ -1,16 +1,93 @@
 use core::fmt;
 
-use super::notation::{DescriptionWords, FilterWords, action_name, action_phrase};
+use super::notation::{
+    DescriptionWords, FilterWords, action_name, action_phrase, concept_name, extreme_name,
+};
 use crate::capacity::{MAX_FILTERS, MAX_RELATIONS};
 use crate::model::Model;
 
+/// What a word of the lexicon says of an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Property {
+    /// What it looks like, "red": index into [`Model::concepts`].
+    Concept(u8),
+    /// Which one of several it is, "leftmost".
+    Extreme(Extreme),
+}
+
+impl Property {
+    /// The name of the concept or of the extreme; `"?"` for an invalid index.
+    pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
+        match self {
+            Self::Concept(concept) => concept_name(model, concept),
+            Self::Extreme(extreme) => extreme.name(model),
+        }
+    }
+}
+
+/// Which of the objects that pass filters is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extreme {
+    /// The one that lies farthest in the direction in which an action puts things: "leftmost" is that
+    /// of `MoveLeft`. Index into [`Model::actions`].
+    Action(u8),
+    /// The one of the largest volume: "biggest".
+    Largest,
+    /// The one of the smallest volume.
+    Smallest,
+}
+
+impl Extreme {
+    /// The name: the action's word, [`crate::model::Action::extreme`], `"?"` for an invalid index,
+    /// `largest` or `smallest`.
+    pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
+        match self {
+            Self::Action(action) => extreme_name(model, action),
+            Self::Largest => "largest",
+            Self::Smallest => "smallest",
+        }
+    }
+
+    /// The name in the notation: that of the action, `"?"` for an invalid index, `Largest` or
+    /// `Smallest`.
+    pub(super) fn symbol<'a>(self, model: &Model<'a>) -> &'a str {
+        match self {
+            Self::Action(action) => action_name(model, action),
+            Self::Largest => "Largest",
+            Self::Smallest => "Smallest",
+        }
+    }
+
+    /// The number in messages and in C: 1 for the largest, 2 for the smallest, 3 plus the index of an
+    /// action. 0 is left for none.
+    pub const fn number(self) -> u32 {
+        match self {
+            Self::Largest => 1,
+            Self::Smallest => 2,
+            Self::Action(action) => 3 + action as u32,
+        }
+    }
+
+    /// What a number means, if it is one.
+    pub fn of_number(number: u32) -> Option<Self> {
+        match number {
+            0 => None,
+            1 => Some(Self::Largest),
+            2 => Some(Self::Smallest),
+            _ => u8::try_from(number - 3).ok().map(Self::Action),
+        }
+    }
+}
+
 /// The concepts of one group of words, in the order of the sentence: indices into
-/// [`Model::concepts`]. At most [`MAX_FILTERS`].
+/// [`Model::concepts`], at most [`MAX_FILTERS`]; and which of the objects that have them is meant,
+/// if the words say so.
 // Invariant: entries from `count` on are zero, so that equality may compare all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Filters {
     concepts: [u8; MAX_FILTERS],
     count: u8,
+    which: Option<Extreme>,
 }
 
 impl Filters {
@@ -19,6 +96,19 @@ impl Filters {
         Self {
             concepts: [0; MAX_FILTERS],
             count: 0,
+            which: None,
+        }
+    }
+
+    /// Adds what a word says; returns it if all places are taken. A second extreme replaces the
+    /// first.
+    pub fn add(&mut self, property: Property) -> Result<(), Property> {
+        match property {
+            Property::Concept(concept) => self.push(concept).map_err(Property::Concept),
+            Property::Extreme(extreme) => {
+                self.which = Some(extreme);
+                Ok(())
+            }
         }
     }
 
@@ -49,7 +139,17 @@ impl Filters {
             .unwrap_or_default()
     }
 
-    /// The concepts' names, separated by spaces: `small green`.
+    /// Which of the objects that pass; `None` if the words leave that open.
+    pub const fn which(&self) -> Option<Extreme> {
+        self.which
+    }
+
+    /// Whether they say nothing, as those of "the block left of the yellow one".
+    pub const fn is_empty(&self) -> bool {
+        self.count == 0 && self.which.is_none()
+    }
+
+    /// In words: `small green`, `leftmost small green`.
     pub fn words<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         FilterWords {
             filters: self,
@@ -195,7 +295,7 @@ impl Description {
     }
 
     /// In words: `small green`, `red to the left of yellow`, and without values of its own `what is
-    /// to the left of yellow`.
+    /// to the left of yellow` and `leftmost of what is on yellow`.
     pub fn words<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         DescriptionWords {
             description: self,
@@ -247,6 +347,22 @@ mod tests {
             "red to the right of small green on lego"
         );
         assert_eq!(said(&[], &[&[1]]), "what is to the right of green");
+        let mut which = filters(&[3, 1]);
+        which.add(Property::Extreme(Extreme::Action(1))).unwrap();
+        assert_eq!(which.words(&model).to_string(), "rightmost small green");
+        let mut only = Filters::new();
+        only.add(Property::Extreme(Extreme::Action(0))).unwrap();
+        assert!(!only.is_empty() && Filters::new().is_empty());
+        let mut description = Description::of(only);
+        assert_eq!(description.words(&model).to_string(), "topmost");
+        let kind = RelationKind::Action(1);
+        description.relate(Relation { kind, to: which }).unwrap();
+        assert_eq!(
+            description.words(&model).to_string(),
+            "topmost of what is to the right of rightmost small green"
+        );
+        assert_eq!(Extreme::Action(7).name(&model), "?");
+        assert_eq!(Extreme::Largest.name(&model), "largest");
         for (kind, own, expected) in [
             (RelationKind::Nearest, &[0][..], "red nearest to green"),
             (RelationKind::Farthest, &[], "what is farthest from green"),
@@ -255,6 +371,21 @@ mod tests {
             let to = filters(&[1]);
             description.relate(Relation { kind, to }).unwrap();
             assert_eq!(description.words(&model).to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn an_extreme_has_a_number() {
+        for extreme in [
+            Extreme::Largest,
+            Extreme::Smallest,
+            Extreme::Action(0),
+            Extreme::Action(255),
+        ] {
+            assert_eq!(Extreme::of_number(extreme.number()), Some(extreme));
+        }
+        for number in [0, 259, u32::MAX] {
+            assert_eq!(Extreme::of_number(number), None);
         }
     }
 }

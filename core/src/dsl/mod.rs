@@ -1,6 +1,7 @@
 //! The domain-specific language (section IV-A, Table I): a program is a sequence
 //! of `Action(a, Unique(Filter(…)), Unique(Filter(…)))`. Beyond the paper, a description may refer
-//! to another one by a relation: `Unique(Filter(red, Relate(MoveLeft, Unique(…))))`.
+//! to another one by a relation, `Unique(Filter(red, Relate(MoveLeft, Unique(…))))`, and say which of
+//! several objects it means, `Unique(Extreme(MoveLeft, Filter(red, …)))`, "the leftmost red one".
 //!
 //! A program is symbolic: it names actions and concepts by their index in the
 //! model, and no object of any scene. [`Program::notation`] writes it as the
@@ -9,8 +10,8 @@
 mod description;
 mod notation;
 
-pub use description::{Description, Filters, Relation, RelationKind};
-pub(crate) use notation::{action_phrase, concept_name};
+pub use description::{Description, Extreme, Filters, Property, Relation, RelationKind};
+pub(crate) use notation::action_phrase;
 
 use core::fmt;
 

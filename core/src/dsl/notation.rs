@@ -2,11 +2,11 @@
 
 use core::fmt;
 
-use super::{Description, Filters, Program, Step};
+use super::{Description, Filters, Program, Property, Step};
 use crate::model::Model;
 
 /// The name of a concept in the domain file; "?" for an invalid index.
-pub(crate) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
+pub(super) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
     model
         .concepts
         .get(usize::from(concept))
@@ -17,6 +17,13 @@ pub(crate) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
 pub(super) fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
     let action = model.actions.get(usize::from(action));
     action.map_or("?", |action| action.name)
+}
+
+/// An action's word for what lies farthest in its direction; "?" for an invalid index and for an
+/// action without one.
+pub(super) fn extreme_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
+    let action = model.actions.get(usize::from(action));
+    action.and_then(|action| action.extreme).unwrap_or("?")
 }
 
 /// How a person says an action; "?" for an invalid index.
@@ -32,11 +39,14 @@ pub(super) struct FilterWords<'a> {
 
 impl fmt::Display for FilterWords<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, &concept) in self.filters.concepts().iter().enumerate() {
+        let which = self.filters.which().map(Property::Extreme);
+        let concepts = self.filters.concepts().iter();
+        let concepts = concepts.map(|&concept| Property::Concept(concept));
+        for (index, property) in which.into_iter().chain(concepts).enumerate() {
             if index > 0 {
                 f.write_str(" ")?;
             }
-            f.write_str(concept_name(self.model, concept))?;
+            f.write_str(property.name(self.model))?;
         }
         Ok(())
     }
@@ -50,10 +60,14 @@ pub(super) struct DescriptionWords<'a> {
 impl fmt::Display for DescriptionWords<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let relations = self.description.relations();
-        if self.description.concepts().is_empty() && !relations.is_empty() {
-            f.write_str("what is")?;
+        let filters = self.description.filters();
+        filters.words(self.model).fmt(f)?;
+        if filters.concepts().is_empty() && !relations.is_empty() {
+            f.write_str(match filters.which() {
+                Some(_) => " of what is",
+                None => "what is",
+            })?;
         }
-        self.description.filters().words(self.model).fmt(f)?;
         for relation in relations {
             let phrase = relation.kind.phrase(self.model);
             write!(f, " {phrase} {}", relation.to.words(self.model))?;
@@ -81,13 +95,18 @@ impl StepNotation<'_> {
         Ok(())
     }
 
-    /// Writes `Unique(Filter(…, ` up to what is filtered; returns the number of open brackets.
+    /// Writes `Unique(Extreme(…, Filter(…, ` up to what is filtered; returns the number of open
+    /// brackets.
     fn open(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> Result<usize, fmt::Error> {
         f.write_str("Unique(")?;
+        let which = filters.which();
+        if let Some(which) = which {
+            write!(f, "Extreme({}, ", which.symbol(self.model))?;
+        }
         for &concept in filters.concepts() {
             write!(f, "Filter({}, ", concept_name(self.model, concept))?;
         }
-        Ok(1 + filters.concepts().len())
+        Ok(1 + usize::from(which.is_some()) + filters.concepts().len())
     }
 }
 
@@ -122,7 +141,7 @@ impl fmt::Display for ProgramNotation<'_> {
 mod tests {
     use std::string::ToString;
 
-    use super::super::{Relation, RelationKind};
+    use super::super::{Extreme, Relation, RelationKind};
     use super::*;
     use crate::fixture::{self, filters};
 
@@ -161,6 +180,22 @@ mod tests {
             step(object).notation(&model).to_string(),
             "Action(MoveOn, Unique(Filter(red, Relate(MoveRight, Unique(Filter(small, \
              Filter(green, Relate(MoveOn, Unique(Filter(lego, Scene()))))))))), Unique(Scene()))"
+        );
+        let mut which = filters(&[3]);
+        which.add(Property::Extreme(Extreme::Action(1))).unwrap();
+        let mut object = Description::of(which);
+        let kind = RelationKind::Nearest;
+        object.relate(Relation { kind, to: which }).unwrap();
+        assert_eq!(
+            step(object).notation(&model).to_string(),
+            "Action(MoveOn, Unique(Extreme(MoveRight, Filter(small, Relate(Nearest, \
+             Unique(Extreme(MoveRight, Filter(small, Scene()))))))), Unique(Scene()))"
+        );
+        let mut largest = Filters::new();
+        largest.add(Property::Extreme(Extreme::Largest)).unwrap();
+        assert_eq!(
+            step(Description::of(largest)).notation(&model).to_string(),
+            "Action(MoveOn, Unique(Extreme(Largest, Scene())), Unique(Scene()))"
         );
         for (kind, name) in [
             (RelationKind::Action(7), "?"),

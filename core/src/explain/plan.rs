@@ -92,9 +92,10 @@ impl StepExplanation<'_> {
     }
 
     fn noun(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match filters.concepts() {
-            [] => f.write_str("the object"),
-            _ => write!(f, "the {} object", filters.words(self.model)),
+        if filters.is_empty() {
+            f.write_str("the object")
+        } else {
+            write!(f, "the {} object", filters.words(self.model))
         }
     }
 }

@@ -1,6 +1,6 @@
 use core::fmt;
 
-use crate::dsl::{Argument, Description, concept_name};
+use crate::dsl::{Argument, Description};
 use crate::language::{Span, nearest_word};
 use crate::model::Model;
 use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refusal};
@@ -182,8 +182,8 @@ impl Message<'_> {
                     Some((model, _)) => write!(
                         f,
                         "{quoted} describes one object as both {} and {}; name one of them",
-                        concept_name(model, *first),
-                        concept_name(model, *second)
+                        first.name(model),
+                        second.name(model)
                     ),
                     None => write!(
                         f,
@@ -289,7 +289,15 @@ impl Message<'_> {
                 candidates,
             } => {
                 self.description(*step, *argument, description, f)?;
-                write!(f, " fits {}; describe it more closely", Fitting(candidates))
+                match candidates.listed() {
+                    [only] => write!(
+                        f,
+                        " fits object {} only, of which others hide a part; uncover it, or describe \
+                         another one",
+                        only.object
+                    ),
+                    _ => write!(f, " fits {}; describe it more closely", Fitting(candidates)),
+                }
             }
             Refusal::SameObject { step, object } => write!(
                 f,

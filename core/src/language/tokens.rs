@@ -2,7 +2,7 @@ use heapless::Vec;
 
 use super::spelling::{Correction, KnownWord, alternatives};
 use crate::capacity::{MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS};
-use crate::dsl::Filters;
+use crate::dsl::{Filters, Property};
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::Refusal;
 
@@ -28,7 +28,7 @@ impl Span {
 pub enum TokenKind {
     /// A word outside the lexicon: index into [`Model::words`].
     Word(u16),
-    /// Adjacent concept words, `[[X]]` in the paper.
+    /// Adjacent words of the lexicon, `[[X]]` in the paper.
     Group(Filters),
 }
 
@@ -159,7 +159,7 @@ impl Reader {
         self.rest_from = usize::from(span.end);
         let text = if text == ";" { "," } else { text };
         if let Some(entry) = find(model.lexicon, text, |entry| entry.text) {
-            self.add_concept(model, entry.1.concept, span)?;
+            self.add_property(model, entry.1.property, span)?;
         } else if let Some((index, _)) = find(model.words, text, |word| word.text) {
             let index = u16::try_from(index).map_err(|_| Refusal::InvalidModel)?;
             self.add(TokenKind::Word(index), span)?;
@@ -168,8 +168,8 @@ impl Reader {
                 KnownWord::Word(index) => self.add(TokenKind::Word(index), span)?,
                 KnownWord::Concept(index) => {
                     let entry = model.lexicon.get(usize::from(index));
-                    let concept = entry.ok_or(Refusal::InvalidModel)?.concept;
-                    self.add_concept(model, concept, span)?;
+                    let property = entry.ok_or(Refusal::InvalidModel)?.property;
+                    self.add_property(model, property, span)?;
                 }
             }
         }
@@ -207,36 +207,35 @@ impl Reader {
         Ok(word)
     }
 
-    /// A concept word joins the group before it or starts one. Values of one attribute exclude each
-    /// other, so that no object has two.
-    fn add_concept(&mut self, model: &Model<'_>, concept: u8, span: Span) -> Result<(), Refusal> {
+    /// A word of the lexicon joins the group before it or starts one. Values of one attribute
+    /// exclude each other, so that no object has two; and so do extremes.
+    fn add_property(
+        &mut self,
+        model: &Model<'_>,
+        property: Property,
+        span: Span,
+    ) -> Result<(), Refusal> {
         if let Some(Token {
             kind: TokenKind::Group(filters),
             span: group,
         }) = self.tokens.last_mut()
         {
             group.end = span.end;
-            let attribute_of = |concept: u8| {
-                let found = model.concepts.get(usize::from(concept));
-                found.map(|concept| concept.attribute)
-            };
-            let conflicts =
-                |&&other: &&u8| other != concept && attribute_of(other) == attribute_of(concept);
-            if let Some(&first) = filters.concepts().iter().find(conflicts) {
+            if let Some(first) = conflicting(model, filters, property) {
                 return Err(Refusal::ConflictingValues {
                     span: *group,
                     first,
-                    second: concept,
+                    second: property,
                 });
             }
-            return filters.push(concept).map_err(|_| Refusal::TooManyConcepts {
+            return filters.add(property).map_err(|_| Refusal::TooManyConcepts {
                 span: *group,
                 limit: MAX_FILTERS as u8,
             });
         }
         let mut filters = Filters::new();
         // Empty filters have room.
-        let _ = filters.push(concept);
+        let _ = filters.add(property);
         self.add(TokenKind::Group(filters), span)
     }
 
@@ -247,6 +246,26 @@ impl Reader {
                 limit: MAX_TOKENS as u16,
                 unit: crate::refusal::LengthUnit::Tokens,
             })
+    }
+}
+
+/// What a group says that excludes a further property.
+fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Option<Property> {
+    match property {
+        Property::Concept(concept) => {
+            let attribute_of = |concept: u8| {
+                let found = model.concepts.get(usize::from(concept));
+                found.map(|concept| concept.attribute)
+            };
+            let conflicts =
+                |&other: &u8| other != concept && attribute_of(other) == attribute_of(concept);
+            let mut concepts = filters.concepts().iter().copied();
+            concepts.find(conflicts).map(Property::Concept)
+        }
+        Property::Extreme(extreme) => {
+            let other = filters.which().filter(|other| *other != extreme);
+            other.map(Property::Extreme)
+        }
     }
 }
 
@@ -311,6 +330,7 @@ fn find<'a, T>(entries: &'a [T], word: &str, text: fn(&T) -> &str) -> Option<(us
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dsl::Extreme;
 
     fn words(sentence: &str) -> std::vec::Vec<&str> {
         let mut words = std::vec::Vec::new();
@@ -370,6 +390,31 @@ mod tests {
         let texts: std::vec::Vec<_> = texts.collect();
         assert_eq!(texts, ["5", "[3, 1]", "0", "[0]", "0", "7", "[2]"]);
         assert_eq!(tokens[1].span, Span { start: 4, end: 16 });
+    }
+
+    #[test]
+    fn an_extreme_is_a_word_of_the_group_and_excludes_others() {
+        let tokens = read("the topmost red , rightmost lego");
+        let which = tokens.iter().filter_map(|token| token.filters()?.which());
+        assert!(which.eq([Extreme::Action(0), Extreme::Action(1)]));
+        assert_eq!(read("red topmost small topmost").len(), 1);
+        let model = crate::fixture::model();
+        let sentence = "the topmost red rightmost";
+        let mut reader = Reader::new(sentence).unwrap();
+        let refusal = loop {
+            match reader.advance(&model, sentence) {
+                Ok(true) => {}
+                other => break other.unwrap_err(),
+            }
+        };
+        assert_eq!(
+            refusal,
+            Refusal::ConflictingValues {
+                span: Span { start: 4, end: 25 },
+                first: Property::Extreme(Extreme::Action(0)),
+                second: Property::Extreme(Extreme::Action(1)),
+            }
+        );
     }
 
     #[test]

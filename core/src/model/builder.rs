@@ -9,6 +9,7 @@ use super::{
     Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
+use crate::dsl::Property;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
 
 /// The value of an unset parameter. Results that depend on it are refused.
@@ -105,7 +106,7 @@ builder! {
     }
     ['a] LexiconEntry<'a> {
         text, with_text: &'a str = "";
-        concept, with_concept: u8 = NOWHERE;
+        property, with_property: Property = Property::Concept(NOWHERE);
     }
     ['a] Attribute<'a> {
         name, with_name: &'a str = "";
@@ -122,6 +123,7 @@ builder! {
     ['a] Action<'a> {
         name, with_name: &'a str = "";
         phrase, with_phrase: &'a str = "";
+        extreme, with_extreme: Option<&'a str> = None;
         decoder, with_decoder: [f32; INSTRUCTION] = [UNSET; INSTRUCTION];
         decoder_bias, with_decoder_bias: f32 = UNSET;
         relation_decoder, with_relation_decoder: [[f32; INSTRUCTION]; 2] =
@@ -184,6 +186,14 @@ builder! {
         bias, with_bias: [[f32; HIDDEN]; 3] = [[UNSET; HIDDEN]; 3];
         weight_hh, with_weight_hh: [[[f32; HIDDEN]; 3]; HIDDEN] = [[[UNSET; HIDDEN]; 3]; HIDDEN];
         bias_n, with_bias_n: [f32; HIDDEN] = [UNSET; HIDDEN];
+    }
+}
+
+impl LexiconEntry<'_> {
+    /// Sets [`property`](Self::property) to the concept with this index.
+    #[must_use]
+    pub const fn with_concept(self, concept: u8) -> Self {
+        self.with_property(Property::Concept(concept))
     }
 }
 

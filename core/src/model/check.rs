@@ -2,6 +2,7 @@ use thiserror::Error;
 
 use super::{Model, WorkSpace};
 use crate::camera::CameraError;
+use crate::dsl::{Extreme, Property};
 use crate::nn::is_unit;
 
 /// The number of concepts, attribute types or actions that a one-byte index can address.
@@ -28,9 +29,9 @@ pub enum ModelFault<'a> {
     /// A word is both among the words and in the lexicon.
     #[error("word \"{0}\" stands in the lexicon too")]
     WordInLexicon(&'a str),
-    /// A lexicon word has an invalid concept index.
-    #[error("lexicon word \"{0}\" names a concept that isn't there")]
-    LexiconConcept(&'a str),
+    /// A lexicon word has an invalid index, or that of an action without a word for its extreme.
+    #[error("lexicon word \"{0}\" names a concept or an extreme that isn't there")]
+    LexiconProperty(&'a str),
     /// Words that are heard as others are not sorted and unique, or known themselves; the word.
     #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
     HeardOrder(&'a str),
@@ -169,8 +170,16 @@ impl<'a> Model<'a> {
                 return Err(ModelFault::LexiconOrder(entry.text));
             }
             before = entry.text;
-            if usize::from(entry.concept) >= self.concepts.len() {
-                return Err(ModelFault::LexiconConcept(entry.text));
+            let is_there = match entry.property {
+                Property::Concept(concept) => usize::from(concept) < self.concepts.len(),
+                Property::Extreme(Extreme::Action(action)) => {
+                    let action = self.actions.get(usize::from(action));
+                    action.is_some_and(|action| action.extreme.is_some())
+                }
+                Property::Extreme(_) => true,
+            };
+            if !is_there {
+                return Err(ModelFault::LexiconProperty(entry.text));
             }
             if self.words.iter().any(|word| word.text == entry.text) {
                 return Err(ModelFault::WordInLexicon(entry.text));
@@ -231,6 +240,12 @@ impl<'a> Model<'a> {
 }
 
 impl WorkSpace {
+    /// The x and y of its middle.
+    pub(crate) fn middle(&self) -> [f32; 2] {
+        let ([x1, y1, _], [x2, y2, _]) = (self.min, self.max);
+        [0.5 * (x1 + x2), 0.5 * (y1 + y2)]
+    }
+
     /// Whether a point is inside, bounds included.
     ///
     /// * `position`: world frame, metres
@@ -306,7 +321,7 @@ mod tests {
                 .collect();
             let lexicon: std::vec::Vec<LexiconEntry<'static>> = lexicon
                 .iter()
-                .map(|&(text, concept)| LexiconEntry { text, concept })
+                .map(|&(text, concept)| LexiconEntry::new().with_text(text).with_concept(concept))
                 .collect();
             let model = Model {
                 words: &words,
@@ -323,8 +338,20 @@ mod tests {
             check(&["a"], &[("c", 3), ("b", 0)]),
             fault("LexiconOrder(\"b\")")
         );
-        assert_eq!(check(&["a"], &[("c", 4)]), fault("LexiconConcept(\"c\")"));
+        assert_eq!(check(&["a"], &[("c", 4)]), fault("LexiconProperty(\"c\")"));
         assert_eq!(check(&["a"], &[("a", 0)]), fault("WordInLexicon(\"a\")"));
+        let extreme = |action, word| {
+            let mut actions = [model.actions[0], model.actions[1]];
+            actions[1].extreme = word;
+            let property = Property::Extreme(Extreme::Action(action));
+            let lexicon = [LexiconEntry::new().with_text("a").with_property(property)];
+            let model = model.with_actions(&actions).with_lexicon(&lexicon);
+            model.check().map_err(|fault| std::format!("{fault:?}"))
+        };
+        assert_eq!(extreme(1, Some("a")), Ok(()));
+        let missing = fault("LexiconProperty(\"a\")");
+        assert_eq!(extreme(1, None), missing);
+        assert_eq!(extreme(2, Some("a")), missing);
     }
 
     #[test]
@@ -334,10 +361,7 @@ mod tests {
             let mut concepts = [model.concepts[0], model.concepts[1]];
             concepts[1].edges_m = Some([0.1; 3]);
             change(&mut concepts[1]);
-            let lexicon = [LexiconEntry {
-                text: "green",
-                concept: 1,
-            }];
+            let lexicon = [LexiconEntry::new().with_text("green").with_concept(1)];
             let model = Model {
                 concepts: &concepts,
                 lexicon: &lexicon,
@@ -365,10 +389,7 @@ mod tests {
         for broken in [0.0, 1.01, f32::NAN] {
             let mut concepts = [model.concepts[0]];
             concepts[0].embedding[0] = broken;
-            let lexicon = [LexiconEntry {
-                text: "red",
-                concept: 0,
-            }];
+            let lexicon = [LexiconEntry::new().with_text("red").with_concept(0)];
             let model = Model {
                 concepts: &concepts,
                 lexicon: &lexicon,

@@ -42,7 +42,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 14 * 1024 && PLAN_BYTES <= 1456);
+const _: () = assert!(TASK_BYTES <= 15 * 1024 && PLAN_BYTES <= 1552);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -55,12 +55,18 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         3 * (WORD + ENCODER_HIDDEN) * ENCODER_HIDDEN + (ENCODER_HIDDEN + 1) * ACCEPTABILITY_HIDDEN,
         // One argument decoder.
         (INSTRUCTION + MAX_GROUPS) * INSTRUCTION,
-        // One object's score: filters, and a relation with its three places and their angle.
+        // One object's score: filters, its volume, and a relation with its three places and their
+        // angle.
         MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT)
+            + (VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN
+            + (UNIT_SIZES + 1) * (CONCEPT + 3)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
             + 3 * (3 * (LOCATION + 1) + 3),
-        // The distances of all objects to an anchor, and each one's box compared with all others.
-        MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 3 + 2 * MAX_OBJECTS),
+        // Superlatives, of a relation and an extreme: for each an action, the places of all objects
+        // and their distances or how far they lie in a direction, and each object compared twice with
+        // all others.
+        2 * (MAX_OBJECTS * (3 * 3 * (LOCATION + 1) + 12 + 4 * MAX_OBJECTS)
+            + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
         // All objects' places, each compared with all others and with all sizes.

@@ -1,13 +1,16 @@
+use nalgebra::Point3;
+
 use super::Grounding;
-use super::superlative::Extreme;
+use super::superlative::Superlative;
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description, RelationKind};
+use crate::dsl::{Argument, Description, Extreme, RelationKind};
 use crate::grounding::{ScoreError, Scores, score};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
 use crate::relation::{RELATION_CLEAR, relate};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
+use crate::vision;
 
 /// Finds the object that a description refers to, from the innermost anchor of its relations
 /// outwards. Each [`Resolver::poll`] scores one object or chooses one.
@@ -18,6 +21,8 @@ pub(super) struct Resolver {
     /// What the link inside refers to.
     anchor: Option<Grounding>,
     scores: Scores,
+    /// Of the objects that have a score, if they are compared by size.
+    volumes: [f32; MAX_OBJECTS],
 }
 
 /// What a description is resolved in.
@@ -39,6 +44,7 @@ impl Resolver {
             level: description.relations().len(),
             anchor: None,
             scores: Scores::new(),
+            volumes: [0.0; MAX_OBJECTS],
         }
     }
 
@@ -55,12 +61,17 @@ impl Resolver {
         let sought = sought.ok_or(Refusal::InvalidModel)?;
         if let Some(object) = within.scene.objects().get(self.scores.values().len()) {
             let score = self.score(&sought, within, object)?;
+            if let Some(Extreme::Largest | Extreme::Smallest) = sought.filters().which()
+                && let Some(place) = self.volumes.get_mut(self.scores.values().len())
+            {
+                *place = vision::volume(within.model, &object.embedding);
+            }
             // As many places as a scene has objects.
             let _ = self.scores.push(score);
             return Ok(None);
         }
-        self.compare(&sought, within)?;
-        let found = self.choose(&sought, within)?;
+        let is_clear = self.compare(&sought, within)?;
+        let found = self.choose(&sought, within, is_clear)?;
         let Some(level) = self.level.checked_sub(1) else {
             return Ok(Some(found));
         };
@@ -68,6 +79,7 @@ impl Resolver {
             level,
             anchor: Some(found),
             scores: Scores::new(),
+            volumes: [0.0; MAX_OBJECTS],
         };
         Ok(None)
     }
@@ -123,22 +135,33 @@ impl Resolver {
         cosine.map(Some).ok_or(within.not_finite())
     }
 
-    /// Of a superlative, leaves those objects that may be meant.
-    fn compare(&mut self, sought: &Description, within: &Within<'_>) -> Result<(), Refusal> {
-        let Some((relation, anchor)) = sought.relations().first().zip(self.anchor) else {
-            return Ok(());
-        };
-        let extreme = match relation.kind {
-            RelationKind::Action(_) => return Ok(()),
-            RelationKind::Nearest => Extreme::Least,
-            RelationKind::Farthest => Extreme::Greatest,
-        };
-        extreme.compare(usize::from(anchor.index), self.scores.values_mut(), within)
+    /// Of a superlative, leaves those objects that may be meant: of the relation first, "the leftmost
+    /// of those nearest to …". Whether one of them may be chosen, as it is seen whole.
+    fn compare(&mut self, sought: &Description, within: &Within<'_>) -> Result<bool, Refusal> {
+        let related = sought.relations().first().zip(self.anchor);
+        let related = related.and_then(|(relation, anchor)| match relation.kind {
+            RelationKind::Action(_) => None,
+            RelationKind::Nearest => Some(Superlative::Nearest(anchor.index.into())),
+            RelationKind::Farthest => Some(Superlative::Farthest(anchor.index.into())),
+        });
+        let which = sought.filters().which().map(Superlative::Extreme);
+        let mut is_clear = true;
+        for superlative in related.into_iter().chain(which) {
+            is_clear &= superlative.compare(self.scores.values_mut(), &self.volumes, within)?;
+        }
+        Ok(is_clear)
     }
 
     /// The object that fits, if only one does and is clearly in its relation. Objects that fit
     /// without being clearly in it count as others that fit.
-    fn choose(&self, sought: &Description, within: &Within<'_>) -> Result<Grounding, Refusal> {
+    ///
+    /// * `is_clear`: what [`Resolver::compare`] says
+    fn choose(
+        &self,
+        sought: &Description,
+        within: &Within<'_>,
+        is_clear: bool,
+    ) -> Result<Grounding, Refusal> {
         let threshold = within.model.header.thresholds.match_score;
         let best = self.best(within);
         let Some(best) = best.filter(|best| best.score >= threshold) else {
@@ -154,7 +177,7 @@ impl Resolver {
                 });
             }
         }
-        if candidates.count() > 1 {
+        if candidates.count() > 1 || !is_clear {
             return Err(Refusal::Ambiguous {
                 step: within.step as u8,
                 argument: within.argument,
@@ -178,6 +201,15 @@ impl Resolver {
 }
 
 impl Within<'_> {
+    /// The centre of an object: world frame, metres.
+    ///
+    /// * `location`: as the training's camera would see it
+    pub(super) fn place(&self, location: &[f32; LOCATION]) -> Point3<f32> {
+        self.viewpoint
+            .training()
+            .locate(self.model.camera, location)
+    }
+
     pub(super) const fn not_finite(&self) -> Refusal {
         Refusal::NotFinite {
             step: self.step as u8,

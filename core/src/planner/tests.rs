@@ -1,3 +1,4 @@
+mod extremes;
 mod relations;
 
 use core::task::Poll;

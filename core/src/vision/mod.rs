@@ -8,7 +8,7 @@ mod encoder;
 mod observer;
 mod resample;
 
-pub use concepts::{operate, similarity};
+pub use concepts::{operate, similarity, volume};
 pub use crop::{Crop, ImageError, RgbImage};
 pub use encoder::{ENCODE_MULTIPLY_ADDS, encode, encode_in_place};
 pub use observer::{Detection, ObservationTask, Stamp};

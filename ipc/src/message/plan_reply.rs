@@ -19,7 +19,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// An event in the execution of a `PlanRequest`.
-    "nsrm.v1.PlanReply.6b21b437ebd5f0b6"
+    "nsrm.v1.PlanReply.45eea5f5d2d49f37"
     pub struct PlanReply {
         /// The client.
         pub client: u64,

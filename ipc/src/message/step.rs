@@ -2,7 +2,9 @@
 
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
-use nsrm_core::dsl::{Argument, Description, Filters, Relation, RelationKind, Step};
+use nsrm_core::dsl::{
+    Argument, Description, Extreme, Filters, Property, Relation, RelationKind, Step,
+};
 use nsrm_core::planner::PlannedStep;
 use nsrm_core::{MAX_FILTERS, MAX_RELATIONS};
 
@@ -11,7 +13,7 @@ use super::layout::message;
 
 message! {
     /// A relation in a description: to what, and where this lies from it.
-    "nsrm.v1.RelationMessage.1c13181ebe957494"
+    "nsrm.v1.RelationMessage.c033a237e5f05959"
     pub struct RelationMessage {
         /// 0: the state that an action brings about; 1: nearest; 2: farthest.
         pub kind: u32,
@@ -21,12 +23,15 @@ message! {
         pub count: u32,
         /// Those concepts: indices in the model; 0 after the last.
         pub concepts: [u8; MAX_FILTERS],
+        /// Which of several such objects: 0 if that is left open, 1 for the largest, 2 for the
+        /// smallest, or 3 plus the index of the action in whose direction it lies farthest.
+        pub which: u32,
     }
 }
 
 message! {
     /// A step as parsed and, if it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.f77389e51a1cd6f4"
+    "nsrm.v1.StepMessage.efbad8f1abdc34da"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
@@ -34,6 +39,8 @@ message! {
         pub object_count: u32,
         /// Those concepts: indices in the model; 0 after the last.
         pub object: [u8; MAX_FILTERS],
+        /// Which of several such objects is moved, as in a relation.
+        pub object_which: u32,
         /// How many relations the description of the object to move has.
         pub object_relation_count: u32,
         /// Those relations: its own to another object, then that one's to a third; all 0 after the
@@ -43,6 +50,8 @@ message! {
         pub reference_count: u32,
         /// Those concepts.
         pub reference: [u8; MAX_FILTERS],
+        /// Which of several such objects is the reference, as in a relation.
+        pub reference_which: u32,
         /// How many relations the description of the reference has.
         pub reference_relation_count: u32,
         /// Those relations.
@@ -76,11 +85,12 @@ impl RelationMessage {
         action: 0,
         count: 0,
         concepts: [0; MAX_FILTERS],
+        which: 0,
     };
 
     /// Whether a received relation is valid.
     fn makes_sense(&self) -> bool {
-        self.kind().is_some() && self.count <= MAX_FILTERS as u32
+        self.kind().is_some() && self.count <= MAX_FILTERS as u32 && is_which(self.which)
     }
 
     /// What relates the objects; `None` in a relation that is not valid.
@@ -100,10 +110,12 @@ impl StepMessage {
         action: 0,
         object_count: 0,
         object: [0; MAX_FILTERS],
+        object_which: 0,
         object_relation_count: 0,
         object_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
         reference_count: 0,
         reference: [0; MAX_FILTERS],
+        reference_which: 0,
         reference_relation_count: 0,
         reference_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
         object_id: 0,
@@ -126,10 +138,12 @@ impl StepMessage {
             action: step.action.into(),
             object_count,
             object,
+            object_which: which(step.object.filters()),
             object_relation_count,
             object_relations,
             reference_count,
             reference,
+            reference_which: which(step.reference.filters()),
             reference_relation_count,
             reference_relations,
             ..Self::EMPTY
@@ -162,27 +176,25 @@ impl StepMessage {
 
     /// The description of one of the arguments, in a step that has been checked.
     pub fn description(&self, argument: Argument) -> Description {
-        let (count, concepts, relation_count, relations) = match argument {
+        let (filters, relation_count, relations) = match argument {
             Argument::Reference => (
-                self.reference_count,
-                &self.reference,
+                filters(self.reference_count, &self.reference, self.reference_which),
                 self.reference_relation_count,
                 &self.reference_relations,
             ),
             // There are these two.
             _ => (
-                self.object_count,
-                &self.object,
+                filters(self.object_count, &self.object, self.object_which),
                 self.object_relation_count,
                 &self.object_relations,
             ),
         };
-        let mut description = Description::of(filters(count, concepts));
+        let mut description = Description::of(filters);
         for relation in relations.iter().take(relation_count as usize) {
             // As many places; other kinds were refused.
             let _ = description.relate(Relation {
                 kind: relation.kind().unwrap_or(RelationKind::Action(u8::MAX)),
-                to: filters(relation.count, &relation.concepts),
+                to: self::filters(relation.count, &relation.concepts, relation.which),
             });
         }
         description
@@ -201,7 +213,9 @@ impl StepMessage {
             .object_relations
             .iter()
             .chain(&self.reference_relations);
+        let which = [self.object_which, self.reference_which];
         let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32)
+            && which.into_iter().all(is_which)
             && relation_counts
                 .iter()
                 .all(|count| *count <= MAX_RELATIONS as u32)
@@ -242,15 +256,30 @@ fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS
             action,
             count,
             concepts,
+            which: which(&relation.to),
         };
     }
     // At most MAX_RELATIONS.
     (description.relations().len() as u32, places)
 }
 
-/// The first `count` concepts.
-fn filters(count: u32, concepts: &[u8; MAX_FILTERS]) -> Filters {
+/// The number of the extreme, or 0.
+fn which(filters: &Filters) -> u32 {
+    filters.which().map_or(0, Extreme::number)
+}
+
+/// Whether a received number is 0 or that of an extreme.
+fn is_which(number: u32) -> bool {
+    number == 0 || Extreme::of_number(number).is_some()
+}
+
+/// The first `count` concepts, and the extreme.
+fn filters(count: u32, concepts: &[u8; MAX_FILTERS], which: u32) -> Filters {
     let mut filters = Filters::new();
+    if let Some(extreme) = Extreme::of_number(which) {
+        // There is always room for it.
+        let _ = filters.add(Property::Extreme(extreme));
+    }
     for &concept in concepts.iter().take(count as usize) {
         // As many places.
         let _ = filters.push(concept);
@@ -280,8 +309,11 @@ mod tests {
             let to = of(concepts);
             object.relate(Relation { kind, to }).unwrap();
         }
-        let mut reference = Description::new();
-        let to = of(&[2]);
+        let mut to = of(&[2]);
+        to.add(Property::Extreme(Extreme::Action(u8::MAX))).unwrap();
+        let mut extreme = Filters::new();
+        extreme.add(Property::Extreme(Extreme::Largest)).unwrap();
+        let mut reference = Description::of(extreme);
         let kind = RelationKind::Nearest;
         reference.relate(Relation { kind, to }).unwrap();
         for (object, reference) in [
@@ -292,8 +324,10 @@ mod tests {
             let mut message = StepMessage::EMPTY;
             let (object_count, own) = concepts(object.filters());
             (message.object_count, message.object) = (object_count, own);
+            message.object_which = which(object.filters());
             (message.object_relation_count, message.object_relations) = relations(&object);
             (message.reference_count, message.reference) = concepts(reference.filters());
+            message.reference_which = which(reference.filters());
             (
                 message.reference_relation_count,
                 message.reference_relations,
@@ -306,7 +340,9 @@ mod tests {
 
     #[test]
     fn relations_that_no_description_has_are_refused() {
-        let cases: [fn(&mut StepMessage); 6] = [
+        let cases: [fn(&mut StepMessage); 8] = [
+            |step| step.object_which = 259,
+            |step| step.reference_relations[1].which = u32::MAX,
             |step| step.object_relation_count = 3,
             |step| step.reference_relation_count = u32::MAX,
             |step| step.object_relations[1].count = 5,

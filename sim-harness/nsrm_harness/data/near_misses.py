@@ -49,6 +49,8 @@ REARRANGED, REFERRING, RELATED = 0.1, 0.1, 0.4
 DESCRIBED_FURTHER, JOINED = 0.4, 0.25
 #: If descriptions may have superlatives, share of sentences with a wrong one.
 COMPARED = 0.15
+#: If the domain has extremes, share of group tokens with one.
+EXTREME = 0.15
 #: Largest number of descriptions in a step that is learned from, a near miss or a command: more
 #: have four times the structures, and hardly anybody says them.
 MOST_GROUPS = 4
@@ -128,6 +130,7 @@ class NearMisses:
             for before, word in pairwise(text.split())
             if word == "{noun}"
         ]
+        self._extremes = [word for words in domain.extremes.values() for word in words]
         self._relations = [*map(_literal, self._relation_texts), *self._compared]
         self._order_words = domain.grammar.order_words or ("first",)
         # Half of them plain, as there are many.
@@ -435,7 +438,7 @@ class NearMisses:
         return self._choose(self._vocabulary)
 
     def _described(self, words: Sequence[str]) -> list[str]:
-        """The words with random attribute values for the group tokens."""
+        """The words with random attribute values and extremes for the group tokens."""
         described: list[str] = []
         for word in words:
             described += self._values() if word == GROUP_TOKEN else [word]
@@ -444,7 +447,10 @@ class NearMisses:
     def _values(self) -> list[str]:
         attributes = self._domain.attributes
         kinds = self._rng.permutation(len(attributes))[: 1 + self._any(min(2, len(attributes)))]
-        return [self._choose(self._choose(attributes[kind].values).words) for kind in kinds]
+        values = [self._choose(self._choose(attributes[kind].values).words) for kind in kinds]
+        if self._extremes and self._rng.random() < EXTREME:
+            values[0] = self._choose(self._extremes)
+        return values
 
     def _choose(self, items: Sequence[Item]) -> Item:
         return items[self._any(len(items))]

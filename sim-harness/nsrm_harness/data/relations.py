@@ -37,10 +37,19 @@ MOST_VALUES = 2
 
 @dataclass(frozen=True)
 class Described:
-    """A description with relations."""
+    """A description."""
 
     concepts: tuple[str, ...]
     relations: tuple[Relation, ...]
+    #: Which one of those that fit: the name of an extreme.
+    which: str | None = None
+
+
+def kinds_of(values: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """The sets of a block's values that a description may have, and none."""
+    return [
+        kind for size in range(MOST_VALUES + 1) for kind in itertools.combinations(values, size)
+    ]
 
 
 class RelatedDescriptions:
@@ -85,27 +94,19 @@ class RelatedDescriptions:
         """All descriptions of a block with so many relations, one or two."""
         if links == 1:
             return list(self._related(block, self._kinds(block), self._plain_anchors()))
-        anchors = [
-            [Described(*parts) for parts in self._anchors(other)]
-            for other in range(len(self._blocks))
-        ]
+        anchors = [list(self._anchors(other)) for other in range(len(self._blocks))]
         return list(self._related(block, self._kinds(block), anchors))
 
-    def _anchors(self, block: int) -> Iterator[tuple[tuple[str, ...], tuple[Relation, ...]]]:
+    def _anchors(self, block: int) -> Iterator[Described]:
         """Descriptions with values and one relation."""
         kinds = [kind for kind in self._kinds(block) if kind]
-        for found in self._related(block, kinds, self._plain_anchors()):
-            yield found.concepts, found.relations
+        return self._related(block, kinds, self._plain_anchors())
 
     def _plain_anchors(self) -> list[list[Described]]:
         return [[Described(values, ()) for values in plain] for plain in self._plain]
 
     def _kinds(self, block: int) -> list[tuple[str, ...]]:
-        """The sets of a block's values, and none."""
-        values = tuple(self._blocks[block].values.values())
-        return [
-            kind for size in range(MOST_VALUES + 1) for kind in itertools.combinations(values, size)
-        ]
+        return kinds_of(tuple(self._blocks[block].values.values()))
 
     def _related(
         self, block: int, kinds: list[tuple[str, ...]], anchors: list[list[Described]]

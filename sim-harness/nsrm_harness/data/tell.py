@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nsrm_harness.data.extremes import ExtremeDescriptions
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.plain_wording import plain_words
@@ -120,7 +121,7 @@ def related_programs(
     while len(programs) < count:
         which = rng.permutation(2)[: 1 if rng.random() < 0.8 else 2]
         links = 2 if rng.random() < CHAINED else 1
-        said = [Described(step.step.object, ()), Described(step.step.reference, ())]
+        said = _said(step.step)
         for argument in which:
             found = every[argument][links]
             if found:
@@ -149,14 +150,66 @@ def misleading_programs(
     every = RelatedDescriptions(domain, truth, names).misleading()
     programs: list[Program] = []
     while every and len(programs) < count:
-        said = [Described(step.step.object, ()), Described(step.step.reference, ())]
+        said = _said(step.step)
         said[int(rng.integers(2))] = _any(rng, every)
         programs.append((_step(step.step.action, *said),))
     return programs
 
 
+def extreme_programs(
+    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+) -> list[Program]:
+    """Random programs of an episode with one step, in which the object to be moved, the reference
+    or both are extremes. None if there are no such programs."""
+    if len(truth.steps) != 1:
+        return []
+    (step,) = truth.steps
+    extremes = ExtremeDescriptions(domain, truth)
+    every = [extremes.of(block - 1) for block in (step.object_id, step.reference_id)]
+    programs: list[Program] = []
+    while any(every) and len(programs) < count:
+        said = _said(step.step)
+        for argument in rng.permutation(2)[: 1 if rng.random() < 0.8 else 2]:
+            if every[argument]:
+                said[argument] = every[argument][int(rng.integers(len(every[argument])))]
+        if any(each.which is not None for each in said):
+            programs.append((_step(step.step.action, *said),))
+    return programs
+
+
+def misleading_extremes(
+    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+) -> list[Program]:
+    """Random programs of an episode with one step, in which an extreme of several blocks is not
+    clear, or no block fits. None if there are no such programs."""
+    if len(truth.steps) != 1:
+        return []
+    (step,) = truth.steps
+    extremes = ExtremeDescriptions(domain, truth)
+    every = [kind for kind in (extremes.unclear(), extremes.absent()) if kind]
+    programs: list[Program] = []
+    while every and len(programs) < count:
+        said, chosen = _said(step.step), every[int(rng.integers(len(every)))]
+        said[int(rng.integers(2))] = chosen[int(rng.integers(len(chosen)))]
+        programs.append((_step(step.step.action, *said),))
+    return programs
+
+
+def _said(step: Step) -> list[Described]:
+    """The plain descriptions of a step."""
+    return [Described(step.object, ()), Described(step.reference, ())]
+
+
 def _step(action: str, moved: Described, reference: Described) -> Step:
-    return Step(action, moved.concepts, reference.concepts, moved.relations, reference.relations)
+    return Step(
+        action,
+        moved.concepts,
+        reference.concepts,
+        moved.relations,
+        reference.relations,
+        moved.which,
+        reference.which,
+    )
 
 
 def _any(rng: np.random.Generator, found: list[Described]) -> Described:

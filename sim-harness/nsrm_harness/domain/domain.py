@@ -5,7 +5,8 @@ from it: episodes, the network's dimensions, the model file, the static arrays, 
 
 * Concepts are the values of all attribute types, in the file's order.
 * The lexicon has the words that name a concept. The vocabulary has the group token, which stands
-  for a run of lexicon words, and then all other words that the grammar can produce.
+  for a run of words for concepts and extremes, and then all other words that the grammar can
+  produce.
 
 The types below define what a file may contain; :mod:`nsrm_harness.domain.reader` reads it and
 checks the rules that span several tables.
@@ -21,6 +22,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
+from nsrm_harness.domain.program import SIZE_EXTREMES
 from nsrm_harness.domain.wording import (
     Alternatives,
     Commands,
@@ -230,6 +232,9 @@ class Domain:
     attributes: Annotated[tuple[Attribute, ...], Field(alias="attribute", min_length=1)]
     actions: Annotated[tuple[Action, ...], Field(alias="action", min_length=1)]
     grammar: GrammarWords
+    #: Words for which one of several objects is meant, "leftmost": by the action in whose direction
+    #: it lies farthest, and by `SIZE_EXTREMES`.
+    extremes: Annotated[Mapping[Identifier, ConceptWords], Field(default_factory=dict)]
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
     spelling: Annotated[SpellingWords | None, Field(default=None), BeforeValidator(_not_null)]
@@ -258,12 +263,24 @@ class Domain:
         words = {word: index for index, value in enumerate(self.concepts) for word in value.words}
         return dict(sorted(words.items()))
 
+    def extreme_words(self) -> dict[str, tuple[str, ...]]:
+        """The names of the extremes, as in programs, each with its words. An action's is named by
+        its first word, and the others by their own name."""
+        return {
+            key.lower() if key in SIZE_EXTREMES else words[0]: words
+            for key, words in self.extremes.items()
+        }
+
+    def group_words(self) -> set[str]:
+        """The words for which a group token stands: those of concepts and of extremes."""
+        return {*self.lexicon(), *(word for words in self.extremes.values() for word in words)}
+
     def vocabulary(self) -> list[str]:
         """The group token, then every other token that the grammar produces, sorted."""
         return [GROUP_TOKEN, *sorted(self.other_words())]
 
     def other_words(self) -> set[str]:
-        """All words of the grammar that are not in the lexicon."""
+        """All words of the grammar that no group token stands for."""
         grammar = self.grammar
         texts = [
             *grammar.openings,
@@ -286,7 +303,7 @@ class Domain:
 
     def known_words(self) -> set[str]:
         """All words of its sentences."""
-        return {*self.lexicon(), *self.other_words()}
+        return {*self.group_words(), *self.other_words()}
 
     def as_json(self) -> str:
         """The whole file as JSON, keys in the file's order; it goes into the model file."""

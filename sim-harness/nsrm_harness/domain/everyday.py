@@ -19,7 +19,7 @@ import numpy as np
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
 from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
-from nsrm_harness.domain.program import Program, Relation, Step
+from nsrm_harness.domain.program import SIZE_EXTREMES, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
 
 #: The wording of the paper's domain.
@@ -59,6 +59,12 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
             )
         known = values[name]["words"]
         values[name]["words"] = [*known, *(word for word in added if word not in known)]
+    extremes = words.pop("extremes", {})
+    if not isinstance(extremes, dict):
+        raise DomainError(f"{path}: extremes: expected a table, got {extremes!r}")
+    names = [*(action["name"] for action in document["action"]), *SIZE_EXTREMES]
+    if extremes := {name: extremes[name] for name in names if name in extremes}:
+        document["extremes"] = extremes
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
@@ -88,7 +94,7 @@ class Speaker:
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         self._words = everyday_of(domain)
         self._domain = domain
-        self._lexicon = {*domain.lexicon(), GROUP_TOKEN}
+        self._lexicon = {*domain.group_words(), GROUP_TOKEN}
         self._rng = rng
 
     def sentence(self, program: Program) -> list[str]:
@@ -154,7 +160,7 @@ class Speaker:
             if name in COUNTING:
                 yield self._words.rules[name][context.index]
             elif name == "values":
-                yield self._values(context.saying.concepts)
+                yield self._values(context.saying)
             elif name == "relation":
                 relation = self._words.relations[context.action or self._any_action()]
                 filled = self._choose(self._words.rules[relation["rule"]])
@@ -184,12 +190,15 @@ class Speaker:
             chosen = filled_in(own[at - len(texts)], state)
             yield from self._expanded(chosen, context.of_anchor())
 
-    def _values(self, concepts: Sequence[str]) -> tuple[str, ...]:
+    def _values(self, description: _Said) -> tuple[str, ...]:
         said = [
             name if name == GROUP_TOKEN else self._choose(self._domain.concept(name).words)
-            for name in concepts
+            for name in description.concepts
         ]
-        return tuple(said[index] for index in self._rng.permutation(len(said)))
+        values = tuple(said[index] for index in self._rng.permutation(len(said)))
+        if description.which is None:
+            return values
+        return (self._choose(self._domain.extreme_words()[description.which]), *values)
 
     def _any_action(self) -> str:
         return self._choose(list(self._words.placements()))
@@ -204,6 +213,7 @@ class _Said:
 
     concepts: tuple[str, ...]
     relations: tuple[Relation, ...] = ()
+    which: str | None = None
 
 
 _UNKNOWN = _Said((GROUP_TOKEN,))
@@ -226,7 +236,7 @@ class _Context:
     def of_anchor(self) -> _Context:
         """What the words of the relation of what is being said depend on."""
         first, *others = self.saying.relations
-        return replace(self, reference=_Said(first.to, tuple(others)))
+        return replace(self, reference=_Said(first.to, tuple(others), first.which))
 
     @classmethod
     def of(cls, step: Step | None, index: int) -> _Context:
@@ -235,8 +245,8 @@ class _Context:
         return cls(
             index,
             step.action,
-            _Said(step.object, step.object_relations),
-            _Said(step.reference, step.reference_relations),
+            _Said(step.object, step.object_relations, step.object_which),
+            _Said(step.reference, step.reference_relations, step.reference_which),
         )
 
 
@@ -250,7 +260,7 @@ def _description_rule(name: str, said: _Said) -> str:
         if said.relations:
             raise _CannotBeSaidError
         return name
-    if not said.concepts:
+    if not said.concepts and said.which is None:
         return "undescribed"
     return "related" if said.relations else "description"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from nsrm_harness.common.json_text import json_text
@@ -11,6 +11,10 @@ from nsrm_harness.common.json_text import json_text
 #: Relations that compare the objects of a scene, beside those that actions bring about; in the
 #: order of a model's relations, behind the actions.
 SUPERLATIVES = ("Nearest", "Farthest")
+
+
+#: What chooses among objects by their size, beside the extremes in the directions of actions.
+SIZE_EXTREMES = ("Largest", "Smallest")
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class Relation:
     name: str
     #: Names of the concepts that describe the other object.
     to: tuple[str, ...]
+    #: Which of several such objects: the name of an extreme, "leftmost" or "largest".
+    which: str | None = None
 
 
 @dataclass(frozen=True)
@@ -29,7 +35,8 @@ class Step:
     """``Action(action, Unique(Filter(… Scene())), Unique(Filter(… Scene())))``.
 
     In place of ``Scene()`` there may be a relation to another object, whose description may have
-    the next relation.
+    the next relation; and between ``Unique`` and ``Filter`` may stand ``Extreme``, which chooses
+    among the objects that fit.
     """
 
     #: Name of the action.
@@ -40,40 +47,59 @@ class Step:
     reference: tuple[str, ...]
     object_relations: tuple[Relation, ...] = ()
     reference_relations: tuple[Relation, ...] = ()
+    #: Which of several objects that fit is to be moved: the name of an extreme, "leftmost".
+    object_which: str | None = None
+    #: Which of several is the reference.
+    reference_which: str | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The step as in ``{"steps": [...]}`` of the command line."""
         return {
             "action": self.action,
-            "object": _as_json(self.object, self.object_relations),
-            "reference": _as_json(self.reference, self.reference_relations),
+            "object": _as_json(self.object, self.object_which, self.object_relations),
+            "reference": _as_json(self.reference, self.reference_which, self.reference_relations),
         }
 
     @staticmethod
     def from_json(content: Mapping[str, Any]) -> Step:
         """The inverse of :meth:`as_json`; other keys are ignored."""
-        moved, moved_relations = _from_json(content["object"])
-        reference, reference_relations = _from_json(content["reference"])
-        return Step(content["action"], moved, reference, moved_relations, reference_relations)
+        moved, moved_which, moved_relations = _from_json(content["object"])
+        reference, reference_which, reference_relations = _from_json(content["reference"])
+        return Step(
+            content["action"],
+            moved,
+            reference,
+            moved_relations,
+            reference_relations,
+            moved_which,
+            reference_which,
+        )
 
 
 Program = tuple[Step, ...]
 
 
-def _as_json(concepts: Sequence[str], relations: Sequence[Relation]) -> Any:
-    if not relations:
+def _as_json(concepts: Sequence[str], which: str | None, relations: Sequence[Relation]) -> Any:
+    if which is None and not relations:
         return list(concepts)
-    first, *others = relations
-    to = _as_json(first.to, others)
-    return {"concepts": list(concepts), "relation": {"name": first.name, "to": to}}
+    content: dict[str, Any] = {"concepts": list(concepts)}
+    if which is not None:
+        content["which"] = which
+    if relations:
+        first, *others = relations
+        to = _as_json(first.to, first.which, others)
+        content["relation"] = {"name": first.name, "to": to}
+    return content
 
 
-def _from_json(content: Any) -> tuple[tuple[str, ...], tuple[Relation, ...]]:
+def _from_json(content: Any) -> tuple[tuple[str, ...], str | None, tuple[Relation, ...]]:
     if not isinstance(content, Mapping):
-        return tuple(content), ()
-    relation = content["relation"]
-    to, others = _from_json(relation["to"])
-    return tuple(content["concepts"]), (Relation(relation["name"], to), *others)
+        return tuple(content), None, ()
+    concepts, which = tuple(content["concepts"]), content.get("which")
+    if (relation := content.get("relation")) is None:
+        return concepts, which, ()
+    to, to_which, others = _from_json(relation["to"])
+    return concepts, which, (Relation(relation["name"], to, to_which), *others)
 
 
 def canonical(steps: Iterable[Step]) -> str:
@@ -82,8 +108,8 @@ def canonical(steps: Iterable[Step]) -> str:
         [
             [
                 step.action,
-                _sorted(step.object, step.object_relations),
-                _sorted(step.reference, step.reference_relations),
+                _sorted(step.object, step.object_which, step.object_relations),
+                _sorted(step.reference, step.reference_which, step.reference_relations),
             ]
             for step in steps
         ],
@@ -92,8 +118,9 @@ def canonical(steps: Iterable[Step]) -> str:
     )
 
 
-def _sorted(concepts: Sequence[str], relations: Sequence[Relation]) -> Any:
+def _sorted(concepts: Sequence[str], which: str | None, relations: Sequence[Relation]) -> Any:
     return _as_json(
         sorted(concepts),
-        [Relation(relation.name, tuple(sorted(relation.to))) for relation in relations],
+        which,
+        [replace(relation, to=tuple(sorted(relation.to))) for relation in relations],
     )

@@ -21,7 +21,7 @@ from nsrm_harness.domain.domain import (
     Domain,
     EverydayWords,
 )
-from nsrm_harness.domain.program import SUPERLATIVES
+from nsrm_harness.domain.program import SIZE_EXTREMES, SUPERLATIVES
 
 #: The paper's domain.
 DEFAULT = Path(__file__).resolve().parent / "tabletop.toml"
@@ -142,6 +142,10 @@ def _names(domain: Domain) -> Faults:
     for action in domain.actions:
         if action.name in SUPERLATIVES:
             yield "action", f"{action.name} is a relation of every domain: use another name"
+    extremes = [*(action.name for action in domain.actions), *SIZE_EXTREMES]
+    for name in domain.extremes:
+        if name not in extremes:
+            yield f"extremes.{name}", f"unknown; expected some of {', '.join(extremes)}"
     if len(domain.attributes) > MAX_ATTRIBUTES:
         yield "attribute", f"at most {MAX_ATTRIBUTES} types, got {len(domain.attributes)}"
     if len(domain.concepts) > MAX_CONCEPTS:
@@ -163,21 +167,23 @@ def _appearance(domain: Domain) -> Faults:
 
 
 def _words(domain: Domain) -> Faults:
-    """Each word names one concept."""
+    """Each word names one concept or one extreme."""
+    named = [
+        (f"{value.attribute}.{value.name}.words", f"the concept {value.name!r}", value.words)
+        for value in domain.concepts
+    ]
+    named += [
+        (f"extremes.{name}", f"the extreme {name}", words)
+        for name, words in domain.extremes.items()
+    ]
     seen: dict[str, str] = {}
-    for value in domain.concepts:
-        for word in value.words:
+    for key, what, words in named:
+        for word in words:
             if word in seen:
-                yield (
-                    f"{value.attribute}.{value.name}.words",
-                    f"{word!r} already names {seen[word]!r}",
-                )
-            seen.setdefault(word, value.name)
+                yield key, f"{word!r} already names {seen[word]}"
+            seen.setdefault(word, what)
     for word in sorted(domain.other_words() & seen.keys()):
-        yield (
-            "grammar",
-            f"{word!r} names the concept {seen[word]!r} and cannot be another word, too",
-        )
+        yield "grammar", f"{word!r} names {seen[word]} and cannot be another word, too"
 
 
 def _held_out_actions(domain: Domain) -> Faults:
@@ -197,7 +203,7 @@ def _held_out(domain: Domain) -> Faults:
     """The held-out wordings are not in the grammar and contain no new words."""
     if domain.held_out is None:
         return
-    known = {*domain.vocabulary(), *domain.lexicon()}
+    known = domain.known_words()
     said = {*domain.grammar.commands, *(p for a in domain.actions for p in a.phrases)}
     held_out = domain.held_out
     for text in (*held_out.commands, *(p for each in held_out.phrases.values() for p in each)):

@@ -5,8 +5,8 @@
 2. ``,`` and ``;`` become the token ``,`` everywhere.
 3. ``. ! ?`` at the very end of the sentence are dropped. Elsewhere, each of ``. ! ? : '`` at the
    start or end of a word is a separate token.
-4. Adjacent words that name attribute values, the paper's only lexicon, form a group, which one
-  group token replaces (section IV-B).
+4. Adjacent words that name attribute values, the paper's only lexicon, or extremes ("leftmost"),
+  form a group, which one group token replaces (section IV-B).
 5. Every other token must be in the vocabulary.
 """
 
@@ -49,7 +49,7 @@ class Tokenizer:
     """Splits sentences about one domain into tokens."""
 
     def __init__(self, domain: Domain) -> None:
-        self._lexicon = domain.lexicon()
+        self._lexicon, self._group_words = domain.lexicon(), domain.group_words()
         self.attributes = len(domain.attributes)
         #: Row of each word in the embeddings; the group token has row 0.
         self.row = {word: row for row, word in enumerate(domain.vocabulary())}
@@ -60,17 +60,18 @@ class Tokenizer:
         groups: list[tuple[int, ...]] = []
         in_group = False
         for piece in split(sentence):
-            concept = self._lexicon.get(piece)
-            if concept is None:
+            is_value = piece in self._group_words
+            if not is_value:
                 if piece == GROUP_TOKEN or piece not in self.row:
                     raise UnknownWordError(piece, sentence)
                 words.append(piece)
-            elif in_group:
-                groups[-1] = (*groups[-1], concept)
             else:
-                words.append(GROUP_TOKEN)
-                groups.append((concept,))
-            in_group = concept is not None
+                if not in_group:
+                    words.append(GROUP_TOKEN)
+                    groups.append(())
+                if (concept := self._lexicon.get(piece)) is not None:
+                    groups[-1] = (*groups[-1], concept)
+            in_group = is_value
         return Tokens(tuple(words), tuple(groups))
 
     def pattern(self, words: Sequence[str]) -> list[int]:

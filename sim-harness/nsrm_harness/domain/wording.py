@@ -34,7 +34,7 @@ def _phrase(text: str) -> str:
 
 def _single_word(text: str) -> str:
     if " " in text or text == "," or not text:
-        raise ValueError(f"a concept is named by single words, got {text!r}")
+        raise ValueError(f"expected a single word, got {text!r}")
     return text
 
 

@@ -1,24 +1,32 @@
-"""Measures how sentences with relations in descriptions are understood and grounded, through the
-core.
+"""Measures how sentences with relations and extremes in descriptions are understood and grounded,
+through the core.
 
 They are about episodes of one step, and best about scenes in which blocks stand on each other. A
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
-must be refused there. Superlatives, "nearest to" and "farthest from", are counted apart.
+must be refused there. Superlatives, "nearest to" and "farthest from", and extremes, "leftmost", are
+counted apart.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import nsrm
+import numpy as np
 
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
-from nsrm_harness.data.tell import misleading_programs, related_programs
+from nsrm_harness.data.tell import (
+    extreme_programs,
+    misleading_extremes,
+    misleading_programs,
+    related_programs,
+)
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import SUPERLATIVES, Program
@@ -26,6 +34,8 @@ from nsrm_harness.evaluation.language import Counted, count, say, understand
 from nsrm_harness.evaluation.metrics import check_domain, domain_of
 from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
 
+Programs = Callable[[Domain, Truth, np.random.Generator, int], list[Program]]
+"""So many random programs of an episode."""
 TIMES = 3
 """Number of sentences of each kind about an episode."""
 
@@ -51,13 +61,20 @@ def measure_relations(
             return []
         rows: list[Counted] = []
         known = set(domain.everyday.states())
+        sets: dict[str, tuple[Programs, Programs]] = {}
         for name, names in (
             ("relations", known - {*SUPERLATIVES}),
             ("superlatives", known & {*SUPERLATIVES}),
         ):
-            if not names:
-                continue
-            told, misleading = _programs(domain, judge, seed, names)
+            if names:
+                true, untrue = (
+                    partial(each, names=names) for each in (related_programs, misleading_programs)
+                )
+                sets[name] = true, untrue
+        if domain.extremes:
+            sets["extremes"] = extreme_programs, misleading_extremes
+        for name, (true, untrue) in sets.items():
+            told, misleading = _programs(domain, judge, seed, true, untrue)
             said = say(domain, [each.program for each in told], seed)
             rows += [count(f"{name}{ending}", understand(model, said[ending])) for ending in said]
             for ending, chosen in (("in scenes", told), ("of none or several", misleading)):
@@ -70,17 +87,17 @@ def measure_relations(
 
 
 def _programs(
-    domain: Domain, judge: GroundTruth, seed: int, names: Collection[str]
+    domain: Domain, judge: GroundTruth, seed: int, true: Programs, untrue: Programs
 ) -> tuple[list[Said], list[Said]]:
-    """Programs with these relations that are true, and that hold for no block or for several."""
+    """Programs that are true, and that hold for no block or for several."""
     told: list[Said] = []
     misleading: list[Said] = []
     for index in range(len(judge)):
         truth, rng = judge.truth(index), generator(seed, "related", index)
-        for program in related_programs(domain, truth, rng, TIMES, names):
+        for program in true(domain, truth, rng, TIMES):
             (step,) = truth.steps
             told.append(Said(index, program, (step.object_id, step.reference_id)))
-        for program in misleading_programs(domain, truth, rng, TIMES, names):
+        for program in untrue(domain, truth, rng, TIMES):
             misleading.append(Said(index, program, None))
     return told, misleading
 

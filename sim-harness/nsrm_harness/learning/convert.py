@@ -1,7 +1,7 @@
 """Converts files of earlier schemas: the hash covered only the tensors (model 2, baseline 1), and
 models had no acceptability (2, 3), no relations in descriptions (2 to 4), a splitter that saw two
-tokens ahead (2 to 5), did not tell the camera of their training (2 to 6), and had no superlatives
-in descriptions (2 to 7)."""
+tokens ahead (2 to 5), did not tell the camera of their training (2 to 6), had no superlatives in
+descriptions (2 to 7), and no extremes (2 to 8)."""
 
 from __future__ import annotations
 
@@ -33,6 +33,8 @@ NEXT = {
     for schema in export.CONVERTIBLE
 }
 """The current schema for each one that can be converted."""
+WITHOUT_SUPERLATIVES = ("2", "3", "4", "5", "6", "7")
+"""Schemas whose descriptions have none."""
 LAST_OF_TENSORS = ("2", BASELINE)
 """Schemas whose hash covers only the tensors."""
 
@@ -71,8 +73,8 @@ def convert(path: Path) -> None:
             for part, module in added.items()
             for name, array in tensors(module).items()
         } | arrays
-        superlatives = without_relations(len(SUPERLATIVES))
-        for name, array in tensors(superlatives).items():
+        superlatives = len(SUPERLATIVES) if found in WITHOUT_SUPERLATIVES else 0
+        for name, array in tensors(without_relations(superlatives)).items():
             rows = f"language.relation_decoder.{name}"
             old, new = np.split(arrays[rows], 2), np.split(np.asarray(array), 2)
             arrays[rows] = np.concatenate([old[0], new[0], old[1], new[1]])

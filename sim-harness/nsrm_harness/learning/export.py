@@ -29,9 +29,9 @@ from nsrm_harness.learning import hashes
 from nsrm_harness.learning import model as network
 from nsrm_harness.learning.model import Dimensions, Model, Network
 
-SCHEMA = 8
+SCHEMA = 9
 """Version of the model file, `nsrm_core::model::SCHEMA`."""
-CONVERTIBLE = ("2", "3", "4", "5", "6", "7", "baseline 1")
+CONVERTIBLE = ("2", "3", "4", "5", "6", "7", "8", "baseline 1")
 """Schemas whose files differ from the current one only in the hash; see `convert.py`."""
 
 

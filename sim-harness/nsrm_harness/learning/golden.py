@@ -22,7 +22,7 @@ from nsrm_harness.domain.tokens import Tokenizer, split
 from nsrm_harness.learning import reference
 from nsrm_harness.learning.export import ModelFile, identity_of, safetensors_bytes
 from nsrm_harness.learning.model import Conv, run_gru
-from nsrm_harness.learning.structures import related, remoteness
+from nsrm_harness.learning.structures import directions, related, remoteness
 
 SEED = 20240
 TOLERANCES = {
@@ -268,6 +268,8 @@ def chains(
         arrays[f"scene.{index}.relations"] = np.asarray(cosines)
         remote = remoteness(file.model, jnp.asarray(locations), demonstrations.camera(index))
         arrays[f"scene.{index}.distances"] = np.asarray(remote[0])
+        direction = directions(file.model, jnp.asarray(locations), demonstrations.camera(index))
+        arrays[f"scene.{index}.directions"] = np.asarray(direction)
         arrays[f"scene.{index}.crops"] = crops
         arrays[f"scene.{index}.embeddings"] = embeddings
         sentence = demonstrations.sentences[index]

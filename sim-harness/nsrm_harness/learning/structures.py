@@ -97,6 +97,19 @@ def related(model: Model, locations: Array, camera: Camera) -> Array:
     return jnp.where(jnp.eye(len(locations), dtype=bool), -1.0, cosines)
 
 
+def directions(model: Model, locations: Array, camera: Camera) -> Array:
+    """Where each action would put each object with itself as reference: unit vectors in the world,
+    vertical or horizontal. Locations `[M, 5]` -> `[A, M, 3]`."""
+    every = jnp.eye(model.language.action_decoder.weight.shape[0])
+    over_objects = jax.vmap(model.action.simulator, (None, 0, 0))
+    put = jax.vmap(over_objects, (0, None, None))(every, locations, locations)
+    moved = centers(model, put, camera) - centers(model, locations, camera)
+    moved = moved @ jnp.asarray(camera.pose.rotation()).T
+    is_vertical = moved[..., 2:] ** 2 > jnp.sum(moved[..., :2] ** 2, axis=-1, keepdims=True)
+    moved = jnp.where(is_vertical == jnp.array([False, False, True]), moved, 0.0)
+    return moved / jnp.linalg.norm(moved, axis=-1, keepdims=True)
+
+
 def centers(model: Model, locations: Array, camera: Camera) -> Array:
     """The centres of objects in the camera's frame: locations `[..., 5]` -> metres `[..., 3]`."""
     return terms(locations, camera, jnp) @ model.camera.weight.T

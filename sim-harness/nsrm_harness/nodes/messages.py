@@ -416,21 +416,25 @@ class RelationMessage(ctypes.Structure):
         ("count", ctypes.c_uint32),
         # Those concepts: indices in the model; 0 after the last.
         ("concepts", ctypes.c_uint8 * 4),
+        # Which of several such objects: 0 if that is left open, 1 for the largest, 2 for the
+        # smallest, or 3 plus the index of the action in whose direction it lies farthest.
+        ("which", ctypes.c_uint32),
     ]
-    LAYOUT: ClassVar = (16, 4)
+    LAYOUT: ClassVar = (20, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "kind": 0,
         "action": 4,
         "count": 8,
         "concepts": 12,
+        "which": 16,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.RelationMessage.1c13181ebe957494"
+        return "nsrm.v1.RelationMessage.c033a237e5f05959"
 
 
 class StepMessage(ctypes.Structure):
@@ -443,6 +447,8 @@ class StepMessage(ctypes.Structure):
         ("object_count", ctypes.c_uint32),
         # Those concepts: indices in the model; 0 after the last.
         ("object", ctypes.c_uint8 * 4),
+        # Which of several such objects is moved, as in a relation.
+        ("object_which", ctypes.c_uint32),
         # How many relations the description of the object to move has.
         ("object_relation_count", ctypes.c_uint32),
         # Those relations: its own to another object, then that one's to a third; all 0 after the
@@ -452,6 +458,8 @@ class StepMessage(ctypes.Structure):
         ("reference_count", ctypes.c_uint32),
         # Those concepts.
         ("reference", ctypes.c_uint8 * 4),
+        # Which of several such objects is the reference, as in a relation.
+        ("reference_which", ctypes.c_uint32),
         # How many relations the description of the reference has.
         ("reference_relation_count", ctypes.c_uint32),
         # Those relations.
@@ -476,33 +484,35 @@ class StepMessage(ctypes.Structure):
         # metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (188, 4)
+    LAYOUT: ClassVar = (212, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
         "object_count": 4,
         "object": 8,
-        "object_relation_count": 12,
-        "object_relations": 16,
-        "reference_count": 48,
-        "reference": 52,
-        "reference_relation_count": 56,
-        "reference_relations": 60,
-        "object_id": 92,
-        "reference_id": 96,
-        "object_score": 100,
-        "reference_score": 104,
-        "confidence": 108,
-        "position": 140,
-        "orientation": 152,
-        "location": 168,
+        "object_which": 12,
+        "object_relation_count": 16,
+        "object_relations": 20,
+        "reference_count": 60,
+        "reference": 64,
+        "reference_which": 68,
+        "reference_relation_count": 72,
+        "reference_relations": 76,
+        "object_id": 116,
+        "reference_id": 120,
+        "object_score": 124,
+        "reference_score": 128,
+        "confidence": 132,
+        "position": 164,
+        "orientation": 176,
+        "location": 192,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.StepMessage.f77389e51a1cd6f4"
+        return "nsrm.v1.StepMessage.efbad8f1abdc34da"
 
 
 class PlanReply(ctypes.Structure):
@@ -537,7 +547,7 @@ class PlanReply(ctypes.Structure):
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
-    LAYOUT: ClassVar = (2584, 8)
+    LAYOUT: ClassVar = (2776, 8)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
@@ -559,7 +569,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.6b21b437ebd5f0b6"
+        return "nsrm.v1.PlanReply.45eea5f5d2d49f37"
 
 
 class SubGoal(ctypes.Structure):

@@ -11,6 +11,9 @@ const FILLERS: [&str; 9] = [
 /// Words that choose nothing either if no option has them: "the one on the left".
 const LINKS: [&str; 8] = ["at", "in", "is", "of", "on", "side", "to", "which"];
 
+/// Letters of the shortest words that stand for those that begin with them.
+const LEAST_BEGINNING: usize = 3;
+
 /// The words of an answer that may choose something, in lower case.
 pub(super) fn words(answer: &str) -> BTreeSet<String> {
     let is_between = |c: char| c.is_whitespace() || matches!(c, '.' | ',' | '!' | '?' | '"');
@@ -39,7 +42,16 @@ fn fits(said: &BTreeSet<String>, option: &str) -> bool {
     let (own, relation) = option.split_once(" one ").unwrap_or((option, ""));
     let (phrase, _anchor) = relation.rsplit_once(" the ").unwrap_or_default();
     let is_by_place = !said.is_disjoint(&words(phrase)) && said.is_subset(&words(option));
-    said.is_subset(&words(own)) || is_by_place
+    let own = words(own);
+    said.iter().all(|word| is_said(word, &own)) || is_by_place
+}
+
+/// Whether a word stands among others, or begins one: "left" is said for "leftmost".
+fn is_said(word: &str, words: &BTreeSet<String>) -> bool {
+    words.contains(word)
+        || words
+            .iter()
+            .any(|other| word.len() >= LEAST_BEGINNING && other.starts_with(word))
 }
 
 #[cfg(test)]
@@ -74,6 +86,27 @@ mod tests {
         ] {
             assert_eq!(place(answer, &options), expected, "{answer}");
         }
+    }
+
+    #[test]
+    fn an_extreme_is_chosen_by_its_beginning() {
+        let options = ["the leftmost red one", "the topmost red one"];
+        for (answer, expected) in [
+            ("the left one", Some(0)),
+            ("the one on the left side", Some(0)),
+            ("topmost", Some(1)),
+            ("to", None),
+            ("red", None),
+            ("leftmost top", None),
+        ] {
+            assert_eq!(place(answer, &options), expected, "{answer}");
+        }
+        let related = [
+            "the leftmost red one",
+            "the red one to the left of the blue one",
+        ];
+        assert_eq!(place("left", &related), None);
+        assert_eq!(place("leftmost", &related), Some(0));
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Options by where objects stand, for those that their values do not tell apart: "the red one to
-//! the left of the blue one".
+//! the left of the blue one", "the leftmost red one".
 
 use nsrm_core::Scene;
-use nsrm_core::dsl::{Description, Filters, Relation, RelationKind};
+use nsrm_core::dsl::{Description, Extreme, Filters, Property, Relation, RelationKind};
 use nsrm_core::grounding::score;
 use nsrm_core::model::Action;
 use nsrm_core::relation::{RELATION_CLEAR, relate};
@@ -22,7 +22,8 @@ struct Surroundings<'a> {
 }
 
 impl Context<'_> {
-    /// An option for each of these objects that is the only one of its values in some relation.
+    /// An option for each of these objects that is the only one of its values in some relation, or the
+    /// one that lies farthest in some direction.
     ///
     /// * `filters`: those of the refused description
     /// * `wanted`: ids of objects that fit it
@@ -40,7 +41,9 @@ impl Context<'_> {
         objects
             .filter_map(|object| {
                 let mut relations = self.relations(object, &around).into_iter();
-                relations.find_map(|relation| self.related(place, filters, relation))
+                relations
+                    .find_map(|relation| self.related(place, filters, relation))
+                    .or_else(|| self.extreme(place, filters, object.id))
             })
             .collect()
     }
@@ -129,5 +132,21 @@ impl Context<'_> {
         // The noun behind the refused description is then the anchor's.
         let words = format!("{own} that is {phrase} the {anchor}");
         self.option_by(answer, place, &words, &description)
+    }
+
+    /// The option with the refused description's values and an extreme that is this object.
+    fn extreme(&self, place: &Described, filters: &Filters, wanted: u32) -> Option<Choice> {
+        let scene = self.scene.filter(|_| filters.which().is_none())?;
+        let actions = (0..).zip(self.model.actions);
+        let mut named = actions.filter(|(_, action)| action.extreme.is_some());
+        named.find_map(|(index, _)| {
+            let mut own = *filters;
+            own.add(Property::Extreme(Extreme::Action(index))).ok()?;
+            let words = self.named(&own);
+            let answer = format!("the {words} one");
+            let option = self.option_by(answer, place, &words, &Description::of(own))?;
+            let chosen = place.chosen(self.model, scene, &option.sentence);
+            (chosen == Some(wanted)).then_some(option)
+        })
     }
 }

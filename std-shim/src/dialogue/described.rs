@@ -75,6 +75,20 @@ impl Described {
         Some(program)
     }
 
+    /// Id of the object that it refers to in a sentence with another description there.
+    pub(super) fn chosen(&self, model: &Model<'_>, scene: &Scene, sentence: &str) -> Option<u32> {
+        let plan = Planner::new(model).plan(scene, sentence).ok()?;
+        let step = plan.steps().get(self.step)?;
+        let grounding = match self.argument {
+            Argument::Reference => &step.reference,
+            _ => &step.object,
+        };
+        match self.level.checked_sub(1) {
+            None => Some(grounding.object),
+            Some(anchor) => grounding.anchors().get(anchor).copied(),
+        }
+    }
+
     /// Ids of the objects that the steps before its own move; `None` if these steps are not
     /// understood alone as they are in the sentence.
     pub(super) fn moved_before(

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use nsrm_core::dsl::{Argument, Description, RelationKind};
+use nsrm_core::dsl::{Argument, Description, Extreme, RelationKind};
 use nsrm_core::language::{Correction, Parsed};
 use nsrm_core::planner::{Grounding, Plan};
 use nsrm_core::refusal::Candidate;
@@ -138,7 +138,8 @@ impl Requests {
     fn program(&mut self, parsed: &Parsed, program: &Program) {
         for (step, decisions) in program.steps().iter().zip(parsed.decisions()) {
             self.line(&format!(
-                "parsed: action {} concepts {} {} relations {} {} kinds {} {} span {} {}",
+                "parsed: action {} concepts {} {} relations {} {} kinds {} {} which {} {} span {} \
+                 {}",
                 step.action,
                 step.object.concepts().len(),
                 step.reference.concepts().len(),
@@ -146,6 +147,8 @@ impl Requests {
                 step.reference.relations().len(),
                 kind(&step.object),
                 kind(&step.reference),
+                which(&step.object),
+                which(&step.reference),
                 decisions.span.start,
                 decisions.span.end,
             ));
@@ -326,6 +329,10 @@ fn corrected(correction: &Correction) -> String {
 }
 
 /// The kind of the first relation as a number, 0 without one.
+fn which(description: &Description) -> u32 {
+    description.filters().which().map_or(0, Extreme::number)
+}
+
 fn kind(description: &Description) -> u32 {
     match description
         .relations()

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use nsrm_codegen::{ModelError, OwnedModel};
+use nsrm_core::dsl::{Extreme, Property};
 use serde_json::{Value, json};
 
 /// A tensor of the file.
@@ -31,15 +32,17 @@ pub(crate) const WORDS: [&str; 9] = [
     ",", "beside", "jar", "near", "onto", "shift", "the", "then", "to",
 ];
 /// Its lexicon, sorted.
-pub(crate) const LEXICON: [(&str, u8); 8] = [
-    ("amber", 0),
-    ("big", 3),
-    ("glossy", 6),
-    ("matte", 5),
-    ("orange", 0),
-    ("plum", 2),
-    ("teal", 1),
-    ("tiny", 4),
+pub(crate) const LEXICON: [(&str, Property); 10] = [
+    ("amber", Property::Concept(0)),
+    ("big", Property::Concept(3)),
+    ("glossy", Property::Concept(6)),
+    ("largest", Property::Extreme(Extreme::Largest)),
+    ("matte", Property::Concept(5)),
+    ("orange", Property::Concept(0)),
+    ("outermost", Property::Extreme(Extreme::Action(1))),
+    ("plum", Property::Concept(2)),
+    ("teal", Property::Concept(1)),
+    ("tiny", Property::Concept(4)),
 ];
 pub(crate) const ACTIONS: usize = 2;
 /// Those of the actions, and the superlatives.
@@ -90,6 +93,7 @@ pub(crate) fn domain() -> Value {
             "commands": ["{verb} {moved} {relation} {reference}"],
             "connectives": [", then", "then"],
         },
+        "extremes": {"Flank": ["outermost"], "Largest": ["largest"]},
         "spelling": {
             "heard": {"steal": "teal", "bare": "beside"},
             "other_words": ["plumb", "jam", "teak"],

@@ -8,12 +8,13 @@ use crate::{SpoilDomain, refused, refused_domain};
 
 #[test]
 fn empty_lists() {
-    let spoils: [SpoilDomain; 5] = [
+    let spoils: [SpoilDomain; 6] = [
         |domain| domain["attribute"] = json!([]),
         |domain| domain["action"] = json!([]),
         |domain| domain["attribute"][1]["values"] = json!([]),
         |domain| domain["attribute"][1]["values"][0]["words"] = json!([]),
         |domain| domain["action"][1]["phrases"] = json!([]),
+        |domain| domain["extremes"]["Smallest"] = json!([]),
     ];
     for spoil in spoils {
         let error = refused_domain(spoil, &["must not be empty", "train again"]);
@@ -135,6 +136,20 @@ fn names_that_stand_there_twice() {
             }
         );
     }
+}
+
+#[test]
+fn an_extreme_of_no_action() {
+    let error = refused_domain(
+        |domain| domain["extremes"]["Flink"] = json!(["uttermost"]),
+        &["extremes", "\"Flink\" is no action of the domain"],
+    );
+    let name = "Flink".into();
+    assert_eq!(error, ModelError::Extreme { name });
+    refused_domain(
+        |domain| domain["extremes"]["Smallest"] = json!(["teal"]),
+        &["\"teal\" occurs twice"],
+    );
 }
 
 #[test]

@@ -77,12 +77,13 @@ fn another_schema() {
         ("5", "`cargo harness convert FILE`"),
         ("6", "`cargo harness convert FILE`"),
         ("7", "`cargo harness convert FILE`"),
+        ("8", "`cargo harness convert FILE`"),
     ] {
         let spoil = |file: &mut ModelFile| drop(file.metadata.insert("schema".into(), got.into()));
-        let parts = ["`schema`", "expected 8", &format!("{got:?}"), advice];
+        let parts = ["`schema`", "expected 9", &format!("{got:?}"), advice];
         let error = refused(spoil, &parts);
         let got = got.into();
-        assert_eq!(error, ModelError::Schema { expected: 8, got });
+        assert_eq!(error, ModelError::Schema { expected: 9, got });
     }
 }
 

@@ -417,7 +417,7 @@ fn what_is_hidden_may_be_meant() {
     assert_eq!(found.len(), 2);
     assert_eq!((found[0].0, found[1]), (2, (5, threshold)));
     // Not if it is clearly farther away, nor if nothing else fits.
-    objects[2] = red(2, 0.6, 0.5);
+    objects[2] = red(2, 0.42, 0.5);
     assert_eq!(meant(&plan(&objects, sentence).unwrap()), (2, 6));
     objects.remove(2);
     let (refused, _) = refusal(&objects, sentence);

@@ -1,0 +1,137 @@
+"""Extremes in descriptions, "the leftmost red block": said, read, and true of a scene's blocks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nsrm_harness import domain as domains
+from nsrm_harness.data.extremes import FARTHER_M, SAME_M, ExtremeDescriptions
+from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.data.ground_truth import GroundTruth, Truth
+from nsrm_harness.data.relations import Described
+from nsrm_harness.data.tell import extreme_programs, misleading_extremes
+from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday
+from nsrm_harness.domain.program import Relation, Step, canonical
+from nsrm_harness.domain.tokens import Tokenizer
+
+DOMAIN = with_everyday(domains.load(domains.FOUR_SIDES))
+#: The world's direction of each extreme.
+DIRECTIONS = {
+    "topmost": (0, 0, 1),
+    "rightmost": (0, 1, 0),
+    "leftmost": (0, -1, 0),
+    "frontmost": (1, 0, 0),
+    "rearmost": (-1, 0, 0),
+}
+SETTINGS = replace(
+    SPLITS["validation"],
+    count=12,
+    seed=9,
+    steps=(1, 1),
+    stacks=0.5,
+    final_image=False,
+    renderer="pybullet",
+)
+
+
+@pytest.fixture(scope="module")
+def truths(tmp_path_factory: pytest.TempPathFactory) -> list[Truth]:
+    path: Path = tmp_path_factory.mktemp("extremes") / "validation.h5"
+    assert generate(SETTINGS, domains.load(), path)
+    with GroundTruth(path) as judge:
+        return [judge.truth(number) for number in range(len(judge))]
+
+
+def test_a_step_with_extremes_is_the_same_after_json() -> None:
+    relation = Relation("MoveLeft", ("white",), "topmost")
+    step = Step("MoveOn", (), ("blue", "small"), (relation,), (), "leftmost", "rightmost")
+    assert step.as_json() == {
+        "action": "MoveOn",
+        "object": {
+            "concepts": [],
+            "which": "leftmost",
+            "relation": {"name": "MoveLeft", "to": {"concepts": ["white"], "which": "topmost"}},
+        },
+        "reference": {"concepts": ["blue", "small"], "which": "rightmost"},
+    }
+    assert Step.from_json(step.as_json()) == step
+    assert canonical([step]) == canonical([replace(step, reference=("small", "blue"))])
+    assert canonical([step]) != canonical([replace(step, object_which=None)])
+    other = replace(relation, which="leftmost")
+    assert canonical([step]) != canonical([replace(step, object_relations=(other,))])
+
+
+def test_extremes_are_said_and_recognised_as_values() -> None:
+    rng = np.random.default_rng(5)
+    speaker, tokenizer, recogniser = Speaker(DOMAIN, rng), Tokenizer(DOMAIN), Recogniser.of(DOMAIN)
+    relation = Relation("MoveLeft", ("white",), "topmost")
+    steps = {
+        Step("MoveOn", ("red",), ("blue",), object_which="leftmost"): [1, 1],
+        Step("MoveOn", (), (), object_which="frontmost", reference_which="rearmost"): [0, 0],
+        Step("MoveOn", (), ("blue",), (relation,), object_which="leftmost"): [0, 1, 1],
+    }
+    for step, concepts in steps.items():
+        for _ in range(100):
+            words = speaker.sentence((step,))
+            tokens = tokenizer(" ".join(words))
+            assert sorted(map(len, tokens.groups)) == concepts, " ".join(words)
+            assert recogniser.step(tokens.words), " ".join(words)
+
+
+def reaches(truth: Truth, described: Described) -> dict[int, float]:
+    """How far each of the blocks that fit lies in the direction of the extreme."""
+    assert described.which is not None
+    return {
+        index: float(np.dot(pose.position, DIRECTIONS[described.which]))
+        for index, (pose, values) in enumerate(
+            zip(truth.initial_poses, truth.attributes, strict=True)
+        )
+        if set(described.concepts) <= set(values.values())
+    }
+
+
+def test_an_extreme_is_clearly_the_farthest_of_several(truths: list[Truth]) -> None:
+    names = set[str]()
+    for truth in truths:
+        extremes = ExtremeDescriptions(DOMAIN, truth)
+        for block in range(len(truth.attributes)):
+            for described in extremes.of(block):
+                reach = reaches(truth, described)
+                own = reach.pop(block)
+                assert reach and own - max(reach.values()) >= FARTHER_M - 1e-9
+                assert described.which is not None
+                names.add(described.which)
+    assert names == {*DIRECTIONS}
+
+
+def test_an_extreme_that_misleads_is_of_none_or_not_clear(truths: list[Truth]) -> None:
+    unclear = absent = 0
+    for truth in truths:
+        extremes = ExtremeDescriptions(DOMAIN, truth)
+        for described in extremes.unclear():
+            *_, second, first = sorted(reaches(truth, described).values())
+            assert first - second <= SAME_M + 1e-9
+            unclear += 1
+        for described in extremes.absent():
+            assert not reaches(truth, described)
+            known = {value for values in truth.attributes for value in values.values()}
+            assert {*described.concepts} <= known
+            absent += 1
+    assert absent > 50 and unclear > 50
+
+
+def test_programs_with_extremes_are_of_single_steps(truths: list[Truth]) -> None:
+    rng = np.random.default_rng(1)
+    for make in (extreme_programs, misleading_extremes):
+        every = [make(DOMAIN, truth, rng, 4) for truth in truths]
+        assert sum(map(len, every)) > len(truths)
+        for truth, programs in zip(truths, every, strict=True):
+            for (step,) in programs:
+                assert step.action == truth.steps[0].step.action
+                assert step.object_which is not None or step.reference_which is not None
+        twice = replace(truths[0], steps=truths[0].steps * 2)
+        assert not make(DOMAIN, twice, rng, 4)
