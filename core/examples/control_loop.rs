@@ -48,6 +48,7 @@ impl Controller {
         let task = self.task.as_mut()?;
         for _ in 0..PIECES {
             if let Poll::Ready(result) = task.poll() {
+                let result = result.cloned();
                 self.task = None;
                 return Some(result);
             }

@@ -70,7 +70,7 @@ fn rest(scene: &Scene, first: usize) -> Plan {
     let mut task = planner.begin_grounding(*scene, &parsed, first);
     loop {
         if let Poll::Ready(plan) = task.poll() {
-            return plan.expect("a sentence that fits the squares");
+            return plan.cloned().expect("a sentence that fits the squares");
         }
     }
 }

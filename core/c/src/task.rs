@@ -84,7 +84,7 @@ impl Task {
     }
 
     /// Once done; a refusal has its own status.
-    fn plan(&mut self) -> Result<planner::Plan, Status> {
+    fn plan(&mut self) -> Result<&planner::Plan, Status> {
         let result = match &mut self.work {
             Work::Planning(task) => task.poll(),
             Work::Grounding(task) => task.poll(),
@@ -370,7 +370,7 @@ pub unsafe extern "C" fn nsrm_get_plan(task: *mut TaskMemory, plan: *mut Plan) -
     status(|| unsafe {
         pointers::write_sized(plan, Plan::empty())?;
         Slot::with(slot(task), |task| {
-            pointers::write_sized(plan, Plan::from(&task.plan()?))
+            pointers::write_sized(plan, Plan::from(task.plan()?))
         })
     })
 }
@@ -469,8 +469,8 @@ pub unsafe extern "C" fn nsrm_plan_explanation(
     // SAFETY: the caller's promises.
     status(|| unsafe {
         Slot::with(slot(task), |task| {
-            let explanation = task.plan()?;
-            write_text(&explanation.explain(task.model), buffer, size, needed)
+            let model = task.model;
+            write_text(&task.plan()?.explain(model), buffer, size, needed)
         })
     })
 }

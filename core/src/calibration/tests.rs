@@ -314,7 +314,7 @@ fn planning_refuses_at_once_and_call_by_call() {
     let mut task = planner.begin_grounding(&scene, &parsed, 0);
     let polled = loop {
         if let Poll::Ready(result) = task.poll() {
-            break result;
+            break result.cloned();
         }
     };
     assert_eq!(polled, refusal);

@@ -109,14 +109,14 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
     }
 
     /// Does one unit of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is done, every further
-    /// call returns the same result.
-    pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {
+    /// call returns the same result. The plan is the task's own; clone it to keep it longer.
+    pub fn poll(&mut self) -> Poll<Result<&Plan, Refusal>> {
         self.stage = match self.advance(self.stage) {
             Ok(stage) => stage,
             Err(refusal) => Stage::Done(Some(refusal)),
         };
         match self.stage {
-            Stage::Done(None) => Poll::Ready(Ok(self.plan.clone())),
+            Stage::Done(None) => Poll::Ready(Ok(&self.plan)),
             Stage::Done(Some(refusal)) => Poll::Ready(Err(refusal)),
             _ => Poll::Pending,
         }
@@ -322,9 +322,9 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 
 impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
     /// Starts with this sentence instead, in a task that has not started yet.
-    pub(super) fn begin(&mut self, parsed: Parsed) {
-        self.plan = Plan::new(&parsed, 0);
-        self.parsed = parsed;
+    pub(super) fn begin(&mut self, parsed: &Parsed) {
+        self.plan = Plan::new(parsed, 0);
+        self.parsed.clone_from(parsed);
         self.stage = self.begin_program(0);
     }
 }

@@ -212,7 +212,7 @@ impl<'m> Planner<'m> {
         let mut task = self.begin(scene, sentence);
         loop {
             if let Poll::Ready(plan) = task.poll() {
-                return plan;
+                return plan.cloned();
             }
         }
     }

@@ -40,8 +40,8 @@ impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
     }
 
     /// Does one unit of work, at most [`super::UNIT_MULTIPLY_ADDS`]. Once it is done, every further
-    /// call returns the same result.
-    pub fn poll(&mut self) -> Poll<Result<Plan, Refusal>> {
+    /// call returns the same result. The plan is the task's own; clone it to keep it longer.
+    pub fn poll(&mut self) -> Poll<Result<&Plan, Refusal>> {
         if self.is_parsed {
             return self.grounding.poll();
         }
@@ -49,7 +49,7 @@ impl<'m, S: Borrow<Scene>, T: AsRef<str>> PlanningTask<'m, S, T> {
             Poll::Pending => Poll::Pending,
             Poll::Ready(Err(refusal)) => Poll::Ready(Err(refusal)),
             Poll::Ready(Ok(parsed)) => {
-                self.grounding.begin(parsed.clone());
+                self.grounding.begin(parsed);
                 self.is_parsed = true;
                 Poll::Pending
             }

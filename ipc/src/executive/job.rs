@@ -272,6 +272,7 @@ impl<'m> Job<'m> {
         let Poll::Ready(plan) = task.poll() else {
             return Ok(Event::Working);
         };
+        let plan = plan.cloned();
         let (taken_ns, since_ns) = (*taken_ns, *since_ns);
         let scene = *task.scene();
         match plan {

@@ -90,7 +90,7 @@ impl Model {
             let mut task = planner.begin_grounding(&*scene.inner, &parsed, first);
             loop {
                 if let Poll::Ready(plan) = task.poll() {
-                    return plan;
+                    return plan.cloned();
                 }
             }
         });

@@ -15,7 +15,7 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use input::Reader;
 use measure::{Clock, stack};
-use nsrm_core::{Model, Plan, Planner, PlanningTask, Refusal, Scene};
+use nsrm_core::{Model, Planner, PlanningTask, Scene};
 use nsrm_tabletop::TABLETOP;
 
 /// The built-in model. A program that only plans has no weights of vision.
@@ -65,7 +65,6 @@ impl<T> Static<T> {
 
 static SCENE: Static<Scene> = Static::new();
 static TASK: Static<PlanningTask<'static, &'static Scene, &'static str>> = Static::new();
-static RESULT: Static<Result<Plan, Refusal>> = Static::new();
 
 #[entry]
 fn main() -> ! {
@@ -111,14 +110,7 @@ fn plan_begin(
 #[unsafe(no_mangle)]
 #[inline(never)]
 fn plan_poll(task: &mut PlanningTask<'static, &'static Scene, &'static str>) -> bool {
-    match task.poll() {
-        Poll::Pending => false,
-        Poll::Ready(result) => {
-            // SAFETY: the result before is told.
-            unsafe { RESULT.put(result) };
-            true
-        }
-    }
+    task.poll().is_ready()
 }
 
 /// Whether there is a scene, once it is done.
@@ -161,9 +153,8 @@ fn plan(clock: &mut Clock, scene: &'static Scene, sentence: &'static str) {
         largest
     );
     hprintln!("stack begin {} poll {}", begin_stack, poll_stack);
-    // SAFETY: it is there since the last call.
-    match unsafe { (*RESULT.0.get()).assume_init_ref() } {
-        Ok(plan) => {
+    match task.poll() {
+        Poll::Ready(Ok(plan)) => {
             for goal in plan.sub_goals() {
                 let pose = &goal.pose;
                 let numbers = pose
@@ -176,7 +167,8 @@ fn plan(clock: &mut Clock, scene: &'static Scene, sentence: &'static str) {
             }
             hprintln!("confidence {:08x}", plan.confidence().to_bits());
         }
-        Err(refusal) => hprintln!("refused {}", refusal.kind()),
+        Poll::Ready(Err(refusal)) => hprintln!("refused {}", refusal.kind()),
+        Poll::Pending => fail(),
     }
 }
 

@@ -74,7 +74,7 @@ fn run() -> i32 {
             break result;
         }
     };
-    if whole != polled {
+    if whole.as_ref() != polled.as_ref().copied() {
         return 1;
     }
     match polled {

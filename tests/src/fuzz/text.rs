@@ -76,7 +76,7 @@ fn plan_counting(planner: &Planner<'_>, scene: &Scene, sentence: &str) -> Result
     let mut task = planner.begin(scene, sentence);
     for _ in 0..MAX_POLLS {
         if let Poll::Ready(planned) = task.poll() {
-            return planned;
+            return planned.cloned();
         }
     }
     panic!("not done after {MAX_POLLS} polls: {sentence:?}");

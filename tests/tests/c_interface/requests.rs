@@ -64,7 +64,7 @@ impl Requests {
                 break plan;
             }
         };
-        self.planned(plan.as_ref(), Some(&parsed), sentence);
+        self.planned(plan.as_ref().copied(), Some(&parsed), sentence);
         self.line("");
     }
 

@@ -180,7 +180,7 @@ fn an_anchor_may_have_an_anchor() {
             Poll::Ready(plan) => break plan.unwrap(),
         }
     };
-    assert_eq!(meant(&plan), (3, 5));
+    assert_eq!(meant(plan), (3, 5));
     assert_eq!(plan.steps()[0].object.anchors(), [1, 4]);
     // 8 words and the end read, 8 tokens split, 16 encoded, the end of the parser, the check of the
     // scene, the step's begin, three decoders, four groups' roles, 4·(5 scores and a choice) and
