@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use nsrm_codegen::{hexadecimal, memory_report};
-use nsrm_core::dsl::RelationKind;
+use nsrm_core::dsl::{Extreme, Property, RelationKind};
 use nsrm_core::model::{self, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{
@@ -72,7 +72,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "attributes": attributes(&model),
         "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
         "relations": relations(&model),
-        "extremes": extremes(&model).collect::<Vec<_>>(),
+        "extremes": extremes(&model),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
         "lexicon": model.lexicon.iter().map(|entry| entry.text).collect::<Vec<_>>(),
         "dimensions": object(&DIMENSIONS),
@@ -129,9 +129,19 @@ fn relations<'a>(model: &Model<'a>) -> Vec<&'a str> {
     names
 }
 
-/// The extremes that descriptions may name: "leftmost".
-fn extremes<'a>(model: &Model<'a>) -> impl Iterator<Item = &'a str> {
-    model.actions.iter().filter_map(|action| action.extreme)
+/// The extremes that descriptions may name: "leftmost", in the order of the actions, then by size.
+fn extremes<'a>(model: &Model<'a>) -> Vec<&'a str> {
+    let actions = (0..)
+        .zip(model.actions)
+        .map(|(index, _)| Extreme::Action(index));
+    let every = actions.chain([Extreme::Largest, Extreme::Smallest]);
+    every
+        .filter(|extreme| {
+            let property = Property::Extreme(*extreme);
+            model.lexicon.iter().any(|entry| entry.property == property)
+        })
+        .map(|extreme| extreme.name(model))
+        .collect()
 }
 
 /// The same as text.
@@ -157,7 +167,7 @@ pub fn info_text(any: &AnyModel) -> String {
         names => names.join(", "),
     };
     line("relations", or_none(relations(&model)));
-    line("extremes", or_none(extremes(&model).collect()));
+    line("extremes", or_none(extremes(&model)));
     let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
     line("words", words.join(" "));
     line("dimensions", pairs(&DIMENSIONS));

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import nsrm
 import pytest
-
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import commands
 from nsrm_harness.data.calibration import Calibration
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.domain.program import Step, canonical
 from nsrm_harness.learning import calibrate
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
 from nsrm_harness.learning.dataset import training_set
@@ -75,7 +75,14 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Trained:
     """Episodes, two passes of each stage, the model file."""
     folder = tmp_path_factory.mktemp("workshop")
     for split, count in (("train", 80), ("validation", 24), ("test", 24)):
-        _harness("episodes", "--split", split, "--count", str(count), out=folder / f"{split}.h5")
+        _harness(
+            "episodes",
+            "--split",
+            split,
+            "--count",
+            str(count),
+            out=folder / f"{split}.h5",
+        )
     _harness("calibration", "--count", "40", out=folder / "calibration.h5")
 
     short = {
@@ -105,7 +112,9 @@ def _harness(*arguments: str, out: Path) -> None:
     commands.main(full, standalone_mode=False)
 
 
-def test_the_loaded_model_knows_the_second_domain_and_no_other(trained: Trained) -> None:
+def test_the_loaded_model_knows_the_second_domain_and_no_other(
+    trained: Trained,
+) -> None:
     model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
     assert model.info()["domain"] == domain.name
     with Demonstrations(trained.test) as demonstrations:
@@ -119,7 +128,10 @@ def test_the_loaded_model_knows_the_second_domain_and_no_other(trained: Trained)
 
 
 def test_its_network_has_the_second_domains_dimensions(trained: Trained) -> None:
-    shapes = {name: array.shape for name, array in tensors(read_model(trained.model).model).items()}
+    shapes = {
+        name: array.shape
+        for name, array in tensors(read_model(trained.model).model).items()
+    }
     assert shapes["vision.concept.weight"] == (8, 16)
     assert shapes["action.simulator.input.weight"] == (64, 12)
     assert shapes["vision.operator.face.hidden.weight"] == (32, 32)
@@ -129,7 +141,10 @@ def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:
     model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
     names = {value.name for value in domain.concepts}
     actions = {action.name for action in domain.actions}
-    with Demonstrations(trained.test) as demonstrations, GroundTruth(trained.test) as judge:
+    with (
+        Demonstrations(trained.test) as demonstrations,
+        GroundTruth(trained.test) as judge,
+    ):
         for index, sentence in enumerate(demonstrations.sentences):
             truth = judge.truth(index)
             try:
@@ -137,10 +152,54 @@ def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:
             except nsrm.Refused as refusal:
                 assert refusal.kind in OF_A_POOR_PARSER
                 continue
-            said = {name for step in truth.program for name in (*step.object, *step.reference)}
+            said = {
+                name
+                for step in truth.program
+                for name in (*step.object, *step.reference)
+            }
             for step in program.steps:
                 assert step.action in actions
                 assert set(step.object) | set(step.reference) <= names & said
+
+
+def test_its_words_for_extremes_are_parts_of_descriptions(trained: Trained) -> None:
+    """To the parser they are what values are: they change nothing else."""
+    model, domain = nsrm.Model.load(trained.model), domains.load(DOMAIN)
+    assert model.info()["extremes"] == ["uppermost", "foremost", "largest"]
+    lexicon = domain.lexicon()
+    with Demonstrations(trained.test) as demonstrations:
+        sentences = list(demonstrations.sentences)
+    for sentence in sentences:
+        plain, _ = _parsed(model, sentence)
+        words = sentence.split()
+        first = next(place for place, word in enumerate(words) if word in lexicon)
+        for name, added in domain.extreme_words().items():
+            for word in added:
+                said = " ".join([*words[:first], word, *words[first:]])
+                same, extremes = _parsed(model, said)
+                assert same == plain, said
+                assert extremes in ([], [name]), said
+
+
+def _parsed(model: nsrm.Model, sentence: str) -> tuple[str, list[str]]:
+    """What a sentence says but for its extremes, or the kind of the refusal; and these."""
+    try:
+        steps = [
+            Step.from_json(
+                {
+                    name: getattr(step, name)
+                    for name in ("action", "object", "reference")
+                }
+            )
+            for step in model.parse(sentence).steps
+        ]
+    except nsrm.Refused as refusal:
+        return refusal.kind, []
+    plain = [replace(step, object_which=None, reference_which=None) for step in steps]
+    extremes = [
+        which for step in steps for which in (step.object_which, step.reference_which)
+    ]
+    return canonical(plain), [which for which in extremes if which is not None]
 
 
 def test_its_static_arrays_compile_with_core_and_understand_the_same(
@@ -174,7 +233,14 @@ def test_its_static_arrays_compile_with_core_and_understand_the_same(
             expected.append(refusal.kind)
     target = str(ROOT / "target")
     said = _cargo(
-        *("run", "--quiet", "--manifest-path", str(crate / "Cargo.toml"), "--target-dir", target),
+        *(
+            "run",
+            "--quiet",
+            "--manifest-path",
+            str(crate / "Cargo.toml"),
+            "--target-dir",
+            target,
+        ),
         feed="\n".join(sentences),
     )
     assert [part.strip() for part in said.split("--\n")[:-1]] == expected

@@ -25,7 +25,7 @@ const EXECUTED: [(&str, &[u32]); 5] = [
 ];
 
 /// Sentences with relations in descriptions, and their programs.
-const RELATED: [(&str, &str); 8] = [
+const RELATED: [(&str, &str); 10] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -66,10 +66,20 @@ const RELATED: [(&str, &str); 8] = [
         "Action(MoveOn, Unique(Relate(Farthest, Unique(Filter(yellow, Scene())))), \
          Unique(Filter(green, Scene())))",
     ),
+    (
+        "put the leftmost red block on the biggest one",
+        "Action(MoveOn, Unique(Extreme(MoveLeft, Filter(red, Scene()))), \
+         Unique(Extreme(Largest, Scene())))",
+    ),
+    (
+        "place the topmost cube to the right of the red block nearest to the rearmost one",
+        "Action(MoveRight, Unique(Extreme(MoveOn, Scene())), \
+         Unique(Filter(red, Relate(Nearest, Unique(Extreme(MoveBehind, Scene()))))))",
+    ),
 ];
 
 /// All of known words.
-const REFUSED: [&str; 11] = [
+const REFUSED: [&str; 16] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -86,6 +96,12 @@ const REFUSED: [&str; 11] = [
     "put the red yellow block on the magenta block",
     "put the red block on the magenta green block",
     "put the small lego block on the red block",
+    "put the leftmost topmost block on the red block",
+    // Extremes as places, an ordinal, and two objects.
+    "move the red block leftmost",
+    "put the red block leftmost of the magenta block",
+    "put the second leftmost block on the red block",
+    "put the leftmost and the rightmost block on the red one",
 ];
 
 #[test]
