@@ -63,9 +63,9 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
             + 3 * (3 * (LOCATION + 1) + 3),
         // Superlatives, of a relation and an extreme: for each an action, the places of all objects
-        // and their distances or how far they lie in a direction, and each object compared twice with
-        // all others.
-        2 * (MAX_OBJECTS * (3 * 3 * (LOCATION + 1) + 12 + 4 * MAX_OBJECTS)
+        // three times and their distances or how far they lie in a direction, and each object
+        // compared four times with all others.
+        2 * (MAX_OBJECTS * (4 * 3 * (LOCATION + 1) + 12 + 8 * MAX_OBJECTS)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,

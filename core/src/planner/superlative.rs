@@ -113,19 +113,24 @@ impl Superlative {
         within: &Within<'_>,
     ) -> Result<[Compared; MAX_OBJECTS], Refusal> {
         let direction = self.direction(within)?;
-        let locations = within.locations.get(..count).unwrap_or_default();
-        let mut places = [Point3::origin(); MAX_OBJECTS];
-        for (place, location) in places.iter_mut().zip(locations) {
-            *place = within.place(location);
+        let mut seen = [[0.0; LOCATION]; MAX_OBJECTS];
+        for (location, object) in seen.iter_mut().zip(within.scene.objects()) {
+            *location = within.viewpoint.to_training(&object.location);
         }
-        let places = places.get(..count).unwrap_or_default();
         let mut objects = [Compared {
             measure: f32::NAN,
             is_partial: false,
         }; MAX_OBJECTS];
-        let each = objects.iter_mut().zip(locations).zip(places).zip(volumes);
-        for (((object, location), place), volume) in each {
-            object.is_partial = is_hidden(location, locations) || carries_any(place, places);
+        // What earlier steps uncover looks as it did before; what they cover will be seen in part.
+        for locations in [&seen, within.locations] {
+            mark_partial(
+                &mut objects,
+                locations.get(..count).unwrap_or_default(),
+                within,
+            );
+        }
+        let each = objects.iter_mut().zip(within.locations).zip(volumes);
+        for ((object, location), volume) in each.take(count) {
             let metres = match self {
                 Self::Nearest(anchor) | Self::Farthest(anchor) => {
                     // Always there: it is an object of the scene.
@@ -133,7 +138,7 @@ impl Superlative {
                     distance(within.model, within.viewpoint, location, anchor)
                 }
                 Self::Extreme(Extreme::Action(_)) => {
-                    let reach_m = dot(&direction, &place.coords.into());
+                    let reach_m = dot(&direction, &within.place(location).coords.into());
                     reach_m.is_finite().then_some(reach_m)
                 }
                 Self::Extreme(Extreme::Largest | Extreme::Smallest) => {
@@ -170,6 +175,18 @@ impl Superlative {
         );
         let middle = viewpoint.locate(&Point3::new(x, y, table + 0.5 * edge_m), edge_m);
         direction(model, viewpoint, action, &middle).ok_or(within.not_finite())
+    }
+}
+
+/// Marks the objects that are seen in part only where they are in these places.
+fn mark_partial(objects: &mut [Compared], locations: &[[f32; LOCATION]], within: &Within<'_>) {
+    let mut places = [Point3::origin(); MAX_OBJECTS];
+    for (place, location) in places.iter_mut().zip(locations) {
+        *place = within.place(location);
+    }
+    let places = places.get(..locations.len()).unwrap_or_default();
+    for ((object, location), place) in objects.iter_mut().zip(locations).zip(places) {
+        object.is_partial |= is_hidden(location, locations) || carries_any(place, places);
     }
 }
 

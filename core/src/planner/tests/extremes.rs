@@ -201,3 +201,20 @@ fn what_is_seen_in_part_is_not_chosen() {
     let objects = [red(1, 0.9, 0.5), red(3, 0.75, 0.5), on_top, lego()];
     assert_eq!(meant(&objects, sentence), (1, 9));
 }
+
+#[test]
+fn what_an_earlier_step_uncovers_looks_as_it_did_before() {
+    // Green stands on object 3, and is moved off it first.
+    let mut on_top = fixture::object(4, fixture::GREEN, OTHER, 0.75, 0.5);
+    on_top.location[4] -= fixture::EDGE_M;
+    let objects = [red(1, 0.3, 0.5), red(3, 0.75, 0.5), on_top, lego()];
+    let sentence = "put green on lego then put rightmost red on green";
+    let (refused, _) = refusal(&objects, sentence);
+    let Refusal::Ambiguous {
+        step, candidates, ..
+    } = refused
+    else {
+        panic!("{refused:?}");
+    };
+    assert_eq!((step, candidates.count()), (1, 2));
+}
