@@ -407,7 +407,8 @@ class Failure:
         """Which step, from 0, if there is one."""
     @property
     def object_id(self) -> int | None:
-        """The object that is elsewhere ("not_there") or not observed ("not_seen")."""
+        """The object that is elsewhere ("not_there"), not observed ("not_seen"), or meant now
+        instead of the one before ("other_object")."""
     @property
     def off_m(self) -> float | None:
         """Its distance from where it should be, metres ("not_there")."""

@@ -131,6 +131,21 @@ pub enum Failure {
         /// Id of the object.
         object: u32,
     },
+    /// A description that compares or relates objects would mean another one now, after something has
+    /// moved.
+    #[error(
+        "step {}: the description means object {found} now, and meant object {meant} when the \
+         sentence was started; send it again as things stand",
+        number(*.step)
+    )]
+    OtherObject {
+        /// Which step.
+        step: u8,
+        /// Id of the object that was meant.
+        meant: u32,
+        /// Id of the object that would be meant.
+        found: u32,
+    },
     /// The client cancelled the sentence, or disconnected.
     #[error("cancelled")]
     Cancelled,
@@ -158,6 +173,7 @@ impl Failure {
             Self::Unsuccessful { .. } => "unsuccessful",
             Self::NotThere { .. } => "not_there",
             Self::NotSeen { .. } => "not_seen",
+            Self::OtherObject { .. } => "other_object",
             Self::Cancelled => "cancelled",
             Self::CancelledUnconfirmed => "cancelled_unconfirmed",
             Self::ClockSetBack => "clock_set_back",

@@ -277,6 +277,9 @@ impl<'m> Job<'m> {
         let scene = *task.scene();
         match plan {
             Ok(plan) => {
+                if let Some((step, meant, found)) = self.meant.changed(&plan) {
+                    return Err(Failure::OtherObject { step, meant, found });
+                }
                 self.meant.update(&plan, &scene);
                 self.plan = plan;
             }

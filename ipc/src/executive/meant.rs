@@ -1,6 +1,7 @@
 //! The objects that a sentence is about: those that were present when it was started.
 
 use heapless::Vec;
+use nsrm_core::dsl::Description;
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{MAX_OBJECTS, MAX_STEPS, Model, Plan, Scene};
 
@@ -17,6 +18,26 @@ pub(super) struct Meant {
 }
 
 impl Meant {
+    /// The first of the remaining steps whose description means another object than before, with the
+    /// ids of that one and of the other.
+    ///
+    /// What objects look like stays, so this is about descriptions that compare or relate them: the
+    /// leftmost block is another one once the robot has dropped it to the right.
+    pub(super) fn changed(&self, plan: &Plan) -> Option<(u8, u32, u32)> {
+        let mut remaining = plan.numbered().filter_map(|(number, understood, planned)| {
+            let [object, reference] = (*self.steps.get(number)?)?;
+            let (moved, fixed) = (&planned.object, &planned.reference);
+            [
+                (&understood.object, object, moved.object),
+                (&understood.reference, reference, fixed.object),
+            ]
+            .into_iter()
+            .find(|(description, meant, found)| compares(description) && meant != found)
+            .map(|(_, meant, found)| (number as u8, meant, found))
+        });
+        remaining.next()
+    }
+
     /// Records how the rest of the sentence was grounded.
     pub(super) fn update(&mut self, plan: &Plan, scene: &Scene) {
         self.known = scene.objects().iter().map(|object| object.id).collect();
@@ -45,4 +66,9 @@ impl Meant {
         // The objects are valid.
         Scene::new(raw, model).unwrap_or(*scene)
     }
+}
+
+/// Whether it says where an object is, and not only what it looks like.
+fn compares(description: &Description) -> bool {
+    !description.relations().is_empty() || description.filters().which().is_some()
 }

@@ -48,6 +48,7 @@ REASONS = (
     "unclear_words",
     "too_many_relations",
     "outside_training_view",
+    "other_object",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""

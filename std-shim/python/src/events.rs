@@ -174,12 +174,14 @@ impl Failure {
             | Why::ControllerLost { step }
             | Why::Unsuccessful { step, .. }
             | Why::NotThere { step, .. }
-            | Why::NotSeen { step, .. } => Some(step),
+            | Why::NotSeen { step, .. }
+            | Why::OtherObject { step, .. } => Some(step),
             _ => None,
         };
         let (object_id, off_m) = match *why {
             Why::NotThere { object, off_m, .. } => (Some(object), Some(off_m)),
             Why::NotSeen { object, .. } => (Some(object), None),
+            Why::OtherObject { found, .. } => (Some(found), None),
             _ => (None, None),
         };
         let (outcome, objects) = match *why {

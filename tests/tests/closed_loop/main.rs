@@ -11,7 +11,7 @@ mod world;
 use nsrm_core::{Refusal, SceneError};
 use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode, SceneFault};
 use nsrm_ipc::message::{Outcome, SceneMessage};
-use nsrm_tests::by_hand::{DEPTH_M, Parts, raw_scene};
+use nsrm_tests::by_hand::{DEPTH_M, Parts, block, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
 use crate::world::{IN_THE_WAY, MS, TWO_STEPS_DONE, World, unsuccessful};
@@ -254,6 +254,36 @@ fn an_earlier_step_that_came_undone_is_done_again_and_what_follows_too() {
         world.log.contains(&"again 1: not_there".into()),
         "{:?}",
         world.log
+    );
+}
+
+/// The robot drops the red block that was the farthest, nearer than the other red one: no other is
+/// moved instead.
+#[test]
+fn a_description_that_means_another_object_after_a_failure_ends_it() {
+    let parts = Parts::new();
+    let model = parts.model();
+    let mut world = World::new(&model, Limits::default());
+    let (red, blue) = (block("small", "red"), block("lego", "blue"));
+    world.scene = raw_scene(&model, &[red, blue, block("lego", "green"), red]);
+    world.ask(
+        "put the red furthest the blue block on the green block",
+        Mode::ClosedLoop,
+    );
+    let result = world.run_with(|world, _| {
+        world.scene.objects[3].location = [0.34, 0.49, 0.355, 0.53, DEPTH_M];
+    });
+    let failure = Failure::OtherObject {
+        step: 0,
+        meant: 4,
+        found: 1,
+    };
+    assert_eq!(result, Err(failure), "{:?}", world.log);
+    assert_eq!(world.commands.len(), 1);
+    assert_eq!(
+        failure.to_string(),
+        "step 1: the description means object 1 now, and meant object 4 when the sentence was \
+         started; send it again as things stand"
     );
 }
 

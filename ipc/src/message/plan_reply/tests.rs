@@ -83,6 +83,11 @@ fn every_failure_has_a_number() {
             off_m: 0.1,
         },
         Failure::NotSeen { step, object },
+        Failure::OtherObject {
+            step,
+            meant: object,
+            found: 7,
+        },
         Failure::Cancelled,
         Failure::CancelledUnconfirmed,
         Failure::ClockSetBack,
