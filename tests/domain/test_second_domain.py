@@ -10,6 +10,7 @@ from pathlib import Path
 
 import nsrm
 import pytest
+
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import commands
 from nsrm_harness.data.calibration import Calibration
@@ -128,10 +129,7 @@ def test_the_loaded_model_knows_the_second_domain_and_no_other(
 
 
 def test_its_network_has_the_second_domains_dimensions(trained: Trained) -> None:
-    shapes = {
-        name: array.shape
-        for name, array in tensors(read_model(trained.model).model).items()
-    }
+    shapes = {name: array.shape for name, array in tensors(read_model(trained.model).model).items()}
     assert shapes["vision.concept.weight"] == (8, 16)
     assert shapes["action.simulator.input.weight"] == (64, 12)
     assert shapes["vision.operator.face.hidden.weight"] == (32, 32)
@@ -152,11 +150,7 @@ def test_its_sentences_get_a_plan_or_a_typed_refusal(trained: Trained) -> None:
             except nsrm.Refused as refusal:
                 assert refusal.kind in OF_A_POOR_PARSER
                 continue
-            said = {
-                name
-                for step in truth.program
-                for name in (*step.object, *step.reference)
-            }
+            said = {name for step in truth.program for name in (*step.object, *step.reference)}
             for step in program.steps:
                 assert step.action in actions
                 assert set(step.object) | set(step.reference) <= names & said
@@ -186,19 +180,14 @@ def _parsed(model: nsrm.Model, sentence: str) -> tuple[str, list[str]]:
     try:
         steps = [
             Step.from_json(
-                {
-                    name: getattr(step, name)
-                    for name in ("action", "object", "reference")
-                }
+                {name: getattr(step, name) for name in ("action", "object", "reference")}
             )
             for step in model.parse(sentence).steps
         ]
     except nsrm.Refused as refusal:
         return refusal.kind, []
     plain = [replace(step, object_which=None, reference_which=None) for step in steps]
-    extremes = [
-        which for step in steps for which in (step.object_which, step.reference_which)
-    ]
+    extremes = [which for step in steps for which in (step.object_which, step.reference_which)]
     return canonical(plain), [which for which in extremes if which is not None]
 
 
