@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nsrm_harness import domain as domains
-from nsrm_harness.data.extremes import FARTHER_M, SAME_M, ExtremeDescriptions
+from nsrm_harness.data.extremes import FARTHER_M, LARGER, SAME_M, ExtremeDescriptions
 from nsrm_harness.data.generate import SPLITS, generate
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.relations import Described
@@ -17,6 +17,7 @@ from nsrm_harness.data.tell import extreme_programs, misleading_extremes
 from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday
 from nsrm_harness.domain.program import Relation, Step, canonical
 from nsrm_harness.domain.tokens import Tokenizer
+from nsrm_harness.simulation.blocks import block_from_attributes
 
 DOMAIN = with_everyday(domains.load(domains.FOUR_SIDES))
 #: The world's direction of each extreme.
@@ -82,16 +83,25 @@ def test_extremes_are_said_and_recognised_as_values() -> None:
             assert recogniser.step(tokens.words), " ".join(words)
 
 
-def reaches(truth: Truth, described: Described) -> dict[int, float]:
-    """How far each of the blocks that fit lies in the direction of the extreme."""
+#: Greater is meant by the largest.
+SIGNS = {"largest": 1.0, "smallest": -1.0}
+
+
+def measures(truth: Truth, described: Described) -> dict[int, float]:
+    """How far each of the blocks that fit lies in the direction of the extreme, metres; or the
+    logarithm of its volume, with a sign."""
     assert described.which is not None
-    return {
-        index: float(np.dot(pose.position, DIRECTIONS[described.which]))
-        for index, (pose, values) in enumerate(
-            zip(truth.initial_poses, truth.attributes, strict=True)
-        )
-        if set(described.concepts) <= set(values.values())
-    }
+    found: dict[int, float] = {}
+    for index, values in enumerate(truth.attributes):
+        if not set(described.concepts) <= set(values.values()):
+            continue
+        if described.which in DIRECTIONS:
+            position = truth.initial_poses[index].position
+            found[index] = float(np.dot(position, DIRECTIONS[described.which]))
+        else:
+            edges_m = block_from_attributes(DOMAIN, values).edges_m
+            found[index] = SIGNS[described.which] * float(np.log(np.prod(edges_m)))
+    return found
 
 
 def test_an_extreme_is_clearly_the_farthest_of_several(truths: list[Truth]) -> None:
@@ -100,12 +110,13 @@ def test_an_extreme_is_clearly_the_farthest_of_several(truths: list[Truth]) -> N
         extremes = ExtremeDescriptions(DOMAIN, truth)
         for block in range(len(truth.attributes)):
             for described in extremes.of(block):
-                reach = reaches(truth, described)
-                own = reach.pop(block)
-                assert reach and own - max(reach.values()) >= FARTHER_M - 1e-9
+                measure = measures(truth, described)
+                own = measure.pop(block)
                 assert described.which is not None
+                least = FARTHER_M if described.which in DIRECTIONS else np.log(LARGER)
+                assert measure and own - max(measure.values()) >= least - 1e-9
                 names.add(described.which)
-    assert names == {*DIRECTIONS}
+    assert names == {*DIRECTIONS, *SIGNS}
 
 
 def test_an_extreme_that_misleads_is_of_none_or_not_clear(truths: list[Truth]) -> None:
@@ -113,11 +124,11 @@ def test_an_extreme_that_misleads_is_of_none_or_not_clear(truths: list[Truth]) -
     for truth in truths:
         extremes = ExtremeDescriptions(DOMAIN, truth)
         for described in extremes.unclear():
-            *_, second, first = sorted(reaches(truth, described).values())
-            assert first - second <= SAME_M + 1e-9
+            *_, second, first = sorted(measures(truth, described).values())
+            assert first - second <= (SAME_M if described.which in DIRECTIONS else 0.0) + 1e-9
             unclear += 1
         for described in extremes.absent():
-            assert not reaches(truth, described)
+            assert not measures(truth, described)
             known = {value for values in truth.attributes for value in values.values()}
             assert {*described.concepts} <= known
             absent += 1
