@@ -408,14 +408,12 @@ fn golden_relations() {
                 [model.actions.len(), objects.len(), objects.len()]
             );
             let mut expected = cosines.values.iter();
-            let viewpoint = Viewpoint::new(model, scene.camera());
+            let (viewpoint, places) = places(model, &scene);
             for action in model.actions {
-                for (number, object) in objects.iter().enumerate() {
-                    for (other, anchor) in objects.iter().enumerate() {
+                for (number, object) in places.iter().enumerate() {
+                    for (other, anchor) in places.iter().enumerate() {
                         let expected = *expected.next().expect("a cosine for each pair");
-                        let [object, anchor] =
-                            [object, anchor].map(|seen| viewpoint.to_training(&seen.location));
-                        let got = relate(model, &viewpoint, action, &object, &anchor);
+                        let got = relate(model, &viewpoint, action, object, anchor);
                         if number != other {
                             let got = got.expect("a finite cosine");
                             golden.close("relation", &[got], &[expected], action.name);
@@ -427,19 +425,21 @@ fn golden_relations() {
     });
 }
 
+/// Where the objects of a scene are, as the training's camera would see them.
+fn places<'m>(model: &Model<'m>, scene: &Scene) -> (Viewpoint<'m>, Vec<[f32; LOCATION]>) {
+    let viewpoint = Viewpoint::new(model, scene.camera());
+    let seen = scene.objects().iter();
+    let places = seen.map(|seen| viewpoint.to_training(&seen.location));
+    (viewpoint, places.collect())
+}
+
 #[test]
 fn golden_distances() {
     on_both(|golden, model| {
         for case in 0..3 {
-            let scene = scene(golden, model, case);
+            let (viewpoint, places) = places(model, &scene(golden, model, case));
             let expected = golden.array(&format!("scene.{case}.distances"));
-            let viewpoint = Viewpoint::new(model, scene.camera());
-            let objects = scene.objects();
-            assert_eq!(expected.shape, [objects.len(); 2]);
-            let seen = objects
-                .iter()
-                .map(|seen| viewpoint.to_training(&seen.location));
-            let places: Vec<_> = seen.collect();
+            assert_eq!(expected.shape, [places.len(); 2]);
             for (object, expected) in places.iter().zip(expected.rows()) {
                 for (anchor, expected) in places.iter().zip(expected) {
                     let got = distance(model, &viewpoint, object, anchor).expect("finite");
@@ -454,15 +454,12 @@ fn golden_distances() {
 fn golden_directions() {
     on_both(|golden, model| {
         for case in 0..3 {
-            let scene = scene(golden, model, case);
+            let (viewpoint, places) = places(model, &scene(golden, model, case));
             let expected = golden.array(&format!("scene.{case}.directions"));
-            let viewpoint = Viewpoint::new(model, scene.camera());
-            let objects = scene.objects();
-            assert_eq!(expected.shape, [model.actions.len(), objects.len(), 3]);
+            assert_eq!(expected.shape, [model.actions.len(), places.len(), 3]);
             for (action, expected) in model.actions.iter().zip(expected.rows()) {
-                for (seen, expected) in objects.iter().zip(expected.chunks_exact(3)) {
-                    let place = viewpoint.to_training(&seen.location);
-                    let got = direction(model, &viewpoint, action, &place).expect("finite");
+                for (place, expected) in places.iter().zip(expected.chunks_exact(3)) {
+                    let got = direction(model, &viewpoint, action, place).expect("finite");
                     golden.close("relation", &got, expected, "directions");
                 }
             }

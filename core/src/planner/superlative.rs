@@ -12,10 +12,12 @@ use crate::relation::{CLEARLY_FARTHER_M, CLEARLY_LARGER, CLEARLY_NEARER, directi
 
 /// Share of an object's box above which a nearer object in front of it hides what it looks like.
 const HIDDEN: f32 = 0.2;
-/// How far an object that is seen in part only may be from where its box lets it seem, metres.
+/// How far an object that is seen in part only may be from where its box lets it seem, metres: 10 mm at
+/// the 95th percentile in scenes with stacks, and half as much again.
 const PARTIAL_OFF_M: f32 = 0.015;
 /// How far apart the centres of two objects are at most along the table if one stands on the other, and
-/// how much higher that one is at least, metres.
+/// how much higher that one is at least, metres: half an edge of the paper's larger blocks, farther out
+/// nothing rests, and half of what its smaller blocks are higher by on each other.
 const ON_TOP_M: (f32, f32) = (0.03, 0.02);
 
 /// What the objects that fit are compared by.

@@ -4,7 +4,7 @@ misses."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 import numpy as np
@@ -148,12 +148,7 @@ def misleading_programs(
         return []
     (step,) = truth.steps
     every = RelatedDescriptions(domain, truth, names).misleading()
-    programs: list[Program] = []
-    while every and len(programs) < count:
-        said = _said(step.step)
-        said[int(rng.integers(2))] = _any(rng, every)
-        programs.append((_step(step.step.action, *said),))
-    return programs
+    return _with_one(step.step, rng, count if every else 0, lambda: _any(rng, every))
 
 
 def extreme_programs(
@@ -187,11 +182,23 @@ def misleading_extremes(
     (step,) = truth.steps
     extremes = ExtremeDescriptions(domain, truth)
     every = [kind for kind in (extremes.unclear(), extremes.absent()) if kind]
+
+    def drawn() -> Described:
+        chosen = every[int(rng.integers(len(every)))]
+        return chosen[int(rng.integers(len(chosen)))]
+
+    return _with_one(step.step, rng, count if every else 0, drawn)
+
+
+def _with_one(
+    step: Step, rng: np.random.Generator, count: int, drawn: Callable[[], Described]
+) -> list[Program]:
+    """The step with another description of one of its objects, so many times."""
     programs: list[Program] = []
-    while every and len(programs) < count:
-        said, chosen = _said(step.step), every[int(rng.integers(len(every)))]
-        said[int(rng.integers(2))] = chosen[int(rng.integers(len(chosen)))]
-        programs.append((_step(step.step.action, *said),))
+    for _ in range(count):
+        said = _said(step)
+        said[int(rng.integers(2))] = drawn()
+        programs.append((_step(step.action, *said),))
     return programs
 
 

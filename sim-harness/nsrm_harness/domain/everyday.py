@@ -47,9 +47,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms = words.pop("synonyms", {})
-    if not isinstance(synonyms, dict):
-        raise DomainError(f"{path}: synonyms: expected a table, got {synonyms!r}")
+    synonyms, extremes = (_taken_out(words, name, path) for name in ("synonyms", "extremes"))
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
         if name not in values:
@@ -59,9 +57,6 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
             )
         known = values[name]["words"]
         values[name]["words"] = [*known, *(word for word in added if word not in known)]
-    extremes = words.pop("extremes", {})
-    if not isinstance(extremes, dict):
-        raise DomainError(f"{path}: extremes: expected a table, got {extremes!r}")
     names = [*(action["name"] for action in document["action"]), *SIZE_EXTREMES]
     if extremes := {name: extremes[name] for name in names if name in extremes}:
         document["extremes"] = extremes
@@ -72,6 +67,14 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words["relations"] = dict(checked.relations)
     words["rules"] = checked.used_rules()
     return parse(document, str(path))
+
+
+def _taken_out(words: dict[str, Any], name: str, path: Path) -> dict[str, Any]:
+    """A table of a wording file that is not part of the everyday wording itself."""
+    table = words.pop(name, {})
+    if not isinstance(table, dict):
+        raise DomainError(f"{path}: {name}: expected a table, got {table!r}")
+    return table
 
 
 def without_states(domain: Domain) -> Domain:

@@ -1,47 +1,14 @@
 //! "rightmost" and "topmost": which one of the objects that fit is meant.
 
-use std::string::{String, ToString};
-
+use super::relations::{OTHER, lego, plan, plan_with, red, refusal};
 use super::*;
 use crate::model::Simulator;
 use crate::relation::CLEARLY_FARTHER_M;
 use crate::scene::ObservedObject;
 
-const OTHER: usize = 2;
-
-/// Object 9, lego, left of the middle and above it.
-fn lego() -> ObservedObject {
-    fixture::object(9, OTHER, fixture::LEGO, 0.1, 0.1)
-}
-
-fn red(id: u32, x: f32, y: f32) -> ObservedObject {
-    fixture::object(id, fixture::RED, OTHER, x, y)
-}
-
-fn plan_with(
-    model: &Model<'_>,
-    objects: &[ObservedObject],
-    sentence: &str,
-) -> Result<Plan, Refusal> {
-    let scene = Scene::new(fixture::raw_scene(model, objects), model).unwrap();
-    Planner::new(model).plan(&scene, sentence)
-}
-
 /// The object to move and the reference of the only step.
 fn meant(objects: &[ObservedObject], sentence: &str) -> (u32, u32) {
-    let plan = plan_with(&fixture::related(), objects, sentence).unwrap();
-    let [step] = plan.steps() else {
-        panic!("{plan:?}");
-    };
-    (step.object.object, step.reference.object)
-}
-
-/// The refusal, and how a person reads it.
-fn refusal(objects: &[ObservedObject], sentence: &str) -> (Refusal, String) {
-    let model = fixture::related();
-    let refusal = plan_with(&model, objects, sentence).unwrap_err();
-    let message = refusal.in_context(&model, sentence).to_string();
-    (refusal, message)
+    relations::meant(&plan(objects, sentence).unwrap())
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::relation::{CLEARLY_NEARER, RELATION_CLEAR};
 use crate::scene::ObservedObject;
 
 /// Neither of the fixture's colours, and neither of its sizes.
-const OTHER: usize = 2;
+pub(super) const OTHER: usize = 2;
 const RED: usize = fixture::RED;
 const GREEN: usize = fixture::GREEN;
 
@@ -21,15 +21,15 @@ fn green() -> ObservedObject {
 }
 
 /// Object 9, lego, out of the way: left of the middle and above it.
-fn lego() -> ObservedObject {
+pub(super) fn lego() -> ObservedObject {
     fixture::object(9, OTHER, fixture::LEGO, 0.1, 0.1)
 }
 
-fn red(id: u32, x: f32, y: f32) -> ObservedObject {
+pub(super) fn red(id: u32, x: f32, y: f32) -> ObservedObject {
     fixture::object(id, RED, OTHER, x, y)
 }
 
-fn plan_with(
+pub(super) fn plan_with(
     model: &Model<'_>,
     objects: &[ObservedObject],
     sentence: &str,
@@ -38,12 +38,12 @@ fn plan_with(
     Planner::new(model).plan(&scene, sentence)
 }
 
-fn plan(objects: &[ObservedObject], sentence: &str) -> Result<Plan, Refusal> {
+pub(super) fn plan(objects: &[ObservedObject], sentence: &str) -> Result<Plan, Refusal> {
     plan_with(&fixture::related(), objects, sentence)
 }
 
 /// The refusal, and how a person reads it.
-fn refusal(objects: &[ObservedObject], sentence: &str) -> (Refusal, String) {
+pub(super) fn refusal(objects: &[ObservedObject], sentence: &str) -> (Refusal, String) {
     let model = fixture::related();
     let refusal = plan(objects, sentence).unwrap_err();
     let message = refusal.in_context(&model, sentence).to_string();
@@ -51,7 +51,7 @@ fn refusal(objects: &[ObservedObject], sentence: &str) -> (Refusal, String) {
 }
 
 /// Ids of the objects of the only step.
-fn meant(plan: &Plan) -> (u32, u32) {
+pub(super) fn meant(plan: &Plan) -> (u32, u32) {
     let [step] = plan.steps() else {
         panic!("{plan:?}");
     };
