@@ -14,12 +14,14 @@ pub const MAX_SENTENCE_BYTES: usize = 4096;
 pub const MAX_FILTERS: usize = 4;
 /// Relations in one description: links of its chain.
 pub const MAX_RELATIONS: usize = 2;
+/// Objects that a step describes: the one to move and the reference.
+pub(crate) const ARGUMENTS: usize = 2;
 /// Groups of concept words in one step: the object to move, the reference, and those that their
 /// relations refer to.
-pub const MAX_GROUPS: usize = 2 * (1 + MAX_RELATIONS);
+pub const MAX_GROUPS: usize = ARGUMENTS * (1 + MAX_RELATIONS);
 /// Misspelt words of a sentence that are read as others.
 pub const MAX_CORRECTIONS: usize = 4;
-/// Readings of a sentence with misspelt words that are tried.
+/// Readings of a sentence with misspelt words or pronouns that are tried.
 pub const MAX_READINGS: usize = 8;
 /// Ways to split a reading into steps that are tried.
 pub const MAX_SPLITS: usize = 4;

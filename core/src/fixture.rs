@@ -272,6 +272,7 @@ pub(crate) fn model() -> Model<'static> {
             training_camera: camera(),
         },
         words: words().leak(),
+        pronouns: &[],
         spelling: Spelling::new(),
         group: Box::leak(Box::new(word())),
         lexicon: Box::leak(Box::new(

@@ -78,6 +78,8 @@ pub struct Model<'a> {
     /// Words that name a concept (the paper's only lexicon), or which one of several objects is
     /// meant; sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
+    /// Words that may stand for what the step before moved; sorted by word.
+    pub pronouns: &'a [Pronoun],
     /// What unknown words are read as.
     pub spelling: Spelling<'a>,
     /// Attribute types with their operators, in the domain's order (Table I).
@@ -145,6 +147,17 @@ pub struct Word<'a> {
     pub text: &'a str,
     /// Its embeddings.
     pub embeddings: WordEmbeddings,
+}
+
+/// A word that may stand for the object that the step before moved: "it". The sentence is also read
+/// with a group of concept words in its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Pronoun {
+    /// Index into [`Model::words`].
+    pub word: u16,
+    /// The word that is then read behind the group, "one's" for "its": index into [`Model::words`].
+    pub owner: Option<u16>,
 }
 
 /// What unknown words are read as, if the sentence then makes sense; by default nothing.

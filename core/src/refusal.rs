@@ -85,6 +85,14 @@ pub enum Refusal {
         /// The words' place in the sentence.
         span: Span,
     },
+    /// A pronoun may be read in several ways, or what it stands for is described by where it was
+    /// before it was moved.
+    UnclearPronoun {
+        /// Which step.
+        step: u8,
+        /// Its place in the sentence.
+        span: Span,
+    },
     /// The words of a step are known, but not in this order or combination.
     UnclearWords {
         /// Which step.
@@ -372,6 +380,7 @@ kinds! {
     Self::UnclearWords { .. } => "unclear_words",
     Self::TooManyRelations { .. } => "too_many_relations",
     Self::OutsideTrainingView { .. } => "outside_training_view",
+    Self::UnclearPronoun { .. } => "unclear_pronoun",
 }
 
 impl core::error::Error for Refusal {}

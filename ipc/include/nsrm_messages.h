@@ -563,7 +563,8 @@ enum nsrm_reason {
     NSRM_REASON_TOO_MANY_RELATIONS = 37,
     NSRM_REASON_OUTSIDE_TRAINING_VIEW = 38,
     NSRM_REASON_OTHER_OBJECT = 39,
-    NSRM_REASON_OTHER = 40,
+    NSRM_REASON_UNCLEAR_PRONOUN = 40,
+    NSRM_REASON_OTHER = 41,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

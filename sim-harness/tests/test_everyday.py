@@ -120,7 +120,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
     edit(words)
     lines = [
         f"{table} = {json.dumps(words[table]).replace(':', ' =')}"
-        for table in ("synonyms", "extremes", "spelling")
+        for table in ("synonyms", "extremes", "pronouns", "spelling")
     ]
     for table in ("relations", "rules"):
         lines.append(f"[{table}]")
@@ -161,6 +161,9 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["extremes"].update(MoveOn=["red"]), "extremes.MoveOn: 'red' already names"),
         (lambda w: w["extremes"].update(MoveOn=["top most"]), "expected a single word"),
         (lambda w: w.update(extremes=["topmost"]), "extremes: expected a table"),
+        (lambda w: w["pronouns"].update(hers=""), "pronouns.hers: 'hers' is not a word"),
+        (lambda w: w["pronouns"].update(it="hers"), "pronouns.it: 'hers' is not a word"),
+        (lambda w: w["pronouns"].update(red=""), "pronouns.red: 'red' is not a word"),
     ],
 )
 def test_faults_in_the_wording_are_named(
@@ -395,6 +398,7 @@ def test_a_model_is_taught_by_commands_that_can_be_interrupted(
     counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
     assert all(sum(row[1:]) == row[0] for row in counts.values())
     assert counts["validation"][0] == SETTINGS.count and counts["near misses"][0] == 50
+    assert counts["pronouns of nothing"][0] > 0
     for name in ("relations", "superlatives", "extremes"):
         for where in ("in scenes", "of none or several"):
             assert counts[f"{name} {where}"][0] > 0, name

@@ -45,12 +45,16 @@ LEAST_UNDERSTOOD = {
     "superlatives held out": 90,
     "extremes": 99,
     "extremes held out": 99,
+    "pronouns": 95,
+    "pronouns held out": 95,
     "sentences": 87,
     "probes": 80,
 }
 MOST_TAKEN_FOR_ELSE = {
     "test; everyday wording held out": 0.3,
+    "pronouns": 0.2,
     "relations": 0.2,
+    "relations held out": 0.2,
     "relations in scenes": 0.3,
     "relations of none or several": 0.2,
     "relations with two readings": 5,

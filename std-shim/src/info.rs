@@ -74,6 +74,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "relations": relations(&model),
         "extremes": extremes(&model),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
+        "pronouns": pronouns(&model),
         "lexicon": model.lexicon.iter().map(|entry| entry.text).collect::<Vec<_>>(),
         "dimensions": object(&DIMENSIONS),
         "capacities": object(&CAPACITIES),
@@ -144,6 +145,15 @@ fn extremes<'a>(model: &Model<'a>) -> Vec<&'a str> {
         .collect()
 }
 
+/// The words that may stand for what the step before moved.
+fn pronouns<'a>(model: &Model<'a>) -> Vec<&'a str> {
+    let words = model
+        .pronouns
+        .iter()
+        .filter_map(|pronoun| model.words.get(usize::from(pronoun.word)));
+    words.map(|word| word.text).collect()
+}
+
 /// The same as text.
 pub fn info_text(any: &AnyModel) -> String {
     let model = any.model();
@@ -168,6 +178,7 @@ pub fn info_text(any: &AnyModel) -> String {
     };
     line("relations", or_none(relations(&model)));
     line("extremes", or_none(extremes(&model)));
+    line("pronouns", or_none(pronouns(&model)));
     let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
     line("words", words.join(" "));
     line("dimensions", pairs(&DIMENSIONS));

@@ -140,7 +140,7 @@ fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
             references,
             span,
         } => json!({"step": step, "words": words(*span, sentence), "references": references}),
-        Refusal::SameReference { step, span } => {
+        Refusal::SameReference { step, span } | Refusal::UnclearPronoun { step, span } => {
             json!({"step": step, "words": words(*span, sentence)})
         }
         Refusal::UnclearWords {

@@ -87,6 +87,7 @@ fn programs_and_refusals_are_as_the_schema_says() {
         "put the small red block on it the blue block",
         "put the small red block sideways on the blue block",
         "put the small red block and the blue block",
+        "put the red block on the blue block then put this on the red block",
     ] {
         check(sound, sentence);
     }
@@ -141,6 +142,7 @@ fn programs_and_refusals_are_as_the_schema_says() {
             "too_many_references",
             "too_many_relations",
             "too_many_steps",
+            "unclear_pronoun",
             "unclear_words",
             "unknown_word",
             "unsure",

@@ -8,7 +8,7 @@
 //! `behind` names the relation of the action `beside` to the next description, and `opposite` does
 //! so for an object that has no other description: `put opposite the red block on …`. `furthest` says
 //! that the one before it is the farthest from the next. `outermost` is a word for the extreme of the
-//! action `beside`.
+//! action `beside`, and `this` a pronoun.
 //!
 //! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
 //! object at the reference's location.
@@ -17,9 +17,9 @@ use nsrm_core::dsl::{Extreme, Property};
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING,
-    PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
-    Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings,
-    WorkSpace,
+    PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD,
+    Simulator, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::scene::ObservedObject;
@@ -59,6 +59,8 @@ pub struct Parts {
     pub group: WordEmbeddings,
     /// See [`Model::lexicon`].
     pub lexicon: Vec<LexiconEntry<'static>>,
+    /// See [`Model::pronouns`].
+    pub pronouns: Vec<Pronoun>,
     /// See [`Model::attributes`].
     pub attributes: Vec<Attribute<'static>>,
     /// See [`Model::concepts`].
@@ -99,6 +101,7 @@ impl Parts {
             words: words(),
             group: silent_word(),
             lexicon: Vec::new(),
+            pronouns: Vec::new(),
             attributes: vec![
                 attribute("color", View::Color, 0),
                 attribute("size", View::Brightness, 3),
@@ -154,6 +157,9 @@ impl Parts {
         );
         parts.actions[1].extreme = Some("outermost");
         parts.lexicon.sort_by_key(|entry| entry.text);
+        let this = parts.words.iter().position(|word| word.text == "this");
+        let this = this.map(|index| Pronoun::new().with_word(index as u16));
+        parts.pronouns.extend(this);
         // Acceptable is every word at which not both directions have just seen "sideways".
         parts.acceptability_hidden.weight[SIDEWAYS_UNIT][0] = SURE;
         parts.acceptability_hidden.weight[ENCODER_HIDDEN + SIDEWAYS_UNIT][0] = SURE;
@@ -174,6 +180,7 @@ impl Parts {
             .with_words(&self.words)
             .with_group(&self.group)
             .with_lexicon(&self.lexicon)
+            .with_pronouns(&self.pronouns)
             .with_attributes(&self.attributes)
             .with_concepts(&self.concepts)
             .with_actions(&self.actions)
@@ -270,7 +277,7 @@ fn header() -> Header<'static> {
 fn words() -> Vec<Word<'static>> {
     let mut words: Vec<_> = [
         ",", "and", "behind", "beside", "block", "furthest", "it", "maybe", "on", "opposite",
-        "put", "sideways", "the", "then",
+        "put", "sideways", "the", "then", "this",
     ]
     .map(|text| Word::new().with_text(text).with_embeddings(silent_word()))
     .into();

@@ -196,6 +196,14 @@ fn step_cases() -> Vec<Case> {
             "\"blue\" was understood as both",
         ),
         said(
+            format!("{GOOD} then put this on the small red block"),
+            |refusal| {
+                let (step, span) = (1, span(51, 55));
+                *refusal == Refusal::UnclearPronoun { step, span }
+            },
+            "step 2: it is not clear which object \"this\" means",
+        ),
+        said(
             "put the small red block sideways on the blue block",
             |refusal| {
                 matches!(

@@ -24,8 +24,8 @@ const EXECUTED: [(&str, &[u32]); 5] = [
     ("put the yellow block to the right of the green one", &[3]),
 ];
 
-/// Sentences with relations in descriptions, and their programs.
-const RELATED: [(&str, &str); 10] = [
+/// Sentences with relations, extremes and pronouns, and their programs.
+const PARSED: [(&str, &str); 13] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -76,10 +76,25 @@ const RELATED: [(&str, &str); 10] = [
         "Action(MoveRight, Unique(Extreme(MoveOn, Scene())), \
          Unique(Filter(red, Relate(Nearest, Unique(Extreme(MoveBehind, Scene()))))))",
     ),
+    (
+        "put the red block on the blue one and the green one on it",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
+         Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
+    ),
+    (
+        "take the red block and put it on the blue one, then put it behind the white one",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
+         Action(MoveBehind, Unique(Filter(red, Scene())), Unique(Filter(white, Scene())))",
+    ),
+    (
+        "put the small red one on the blue one. then put the green one to its left",
+        "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), Unique(Filter(blue, Scene())))\n\
+         Action(MoveLeft, Unique(Filter(green, Scene())), Unique(Filter(small, Filter(red, Scene()))))",
+    ),
 ];
 
 /// All of known words.
-const REFUSED: [&str; 16] = [
+const REFUSED: [&str; 20] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -102,6 +117,11 @@ const REFUSED: [&str; 16] = [
     "put the red block leftmost of the magenta block",
     "put the second leftmost block on the red block",
     "put the leftmost and the rightmost block on the red one",
+    // What nothing stands for, or what does not lie there any more, or two ways to read it.
+    "put it on the red block",
+    "put the red block on the green one, then put it on it",
+    "put the leftmost block on the white one, then put it on the green one",
+    "put the biggest block on the white one, then put it on the green one",
 ];
 
 #[test]
@@ -114,7 +134,7 @@ fn what_is_meant_is_planned_and_what_is_meant_otherwise_refused() {
         let moved: Vec<u32> = plan.sub_goals().map(|goal| goal.object).collect();
         assert_eq!(moved, expected, "{sentence}");
     }
-    for (sentence, expected) in RELATED {
+    for (sentence, expected) in PARSED {
         let parsed = planner.parse(sentence);
         let parsed = parsed.unwrap_or_else(|refusal| panic!("{sentence}: {refusal}"));
         let program = parsed.program().notation(&TABLETOP).to_string();

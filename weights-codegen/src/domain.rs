@@ -40,6 +40,10 @@ pub struct Domain {
     /// direction it lies farthest, where the first word is the extreme's name, `Largest` or `Smallest`.
     #[serde(default)]
     pub extremes: BTreeMap<String, Vec<String>>,
+    /// Words that may stand for what the step before moved, "it", each with the word that is then read
+    /// behind it: "one's" for "its", or an empty text.
+    #[serde(default)]
+    pub pronouns: BTreeMap<String, String>,
     /// What unknown words are read as.
     #[serde(default)]
     pub spelling: Spelling,
@@ -234,7 +238,22 @@ impl Domain {
             .find(|word| !readable(word))
         {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
-            None => self.check_spelling(),
+            None => self.check_pronouns().and_then(|()| self.check_spelling()),
+        }
+    }
+
+    /// Checks that pronouns, and what is read behind them, are words.
+    fn check_pronouns(&self) -> Result<(), ModelError> {
+        let words = self.words();
+        let owners = self.pronouns.values().filter(|owner| !owner.is_empty());
+        match self
+            .pronouns
+            .keys()
+            .chain(owners)
+            .find(|word| !words.contains(*word))
+        {
+            Some(word) => Err(ModelError::Pronoun { word: word.clone() }),
+            None => Ok(()),
         }
     }
 

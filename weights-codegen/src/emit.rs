@@ -26,8 +26,8 @@ use nsrm_core::dsl::{Extreme, Property};
 #[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
-    Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings,
-    WorkSpace,
+    Pronoun, Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word,
+    WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};

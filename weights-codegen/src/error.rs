@@ -102,6 +102,12 @@ pub enum ModelError {
         /// Its name.
         name: String,
     },
+    /// A pronoun, or what is read behind it, is not a word of the domain.
+    #[error("domain: pronouns: {word:?} is not a word of the domain; name one that is")]
+    Pronoun {
+        /// The word.
+        word: String,
+    },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
     #[error(fmt = edges)]

@@ -2,8 +2,8 @@
 
 use nsrm_core::dsl::Property;
 use nsrm_core::model::{
-    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Spelling, View,
-    Vision, Word, WordEmbeddings,
+    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Pronoun, Spelling,
+    View, Vision, Word, WordEmbeddings,
 };
 use safetensors::SafeTensors;
 use self_cell::self_cell;
@@ -41,6 +41,7 @@ struct Parts<'a> {
     words: Vec<Word<'a>>,
     group: &'a WordEmbeddings,
     lexicon: Vec<LexiconEntry<'a>>,
+    pronouns: Vec<Pronoun>,
     heard: Vec<Heard<'a>>,
     other_words: Vec<u16>,
     attributes: Vec<Attribute<'a>>,
@@ -121,6 +122,7 @@ impl OwnedModel {
             .with_words(&parts.words)
             .with_group(parts.group)
             .with_lexicon(&parts.lexicon)
+            .with_pronouns(&parts.pronouns)
             .with_spelling(
                 Spelling::new()
                     .with_heard(&parts.heard)
@@ -210,6 +212,7 @@ impl<'a> Parts<'a> {
                 .collect(),
             group,
             lexicon,
+            pronouns: pronouns(owner)?,
             heard: domain
                 .spelling
                 .heard
@@ -268,6 +271,23 @@ impl<'a> Parts<'a> {
 fn extreme<'a>(domain: &'a Domain, action: &domain::Action) -> Option<&'a str> {
     let words = domain.extremes.get(&action.name)?;
     words.first().map(String::as_str)
+}
+
+/// The pronouns in the order of the vocabulary.
+fn pronouns(owner: &Owner) -> Result<Vec<Pronoun>, ModelError> {
+    let (domain, words) = (&owner.domain, || owner.vocabulary.iter().skip(1));
+    let index = |text: &String| {
+        let found = words().position(|word| word == text);
+        let index = found.and_then(|index| u16::try_from(index).ok());
+        index.ok_or_else(|| ModelError::Pronoun { word: text.clone() })
+    };
+    let pronoun = |text: &String| {
+        let owner = domain.pronouns.get(text).filter(|owner| !owner.is_empty());
+        let owner = owner.map(index).transpose()?;
+        Ok(Pronoun::new().with_word(index(text)?).with_owner(owner))
+    };
+    let known = words().filter(|text| domain.pronouns.contains_key(*text));
+    known.map(pronoun).collect()
 }
 
 /// An index as core stores it, bounded by [`Domain`]'s check.

@@ -3,8 +3,8 @@
 use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard,
-    INSTRUCTION, LexiconEntry, Model, PixelToCamera, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator,
-    Superlative, Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
+    INSTRUCTION, LexiconEntry, Model, PixelToCamera, Pronoun, SPLITTER_HIDDEN, SPLITTER_WORD,
+    Simulator, Superlative, Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
 };
 
 use crate::tree::{Describe, Node, describe};
@@ -32,6 +32,7 @@ describe! {
     Word<'_> { text, embeddings }
     WordEmbeddings { encoder, splitter }
     LexiconEntry<'_> { text, property }
+    Pronoun { word, owner }
     Heard<'_> { text, read_as }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
@@ -53,6 +54,7 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
             ("words", Node::Reference("WORDS")),
             ("group", Node::Reference("GROUP")),
             ("lexicon", Node::Reference("LEXICON")),
+            ("pronouns", Node::Reference("PRONOUNS")),
             (
                 "spelling",
                 Node::record(
@@ -111,6 +113,7 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         table("WORDS", "words", "Word<'static>", model.words),
         single("GROUP", "group", "WordEmbeddings", model.group),
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
+        table("PRONOUNS", "pronouns", "Pronoun", model.pronouns),
         table(
             "HEARD",
             "spelling.heard",

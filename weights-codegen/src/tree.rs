@@ -94,6 +94,15 @@ impl Describe for Property {
     }
 }
 
+impl Describe for Option<u16> {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("{self:?}"),
+            bytes: size_of::<Self>(),
+        }
+    }
+}
+
 impl Describe for Option<&str> {
     fn describe(&self) -> Node {
         Node::Scalar {

@@ -54,6 +54,9 @@ fn names_stand_with_their_parameters() {
     assert!(lexicon.eq(LEXICON));
     let extremes = model.actions.iter().map(|action| action.extreme);
     assert!(extremes.eq([None, Some("outermost")]));
+    let pronouns = model.pronouns.iter();
+    let pronouns = pronouns.map(|pronoun| (pronoun.word, pronoun.owner));
+    assert!(pronouns.eq([(3, Some(2)), (7, None)]));
     let heard = model.spelling.heard.iter();
     let heard = heard.map(|heard| (heard.text, heard.read_as));
     assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));

@@ -51,7 +51,7 @@
 #define NSRM_FARTHEST_BY 3
 
 /** Bytes of a task. */
-#define NSRM_TASK_BYTES 14848
+#define NSRM_TASK_BYTES 14912
 
 /** What a function returns: not negative if it did what it says. */
 enum nsrm_status_t
@@ -184,6 +184,8 @@ enum nsrm_refusal_kind_t
      * `argument`, `object`.
      */
     NSRM_REFUSAL_OUTSIDE_TRAINING_VIEW = 23,
+    /** A pronoun may mean one or another object: `step`, `span`. */
+    NSRM_REFUSAL_UNCLEAR_PRONOUN = 24,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -64,6 +64,8 @@ pub enum RefusalKind {
     /// An object is outside what the training's camera would see, or is seen from lower: `step`,
     /// `argument`, `object`.
     OutsideTrainingView = 23,
+    /// A pronoun may mean one or another object: `step`, `span`.
+    UnclearPronoun = 24,
 }
 
 /// An object that fits a description.
@@ -210,7 +212,7 @@ impl From<&CoreRefusal> for Refusal {
                 (told.step, told.span) = (step.into(), span.into());
                 told.references = references.into();
             }
-            CoreRefusal::SameReference { step, span } => {
+            CoreRefusal::SameReference { step, span } | CoreRefusal::UnclearPronoun { step, span } => {
                 (told.step, told.span) = (step.into(), span.into());
             }
             CoreRefusal::UnclearWords { step, span, probability, threshold } => {
@@ -275,7 +277,7 @@ mod tests {
             let line = format!("NSRM_REFUSAL_{} = {number},", kind.to_uppercase());
             assert!(header.contains(&line), "{line}");
         }
-        let last = RefusalKind::OutsideTrainingView as usize;
+        let last = RefusalKind::UnclearPronoun as usize;
         assert_eq!(last, CoreRefusal::KINDS.len());
     }
 

@@ -144,6 +144,15 @@ impl Filters {
         self.which
     }
 
+    /// Whether both say the same, with the concepts in whatever order.
+    pub fn says_same(&self, other: &Self) -> bool {
+        let all = |these: &Self, those: &Self| {
+            let mut concepts = these.concepts().iter();
+            concepts.all(|concept| those.concepts().contains(concept))
+        };
+        all(self, other) && all(other, self) && self.which == other.which
+    }
+
     /// Whether they say nothing, as those of "the block left of the yellow one".
     pub const fn is_empty(&self) -> bool {
         self.count == 0 && self.which.is_none()
@@ -238,6 +247,17 @@ impl Description {
             relations: [NONE; MAX_RELATIONS],
             count: 0,
         }
+    }
+
+    /// Whether both say the same, with the concepts in whatever order.
+    pub fn says_same(&self, other: &Self) -> bool {
+        let (these, those) = (self.relations(), other.relations());
+        self.filters.says_same(&other.filters)
+            && these.len() == those.len()
+            && these
+                .iter()
+                .zip(those)
+                .all(|(this, that)| this.kind == that.kind && this.to.says_same(&that.to))
     }
 
     /// What the object itself looks like.

@@ -120,6 +120,7 @@ impl fmt::Display for Message<'_> {
             | Refusal::TooManyRelations { .. }
             | Refusal::IncompleteStep { .. }
             | Refusal::SameReference { .. }
+            | Refusal::UnclearPronoun { .. }
             | Refusal::UnclearWords { .. }
             | Refusal::Unsure { .. } => self.step(f),
             Refusal::LowConfidence {
@@ -231,6 +232,12 @@ impl Message<'_> {
                 f,
                 "step {}: {} was understood as both what to move and where to; \
                  say it in other words",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::UnclearPronoun { step, span } => write!(
+                f,
+                "step {}: it is not clear which object {} means; describe the object instead",
                 number(*step),
                 self.quoted(*span)
             ),

@@ -10,6 +10,7 @@ mod decoders;
 mod encoder;
 mod nearest;
 mod parsed;
+mod pronouns;
 mod relations;
 mod segments;
 mod spelling;

@@ -142,11 +142,7 @@ impl Roles {
     /// The description by the groups of a chain; `None` if it has too many relations.
     ///
     /// * `filters`: of each group of the chain
-    pub(super) fn describe<'f>(
-        &self,
-        chain: Range<usize>,
-        filters: impl Iterator<Item = &'f Filters>,
-    ) -> Option<Description> {
+    pub(super) fn describe(&self, chain: Range<usize>, filters: &[Filters]) -> Option<Description> {
         let roles = self.roles.get(chain).unwrap_or_default();
         let mut description = Description::new();
         for (role, &to) in roles.iter().zip(filters) {
@@ -247,7 +243,7 @@ mod tests {
     fn described(roles: &Roles, head: usize) -> Option<Description> {
         let groups: std::vec::Vec<_> = (0..6).map(|concept| filters(&[concept])).collect();
         let chain = roles.chain(head).unwrap();
-        roles.describe(chain.clone(), groups[chain].iter())
+        roles.describe(chain.clone(), &groups[chain])
     }
 
     #[test]

@@ -4,7 +4,6 @@ use heapless::Vec;
 
 use super::{Span, Token};
 use crate::capacity::MAX_STEPS;
-use crate::dsl::Filters;
 use crate::refusal::Refusal;
 
 /// Which tokens of a sentence belong to which step. Steps count from 0.
@@ -69,17 +68,15 @@ impl Segments {
         }
     }
 
-    /// The step's groups of concept words, and their places.
+    /// The step's groups of concept words, and its pronouns that are read as groups.
     ///
     /// * `sentence`: all tokens
     pub(super) fn groups<'t>(
         &self,
         step: usize,
         sentence: &'t [Token],
-    ) -> impl Iterator<Item = (&'t Filters, Span)> + Clone + use<'t> {
+    ) -> impl Iterator<Item = &'t Token> + Clone + use<'t> {
         let tokens = sentence.get(self.tokens(step)).unwrap_or_default();
-        tokens
-            .iter()
-            .filter_map(|token| Some((token.filters()?, token.span)))
+        tokens.iter().filter(|token| token.is_group())
     }
 }

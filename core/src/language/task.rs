@@ -3,7 +3,7 @@ mod split;
 
 use super::relations::Roles;
 use super::segments::Segments;
-use super::{Acceptability, Encoder, Parsed, Reader, Splitter};
+use super::{Acceptability, Encoder, Parsed, Reader, Span, Splitter, TokenKind};
 use crate::capacity::{MAX_GROUPS, MAX_STEP_TOKENS};
 use crate::dsl::Argument;
 use crate::model::{Model, WordEmbeddings};
@@ -15,9 +15,10 @@ use split::{Splits, is_final};
 /// one token to the splitter or to one direction of the encoder, which also judges its
 /// acceptability, or runs one decoder. All scratch memory is in here.
 ///
-/// If words are misspelt, each reading of the sentence, at most [`crate::MAX_READINGS`], is parsed in turn.
-/// All that make sense must mean the same program; otherwise, or if none makes sense, the first
-/// misspelt word is refused as unknown. If it is not clear where a step
+/// If words are misspelt, or pronouns may stand for what the step before moved, each reading of the
+/// sentence, at most [`crate::MAX_READINGS`], is parsed in turn. All that make sense must mean the same
+/// program; otherwise, or if none makes sense, the first misspelt word is refused as unknown, or the
+/// pronoun as unclear. If it is not clear where a step
 /// ends, or its words make no sense, the reading is parsed with each of at most [`crate::MAX_SPLITS`]
 /// − 1 of the splitter's decisions reversed, and the most probable way is taken.
 ///
@@ -57,8 +58,12 @@ pub struct ParsingTask<'m, T> {
     readings: usize,
     /// The first reading that makes sense, if there are several.
     accepted: Option<Parsed>,
+    /// Why the first one of the others makes none.
+    refused: Option<Refusal>,
     /// The first decision that is not sure enough, as the sentence is split now.
     doubt: Option<Refusal>,
+    /// The first pronoun that means nothing, as the sentence is split now, and its step.
+    unclear: Option<(u8, Span)>,
     stage: Stage,
 }
 
@@ -104,9 +109,6 @@ enum Stage {
     Done(Option<Refusal>),
 }
 
-/// The object to move and the reference.
-const ARGUMENTS: usize = 2;
-
 /// What a decoder chose, and its probability.
 #[derive(Debug, Clone, Copy)]
 struct Decided {
@@ -135,7 +137,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             reading: 0,
             readings: 1,
             accepted: None,
+            refused: None,
             doubt: None,
+            unclear: None,
             stage,
         }
     }
@@ -194,12 +198,13 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// A reading of the sentence was parsed or refused: on to the next one, if there is any.
     fn end_reading(&mut self, refusal: Option<Refusal>) -> Stage {
         self.readings = self.readings.max(self.reader.readings());
-        let Some(correction) = self.reader.corrections().first() else {
-            return Stage::Done(refusal);
-        };
-        let unknown = Refusal::UnknownWord {
+        let unknown = self.reader.corrections().first();
+        let unknown = unknown.map(|correction| Refusal::UnknownWord {
             span: correction.span(),
-        };
+        });
+        if self.readings == 1 && unknown.is_none() {
+            return Stage::Done(refusal);
+        }
         match refusal {
             None => {
                 let _ = self
@@ -208,11 +213,13 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                     .extend_from_slice(self.reader.corrections());
                 let accepted = self.accepted.get_or_insert_with(|| self.parsed.clone());
                 if accepted.program != self.parsed.program {
-                    return Stage::Done(Some(unknown));
+                    return Stage::Done(unknown.or(self.ambiguous_pronoun()));
                 }
             }
             Some(refusal) if is_final(refusal) => return Stage::Done(Some(refusal)),
-            Some(_) => {}
+            Some(refusal) => {
+                self.refused.get_or_insert(refusal);
+            }
         }
         self.reading = self.reading.saturating_add(1);
         if self.reading < self.readings {
@@ -223,8 +230,19 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                 self.parsed = accepted;
                 Stage::Done(None)
             }
-            None => Stage::Done(Some(unknown)),
+            None => Stage::Done(unknown.or(self.refused)),
         }
+    }
+
+    /// Refuses the first pronoun of this reading, which makes sense in another way, too.
+    fn ambiguous_pronoun(&self) -> Option<Refusal> {
+        let mut tokens = self.reader.tokens().iter();
+        let pronoun = tokens.position(|token| token.kind == TokenKind::Pronoun)?;
+        let mut steps = 0..self.segments.count();
+        Some(Refusal::UnclearPronoun {
+            step: steps.position(|step| self.segments.tokens(step).contains(&pronoun))? as u8,
+            span: self.reader.tokens().get(pronoun)?.span,
+        })
     }
 
     fn begin_reading(&mut self) -> Stage {
@@ -254,7 +272,13 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             return Ok(Stage::Parsed);
         };
         let tokens = self.reader.tokens();
-        self.check_described(step, self.segments.groups(step, tokens).count(), MAX_GROUPS)?;
+        let groups = self.segments.groups(step, tokens);
+        self.check_described(step, groups.clone().count(), MAX_GROUPS)?;
+        let pronouns = groups.filter(|token| token.filters().is_none()).count();
+        if pronouns > usize::from(step > 0) {
+            // Nothing was moved before, or both of its objects are the same.
+            return Err(self.not_meant(step));
+        }
         let range = self.segments.tokens(step);
         if range.len() > MAX_STEP_TOKENS {
             return Err(Refusal::SentenceTooLong {
@@ -320,7 +344,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             .get(token)
             .ok_or(Refusal::InvalidModel)?;
         let embeddings = token.embeddings(self.model).ok_or(Refusal::InvalidModel)?;
-        Ok((embeddings, token.filters().is_some()))
+        Ok((embeddings, token.is_group()))
     }
 }
 

@@ -1,7 +1,10 @@
 use heapless::Vec;
 
+use super::pronouns::pronoun;
 use super::spelling::{Correction, KnownWord, alternatives};
-use crate::capacity::{MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS};
+use crate::capacity::{
+    ARGUMENTS, MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS,
+};
 use crate::dsl::{Filters, Property};
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::Refusal;
@@ -30,6 +33,8 @@ pub enum TokenKind {
     Word(u16),
     /// Adjacent words of the lexicon, `[[X]]` in the paper.
     Group(Filters),
+    /// A pronoun that is read as a group: it stands for what the step before moved.
+    Pronoun,
 }
 
 /// A token with its place in the sentence.
@@ -50,14 +55,19 @@ impl Token {
                 .words
                 .get(usize::from(index))
                 .map(|word| &word.embeddings),
-            TokenKind::Group(_) => Some(model.group),
+            TokenKind::Group(_) | TokenKind::Pronoun => Some(model.group),
         }
+    }
+
+    /// Whether it describes an object: a group or a pronoun.
+    pub const fn is_group(&self) -> bool {
+        !matches!(self.kind, TokenKind::Word(_))
     }
 
     /// The concepts, if it is a group.
     pub const fn filters(&self) -> Option<&Filters> {
         match &self.kind {
-            TokenKind::Word(_) => None,
+            TokenKind::Word(_) | TokenKind::Pronoun => None,
             TokenKind::Group(filters) => Some(filters),
         }
     }
@@ -79,7 +89,8 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// end of the sentence are dropped.
 ///
 /// An unknown word that may stand for known ones ([`crate::model::Spelling`]) is read as the first
-/// of them; a sentence with such words has several readings, of which this is one.
+/// of them, and a pronoun ([`crate::model::Pronoun`]) as a word like any other; a sentence with such
+/// words has several readings, of which this is one.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
@@ -103,8 +114,8 @@ pub struct Reader {
     end: usize,
     tokens: Tokens,
     corrections: Corrections,
-    /// Chooses among the words that each of the further unknown words may stand for: the number of
-    /// the reading, divided by the numbers of choices so far.
+    /// Chooses how each of the further words is read that has several readings: the number of the
+    /// reading, divided by the numbers of choices so far.
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
@@ -162,10 +173,10 @@ impl Reader {
             self.add_property(model, entry.1.property, span)?;
         } else if let Some((index, _)) = find(model.words, text, |word| word.text) {
             let index = u16::try_from(index).map_err(|_| Refusal::InvalidModel)?;
-            self.add(TokenKind::Word(index), span)?;
+            self.add_word(model, words, index, span)?;
         } else {
             match self.correct(model, text, span)? {
-                KnownWord::Word(index) => self.add(TokenKind::Word(index), span)?,
+                KnownWord::Word(index) => self.add_word(model, words, index, span)?,
                 KnownWord::Concept(index) => {
                     let entry = model.lexicon.get(usize::from(index));
                     let property = entry.ok_or(Refusal::InvalidModel)?.property;
@@ -186,7 +197,7 @@ impl Reader {
         &self.corrections
     }
 
-    /// How many readings the sentence has so far: 1 without corrections.
+    /// How many readings the sentence has so far: 1 without corrections and pronouns.
     pub(super) const fn readings(&self) -> usize {
         self.readings
     }
@@ -195,16 +206,52 @@ impl Reader {
     fn correct(&mut self, model: &Model<'_>, text: &str, span: Span) -> Result<KnownWord, Refusal> {
         let unknown = Refusal::UnknownWord { span };
         let alternatives = alternatives(model, text);
-        let count = alternatives.len();
-        let chosen = self.choice.checked_rem(count).ok_or(unknown)?;
-        self.choice = self.choice.checked_div(count).ok_or(unknown)?;
-        self.readings = self.readings.saturating_mul(count);
+        let chosen = self.choose(alternatives.len()).ok_or(unknown)?;
         let word = *alternatives.get(chosen).ok_or(unknown)?;
         let correction = Correction::new(span, word);
-        if self.readings > MAX_READINGS || self.corrections.push(correction).is_err() {
+        if self.corrections.push(correction).is_err() {
             return Err(unknown);
         }
         Ok(word)
+    }
+
+    /// How this reading reads a word that can be read in so many ways; `None` if there is no way, or
+    /// the sentence then has too many readings.
+    fn choose(&mut self, ways: usize) -> Option<usize> {
+        let readings = self.readings.saturating_mul(ways);
+        if readings > MAX_READINGS {
+            return None;
+        }
+        let chosen = self.choice.checked_rem(ways)?;
+        self.choice = self.choice.checked_div(ways)?;
+        self.readings = readings;
+        Some(chosen)
+    }
+
+    /// A word outside the lexicon. A pronoun behind the descriptions of a whole step may mean what
+    /// that one moved, unless another description follows ("that red block", "so that it is"), and as
+    /// long as the sentence does not have too many readings.
+    ///
+    /// * `words`: the sentence up to its last word
+    fn add_word(
+        &mut self,
+        model: &Model<'_>,
+        words: &str,
+        index: u16,
+        span: Span,
+    ) -> Result<(), Refusal> {
+        if let Some(pronoun) = pronoun(model, index) {
+            let described = self.tokens.iter().filter(|token| token.is_group());
+            let follows =
+                next_word(words, self.rest_from).is_some_and(|(next, _)| may_describe(model, next));
+            if described.count() >= ARGUMENTS && !follows && self.choose(2) == Some(1) {
+                self.add(TokenKind::Pronoun, span)?;
+                return pronoun
+                    .owner
+                    .map_or(Ok(()), |owner| self.add(TokenKind::Word(owner), span));
+            }
+        }
+        self.add(TokenKind::Word(index), span)
     }
 
     /// A word of the lexicon joins the group before it or starts one. Values of one attribute
@@ -247,6 +294,14 @@ impl Reader {
                 unit: crate::refusal::LengthUnit::Tokens,
             })
     }
+}
+
+/// Whether a word may describe an object, by itself or with others.
+fn may_describe(model: &Model<'_>, text: &str) -> bool {
+    let is_pronoun =
+        |(index, _)| u16::try_from(index).is_ok_and(|word| pronoun(model, word).is_some());
+    find(model.lexicon, text, |entry| entry.text).is_some()
+        || find(model.words, text, |word| word.text).is_some_and(is_pronoun)
 }
 
 /// What a group says that excludes a further property.
@@ -386,6 +441,7 @@ mod tests {
         let texts = tokens.iter().map(|token| match &token.kind {
             TokenKind::Word(index) => std::format!("{index}"),
             TokenKind::Group(filters) => std::format!("{:?}", filters.concepts()),
+            TokenKind::Pronoun => "pronoun".into(),
         });
         let texts: std::vec::Vec<_> = texts.collect();
         assert_eq!(texts, ["5", "[3, 1]", "0", "[0]", "0", "7", "[2]"]);

@@ -4,7 +4,7 @@
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
-    OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
+    OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
     SPLITTER_WORD, Simulator, Spelling, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
     Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
@@ -51,6 +51,7 @@ builder! {
         words, with_words: &'a [Word<'a>] = &[];
         group, with_group: &'a WordEmbeddings = &WordEmbeddings::UNSET;
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
+        pronouns, with_pronouns: &'a [Pronoun] = &[];
         spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
@@ -91,6 +92,10 @@ builder! {
     ['a] Word<'a> {
         text, with_text: &'a str = "";
         embeddings, with_embeddings: WordEmbeddings = WordEmbeddings::UNSET;
+    }
+    [] Pronoun {
+        word, with_word: u16 = u16::MAX;
+        owner, with_owner: Option<u16> = None;
     }
     ['a] Spelling<'a> {
         heard, with_heard: &'a [Heard<'a>] = &[];

@@ -32,6 +32,9 @@ pub enum ModelFault<'a> {
     /// A lexicon word has an invalid index, or that of an action without a word for its extreme.
     #[error("lexicon word \"{0}\" names a concept or an extreme that isn't there")]
     LexiconProperty(&'a str),
+    /// Pronouns are not sorted and unique, or one is no word; its index.
+    #[error("pronoun {0} is out of order, repeated or no word")]
+    Pronoun(u16),
     /// Words that are heard as others are not sorted and unique, or known themselves; the word.
     #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
     HeardOrder(&'a str),
@@ -185,7 +188,23 @@ impl<'a> Model<'a> {
                 return Err(ModelFault::WordInLexicon(entry.text));
             }
         }
+        self.check_pronouns()?;
         self.check_spelling()
+    }
+
+    fn check_pronouns(&self) -> Result<(), ModelFault<'a>> {
+        let mut least = 0;
+        for pronoun in self.pronouns {
+            let (word, owner) = (
+                usize::from(pronoun.word),
+                pronoun.owner.map_or(0, usize::from),
+            );
+            if word < least || word.max(owner) >= self.words.len() {
+                return Err(ModelFault::Pronoun(pronoun.word));
+            }
+            least = word.saturating_add(1);
+        }
+        Ok(())
     }
 
     fn check_spelling(&self) -> Result<(), ModelFault<'a>> {
@@ -262,7 +281,7 @@ impl WorkSpace {
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::model::{Concept, Heard, LexiconEntry, Spelling, Word};
+    use crate::model::{Concept, Heard, LexiconEntry, Pronoun, Spelling, Word};
 
     #[test]
     fn each_fault_of_a_list_is_named() {
@@ -352,6 +371,26 @@ mod tests {
         let missing = fault("LexiconProperty(\"a\")");
         assert_eq!(extreme(1, None), missing);
         assert_eq!(extreme(2, Some("a")), missing);
+    }
+
+    #[test]
+    fn each_fault_of_a_pronoun_is_named() {
+        let model = fixture::model();
+        let check = |pronouns: &[(u16, Option<u16>)]| {
+            let each = |&(word, owner)| Pronoun { word, owner };
+            let pronouns: std::vec::Vec<Pronoun> = pronouns.iter().map(each).collect();
+            let model = model.with_pronouns(&pronouns);
+            model.check().map_err(|fault| std::format!("{fault:?}"))
+        };
+        let (last, fault) = (model.words.len() as u16 - 1, |text: &str| Err(text.into()));
+        assert_eq!(check(&[(0, None), (last, Some(last))]), Ok(()));
+        assert_eq!(check(&[(1, None), (1, None)]), fault("Pronoun(1)"));
+        assert_eq!(check(&[(2, None), (1, None)]), fault("Pronoun(1)"));
+        assert_eq!(
+            check(&[(last + 1, None)]),
+            fault(&std::format!("Pronoun({})", last + 1))
+        );
+        assert_eq!(check(&[(1, Some(last + 1))]), fault("Pronoun(1)"));
     }
 
     #[test]

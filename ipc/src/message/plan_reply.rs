@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 40] = [
+pub const REASONS: [&str; 41] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -93,6 +93,7 @@ pub const REASONS: [&str; 40] = [
     "too_many_relations",
     "outside_training_view",
     "other_object",
+    "unclear_pronoun",
     OTHER,
 ];
 

@@ -48,6 +48,7 @@ STREAMS = {
     "near_misses": 82,
     "misspelt": 83,
     "related": 84,
+    "pronouns": 85,
 }
 
 

@@ -235,6 +235,9 @@ class Domain:
     #: Words for which one of several objects is meant, "leftmost": by the action in whose direction
     #: it lies farthest, and by `SIZE_EXTREMES`.
     extremes: Annotated[Mapping[Identifier, ConceptWords], Field(default_factory=dict)]
+    #: Words that may stand for what the step before moved, "it", each with the word that is then
+    #: read behind it: "one's" for "its", or an empty text.
+    pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
     spelling: Annotated[SpellingWords | None, Field(default=None), BeforeValidator(_not_null)]

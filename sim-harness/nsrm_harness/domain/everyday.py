@@ -38,6 +38,8 @@ _SENTENCE = {
         for end in ("", ".", ",")
     ),
 }
+#: In place of the concepts of a description: it is said by a pronoun.
+PRONOUN = "[[it]]"
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
 
@@ -47,7 +49,9 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes = (_taken_out(words, name, path) for name in ("synonyms", "extremes"))
+    synonyms, extremes, pronouns = (
+        _taken_out(words, name, path) for name in ("synonyms", "extremes", "pronouns")
+    )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
         if name not in values:
@@ -60,6 +64,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     names = [*(action["name"] for action in document["action"]), *SIZE_EXTREMES]
     if extremes := {name: extremes[name] for name in names if name in extremes}:
         document["extremes"] = extremes
+    if pronouns:
+        document["pronouns"] = pronouns
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
@@ -125,7 +131,7 @@ class Speaker:
         """The words of a random wording of one step.
 
         * `step`: without one, its action is random and its descriptions are group tokens; a group
-          token may also stand in place of the concepts of a step
+          token or `PRONOUN` may also stand in place of the concepts of a step
         * `lead`: the alternative that joins it to the previous step
         * `behind`: the words before it
         """
@@ -181,6 +187,10 @@ class Speaker:
     def _described(
         self, name: str, said: _Said, context: _Context
     ) -> Iterator[str | tuple[str, ...]]:
+        if PRONOUN in said.concepts:
+            # As values, so that no description follows: "that red" is one.
+            yield (self._pronoun(is_owner=name == "possessor"),)
+            return
         rule = _description_rule(name, said)
         texts, own = self._words.rules[rule], ()
         if rule in RELATING_RULES:
@@ -202,6 +212,13 @@ class Speaker:
         if description.which is None:
             return values
         return (self._choose(self._domain.extreme_words()[description.which]), *values)
+
+    def _pronoun(self, is_owner: bool) -> str:
+        pronouns = self._domain.pronouns
+        fitting = [word for word, owner in pronouns.items() if bool(owner) == is_owner]
+        if not fitting:
+            raise _CannotBeSaidError
+        return self._choose(fitting)
 
     def _any_action(self) -> str:
         return self._choose(list(self._words.placements()))

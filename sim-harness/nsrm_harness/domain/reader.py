@@ -106,7 +106,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
-    for check in (_words, _held_out, _spelling):
+    for check in (_words, _held_out, _pronouns, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -267,6 +267,15 @@ def _everyday_relations(words: EverydayWords, actions: Sequence[str]) -> Faults:
                     f"everyday.relations.{name}.{key}",
                     f"expected the name of a rule, got {rule!r}",
                 )
+
+
+def _pronouns(domain: Domain) -> Faults:
+    """Pronouns, and what is read behind them, are words that no group token stands for."""
+    known = domain.other_words()
+    for word, owner in domain.pronouns.items():
+        for each in (word, owner) if owner else (word,):
+            if each not in known:
+                yield f"pronouns.{word}", f"{each!r} is not a word of the grammar"
 
 
 def _spelling(domain: Domain) -> Faults:

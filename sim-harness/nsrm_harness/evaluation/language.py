@@ -7,6 +7,8 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same with one word misspelt, if the model reads misspelt words as known ones;
 * their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
+* the programs of several steps, one of which says by a pronoun what the step before it moved, and
+  pronouns that mean nothing;
 * sentences with relations in descriptions (`evaluation.relations`);
 * near misses, all of whose words the model knows;
 * lists of other people's sentences, with the program that they mean or none; those without one
@@ -26,6 +28,7 @@ import nsrm
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
@@ -61,6 +64,8 @@ Sentences = list[tuple[str, Program | None]]
 """Sentences, each with the program that is meant, or None if it must be refused."""
 MISSPELT_TIMES = 10
 """How often each sentence that must be refused is misspelt."""
+PRONOUN_TIMES = 3
+"""How often a program of several steps is said with a pronoun."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -108,23 +113,52 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         count(f"{split}; everyday wording{ending}", understand(model, sentences))
         for ending, sentences in say(domain, programs, seed).items()
     ]
+    if domain.pronouns:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_pronouns(domain, programs, seed).items()
+        ]
     return rows
 
 
-def say(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:
+def say_pronouns(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:
+    """`PRONOUN_TIMES` sentences for each program of several steps in which a pronoun stands for
+    what the step before moved, and as many in which it means nothing, by the name of their set."""
+    rng = generator(seed, "pronouns", 0)
+    several = [each for each in programs if len(each) > 1] * PRONOUN_TIMES
+    told = [pair for each in several if (pair := with_pronoun(each, rng)) is not None]
+    spoken = say(domain, [said for said, _ in told], seed, [meant for _, meant in told])
+    nothing = [without_meaning(each, rng) for each in several]
+    refused: Sentences = [
+        (" ".join(Speaker(domain, generator(seed, "told", number)).sentence(each)), None)
+        for number, each in enumerate(nothing)
+    ]
+    sets = {f"pronouns{ending}": sentences for ending, sentences in spoken.items()}
+    return {**sets, "pronouns of nothing": refused}
+
+
+def say(
+    domain: Domain,
+    programs: Sequence[Program],
+    seed: int,
+    meant: Sequence[Program] | None = None,
+) -> dict[str, Sentences]:
     """A sentence for each program, by the ending of the name of its set: those in wording of
     training, those with a pattern that training leaves out, and those of which nobody can tell what
-    a relation belongs to, which must be refused."""
+    a relation belongs to, which must be refused.
+
+    `meant`: what the programs mean, if they are only how it is said
+    """
     said: dict[str, Sentences] = {}
     attachments, tokenizer = Attachments(domain), Tokenizer(domain)
-    for number, program in enumerate(programs):
+    for number, (program, right) in enumerate(zip(programs, meant or programs, strict=True)):
         steps = Speaker(domain, generator(seed, "told", number)).steps(program)
         sentence = " ".join(word for step in steps for word in step)
         if any(attachments.is_ambiguous(tokenizer(" ".join(step)).words) for step in steps):
             said.setdefault(" with two readings", []).append((sentence, None))
             continue
         reserved = any(is_reserved(tokenizer.pattern(step)) for step in steps)
-        said.setdefault(" held out" if reserved else "", []).append((sentence, program))
+        said.setdefault(" held out" if reserved else "", []).append((sentence, right))
     return dict(sorted(said.items()))
 
 

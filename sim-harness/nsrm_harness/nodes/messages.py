@@ -49,6 +49,7 @@ REASONS = (
     "too_many_relations",
     "outside_training_view",
     "other_object",
+    "unclear_pronoun",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""

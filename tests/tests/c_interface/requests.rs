@@ -181,6 +181,7 @@ impl Requests {
                 step: n, span: at, ..
             }
             | Refusal::SameReference { step: n, span: at }
+            | Refusal::UnclearPronoun { step: n, span: at }
             | Refusal::UnclearWords {
                 step: n, span: at, ..
             } => {

@@ -94,6 +94,7 @@ pub(crate) fn domain() -> Value {
             "connectives": [", then", "then"],
         },
         "extremes": {"Flank": ["outermost"], "Largest": ["largest"]},
+        "pronouns": {"then": "", "near": "jar"},
         "spelling": {
             "heard": {"steal": "teal", "bare": "beside"},
             "other_words": ["plumb", "jam", "teak"],

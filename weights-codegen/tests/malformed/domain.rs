@@ -163,6 +163,21 @@ fn a_word_that_is_heard_as_an_unknown_one() {
 }
 
 #[test]
+fn pronouns_that_are_no_words() {
+    let spoils: [(&str, SpoilDomain); 3] = [
+        ("that", |domain| domain["pronouns"]["that"] = json!("")),
+        ("plum", |domain| domain["pronouns"]["plum"] = json!("")),
+        ("glass", |domain| {
+            domain["pronouns"]["near"] = json!("glass")
+        }),
+    ];
+    for (word, spoil) in spoils {
+        let error = refused_domain(spoil, &["pronouns", word, "not a word of the domain"]);
+        assert_eq!(error, ModelError::Pronoun { word: word.into() });
+    }
+}
+
+#[test]
 fn words_that_no_sentence_contains() {
     for word in ["Jar", "", "two words", "jar.", "'jar", "a,b"] {
         let spoil =

@@ -1,8 +1,9 @@
 //! From a step's encoded words to its symbols: action, roles of its groups, and arguments.
 
-use super::{ARGUMENTS, Decided, ParsingTask, Stage, not_finite};
-use crate::capacity::MAX_RELATIONS;
-use crate::dsl::{Argument, Description, Step};
+use super::{Decided, ParsingTask, Stage, not_finite};
+use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
+use crate::dsl::{Argument, Description, Filters, Step};
+use crate::language::pronouns::antecedent;
 use crate::language::{GroupRole, Span, StepDecisions, choose_action, choose_group, choose_role};
 use crate::model::INSTRUCTION;
 use crate::nn::{Choice, Linear};
@@ -107,6 +108,16 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         }
         let split = self.segments.probability(step);
         let (reference_description, reference_span) = self.described(step, reference.index)?;
+        // "Put it on the red one", when the red one was moved before.
+        let is_same = description.says_same(&reference_description);
+        let mut tokens = self.segments.groups(step, self.reader.tokens());
+        let pronoun = tokens.find(|token| token.filters().is_none());
+        if let Some(pronoun) = pronoun
+            && (is_same || antecedent(&self.parsed.program).is_none())
+        {
+            // It is refused if the words make sense to the end.
+            self.unclear.get_or_insert((step as u8, pronoun.span));
+        }
         let decisions = StepDecisions {
             span: self.segments.span(step, self.reader.tokens()),
             object_span: span,
@@ -169,12 +180,22 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         })
     }
 
+    /// Refuses a reading of a pronoun that is not meant; what the sentence lacks is told of the reading
+    /// in which it is a word like any other.
+    pub(super) fn not_meant(&self, step: usize) -> Refusal {
+        Refusal::IncompleteStep {
+            step: step as u8,
+            references: 1,
+            span: self.segments.span(step, self.reader.tokens()),
+        }
+    }
+
     /// The description that a head begins, and its place from its first word to its last.
     fn described(&self, step: usize, head: usize) -> Result<(Description, Span), Refusal> {
         let chain = self.roles.chain(head).ok_or(Refusal::InvalidModel)?;
         let groups = self.segments.groups(step, self.reader.tokens());
         let groups = groups.skip(chain.start).take(chain.len());
-        let spans = || groups.clone().map(|(_, span)| span);
+        let spans = || groups.clone().map(|token| token.span);
         let (first, last) = spans()
             .next()
             .zip(spans().last())
@@ -183,8 +204,17 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             start: first.start,
             end: last.end,
         };
-        let filters = groups.clone().map(|(filters, _)| filters);
-        let description = self.roles.describe(chain, filters);
+        let antecedent = antecedent(&self.parsed.program);
+        let mut filters = [Filters::new(); MAX_GROUPS];
+        for (place, token) in filters.iter_mut().zip(groups.clone()) {
+            if chain.len() > 1 && token.filters().is_none() {
+                // "Beside the red block, on its right" is no block to the right of another one, and a
+                // pronoun is not restricted: nobody says "it left of the red block".
+                return Err(self.not_meant(step));
+            }
+            *place = token.filters().copied().or(antecedent).unwrap_or_default();
+        }
+        let description = self.roles.describe(chain, &filters);
         let description = description.ok_or(Refusal::TooManyRelations {
             step: step as u8,
             span,

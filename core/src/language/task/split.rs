@@ -201,7 +201,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         if error.is_some_and(is_final) {
             return self.end_reading(error);
         }
+        let unclear = self.unclear.take();
         let refusal = self.doubt.take().or(error);
+        if refusal.is_none()
+            && let Some((step, span)) = unclear
+        {
+            return self.end_reading(Some(Refusal::UnclearPronoun { step, span }));
+        }
         let is_clear = !self.splits.is_reversed() && !self.splits.is_unclear;
         if refusal.is_none() && is_clear {
             return self.end_reading(None);
@@ -247,11 +253,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
     }
 }
 
-/// Whether no other way to read or to split the sentence makes a refusal go away.
+/// Whether no other way to read or to split the sentence makes a refusal go away. If a pronoun means
+/// nothing where the words make sense, any other way is not what is meant.
 pub(super) const fn is_final(refusal: Refusal) -> bool {
     matches!(
         refusal,
         Refusal::UnknownWord { .. }
+            | Refusal::UnclearPronoun { .. }
             | Refusal::SentenceTooLong { .. }
             | Refusal::NotFinite { .. }
             | Refusal::InvalidModel
