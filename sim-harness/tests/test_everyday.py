@@ -290,17 +290,37 @@ def test_nothing_is_done_after_a_sentence_with_two_readings(episodes: Path) -> N
         ("[1]", "line 1 is not a JSON object"),
         ("FIRST\n{}", "line 2 has no sentence"),
         ('FIRST\n{"sentence": "a", "episode": 12}', "expected an episode below 12 or null, got 12"),
-        ('{"kind": "nsrm sentences", "schema": 2, "episodes": {}}', "are not about the episodes"),
+        ('{"kind": "nsrm sentences", "schema": 3, "episodes": {}}', "are not about the episodes"),
     ],
 )
 def test_faults_in_a_file_of_sentences_are_named(
     text: str, problem: str, episodes: Path, tmp_path: Path
 ) -> None:
     path = tmp_path / "told.jsonl"
-    write_told(path, episodes, Told([], [], [], []))
+    write_told(path, episodes, Told([], [], [], [], []))
     path.write_text(text.replace("FIRST", path.read_text(encoding="utf-8").strip()), "utf-8")
     with pytest.raises(EpisodeFileError, match=problem):
         read_told(path, episodes)
+
+
+def test_half_of_the_everyday_sentences_about_one_step_are_told_as_a_later_one(
+    episodes: Path, tmp_path: Path
+) -> None:
+    told = tell(DOMAIN, episodes, count=30, near_misses=0, seed=1)
+    with GroundTruth(episodes) as judge:
+        steps = [len(judge.truth(number).program) for number in told.episodes]
+    assert len(told.later) == len(told.sentences)
+    single = [later for later, count in zip(told.later, steps, strict=True) if count == 1]
+    assert not any(later for later, count in zip(told.later, steps, strict=True) if count > 1)
+    # A third is plain.
+    assert 0.25 < np.mean(single) < 0.42
+    recogniser, tokenizer = Recogniser.of(DOMAIN), Tokenizer(DOMAIN)
+    for sentence, later in zip(told.sentences, told.later, strict=True):
+        if later:
+            assert recogniser.step(tokenizer(sentence).words), sentence
+    path = tmp_path / "told.jsonl"
+    write_told(path, episodes, told)
+    assert read_told(path, episodes) == told
 
 
 @pytest.mark.slow

@@ -18,14 +18,31 @@ def with_pronoun(program: Program, rng: np.random.Generator) -> tuple[Program, P
     """A program of several steps in which a random later step is about what the step before it
     moves: as it is said, and what that means. None if it would be about nothing else."""
     at = int(rng.integers(1, len(program)))
-    step, meant = program[at], program[at - 1].object
-    if rng.random() < 0.5:
-        said, plain = replace(step, object=_SAID), replace(step, object=meant)
-    else:
-        said, plain = replace(step, reference=_SAID), replace(step, reference=meant)
-    if set(plain.object) == set(plain.reference):
+    found = with_pronoun_at(program[at], program[at - 1], rng)
+    if found is None:
         return None
+    said, plain = found
     return _with(program, at, said), _with(program, at, plain)
+
+
+def with_pronoun_at(step: Step, before: Step, rng: np.random.Generator) -> tuple[Step, Step] | None:
+    """A step in which a pronoun stands for what the step before it moves, as it is said and what
+    that means. None if both of its objects would be the same, or that object is described by its
+    place, which is another one then."""
+    if before.object_relations or before.object_which is not None:
+        return None
+    if rng.random() < 0.5:
+        bare = replace(step, object_relations=(), object_which=None)
+        said, plain = replace(bare, object=_SAID), replace(bare, object=before.object)
+    else:
+        bare = replace(step, reference_relations=(), reference_which=None)
+        said, plain = replace(bare, reference=_SAID), replace(bare, reference=before.object)
+    return None if _is_of_one_object(plain) else (said, plain)
+
+
+def _is_of_one_object(step: Step) -> bool:
+    own = (set(step.object), step.object_relations, step.object_which)
+    return own == (set(step.reference), step.reference_relations, step.reference_which)
 
 
 def without_meaning(program: Program, rng: np.random.Generator) -> Program:

@@ -49,6 +49,7 @@ STREAMS = {
     "misspelt": 83,
     "related": 84,
     "pronouns": 85,
+    "mixed": 86,
 }
 
 

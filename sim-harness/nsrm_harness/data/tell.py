@@ -21,6 +21,7 @@ from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker, everyday_of
 from nsrm_harness.domain.grammar import Grammar
 from nsrm_harness.domain.program import SUPERLATIVES, Program, Step
+from nsrm_harness.domain.reader import MAX_STEPS
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Number of sentences of which one is plain.
@@ -32,6 +33,8 @@ RELATED = 2
 CHAINED = 0.15
 #: Share of descriptions by superlatives among those with relations.
 COMPARED = 0.4
+#: Share of everyday sentences about a single step that are told as a later step.
+LATER = 0.5
 #: A combination is impossible if chance would give at least so many programs, and there are none.
 EXPECTED = 20.0
 
@@ -44,9 +47,12 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
     sentence is one more near miss. So are commands that no demonstrator carries out: "put the red
     block left of the one on the blue block", where nothing would support it.
 
+    Half of the everyday sentences about a single step are told as if steps came before it ("and
+    then put …"): relations are shown by single steps alone, and said in every step.
+
     `domain`: that of the episodes, with everyday wording.
     """
-    told, grammar, shown = Told([], [], [], []), Grammar(domain), Counter[tuple[str, str]]()
+    told, grammar, shown = Told([], [], [], [], []), Grammar(domain), Counter[tuple[str, str]]()
     plain = -(-count // PLAIN)
     attachments, tokenizer = Attachments(domain), Tokenizer(domain)
     with GroundTruth(episodes) as judge:
@@ -64,9 +70,14 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
                 if step.reference_relations
             )
             for index, program in enumerate(programs):
+                is_later = index >= plain and len(program) == 1 and rng.random() < LATER
                 if index < plain:
                     words = plain_words(domain, grammar, rng, program)
                     sentence = grammar.spell(rng, words)
+                elif is_later:
+                    number_of_step = int(rng.integers(1, MAX_STEPS))
+                    (step,) = program
+                    sentence = " ".join(speaker.step(step, number_of_step, "{next}"))
                 else:
                     sentence = " ".join(speaker.sentence(program))
                 if len(program) == 1 and attachments.is_ambiguous(tokenizer(sentence).words):
@@ -74,6 +85,7 @@ def tell(domain: Domain, episodes: Path, count: int, near_misses: int, seed: int
                 else:
                     told.sentences.append(sentence)
                     told.episodes.append(number)
+                    told.later.append(is_later)
     misses = NearMisses(domain, generator(seed, "near_misses", 0), never_shown(shown))
     for _ in range(near_misses):
         miss = misses.draw()

@@ -1,8 +1,9 @@
 """Sentences told about the episodes of a file, and near misses, after which nothing is done.
 
 A file has JSON lines. The first names the episodes: split, seed and count of their file. Each other
-line is ``{"sentence": …, "episode": …}``; the episode is null for a near miss, which also says
-whether it is untimely: its commands are in an impossible order. `tell` makes them.
+line is ``{"sentence": …, "episode": …, "later": …}``, which also says whether it is told as if
+steps came before it: "and then put …". The episode is null for a near miss, which says whether it
+is untimely: its commands are in an impossible order. `tell` makes them.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from nsrm_harness.common.whole_file import write_whole
 from nsrm_harness.data.file import open_checked
 
 KIND = "nsrm sentences"
-SCHEMA = 2
+SCHEMA = 3
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,8 @@ class Told:
     sentences: list[str]
     #: The episode that shows each of them.
     episodes: list[int]
+    #: Whether each of them is told as a later step.
+    later: list[bool]
     #: Sentences after which nothing was done,
     near_misses: list[str]
     #: and those with commands in an impossible order.
@@ -41,8 +44,10 @@ def write_told(path: Path, episodes: Path, told: Told) -> None:
     lines: list[dict[str, Any]] = [
         {"kind": KIND, "schema": SCHEMA, "episodes": _identity(episodes)},
         *(
-            {"sentence": sentence, "episode": episode}
-            for sentence, episode in zip(told.sentences, told.episodes, strict=True)
+            {"sentence": sentence, "episode": episode, "later": later}
+            for sentence, episode, later in zip(
+                told.sentences, told.episodes, told.later, strict=True
+            )
         ),
         *(
             {"sentence": sentence, "episode": None, "untimely": untimely}
@@ -56,7 +61,7 @@ def write_told(path: Path, episodes: Path, told: Told) -> None:
 
 def read_told(path: Path, episodes: Path) -> Told:
     """Reads the sentences about the episodes of a file. Raises ``EpisodeFileError``."""
-    told, identity = Told([], [], [], []), _identity(episodes)
+    told, identity = Told([], [], [], [], []), _identity(episodes)
     lines = _lines(path)
     first = next(lines, (1, {}))[1]
     if not (first.get("kind") == KIND and first.get("schema") == SCHEMA):
@@ -75,6 +80,7 @@ def read_told(path: Path, episodes: Path) -> Told:
         elif isinstance(episode, int) and 0 <= episode < identity["count"]:
             told.sentences.append(sentence)
             told.episodes.append(episode)
+            told.later.append(bool(line.get("later")))
         else:
             raise EpisodeFileError(
                 f"{path}: line {number}: expected an episode below {identity['count']} or null, "

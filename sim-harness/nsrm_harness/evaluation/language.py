@@ -7,6 +7,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same with one word misspelt, if the model reads misspelt words as known ones;
 * their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
+* programs of one to five steps that mix all kinds of descriptions (`data.mixed`);
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
 * sentences with relations in descriptions (`evaluation.relations`);
@@ -27,6 +28,7 @@ import nsrm
 
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.data.mixed import MixedPrograms
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.seeds import generator
@@ -66,6 +68,8 @@ MISSPELT_TIMES = 10
 """How often each sentence that must be refused is misspelt."""
 PRONOUN_TIMES = 3
 """How often a program of several steps is said with a pronoun."""
+MIXED_STEPS, MIXED_COUNT = (1, 2, 3, 5), 1000
+"""Numbers of steps of programs that mix all kinds of descriptions, and how many of each."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -113,12 +117,30 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         count(f"{split}; everyday wording{ending}", understand(model, sentences))
         for ending, sentences in say(domain, programs, seed).items()
     ]
+    if domain.everyday.states():
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_mixed(domain, seed).items()
+        ]
     if domain.pronouns:
         rows += [
             count(name, understand(model, sentences))
             for name, sentences in say_pronouns(domain, programs, seed).items()
         ]
     return rows
+
+
+def say_mixed(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`MIXED_COUNT` sentences of each of `MIXED_STEPS` steps, less those with two readings, by the
+    name of their set."""
+    sets: dict[str, Sentences] = {}
+    for steps in MIXED_STEPS:
+        programs = MixedPrograms(domain, generator(seed, "mixed", steps))
+        pairs = [programs.draw(steps) for _ in range(MIXED_COUNT)]
+        spoken = say(domain, [said for said, _ in pairs], seed, [meant for _, meant in pairs])
+        name = f"mixed, {steps} step{'s' if steps > 1 else ''}"
+        sets[name] = [*spoken.get("", ()), *spoken.get(" held out", ())]
+    return sets
 
 
 def say_pronouns(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:

@@ -118,9 +118,12 @@ def told_steps(
     data: TrainingSet,
     config: TrainingConfig,
     camera: Camera,
+    later: Sequence[bool],
     rng: np.random.Generator,
 ) -> ToldSteps:
     """The steps of the sentences that the final scenes explain, without reserved patterns.
+
+    `later`: whether each sentence is told as a later step
 
     The last step of a sentence gets one of another sentence behind it: commands may have more steps
     than any demonstration.
@@ -130,7 +133,7 @@ def told_steps(
     # Not those of one step that describe four objects.
     ends, double = first_ends(s, second), set(second.tolist())
     rows: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-    later: list[np.ndarray] = []
+    follow: list[np.ndarray] = []
     for index, number, programs in zip(*found, strict=True):
         tokens = s.tokens[index, : s.length[index]]
         middle = int(ends[index]) if int(index) in double else len(tokens)
@@ -144,12 +147,12 @@ def told_steps(
         ):
             continue
         rows.append((step, tokens[end : end + AHEAD], places, programs))
-        if number > 0:
-            later.append(step[:AHEAD])
+        if number > 0 or later[index]:
+            follow.append(step[:AHEAD])
     if not rows:
         raise TrainingError("the model's perception and actions explain none of the sentences")
     joined = [
-        np.concatenate([step, behind if len(behind) or not later else _any(rng, later)])
+        np.concatenate([step, behind if len(behind) or not follow else _any(rng, follow)])
         for step, behind, *_ in rows
     ]
     tokens, length = _padded([row[0] for row in rows], MOST_TOKENS)
@@ -311,7 +314,9 @@ def teach(
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or TrainingProgress()
     rng = np.random.default_rng(seed)
-    steps = told_steps(model, lesson.data, config.training, lesson.camera, rng)
+    steps = told_steps(
+        model, lesson.data, config.training, lesson.camera, lesson.told.later, rng
+    )
     misses, unsplit = near_misses(Tokenizer(lesson.domain), lesson.told)
     say(
         f"{len(lesson.data)} sentences, {len(steps.length)} steps explained by their final scenes, "
@@ -365,7 +370,8 @@ def plain_actions(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Logits of the actions of told steps without relations, and the actions that explain them."""
     rng = np.random.default_rng(0)
-    steps = told_steps(model, validation.data, config.training, validation.camera, rng)
+    told = validation.told.later
+    steps = told_steps(model, validation.data, config.training, validation.camera, told, rng)
     actions = model.language.action_decoder.weight.shape[0]
     programs = np.asarray(steps.programs)
     # The first two structures are the plain ones.

@@ -212,8 +212,8 @@ pub(super) const CHECKS: &[Check] = &[
     Check::new("demo", "cargo demo plans, refuses and draws", "1 min", demo).quick(quick_demo),
     Check::new(
         "fuzz",
-        "no bytes break the readers of untrusted input: committed inputs, then 25 s of new ones each",
-        "5 min",
+        "no bytes break the readers of untrusted input: committed inputs, then 10 s of new ones each",
+        "3 min",
         fuzz::steps,
     ),
 ];

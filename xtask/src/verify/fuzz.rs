@@ -1,5 +1,5 @@
 //! The fuzz targets (`tests/fuzz`): the committed inputs on any machine, then new ones
-//! for half a minute a target where libFuzzer can be built. CONTRIBUTING says how to fuzz for
+//! for some seconds a target where libFuzzer can be built. CONTRIBUTING says how to fuzz for
 //! longer.
 //!
 //! Without a sanitizer, for which cargo-fuzz needs no nightly toolchain: what is fuzzed
@@ -25,7 +25,7 @@ const CARGO_FUZZ: Tool = Tool {
 /// The package of the targets.
 const FOLDER: &str = "tests/fuzz";
 /// How long each target is given new inputs, seconds,
-const TIME_S: u32 = 25;
+const TIME_S: u32 = 10;
 /// and how many at most: those that read messages of fixed size take as many in a few seconds, and
 /// find nothing new after that.
 const INPUTS: u32 = 2_000_000;
