@@ -314,9 +314,7 @@ def teach(
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or TrainingProgress()
     rng = np.random.default_rng(seed)
-    steps = told_steps(
-        model, lesson.data, config.training, lesson.camera, lesson.told.later, rng
-    )
+    steps = told_steps(model, lesson.data, config.training, lesson.camera, lesson.told.later, rng)
     misses, unsplit = near_misses(Tokenizer(lesson.domain), lesson.told)
     say(
         f"{len(lesson.data)} sentences, {len(steps.length)} steps explained by their final scenes, "
