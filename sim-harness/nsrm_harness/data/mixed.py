@@ -4,12 +4,11 @@ for what the step before moved. They are about no scene."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from nsrm_harness.data.pronouns import with_pronoun_at
-from nsrm_harness.data.relations import Described
+from nsrm_harness.data.relations import Described, step_of
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import everyday_of
 from nsrm_harness.domain.program import Program, Relation, Step
@@ -52,10 +51,7 @@ class MixedPrograms:
     def _step(self) -> Step:
         action = self._choose([action.name for action in self._domain.actions])
         names = [name for name in self._states if action == ON or name != ON]
-        moved, reference = self._described(self._states), self._described(names)
-        step = Step(action, moved.concepts, reference.concepts, moved.relations)
-        step = replace(step, reference_relations=reference.relations, object_which=moved.which)
-        return replace(step, reference_which=reference.which)
+        return step_of(action, self._described(self._states), self._described(names))
 
     def _described(self, names: Sequence[str]) -> Described:
         """With a relation of these names, an extreme, or plain."""

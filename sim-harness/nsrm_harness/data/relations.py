@@ -19,7 +19,7 @@ from nsrm_harness.data.moves import Move, target
 from nsrm_harness.data.programs import Descriptions, unique_descriptions
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import everyday_of
-from nsrm_harness.domain.program import SUPERLATIVES, Relation
+from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step
 from nsrm_harness.simulation.blocks import block_from_attributes
 
 #: A relation clearly holds up to this angle between the two directions, and clearly does not from
@@ -43,6 +43,19 @@ class Described:
     relations: tuple[Relation, ...]
     #: Which one of those that fit: the name of an extreme.
     which: str | None = None
+
+
+def step_of(action: str, moved: Described, reference: Described) -> Step:
+    """The step with these descriptions."""
+    return Step(
+        action,
+        moved.concepts,
+        reference.concepts,
+        moved.relations,
+        reference.relations,
+        moved.which,
+        reference.which,
+    )
 
 
 def kinds_of(values: tuple[str, ...]) -> list[tuple[str, ...]]:

@@ -13,7 +13,7 @@ from nsrm_harness.data.extremes import ExtremeDescriptions
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.plain_wording import plain_words
-from nsrm_harness.data.relations import Described, RelatedDescriptions
+from nsrm_harness.data.relations import Described, RelatedDescriptions, step_of
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.told import Told
 from nsrm_harness.domain import Domain
@@ -140,7 +140,7 @@ def related_programs(
                 said[argument] = _any(rng, found)
         moved, reference = said
         if moved.relations or reference.relations:
-            programs.append((_step(step.step.action, moved, reference),))
+            programs.append((step_of(step.step.action, moved, reference),))
     return programs
 
 
@@ -180,7 +180,7 @@ def extreme_programs(
             if every[argument]:
                 said[argument] = every[argument][int(rng.integers(len(every[argument])))]
         if any(each.which is not None for each in said):
-            programs.append((_step(step.step.action, *said),))
+            programs.append((step_of(step.step.action, *said),))
     return programs
 
 
@@ -210,25 +210,13 @@ def _with_one(
     for _ in range(count):
         said = _said(step)
         said[int(rng.integers(2))] = drawn()
-        programs.append((_step(step.action, *said),))
+        programs.append((step_of(step.action, *said),))
     return programs
 
 
 def _said(step: Step) -> list[Described]:
     """The plain descriptions of a step."""
     return [Described(step.object, ()), Described(step.reference, ())]
-
-
-def _step(action: str, moved: Described, reference: Described) -> Step:
-    return Step(
-        action,
-        moved.concepts,
-        reference.concepts,
-        moved.relations,
-        reference.relations,
-        moved.which,
-        reference.which,
-    )
 
 
 def _any(rng: np.random.Generator, found: list[Described]) -> Described:
