@@ -59,7 +59,7 @@ def test_the_actions_are_the_domains() -> None:
 def test_mixed_programs_are_said_in_each_number_of_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(language, "MIXED_COUNT", 40)
     sets = say_mixed(DOMAIN, 0)
-    assert list(sets) == ["mixed, 1 step", *(f"mixed, {n} steps" for n in MIXED_STEPS[1:])]
+    assert list(sets) == ["mixed; 1 step", *(f"mixed; {n} steps" for n in MIXED_STEPS[1:])]
     for steps, sentences in zip(MIXED_STEPS, sets.values(), strict=True):
         assert 36 <= len(sentences) <= 40
         assert all(program is not None and len(program) == steps for _, program in sentences)

@@ -45,7 +45,7 @@ LEAST_UNDERSTOOD = {
     "superlatives held out": 90,
     "extremes": 99,
     "extremes held out": 99,
-    "mixed, 1 step": 95,
+    "mixed; 1 step": 95,
     "pronouns": 95,
     "pronouns held out": 95,
     "sentences": 87,
@@ -53,8 +53,8 @@ LEAST_UNDERSTOOD = {
 }
 MOST_TAKEN_FOR_ELSE = {
     "test; everyday wording held out": 0.3,
-    "mixed, 3 steps": 0.5,
-    "mixed, 5 steps": 0.5,
+    "mixed; 3 steps": 0.5,
+    "mixed; 5 steps": 0.5,
     "pronouns": 0.2,
     "relations": 0.2,
     "relations held out": 0.2,

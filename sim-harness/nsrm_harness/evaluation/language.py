@@ -138,7 +138,7 @@ def say_mixed(domain: Domain, seed: int) -> dict[str, Sentences]:
         programs = MixedPrograms(domain, generator(seed, "mixed", steps))
         pairs = [programs.draw(steps) for _ in range(MIXED_COUNT)]
         spoken = say(domain, [said for said, _ in pairs], seed, [meant for _, meant in pairs])
-        name = f"mixed, {steps} step{'s' if steps > 1 else ''}"
+        name = f"mixed; {steps} step{'s' if steps > 1 else ''}"
         sets[name] = [*spoken.get("", ()), *spoken.get(" held out", ())]
     return sets
 

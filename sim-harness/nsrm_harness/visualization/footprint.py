@@ -26,7 +26,7 @@ PARTS = {
     "spelling": ("spelling",),
     "colour view": ("vision.color",),
     "brightness view": ("vision.brightness",),
-    "attributes, concepts": ("attributes", "concepts", "lexicon"),
+    "attributes, concepts": ("attributes", "concepts", "lexicon", "pronouns"),
     "action simulator": ("simulator", "camera"),
 }
 CODE = "code and constants"
