@@ -162,6 +162,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["extremes"].update(MoveOn=["top most"]), "expected a single word"),
         (lambda w: w.update(extremes=["topmost"]), "extremes: expected a table"),
         (lambda w: w["pronouns"].update(hers=""), "pronouns.hers: 'hers' is not a word"),
+        (lambda w: w.update(pronouns={"its": "one's"}), "pronouns: expected one that stands alone"),
         (lambda w: w["pronouns"].update(it="hers"), "pronouns.it: 'hers' is not a word"),
         (lambda w: w["pronouns"].update(red=""), "pronouns.red: 'red' is not a word"),
     ],

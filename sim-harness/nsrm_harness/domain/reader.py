@@ -270,8 +270,11 @@ def _everyday_relations(words: EverydayWords, actions: Sequence[str]) -> Faults:
 
 
 def _pronouns(domain: Domain) -> Faults:
-    """Pronouns, and what is read behind them, are words that no group token stands for."""
+    """Pronouns, and what is read behind them, are words that no group token stands for; one of them
+    stands alone."""
     known = domain.other_words()
+    if domain.pronouns and all(domain.pronouns.values()):
+        yield "pronouns", "expected one that stands alone, with an empty text"
     for word, owner in domain.pronouns.items():
         for each in (word, owner) if owner else (word,):
             if each not in known:
