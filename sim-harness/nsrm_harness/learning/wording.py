@@ -2,8 +2,9 @@
 
 Perception and actions stay as they are: with them, the final scene shows what a sentence means
 (`explain`), and the parser is trained on that. From near misses, sentences after which nothing was
-done, it learns which words are not acceptable where they stand, and of commands in an impossible
-order of time the splitter learns to leave them whole; the core refuses both.
+done, and from two steps that are read as one, it learns which words are not acceptable where they
+stand, and of commands in an impossible order of time the splitter learns to leave them whole; the
+core refuses both.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ class ToldSteps(NamedTuple):
 
 
 class NearMisses(NamedTuple):
-    """Sentences with the descriptions of one step that mean nothing."""
+    """Sentences that mean nothing as one step."""
 
     tokens: Array
     length: Array
@@ -120,8 +121,9 @@ def told_steps(
     camera: Camera,
     later: Sequence[bool],
     rng: np.random.Generator,
-) -> ToldSteps:
-    """The steps of the sentences that the final scenes explain, without reserved patterns.
+) -> tuple[ToldSteps, list[np.ndarray]]:
+    """The steps of the sentences that the final scenes explain, without reserved patterns, and the
+    tokens of those sentences that are two steps: as a single one, they are near misses.
 
     `later`: whether each sentence is told as a later step
 
@@ -159,7 +161,8 @@ def told_steps(
     both, both_length = _padded(joined, MOST_TOKENS + AHEAD)
     places, _ = _padded([row[2] for row in rows], MOST_GROUPS)
     programs = jnp.asarray(np.stack([row[3] for row in rows]))
-    return ToldSteps(tokens, length, both, both_length, places, programs)
+    steps = ToldSteps(tokens, length, both, both_length, places, programs)
+    return steps, [s.tokens[index, : s.length[index]] for index in sorted(double)]
 
 
 def _any(rng: np.random.Generator, rows: Sequence[np.ndarray]) -> np.ndarray:
@@ -203,12 +206,18 @@ def _whole_loss(language: Language, command: Unsplit) -> Array:
     return -ends[command.length - 1]
 
 
-def near_misses(tokenizer: Tokenizer, found: Told) -> tuple[NearMisses, Unsplit]:
-    """The near misses as arrays, without reserved patterns."""
+def near_misses(
+    tokenizer: Tokenizer, found: Told, joined: Sequence[np.ndarray]
+) -> tuple[NearMisses, Unsplit]:
+    """The near misses as arrays, without reserved patterns.
+
+    `joined`: the tokens of two steps that are not one
+    """
     untimely = [_rows(tokenizer, sentence) for sentence in found.untimely]
+    told = (_rows(tokenizer, sentence) for sentence in found.near_misses)
     misses = [
         tokens
-        for tokens in (*untimely, *(_rows(tokenizer, sentence) for sentence in found.near_misses))
+        for tokens in (*untimely, *told, *joined)
         if np.sum(tokens == GROUP_TOKEN) <= MOST_GROUPS
         and len(tokens) <= MOST_TOKENS
         and not is_reserved(tokens.tolist())
@@ -314,8 +323,9 @@ def teach(
     checkpoints = Checkpoints(folder, run)
     progress = (checkpoints.progress() if resume else None) or TrainingProgress()
     rng = np.random.default_rng(seed)
-    steps = told_steps(model, lesson.data, config.training, lesson.camera, lesson.told.later, rng)
-    misses, unsplit = near_misses(Tokenizer(lesson.domain), lesson.told)
+    later = lesson.told.later
+    steps, joined = told_steps(model, lesson.data, config.training, lesson.camera, later, rng)
+    misses, unsplit = near_misses(Tokenizer(lesson.domain), lesson.told, joined)
     say(
         f"{len(lesson.data)} sentences, {len(steps.length)} steps explained by their final scenes, "
         f"{len(misses.length)} near misses, {len(unsplit.length)} in an impossible order"
@@ -369,7 +379,7 @@ def plain_actions(
     """Logits of the actions of told steps without relations, and the actions that explain them."""
     rng = np.random.default_rng(0)
     told = validation.told.later
-    steps = told_steps(model, validation.data, config.training, validation.camera, told, rng)
+    steps, _ = told_steps(model, validation.data, config.training, validation.camera, told, rng)
     actions = model.language.action_decoder.weight.shape[0]
     programs = np.asarray(steps.programs)
     # The first two structures are the plain ones.
