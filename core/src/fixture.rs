@@ -244,8 +244,10 @@ pub(crate) fn model() -> Model<'static> {
     identity[0] = 7;
     identity[7] = 1;
     use crate::dsl::Extreme::{Action, Largest, Smallest};
-    use Property::{Concept, Extreme};
+    use Property::{Concept, Extreme, Quantifier};
     let lexicon = [
+        ("all", Quantifier(crate::dsl::Quantifier::All)),
+        ("both", Quantifier(crate::dsl::Quantifier::Both)),
         ("green", Concept(1)),
         ("largest", Extreme(Largest)),
         ("lego", Concept(2)),
@@ -273,6 +275,7 @@ pub(crate) fn model() -> Model<'static> {
         },
         words: words().leak(),
         pronouns: &[],
+        several: Several::new(),
         spelling: Spelling::new(),
         group: Box::leak(Box::new(word())),
         lexicon: Box::leak(Box::new(

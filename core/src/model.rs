@@ -75,11 +75,13 @@ pub struct Model<'a> {
     pub words: &'a [Word<'a>],
     /// The token for a group of concept words, `[[X]]` in the paper.
     pub group: &'a WordEmbeddings,
-    /// Words that name a concept (the paper's only lexicon), or which one of several objects is
-    /// meant; sorted by text.
+    /// Words that name a concept (the paper's only lexicon), or say which one of several objects is
+    /// meant or that several are; sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
     /// Words that may stand for what the step before moved; sorted by word.
     pub pronouns: &'a [Pronoun],
+    /// What may be said of several objects.
+    pub several: Several<'a>,
     /// What unknown words are read as.
     pub spelling: Spelling<'a>,
     /// Attribute types with their operators, in the domain's order (Table I).
@@ -160,6 +162,28 @@ pub struct Pronoun {
     pub owner: Option<u16>,
 }
 
+/// How several objects are said, which a [`Quantifier`](crate::dsl::Quantifier) of the lexicon begins:
+/// "all of the red blocks". By default, they cannot be said.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Several<'a> {
+    /// Words that may stand between the quantifier and the rest, "of" and "the": indices into
+    /// [`Model::words`].
+    pub between: &'a [u16],
+    /// Words in the plural; sorted by text. Elsewhere they are other words, or unknown ones.
+    pub plurals: &'a [Plural<'a>],
+}
+
+/// A word in the plural.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Plural<'a> {
+    /// In lower case: "blocks", "them".
+    pub text: &'a str,
+    /// The word as which it is read, "block", "it": index into [`Model::words`].
+    pub word: u16,
+}
+
 /// What unknown words are read as, if the sentence then makes sense; by default nothing.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
@@ -194,7 +218,7 @@ pub struct WordEmbeddings {
     pub splitter: [f32; SPLITTER_WORD],
 }
 
-/// A word that names a concept, or which one of several objects is meant.
+/// A word that names a concept, or says which one of several objects is meant or that several are.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct LexiconEntry<'a> {

@@ -45,7 +45,7 @@ pub enum Refusal {
         /// What the other word says.
         second: Property,
     },
-    /// Too many steps for a program.
+    /// Too many steps for a program; several objects that are moved take one for each.
     TooManySteps {
         /// The greatest number in a program.
         limit: u8,
@@ -85,8 +85,16 @@ pub enum Refusal {
         /// The words' place in the sentence.
         span: Span,
     },
-    /// A pronoun may be read in several ways, or what it stands for is described by where it was
-    /// before it was moved.
+    /// Several objects, "all red blocks", are described where a single one is needed: only what is moved
+    /// may be several, and not what is the nearest or the farthest.
+    SeveralReferences {
+        /// Which step.
+        step: u8,
+        /// The description's place in the sentence.
+        span: Span,
+    },
+    /// A pronoun may be read in several ways, or what it stands for is several objects, or described by
+    /// where it was before it was moved.
     UnclearPronoun {
         /// Which step.
         step: u8,
@@ -129,7 +137,8 @@ pub enum Refusal {
         threshold: f32,
     },
     /// Several objects fit a description; or one does that is seen in part only, so that it may not, and
-    /// the description compares objects.
+    /// the description compares objects. Of a description of several objects, it is not clear whether these
+    /// are among them.
     Ambiguous {
         /// Which step.
         step: u8,
@@ -139,6 +148,17 @@ pub enum Refusal {
         description: Description,
         /// The objects that fit.
         candidates: Candidates,
+    },
+    /// Another number of objects fits a description than it says.
+    OtherNumber {
+        /// Which step.
+        step: u8,
+        /// The description of the objects to move.
+        description: Description,
+        /// How many it says.
+        expected: u8,
+        /// How many it fits.
+        got: u8,
     },
     /// Both descriptions fit the same object, and no other.
     SameObject {
@@ -381,6 +401,8 @@ kinds! {
     Self::TooManyRelations { .. } => "too_many_relations",
     Self::OutsideTrainingView { .. } => "outside_training_view",
     Self::UnclearPronoun { .. } => "unclear_pronoun",
+    Self::SeveralReferences { .. } => "several_references",
+    Self::OtherNumber { .. } => "other_number",
 }
 
 impl core::error::Error for Refusal {}

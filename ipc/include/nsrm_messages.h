@@ -564,7 +564,9 @@ enum nsrm_reason {
     NSRM_REASON_OUTSIDE_TRAINING_VIEW = 38,
     NSRM_REASON_OTHER_OBJECT = 39,
     NSRM_REASON_UNCLEAR_PRONOUN = 40,
-    NSRM_REASON_OTHER = 41,
+    NSRM_REASON_SEVERAL_REFERENCES = 41,
+    NSRM_REASON_OTHER_NUMBER = 42,
+    NSRM_REASON_OTHER = 43,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

@@ -287,6 +287,7 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
         "paper/tables/failures.py",
         "data/extremes.py",
         "data/relations.py",
+        "data/several.py",
         "data/tell.py",
         "evaluation/language.py",
         "evaluation/metrics.py",

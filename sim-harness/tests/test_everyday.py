@@ -120,7 +120,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
     edit(words)
     lines = [
         f"{table} = {json.dumps(words[table]).replace(':', ' =')}"
-        for table in ("synonyms", "extremes", "pronouns", "spelling")
+        for table in ("synonyms", "extremes", "pronouns", "several", "spelling")
     ]
     for table in ("relations", "rules"):
         lines.append(f"[{table}]")
@@ -165,6 +165,11 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w.update(pronouns={"its": "one's"}), "pronouns: expected one that stands alone"),
         (lambda w: w["pronouns"].update(it="hers"), "pronouns.it: 'hers' is not a word"),
         (lambda w: w["pronouns"].update(red=""), "pronouns.red: 'red' is not a word"),
+        (lambda w: w["several"]["all"].append("red"), "several.all: 'red' already names"),
+        (lambda w: w["several"]["between"].append("off-of"), "between: 'off-of' is not a word of"),
+        (lambda w: w["several"]["plurals"].update(hers="her"), "plurals.hers: 'her' is not a word"),
+        (lambda w: w["several"]["plurals"].update(red="it"), "'red' is a word that describes"),
+        (lambda w: w["rules"].pop("several"), r"everyday\.rules\.several: is missing"),
     ],
 )
 def test_faults_in_the_wording_are_named(
@@ -454,12 +459,12 @@ def test_the_built_in_model_takes_no_sentence_of_other_people_for_another(
     rows = [line.split(",") for line in out.read_text(encoding="utf-8").splitlines()]
     assert rows[0] == list(language.COLUMNS)
     counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
-    for name, number, least_right in (("sentences", 67, 60), ("probes", 400, 340)):
+    for name, number, least_right in (("sentences", 68, 60), ("probes", 400, 340)):
         count, right, _, wrong = counts[name]
         assert (count, wrong) == (number, 0) and right >= least_right
-    assert counts["sentences; to refuse"] == [76, 0, 76, 0]
+    assert counts["sentences; to refuse"] == [75, 0, 75, 0]
     count, right, _, wrong = counts["sentences; to refuse; misspelt"]
-    assert count >= 750 and right == 0 and wrong <= 3
+    assert count >= 740 and right == 0 and wrong <= 3
     assert f"{out}: 4 rows" in capsys.readouterr().out
 
 

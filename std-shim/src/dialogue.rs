@@ -264,15 +264,18 @@ impl Context<'_> {
 
     /// Words for filters: "leftmost small red".
     fn named(&self, filters: &Filters) -> String {
-        let which = filters.which().map(Property::Extreme);
         let values = filters.concepts().iter().copied().map(Property::Concept);
-        let words = which.into_iter().chain(values).filter_map(|property| {
-            let name = property.name(self.model);
-            let mut entries = self.model.lexicon.iter();
-            let own = entries.find(|entry| entry.text == name);
-            let mut entries = self.model.lexicon.iter();
-            own.or_else(|| entries.find(|entry| entry.property == property))
-        });
+        let words = filters
+            .choice()
+            .into_iter()
+            .chain(values)
+            .filter_map(|property| {
+                let name = property.name(self.model);
+                let mut entries = self.model.lexicon.iter();
+                let own = entries.find(|entry| entry.text == name);
+                let mut entries = self.model.lexicon.iter();
+                own.or_else(|| entries.find(|entry| entry.property == property))
+            });
         let words: Vec<&str> = words.map(|entry| entry.text).collect();
         words.join(" ")
     }

@@ -5,7 +5,7 @@
 //! sentence. Numbers have the shortest decimal notation of their `f32`.
 
 use nsrm_core::calibration::Cause;
-use nsrm_core::dsl::{Description, Filters, Property, Step};
+use nsrm_core::dsl::{Description, Filters, Step};
 use nsrm_core::language::{Correction, Parsed, Span};
 use nsrm_core::model::Model;
 use nsrm_core::planner::{Confidence, Plan, PlannedStep};
@@ -140,7 +140,9 @@ fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
             references,
             span,
         } => json!({"step": step, "words": words(*span, sentence), "references": references}),
-        Refusal::SameReference { step, span } | Refusal::UnclearPronoun { step, span } => {
+        Refusal::SameReference { step, span }
+        | Refusal::SeveralReferences { step, span }
+        | Refusal::UnclearPronoun { step, span } => {
             json!({"step": step, "words": words(*span, sentence)})
         }
         Refusal::UnclearWords {
@@ -191,6 +193,18 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
             "description": self::description(model, description),
             "best": best.as_ref().map(candidate),
             "threshold": decimal(*threshold),
+        }),
+        Refusal::OtherNumber {
+            step,
+            description,
+            expected,
+            got,
+        } => json!({
+            "step": step,
+            "argument": "object",
+            "description": self::description(model, description),
+            "expected": expected,
+            "got": got,
         }),
         Refusal::Ambiguous {
             step,
@@ -250,8 +264,9 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
     })
 }
 
-/// A description: the names of its concepts, `["small", "red"]`; with an extreme `{"concepts":
-/// ["red"], "which": "leftmost"}`; with relations `{"concepts": ["red"], "relation": {"name":
+/// A description: the names of its concepts, `["small", "red"]`; with an extreme or of several objects
+/// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `all`, `both` and, in plans,
+/// `each`; with relations `{"concepts": ["red"], "relation": {"name":
 /// "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {
     let relations = description.relations();
@@ -272,7 +287,7 @@ pub fn description(model: &Model<'_>, description: &Description) -> Value {
 /// Filters, with the relation of what they describe.
 fn filtered(model: &Model<'_>, filters: &Filters, relation: Option<Value>) -> Value {
     let concepts = json!(names(model, filters));
-    let which = filters.which().map(Property::Extreme);
+    let which = filters.choice();
     if which.is_none() && relation.is_none() {
         return concepts;
     }

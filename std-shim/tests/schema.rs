@@ -88,6 +88,7 @@ fn programs_and_refusals_are_as_the_schema_says() {
         "put the small red block sideways on the blue block",
         "put the small red block and the blue block",
         "put the red block on the blue block then put this on the red block",
+        "put the red block on both blue block",
     ] {
         check(sound, sentence);
     }
@@ -123,6 +124,11 @@ fn programs_and_refusals_are_as_the_schema_says() {
             },
         })
     );
+    let several = check(sound, "put both red block on the small blue block");
+    assert_eq!(
+        several["steps"][0]["object"],
+        json!({"concepts": ["red"], "which": "both"})
+    );
     check(sound, &"x".repeat(MAX_SENTENCE_BYTES + 1));
     check(sound, &"the ".repeat(MAX_TOKENS + 1));
     check(sound, &(format!("{GOOD} then ").repeat(MAX_STEPS) + GOOD));
@@ -138,6 +144,7 @@ fn programs_and_refusals_are_as_the_schema_says() {
             "not_finite",
             "same_reference",
             "sentence_too_long",
+            "several_references",
             "too_many_concepts",
             "too_many_references",
             "too_many_relations",

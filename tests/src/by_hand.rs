@@ -8,12 +8,12 @@
 //! `behind` names the relation of the action `beside` to the next description, and `opposite` does
 //! so for an object that has no other description: `put opposite the red block on …`. `furthest` says
 //! that the one before it is the farthest from the next. `outermost` is a word for the extreme of the
-//! action `beside`, and `this` a pronoun.
+//! action `beside`, `both` one for two objects, and `this` a pronoun.
 //!
 //! An object's embedding has a 1 for its colour and a 1 for its size; an action predicts the moved
 //! object at the reference's location.
 
-use nsrm_core::dsl::{Extreme, Property};
+use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING,
@@ -154,6 +154,11 @@ impl Parts {
             LexiconEntry::new()
                 .with_text("outermost")
                 .with_property(Property::Extreme(Extreme::Action(1))),
+        );
+        parts.lexicon.push(
+            LexiconEntry::new()
+                .with_text("both")
+                .with_property(Property::Quantifier(Quantifier::Both)),
         );
         parts.actions[1].extreme = Some("outermost");
         parts.lexicon.sort_by_key(|entry| entry.text);

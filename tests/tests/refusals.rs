@@ -204,6 +204,14 @@ fn step_cases() -> Vec<Case> {
             "step 2: it is not clear which object \"this\" means",
         ),
         said(
+            "put the small red block on both blue block",
+            |refusal| {
+                let (step, span) = (0, span(27, 36));
+                *refusal == Refusal::SeveralReferences { step, span }
+            },
+            "\"both blue\" describes several objects where a single one is needed",
+        ),
+        said(
             "put the small red block sideways on the blue block",
             |refusal| {
                 matches!(
@@ -280,6 +288,17 @@ fn object_cases() -> Vec<Case> {
                 "it is empty",
             )
         },
+        said(
+            "put both blue block on the small red block",
+            |refusal| {
+                matches!(
+                    refusal,
+                    Refusal::OtherNumber { step: 0, description, expected: 2, got: 1 }
+                        if describes(description, &[2])
+                )
+            },
+            "the object \"both blue\" means 2 objects, but fits 1",
+        ),
         said(
             "put the blue block on the red block",
             |refusal| {

@@ -24,8 +24,8 @@ const EXECUTED: [(&str, &[u32]); 5] = [
     ("put the yellow block to the right of the green one", &[3]),
 ];
 
-/// Sentences with relations, extremes and pronouns, and their programs.
-const PARSED: [(&str, &str); 13] = [
+/// Sentences with relations, extremes, several objects and pronouns, and their programs.
+const PARSED: [(&str, &str); 16] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -77,6 +77,18 @@ const PARSED: [(&str, &str); 13] = [
          Unique(Filter(red, Relate(Nearest, Unique(Extreme(MoveBehind, Scene()))))))",
     ),
     (
+        "stack all the red blocks on the blue one",
+        "Action(MoveOn, All(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "put both small blocks left of the white one",
+        "Action(MoveLeft, Both(Filter(small, Scene())), Unique(Filter(white, Scene())))",
+    ),
+    (
+        "take all of the red cubes and put them on the blue one",
+        "Action(MoveOn, All(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
         "put the red block on the blue one and the green one on it",
         "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
          Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
@@ -94,7 +106,7 @@ const PARSED: [(&str, &str); 13] = [
 ];
 
 /// All of known words.
-const REFUSED: [&str; 20] = [
+const REFUSED: [&str; 24] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -117,11 +129,16 @@ const REFUSED: [&str; 20] = [
     "put the red block leftmost of the magenta block",
     "put the second leftmost block on the red block",
     "put the leftmost and the rightmost block on the red one",
+    // Several objects where one is needed, or as one.
+    "put the red block on all blue blocks",
+    "put all the leftmost blocks on the red one",
+    "put all blocks nearest to the red one on the blue one",
+    "put both the red block and the green block on the blue one",
+    "put all red blocks on the blue one and then put the green one on it",
     // What nothing stands for, or what does not lie there any more, or two ways to read it.
     "put it on the red block",
     "put the red block on the green one, then put it on it",
     "put the leftmost block on the white one, then put it on the green one",
-    "put the biggest block on the white one, then put it on the green one",
 ];
 
 #[test]

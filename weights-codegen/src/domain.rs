@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nsrm_core::dsl::Extreme;
+use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::language::word_hash;
 use serde::Deserialize;
 
@@ -44,9 +44,28 @@ pub struct Domain {
     /// behind it: "one's" for "its", or an empty text.
     #[serde(default)]
     pub pronouns: BTreeMap<String, String>,
+    /// What may be said of several objects.
+    #[serde(default)]
+    pub several: Several,
     /// What unknown words are read as.
     #[serde(default)]
     pub spelling: Spelling,
+}
+
+/// How several objects are said, "all of the red blocks"; without it, they cannot be said.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Several {
+    /// Words for all objects that fit, before a plural.
+    pub all: Vec<String>,
+    /// Such words before a singular.
+    #[serde(default)]
+    pub every: Vec<String>,
+    /// Words for both of two.
+    pub both: Vec<String>,
+    /// Words that may stand between these and the rest: "of", "the".
+    pub between: Vec<String>,
+    /// Words in the plural, each with its singular: "blocks", "them".
+    pub plurals: BTreeMap<String, String>,
 }
 
 /// How people say commands: rules whose alternatives contain words and `{rules}`.
@@ -157,7 +176,7 @@ impl Domain {
     }
 
     /// Each word for an extreme.
-    pub(crate) fn extremes(&self) -> impl Iterator<Item = (&str, Extreme)> + Clone {
+    fn extremes(&self) -> impl Iterator<Item = (&str, Extreme)> + Clone {
         self.extremes.iter().flat_map(|(name, words)| {
             let extreme = self.extreme(name);
             words
@@ -178,10 +197,29 @@ impl Domain {
         }
     }
 
-    /// The words that stand together for a group token: of concepts, and of extremes.
+    /// Each word that says which of several objects is meant, or that several are.
+    pub(crate) fn choices(&self) -> impl Iterator<Item = (&str, Property)> + Clone {
+        let Several {
+            all, every, both, ..
+        } = &self.several;
+        let quantifiers = [
+            (Quantifier::All, all),
+            (Quantifier::All, every),
+            (Quantifier::Both, both),
+        ];
+        let quantifiers = quantifiers.into_iter().flat_map(|(quantifier, words)| {
+            let property = Property::Quantifier(quantifier);
+            words.iter().map(move |word| (word.as_str(), property))
+        });
+        let extremes = self.extremes();
+        let extremes = extremes.map(|(word, extreme)| (word, Property::Extreme(extreme)));
+        extremes.chain(quantifiers)
+    }
+
+    /// The words that stand together for a group token: of concepts, of extremes, and for several.
     fn group_words(&self) -> impl Iterator<Item = &str> + Clone {
         let concepts = self.lexicon().map(|(word, _)| word);
-        concepts.chain(self.extremes().map(|(word, _)| word))
+        concepts.chain(self.choices().map(|(word, _)| word))
     }
 
     /// Each concept with the index of its attribute type, in the order of the
@@ -227,10 +265,16 @@ impl Domain {
         not_empty("the list of words", words.len())?;
         at_most("words", MAX_WORDS, words.len())?;
         let lexicon = self.group_words();
-        unique(
-            "word",
-            words.iter().map(String::as_str).chain(lexicon.clone()),
-        )?;
+        unique("word", lexicon.clone())?;
+        // A quantifier may be another word, too: "all right".
+        let Several {
+            all, both, every, ..
+        } = &self.several;
+        let quantifiers = || all.iter().chain(every).chain(both);
+        let others = words
+            .iter()
+            .filter(|word| !quantifiers().any(|other| other == *word));
+        unique("word", others.map(String::as_str).chain(lexicon.clone()))?;
         match words
             .iter()
             .map(String::as_str)
@@ -238,7 +282,11 @@ impl Domain {
             .find(|word| !readable(word))
         {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
-            None => self.check_pronouns().and_then(|()| self.check_spelling()),
+            None => {
+                self.check_pronouns()?;
+                self.check_several()?;
+                self.check_spelling()
+            }
         }
     }
 
@@ -253,6 +301,29 @@ impl Domain {
             .find(|word| !words.contains(*word))
         {
             Some(word) => Err(ModelError::Pronoun { word: word.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that what stands behind a quantifier are words, and plurals of words.
+    fn check_several(&self) -> Result<(), ModelError> {
+        let words = self.words();
+        let Several {
+            between, plurals, ..
+        } = &self.several;
+        let known = between.iter().chain(plurals.values());
+        if let Some(word) = known.into_iter().find(|word| !words.contains(*word)) {
+            return Err(ModelError::Several { word: word.clone() });
+        }
+        let mut lexicon = self.group_words();
+        if let Some(word) = lexicon.find(|word| plurals.contains_key(*word)) {
+            return Err(ModelError::Duplicate {
+                what: "word",
+                name: word.into(),
+            });
+        }
+        match plurals.keys().find(|word| !readable(word)) {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.clone() }),
             None => Ok(()),
         }
     }

@@ -22,12 +22,13 @@ const IMPORTS: &str = "\
 #[rustfmt::skip]
 use nsrm_core::Camera;
 #[rustfmt::skip]
-use nsrm_core::dsl::{Extreme, Property};
+#[allow(unused_imports)] // Not every domain has words for all of these.
+use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
     Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
-    Pronoun, Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word,
-    WordEmbeddings, WorkSpace,
+    Plural, Pronoun, Several, Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder,
+    Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};

@@ -108,6 +108,12 @@ pub enum ModelError {
         /// The word.
         word: String,
     },
+    /// What stands behind a quantifier, or a word that has a plural, is not a word of the domain.
+    #[error("domain: several: {word:?} is not a word of the domain; name one that is")]
+    Several {
+        /// The word.
+        word: String,
+    },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
     #[error(fmt = edges)]

@@ -1,9 +1,8 @@
 //! A model that owns its parameters and texts.
 
-use nsrm_core::dsl::Property;
 use nsrm_core::model::{
-    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Pronoun, Spelling,
-    View, Vision, Word, WordEmbeddings,
+    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Plural, Pronoun,
+    Several, Spelling, View, Vision, Word, WordEmbeddings,
 };
 use safetensors::SafeTensors;
 use self_cell::self_cell;
@@ -42,6 +41,8 @@ struct Parts<'a> {
     group: &'a WordEmbeddings,
     lexicon: Vec<LexiconEntry<'a>>,
     pronouns: Vec<Pronoun>,
+    between: Vec<u16>,
+    plurals: Vec<Plural<'a>>,
     heard: Vec<Heard<'a>>,
     other_words: Vec<u16>,
     attributes: Vec<Attribute<'a>>,
@@ -123,6 +124,11 @@ impl OwnedModel {
             .with_group(parts.group)
             .with_lexicon(&parts.lexicon)
             .with_pronouns(&parts.pronouns)
+            .with_several(
+                Several::new()
+                    .with_between(&parts.between)
+                    .with_plurals(&parts.plurals),
+            )
             .with_spelling(
                 Spelling::new()
                     .with_heard(&parts.heard)
@@ -199,8 +205,7 @@ impl<'a> Parts<'a> {
                 let concept = index("concepts", concept)?;
                 Ok(LexiconEntry::new().with_text(text).with_concept(concept))
             })
-            .chain(domain.extremes().map(|(text, extreme)| {
-                let property = Property::Extreme(extreme);
+            .chain(domain.choices().map(|(text, property)| {
                 Ok(LexiconEntry::new().with_text(text).with_property(property))
             }))
             .collect::<Result<_, ModelError>>()?;
@@ -213,6 +218,15 @@ impl<'a> Parts<'a> {
             group,
             lexicon,
             pronouns: pronouns(owner)?,
+            between: (domain.several.between.iter())
+                .map(|text| word_index(owner, text))
+                .collect::<Result<_, ModelError>>()?,
+            plurals: (domain.several.plurals.iter())
+                .map(|(text, singular)| {
+                    let word = word_index(owner, singular)?;
+                    Ok(Plural::new().with_text(text).with_word(word))
+                })
+                .collect::<Result<_, ModelError>>()?,
             heard: domain
                 .spelling
                 .heard
@@ -275,19 +289,27 @@ fn extreme<'a>(domain: &'a Domain, action: &domain::Action) -> Option<&'a str> {
 
 /// The pronouns in the order of the vocabulary.
 fn pronouns(owner: &Owner) -> Result<Vec<Pronoun>, ModelError> {
-    let (domain, words) = (&owner.domain, || owner.vocabulary.iter().skip(1));
-    let index = |text: &String| {
-        let found = words().position(|word| word == text);
-        let index = found.and_then(|index| u16::try_from(index).ok());
-        index.ok_or_else(|| ModelError::Pronoun { word: text.clone() })
-    };
+    let domain = &owner.domain;
+    let index = |text: &String| word_index(owner, text);
     let pronoun = |text: &String| {
         let owner = domain.pronouns.get(text).filter(|owner| !owner.is_empty());
         let owner = owner.map(index).transpose()?;
         Ok(Pronoun::new().with_word(index(text)?).with_owner(owner))
     };
-    let known = words().filter(|text| domain.pronouns.contains_key(*text));
+    let words = owner.vocabulary.iter().skip(1);
+    let known = words.filter(|text| domain.pronouns.contains_key(*text));
     known.map(pronoun).collect()
+}
+
+/// The index of a word that the domain's check has found in the vocabulary.
+fn word_index(owner: &Owner, text: &str) -> Result<u16, ModelError> {
+    let found = owner
+        .vocabulary
+        .iter()
+        .skip(1)
+        .position(|word| word == text);
+    let index = found.and_then(|index| u16::try_from(index).ok());
+    index.ok_or_else(|| ModelError::Several { word: text.into() })
 }
 
 /// An index as core stores it, bounded by [`Domain`]'s check.

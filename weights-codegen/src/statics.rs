@@ -3,8 +3,8 @@
 use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard,
-    INSTRUCTION, LexiconEntry, Model, PixelToCamera, Pronoun, SPLITTER_HIDDEN, SPLITTER_WORD,
-    Simulator, Superlative, Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
+    INSTRUCTION, LexiconEntry, Model, PixelToCamera, Plural, Pronoun, SPLITTER_HIDDEN,
+    SPLITTER_WORD, Simulator, Superlative, Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
 };
 
 use crate::tree::{Describe, Node, describe};
@@ -33,6 +33,7 @@ describe! {
     WordEmbeddings { encoder, splitter }
     LexiconEntry<'_> { text, property }
     Pronoun { word, owner }
+    Plural<'_> { text, word }
     Heard<'_> { text, read_as }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
@@ -55,6 +56,16 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
             ("group", Node::Reference("GROUP")),
             ("lexicon", Node::Reference("LEXICON")),
             ("pronouns", Node::Reference("PRONOUNS")),
+            (
+                "several",
+                Node::record(
+                    "Several",
+                    [
+                        ("between", Node::Reference("BETWEEN")),
+                        ("plurals", Node::Reference("PLURALS")),
+                    ],
+                ),
+            ),
             (
                 "spelling",
                 Node::record(
@@ -114,6 +125,13 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         single("GROUP", "group", "WordEmbeddings", model.group),
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
         table("PRONOUNS", "pronouns", "Pronoun", model.pronouns),
+        table("BETWEEN", "several.between", "u16", model.several.between),
+        table(
+            "PLURALS",
+            "several.plurals",
+            "Plural<'static>",
+            model.several.plurals,
+        ),
         table(
             "HEARD",
             "spelling.heard",

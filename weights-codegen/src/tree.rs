@@ -88,6 +88,9 @@ impl Describe for Property {
             text: match self {
                 Self::Concept(concept) => format!("Property::Concept({concept})"),
                 Self::Extreme(extreme) => format!("Property::Extreme(Extreme::{extreme:?})"),
+                Self::Quantifier(quantifier) => {
+                    format!("Property::Quantifier(Quantifier::{quantifier:?})")
+                }
             },
             bytes: size_of::<Property>(),
         }

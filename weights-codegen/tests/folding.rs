@@ -57,6 +57,13 @@ fn names_stand_with_their_parameters() {
     let pronouns = model.pronouns.iter();
     let pronouns = pronouns.map(|pronoun| (pronoun.word, pronoun.owner));
     assert!(pronouns.eq([(3, Some(2)), (7, None)]));
+    assert_eq!(model.several.between, [6]);
+    let plurals = model.several.plurals.iter();
+    assert!(
+        plurals
+            .map(|plural| (plural.text, plural.word))
+            .eq([("jars", 2)])
+    );
     let heard = model.spelling.heard.iter();
     let heard = heard.map(|heard| (heard.text, heard.read_as));
     assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));

@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 32097
+#define NSRM_MAX_POLLS 32921
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64
@@ -49,6 +49,18 @@
  * action puts things.
  */
 #define NSRM_FARTHEST_BY 3
+
+/** `which`: all that fit, apart from the reference; only of what is moved. */
+#define NSRM_ALL 512
+
+/** `which`: all that fit, which are two; only of what is moved. */
+#define NSRM_BOTH 513
+
+/**
+ * `which`: one of several that are moved. Once a step with `NSRM_ALL` or `NSRM_BOTH` is grounded, it is
+ * replaced by one of these for each object.
+ */
+#define NSRM_EACH 514
 
 /** Bytes of a task. */
 #define NSRM_TASK_BYTES 14912
@@ -98,7 +110,7 @@ typedef int32_t nsrm_status_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-/** Whether a word names a value or an extreme. */
+/** Whether a word names a value, an extreme or a number of objects. */
 enum nsrm_property_kind_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -108,6 +120,8 @@ enum nsrm_property_kind_t
     NSRM_PROPERTY_CONCEPT = 0,
     /** Which one of several it is, "leftmost". */
     NSRM_PROPERTY_EXTREME = 1,
+    /** That several are meant, "all". */
+    NSRM_PROPERTY_QUANTIFIER = 2,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -186,6 +200,13 @@ enum nsrm_refusal_kind_t
     NSRM_REFUSAL_OUTSIDE_TRAINING_VIEW = 23,
     /** A pronoun may mean one or another object: `step`, `span`. */
     NSRM_REFUSAL_UNCLEAR_PRONOUN = 24,
+    /** Several objects are described where a single one is needed: `step`, `span`. */
+    NSRM_REFUSAL_SEVERAL_REFERENCES = 25,
+    /**
+     * Another number of objects fits a description than it says: `step`, `argument`, `description`,
+     * `limit` objects expected, `fitting`.
+     */
+    NSRM_REFUSAL_OTHER_NUMBER = 26,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -440,7 +461,7 @@ typedef struct nsrm_filters_t {
     /**
      * Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
      * `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
-     * that of `MoveLeft`.
+     * that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`.
      */
     uint32_t which;
 } nsrm_filters_t;
@@ -517,7 +538,7 @@ typedef struct nsrm_program_t {
 typedef struct nsrm_property_t {
     /** Its kind, of `nsrm_property_kind_t`. */
     uint32_t kind;
-    /** Index of the concept, or the extreme as in `nsrm_filters_t`. */
+    /** Index of the concept, or else `which` as in `nsrm_filters_t`. */
     uint32_t value;
 } nsrm_property_t;
 

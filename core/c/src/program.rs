@@ -24,13 +24,25 @@ pub const SMALLEST: u32 = 2;
 /// action puts things.
 pub const FARTHEST_BY: u32 = 3;
 
+/// `which`: all that fit, apart from the reference; only of what is moved.
+pub const ALL: u32 = 512;
+/// `which`: all that fit, which are two; only of what is moved.
+pub const BOTH: u32 = 513;
+/// `which`: one of several that are moved. Once a step with `NSRM_ALL` or `NSRM_BOTH` is grounded, it is
+/// replaced by one of these for each object.
+pub const EACH: u32 = 514;
+
 const _: () = {
-    assert!(dsl::Extreme::Largest.number() == LARGEST);
-    assert!(dsl::Extreme::Smallest.number() == SMALLEST);
-    assert!(dsl::Extreme::Action(7).number() == FARTHEST_BY + 7);
+    use dsl::{Extreme, Property, Quantifier};
+    assert!(Property::Extreme(Extreme::Largest).which_number() == LARGEST);
+    assert!(Property::Extreme(Extreme::Smallest).which_number() == SMALLEST);
+    assert!(Property::Extreme(Extreme::Action(7)).which_number() == FARTHEST_BY + 7);
+    assert!(Property::Quantifier(Quantifier::All).which_number() == ALL);
+    assert!(Property::Quantifier(Quantifier::Both).which_number() == BOTH);
+    assert!(Property::Quantifier(Quantifier::Each).which_number() == EACH);
 };
 
-/// Whether a word names a value or an extreme.
+/// Whether a word names a value, an extreme or a number of objects.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PropertyKind {
@@ -38,6 +50,8 @@ pub enum PropertyKind {
     Concept = 0,
     /// Which one of several it is, "leftmost".
     Extreme = 1,
+    /// That several are meant, "all".
+    Quantifier = 2,
 }
 
 /// What a word says of an object.
@@ -46,7 +60,7 @@ pub enum PropertyKind {
 pub struct Property {
     /// Its kind, of `nsrm_property_kind_t`.
     pub kind: u32,
-    /// Index of the concept, or the extreme as in `nsrm_filters_t`.
+    /// Index of the concept, or else `which` as in `nsrm_filters_t`.
     pub value: u32,
 }
 
@@ -60,7 +74,7 @@ pub struct Filters {
     pub concepts: [u8; MAX_FILTERS],
     /// Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
     /// `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
-    /// that of `MoveLeft`.
+    /// that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`.
     pub which: u32,
 }
 
@@ -160,7 +174,8 @@ impl From<dsl::Property> for Property {
     fn from(property: dsl::Property) -> Self {
         let (kind, value) = match property {
             dsl::Property::Concept(concept) => (PropertyKind::Concept, concept.into()),
-            dsl::Property::Extreme(extreme) => (PropertyKind::Extreme, extreme.number()),
+            dsl::Property::Extreme(_) => (PropertyKind::Extreme, property.which_number()),
+            dsl::Property::Quantifier(_) => (PropertyKind::Quantifier, property.which_number()),
         };
         Self {
             kind: kind as u32,
@@ -172,7 +187,7 @@ impl From<dsl::Property> for Property {
 impl From<&dsl::Filters> for Filters {
     fn from(filters: &dsl::Filters) -> Self {
         let mut copied = Self {
-            which: filters.which().map_or(0, dsl::Extreme::number),
+            which: filters.choice().map_or(0, dsl::Property::which_number),
             ..Self::default()
         };
         for (place, concept) in copied.concepts.iter_mut().zip(filters.concepts()) {

@@ -66,6 +66,11 @@ pub enum RefusalKind {
     OutsideTrainingView = 23,
     /// A pronoun may mean one or another object: `step`, `span`.
     UnclearPronoun = 24,
+    /// Several objects are described where a single one is needed: `step`, `span`.
+    SeveralReferences = 25,
+    /// Another number of objects fits a description than it says: `step`, `argument`, `description`,
+    /// `limit` objects expected, `fitting`.
+    OtherNumber = 26,
 }
 
 /// An object that fits a description.
@@ -212,7 +217,9 @@ impl From<&CoreRefusal> for Refusal {
                 (told.step, told.span) = (step.into(), span.into());
                 told.references = references.into();
             }
-            CoreRefusal::SameReference { step, span } | CoreRefusal::UnclearPronoun { step, span } => {
+            CoreRefusal::SameReference { step, span }
+            | CoreRefusal::SeveralReferences { step, span }
+            | CoreRefusal::UnclearPronoun { step, span } => {
                 (told.step, told.span) = (step.into(), span.into());
             }
             CoreRefusal::UnclearWords { step, span, probability, threshold } => {
@@ -228,6 +235,11 @@ impl From<&CoreRefusal> for Refusal {
                 (told.step, told.argument) = (step.into(), number(argument));
                 (told.description, told.threshold) = ((&description).into(), threshold);
                 told.list(best.into_iter());
+            }
+            CoreRefusal::OtherNumber { step, description, expected, got } => {
+                (told.step, told.argument) = (step.into(), number(Argument::Object));
+                told.description = (&description).into();
+                (told.limit, told.fitting) = (expected.into(), got.into());
             }
             CoreRefusal::Ambiguous { step, argument, description, candidates } => {
                 (told.step, told.argument) = (step.into(), number(argument));
@@ -277,7 +289,7 @@ mod tests {
             let line = format!("NSRM_REFUSAL_{} = {number},", kind.to_uppercase());
             assert!(header.contains(&line), "{line}");
         }
-        let last = RefusalKind::UnclearPronoun as usize;
+        let last = RefusalKind::OtherNumber as usize;
         assert_eq!(last, CoreRefusal::KINDS.len());
     }
 

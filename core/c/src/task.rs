@@ -50,7 +50,7 @@ struct Task {
 enum Work {
     Parsing(ParsingTask<'static, &'static str>),
     Planning(PlanningTask<'static, &'static Scene, &'static str>),
-    Grounding(GroundingTask<'static, &'static Scene, Parsed>),
+    Grounding(GroundingTask<'static, &'static Scene>),
     /// The scene agrees with the calibration, or does not.
     Checked(Result<(), CoreRefusal>),
     /// There is no scene to plan in.
@@ -241,7 +241,7 @@ pub unsafe extern "C" fn nsrm_begin_grounding(
             match checked(scene, task.model)? {
                 Ok(scene) => {
                     let planner = Planner::new(task.model);
-                    task.work = Work::Grounding(planner.begin_grounding(scene, parsed, first));
+                    task.work = Work::Grounding(planner.begin_grounding(scene, &parsed, first));
                     Ok(Status::Pending)
                 }
                 Err(error) => {

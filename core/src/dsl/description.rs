@@ -13,6 +13,8 @@ pub enum Property {
     Concept(u8),
     /// Which one of several it is, "leftmost".
     Extreme(Extreme),
+    /// That several objects are meant, "all".
+    Quantifier(Quantifier),
 }
 
 impl Property {
@@ -21,6 +23,71 @@ impl Property {
         match self {
             Self::Concept(concept) => concept_name(model, concept),
             Self::Extreme(extreme) => extreme.name(model),
+            Self::Quantifier(quantifier) => quantifier.name(),
+        }
+    }
+
+    /// Which of the objects that pass the filters, as a number in messages and in C: 1 for the
+    /// largest, 2 for the smallest, 3 plus the index of an action; and for several, 512 for all, 513
+    /// for both, 514 for each. 0 is left for none; a concept has none.
+    pub const fn which_number(self) -> u32 {
+        match self {
+            Self::Concept(_) => 0,
+            Self::Extreme(Extreme::Largest) => 1,
+            Self::Extreme(Extreme::Smallest) => 2,
+            Self::Extreme(Extreme::Action(action)) => 3 + action as u32,
+            Self::Quantifier(Quantifier::All) => QUANTIFIED,
+            Self::Quantifier(Quantifier::Both) => QUANTIFIED + 1,
+            Self::Quantifier(Quantifier::Each) => QUANTIFIED + 2,
+        }
+    }
+
+    /// What [`Property::which_number`] means, if it is one.
+    pub fn of_which_number(number: u32) -> Option<Self> {
+        Some(match number {
+            0 => return None,
+            1 => Self::Extreme(Extreme::Largest),
+            2 => Self::Extreme(Extreme::Smallest),
+            QUANTIFIED => Self::Quantifier(Quantifier::All),
+            513 => Self::Quantifier(Quantifier::Both),
+            514 => Self::Quantifier(Quantifier::Each),
+            _ => Self::Extreme(Extreme::Action(u8::try_from(number - 3).ok()?)),
+        })
+    }
+}
+
+/// Number of the first quantifier, behind those of all actions.
+const QUANTIFIED: u32 = 512;
+
+/// How many of the objects that pass filters are meant, if not a single one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantifier {
+    /// All that fit, apart from the reference.
+    All,
+    /// All that fit, which are two.
+    Both,
+    /// One of those that a step with one of the others moves: such a step becomes one of these for
+    /// each object once it is grounded, and no word says it.
+    Each,
+}
+
+impl Quantifier {
+    /// The name: `all`, `both` or `each`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Both => "both",
+            Self::Each => "each",
+        }
+    }
+
+    /// The name in the notation, in place of `Unique`.
+    pub(super) const fn symbol(self) -> &'static str {
+        match self {
+            Self::All => "All",
+            Self::Both => "Both",
+            Self::Each => "Each",
         }
     }
 }
@@ -57,37 +124,18 @@ impl Extreme {
             Self::Smallest => "Smallest",
         }
     }
-
-    /// The number in messages and in C: 1 for the largest, 2 for the smallest, 3 plus the index of an
-    /// action. 0 is left for none.
-    pub const fn number(self) -> u32 {
-        match self {
-            Self::Largest => 1,
-            Self::Smallest => 2,
-            Self::Action(action) => 3 + action as u32,
-        }
-    }
-
-    /// What a number means, if it is one.
-    pub fn of_number(number: u32) -> Option<Self> {
-        match number {
-            0 => None,
-            1 => Some(Self::Largest),
-            2 => Some(Self::Smallest),
-            _ => u8::try_from(number - 3).ok().map(Self::Action),
-        }
-    }
 }
 
 /// The concepts of one group of words, in the order of the sentence: indices into
-/// [`Model::concepts`], at most [`MAX_FILTERS`]; and which of the objects that have them is meant,
-/// if the words say so.
-// Invariant: entries from `count` on are zero, so that equality may compare all.
+/// [`Model::concepts`], at most [`MAX_FILTERS`]; and which of the objects that have them is meant, or
+/// that several are, if the words say so.
+// Invariant: entries from `count` on are zero, so that equality may compare all; the choice is no
+// concept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Filters {
     concepts: [u8; MAX_FILTERS],
     count: u8,
-    which: Option<Extreme>,
+    choice: Option<Property>,
 }
 
 impl Filters {
@@ -96,17 +144,17 @@ impl Filters {
         Self {
             concepts: [0; MAX_FILTERS],
             count: 0,
-            which: None,
+            choice: None,
         }
     }
 
-    /// Adds what a word says; returns it if all places are taken. A second extreme replaces the
-    /// first.
+    /// Adds what a word says; returns it if all places are taken. A second extreme or quantifier
+    /// replaces the first.
     pub fn add(&mut self, property: Property) -> Result<(), Property> {
         match property {
             Property::Concept(concept) => self.push(concept).map_err(Property::Concept),
-            Property::Extreme(extreme) => {
-                self.which = Some(extreme);
+            Property::Extreme(_) | Property::Quantifier(_) => {
+                self.choice = Some(property);
                 Ok(())
             }
         }
@@ -139,9 +187,32 @@ impl Filters {
             .unwrap_or_default()
     }
 
+    /// Which of the objects that pass is meant, or that several are: no concept; `None` if the words
+    /// leave that open.
+    pub const fn choice(&self) -> Option<Property> {
+        self.choice
+    }
+
     /// Which of the objects that pass; `None` if the words leave that open.
     pub const fn which(&self) -> Option<Extreme> {
-        self.which
+        match self.choice {
+            Some(Property::Extreme(extreme)) => Some(extreme),
+            _ => None,
+        }
+    }
+
+    /// How many of the objects that pass; `None` if a single one is meant.
+    pub const fn quantifier(&self) -> Option<Quantifier> {
+        match self.choice {
+            Some(Property::Quantifier(quantifier)) => Some(quantifier),
+            _ => None,
+        }
+    }
+
+    /// The same of each of several objects.
+    pub(crate) const fn of_each(self) -> Self {
+        let choice = Some(Property::Quantifier(Quantifier::Each));
+        Self { choice, ..self }
     }
 
     /// Whether both say the same, with the concepts in whatever order.
@@ -150,15 +221,15 @@ impl Filters {
             let mut concepts = these.concepts().iter();
             concepts.all(|concept| those.concepts().contains(concept))
         };
-        all(self, other) && all(other, self) && self.which == other.which
+        all(self, other) && all(other, self) && self.choice == other.choice
     }
 
     /// Whether they say nothing, as those of "the block left of the yellow one".
     pub const fn is_empty(&self) -> bool {
-        self.count == 0 && self.which.is_none()
+        self.count == 0 && self.choice.is_none()
     }
 
-    /// In words: `small green`, `leftmost small green`.
+    /// In words: `small green`, `leftmost small green`, `all small green`.
     pub fn words<'a>(&'a self, model: &'a Model<'a>) -> impl fmt::Display + 'a {
         FilterWords {
             filters: self,
@@ -381,6 +452,11 @@ mod tests {
             description.words(&model).to_string(),
             "topmost of what is to the right of rightmost small green"
         );
+        let mut all = filters(&[0]);
+        all.add(Property::Quantifier(Quantifier::All)).unwrap();
+        assert_eq!(all.words(&model).to_string(), "all red");
+        // Which one, the id says.
+        assert_eq!(all.of_each().words(&model).to_string(), "red");
         assert_eq!(Extreme::Action(7).name(&model), "?");
         assert_eq!(Extreme::Largest.name(&model), "largest");
         for (kind, own, expected) in [
@@ -395,17 +471,22 @@ mod tests {
     }
 
     #[test]
-    fn an_extreme_has_a_number() {
-        for extreme in [
-            Extreme::Largest,
-            Extreme::Smallest,
-            Extreme::Action(0),
-            Extreme::Action(255),
+    fn which_objects_has_a_number() {
+        for property in [
+            Property::Extreme(Extreme::Largest),
+            Property::Extreme(Extreme::Smallest),
+            Property::Extreme(Extreme::Action(0)),
+            Property::Extreme(Extreme::Action(255)),
+            Property::Quantifier(Quantifier::All),
+            Property::Quantifier(Quantifier::Both),
+            Property::Quantifier(Quantifier::Each),
         ] {
-            assert_eq!(Extreme::of_number(extreme.number()), Some(extreme));
+            let number = property.which_number();
+            assert_eq!(Property::of_which_number(number), Some(property));
         }
-        for number in [0, 259, u32::MAX] {
-            assert_eq!(Extreme::of_number(number), None);
+        for number in [0, 259, 511, 515, u32::MAX] {
+            assert_eq!(Property::of_which_number(number), None);
         }
+        assert_eq!(Property::Concept(1).which_number(), 0);
     }
 }

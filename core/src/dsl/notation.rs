@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Description, Filters, Program, Property, Step};
+use super::{Description, Filters, Program, Property, Quantifier, Step};
 use crate::model::Model;
 
 /// The name of a concept in the domain file; "?" for an invalid index.
@@ -39,7 +39,9 @@ pub(super) struct FilterWords<'a> {
 
 impl fmt::Display for FilterWords<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let which = self.filters.which().map(Property::Extreme);
+        // "Each red" would say too much of one of them.
+        let each = Property::Quantifier(Quantifier::Each);
+        let which = self.filters.choice().filter(|choice| *choice != each);
         let concepts = self.filters.concepts().iter();
         let concepts = concepts.map(|&concept| Property::Concept(concept));
         for (index, property) in which.into_iter().chain(concepts).enumerate() {
@@ -63,7 +65,8 @@ impl fmt::Display for DescriptionWords<'_> {
         let filters = self.description.filters();
         filters.words(self.model).fmt(f)?;
         if filters.concepts().is_empty() && !relations.is_empty() {
-            f.write_str(match filters.which() {
+            f.write_str(match filters.choice() {
+                Some(Property::Quantifier(_)) => " that are",
                 Some(_) => " of what is",
                 None => "what is",
             })?;
@@ -98,7 +101,9 @@ impl StepNotation<'_> {
     /// Writes `Unique(Extreme(…, Filter(…, ` up to what is filtered; returns the number of open
     /// brackets.
     fn open(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> Result<usize, fmt::Error> {
-        f.write_str("Unique(")?;
+        let quantifier = filters.quantifier();
+        f.write_str(quantifier.map_or("Unique", Quantifier::symbol))?;
+        f.write_str("(")?;
         let which = filters.which();
         if let Some(which) = which {
             write!(f, "Extreme({}, ", which.symbol(self.model))?;
@@ -191,6 +196,18 @@ mod tests {
             "Action(MoveOn, Unique(Extreme(MoveRight, Filter(small, Relate(Nearest, \
              Unique(Extreme(MoveRight, Filter(small, Scene()))))))), Unique(Scene()))"
         );
+        for (quantifier, symbol) in [
+            (Quantifier::All, "All"),
+            (Quantifier::Both, "Both"),
+            (Quantifier::Each, "Each"),
+        ] {
+            let mut several = filters(&[0]);
+            several.add(Property::Quantifier(quantifier)).unwrap();
+            assert_eq!(
+                step(Description::of(several)).notation(&model).to_string(),
+                std::format!("Action(MoveOn, {symbol}(Filter(red, Scene())), Unique(Scene()))")
+            );
+        }
         let mut largest = Filters::new();
         largest.add(Property::Extreme(Extreme::Largest)).unwrap();
         assert_eq!(

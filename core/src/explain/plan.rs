@@ -92,7 +92,8 @@ impl StepExplanation<'_> {
     }
 
     fn noun(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if filters.is_empty() {
+        let is_each = filters.quantifier().is_some() && filters.concepts().is_empty();
+        if filters.is_empty() || is_each {
             f.write_str("the object")
         } else {
             write!(f, "the {} object", filters.words(self.model))

@@ -120,6 +120,7 @@ impl fmt::Display for Message<'_> {
             | Refusal::TooManyRelations { .. }
             | Refusal::IncompleteStep { .. }
             | Refusal::SameReference { .. }
+            | Refusal::SeveralReferences { .. }
             | Refusal::UnclearPronoun { .. }
             | Refusal::UnclearWords { .. }
             | Refusal::Unsure { .. } => self.step(f),
@@ -133,6 +134,7 @@ impl fmt::Display for Message<'_> {
             ),
             Refusal::NoSuchObject { .. }
             | Refusal::Ambiguous { .. }
+            | Refusal::OtherNumber { .. }
             | Refusal::SameObject { .. }
             | Refusal::OutsideTrainingView { .. }
             | Refusal::OutsideWorkSpace { .. }
@@ -194,7 +196,8 @@ impl Message<'_> {
             }
             Refusal::TooManySteps { limit } => write!(
                 f,
-                "the sentence has more than {limit} steps; give it in parts"
+                "the sentence takes more than {limit} steps, one for each object that is moved; give it \
+                 in parts"
             ),
             other => f.write_str(other.kind()),
         }
@@ -232,6 +235,12 @@ impl Message<'_> {
                 f,
                 "step {}: {} was understood as both what to move and where to; \
                  say it in other words",
+                number(*step),
+                self.quoted(*span)
+            ),
+            Refusal::SeveralReferences { step, span } => write!(
+                f,
+                "step {}: {} describes several objects where a single one is needed; say which one",
                 number(*step),
                 self.quoted(*span)
             ),
@@ -296,6 +305,18 @@ impl Message<'_> {
                 candidates,
             } => {
                 self.description(*step, *argument, description, f)?;
+                if description.filters().quantifier().is_some() {
+                    f.write_str(" may or may not include object")?;
+                    for (index, Candidate { object, .. }) in candidates.listed().iter().enumerate()
+                    {
+                        let separator = if index > 0 { "," } else { "" };
+                        write!(f, "{separator} {object}")?;
+                    }
+                    return f.write_str(
+                        ": others hide a part of it, or it is not clearly where the sentence says; uncover \
+                         it, or describe the objects in another way",
+                    );
+                }
                 match candidates.listed() {
                     [only] => write!(
                         f,
@@ -305,6 +326,18 @@ impl Message<'_> {
                     ),
                     _ => write!(f, " fits {}; describe it more closely", Fitting(candidates)),
                 }
+            }
+            Refusal::OtherNumber {
+                step,
+                description,
+                expected,
+                got,
+            } => {
+                self.description(*step, Argument::Object, description, f)?;
+                write!(
+                    f,
+                    " means {expected} objects, but fits {got}; describe them more closely"
+                )
             }
             Refusal::SameObject { step, object } => write!(
                 f,

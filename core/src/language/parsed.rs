@@ -3,7 +3,7 @@ use heapless::Vec;
 use super::tokens::Corrections;
 use super::{Correction, Span};
 use crate::capacity::MAX_STEPS;
-use crate::dsl::Program;
+use crate::dsl::{Argument, Description, Program, Quantifier, Step};
 use crate::model::Model;
 
 /// The parser's confidence in a step; probabilities.
@@ -42,6 +42,8 @@ pub struct StepDecisions {
 /// let (program, decisions) = (Program::new(), Default::default());
 /// let parsed = Parsed { program, decisions };
 /// ```
+///
+/// Grounding replaces a step that moves several objects by one for each, which it is bound to.
 // Invariant: decisions for each step of the program; every index in it is one of the model's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parsed {
@@ -49,6 +51,8 @@ pub struct Parsed {
     pub(super) program: Program,
     pub(super) decisions: Vec<StepDecisions, MAX_STEPS, u8>,
     pub(super) corrections: Corrections,
+    /// Ids of the objects that steps move whose description is `Quantifier::Each`.
+    each: [u32; MAX_STEPS],
 }
 
 impl Parsed {
@@ -59,6 +63,7 @@ impl Parsed {
             program: Program::new(),
             decisions: Vec::new(),
             corrections: Corrections::new(),
+            each: [0; MAX_STEPS],
         }
     }
 
@@ -80,5 +85,74 @@ impl Parsed {
     /// Misspelt words of the sentence, and what they were read as: tell the person.
     pub fn corrections(&self) -> &[Correction] {
         &self.corrections
+    }
+
+    /// The id of the object that one of several is; `None` if another description is meant.
+    pub(crate) fn each(&self, step: usize, argument: Argument) -> Option<u32> {
+        let description = self.program.steps().get(step)?.description(argument);
+        let is_each = description.filters().quantifier() == Some(Quantifier::Each);
+        // What is put beside or on one of several follows the step that moved it.
+        let step = match argument {
+            Argument::Object => Some(step),
+            Argument::Reference => step.checked_sub(1),
+        };
+        self.each.get(step?).copied().filter(|_| is_each)
+    }
+
+    /// Replaces a step that moves several objects by one for each, in this order: the first one is
+    /// moved in relation to the step's reference, and each of the others in relation to the one before
+    /// it, "all red blocks on the blue one" one on the other. False, and without a use, if these are too
+    /// many steps.
+    ///
+    /// * `ids`: those of the objects, at least one
+    pub(crate) fn expand(&mut self, step: usize, ids: &[u32]) -> bool {
+        let before = core::mem::take(&mut self.program);
+        let decided = core::mem::take(&mut self.decisions);
+        let bound = core::mem::take(&mut self.each);
+        let mut fits = true;
+        let steps = before.steps().iter().zip(&decided).zip(bound);
+        for (number, ((symbols, decisions), each)) in steps.enumerate() {
+            if number != step {
+                fits &= self.add(*symbols, *decisions, each);
+                continue;
+            }
+            let one = Description::of(symbols.object.filters().of_each());
+            let mut next = (symbols.reference, *decisions);
+            for &id in ids {
+                let (reference, decisions) = next;
+                let moved = Step {
+                    object: one,
+                    reference,
+                    ..*symbols
+                };
+                fits &= self.add(moved, decisions, id);
+                // What was decided once is not doubted twice.
+                next = (one, decisions.certain());
+            }
+        }
+        fits
+    }
+
+    fn add(&mut self, symbols: Step, decisions: StepDecisions, each: u32) -> bool {
+        let Some(place) = self.each.get_mut(self.decisions.len()) else {
+            return false;
+        };
+        *place = each;
+        self.program.push(symbols).is_ok() && self.decisions.push(decisions).is_ok()
+    }
+}
+
+impl StepDecisions {
+    /// The same, decided before.
+    const fn certain(self) -> Self {
+        Self {
+            split: 1.0,
+            words: 1.0,
+            action: 1.0,
+            relations: 1.0,
+            object: 1.0,
+            reference: 1.0,
+            ..self
+        }
     }
 }

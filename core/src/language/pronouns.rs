@@ -18,11 +18,12 @@ pub(super) fn pronoun<'a>(model: &Model<'a>, word: u16) -> Option<&'a Pronoun> {
 }
 
 /// What a pronoun means behind these steps: how the object that the last one moves is described, if
-/// this still describes it once it is moved.
+/// it moves a single one, and this still describes it once it is moved.
 pub(super) fn antecedent(program: &Program) -> Option<Filters> {
     let object = &program.steps().last()?.object;
     let lasts = !matches!(object.filters().which(), Some(Extreme::Action(_)));
-    (lasts && object.relations().is_empty()).then_some(*object.filters())
+    let is_single = object.filters().quantifier().is_none();
+    (is_single && lasts && object.relations().is_empty()).then_some(*object.filters())
 }
 
 #[cfg(test)]
@@ -117,6 +118,8 @@ mod tests {
                 "put topmost red on green then put the on lego",
                 unclear(1, 34),
             ),
+            // Several objects.
+            ("put all red on green then put the on lego", unclear(1, 30)),
             // Onto itself.
             (
                 "put red lego on green then put the on lego red",

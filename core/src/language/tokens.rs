@@ -92,6 +92,11 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// of them, and a pronoun ([`crate::model::Pronoun`]) as a word like any other; a sentence with such
 /// words has several readings, of which this is one.
 ///
+/// Behind a quantifier ([`crate::dsl::Quantifier`]), other words may be in the plural, and a few may
+/// stand before the values ([`crate::model::Several`]): in "all of the red blocks", "all" and "red"
+/// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
+/// where it is followed so.
+///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
 ///
@@ -169,11 +174,15 @@ impl Reader {
         };
         self.rest_from = usize::from(span.end);
         let text = if text == ";" { "," } else { text };
-        if let Some(entry) = find(model.lexicon, text, |entry| entry.text) {
-            self.add_property(model, entry.1.property, span)?;
-        } else if let Some((index, _)) = find(model.words, text, |word| word.text) {
-            let index = u16::try_from(index).map_err(|_| Refusal::InvalidModel)?;
-            self.add_word(model, words, index, span)?;
+        let property = find(model.lexicon, text, |entry| entry.text)
+            .map(|(_, entry)| entry.property)
+            .filter(|property| self.is_said(model, *property, text, words));
+        if let Some(property) = property {
+            self.add_property(model, property, span)?;
+        } else if let Some(index) = self.plural(model, text).or_else(|| word(model, text)) {
+            if !self.is_between(model, index) {
+                self.add_word(model, words, index, span)?;
+            }
         } else {
             match self.correct(model, text, span)? {
                 KnownWord::Word(index) => self.add_word(model, words, index, span)?,
@@ -200,6 +209,36 @@ impl Reader {
     /// How many readings the sentence has so far: 1 without corrections and pronouns.
     pub(super) const fn readings(&self) -> usize {
         self.readings
+    }
+
+    /// Whether a word of the lexicon is meant as such: "all" in "all the red blocks", and not in "all
+    /// right", if the model has it among its other words, too.
+    fn is_said(&self, model: &Model<'_>, property: Property, text: &str, words: &str) -> bool {
+        if !matches!(property, Property::Quantifier(_)) || word(model, text).is_none() {
+            return true;
+        }
+        next_word(words, self.rest_from).is_some_and(|(next, _)| {
+            let is_between = |index| model.several.between.contains(&index);
+            find(model.lexicon, next, |entry| entry.text).is_some()
+                || find(model.several.plurals, next, |plural| plural.text).is_some()
+                || word(model, next).is_some_and(is_between)
+        })
+    }
+
+    /// Whether a word only stands between a quantifier and what it is about: "of" and "the" in "all of
+    /// the red blocks".
+    fn is_between(&self, model: &Model<'_>, index: u16) -> bool {
+        let last = self.tokens.last().and_then(Token::filters);
+        let is_open = |group: &Filters| group.quantifier().is_some() && group.concepts().is_empty();
+        last.is_some_and(is_open) && model.several.between.contains(&index)
+    }
+
+    /// The word of which another one is the plural, if the last group means several objects.
+    fn plural(&self, model: &Model<'_>, text: &str) -> Option<u16> {
+        let last = self.tokens.iter().rev().find_map(Token::filters);
+        last.and_then(Filters::quantifier)?;
+        let plural = find(model.several.plurals, text, |plural| plural.text);
+        plural.map(|(_, plural)| plural.word)
     }
 
     /// What an unknown word is read as.
@@ -255,7 +294,7 @@ impl Reader {
     }
 
     /// A word of the lexicon joins the group before it or starts one. Values of one attribute
-    /// exclude each other, so that no object has two; and so do extremes.
+    /// exclude each other, so that no object has two; and so do extremes and quantifiers.
     fn add_property(
         &mut self,
         model: &Model<'_>,
@@ -298,10 +337,15 @@ impl Reader {
 
 /// Whether a word may describe an object, by itself or with others.
 fn may_describe(model: &Model<'_>, text: &str) -> bool {
-    let is_pronoun =
-        |(index, _)| u16::try_from(index).is_ok_and(|word| pronoun(model, word).is_some());
     find(model.lexicon, text, |entry| entry.text).is_some()
-        || find(model.words, text, |word| word.text).is_some_and(is_pronoun)
+        || word(model, text).is_some_and(|index| pronoun(model, index).is_some())
+}
+
+/// The index of a word outside the lexicon.
+fn word(model: &Model<'_>, text: &str) -> Option<u16> {
+    let (index, _) = find(model.words, text, |word| word.text)?;
+    // There are no more than a u16 can count: the model was checked.
+    u16::try_from(index).ok()
 }
 
 /// What a group says that excludes a further property.
@@ -317,9 +361,8 @@ fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Opti
             let mut concepts = filters.concepts().iter().copied();
             concepts.find(conflicts).map(Property::Concept)
         }
-        Property::Extreme(extreme) => {
-            let other = filters.which().filter(|other| *other != extreme);
-            other.map(Property::Extreme)
+        Property::Extreme(_) | Property::Quantifier(_) => {
+            filters.choice().filter(|other| *other != property)
         }
     }
 }

@@ -4,9 +4,9 @@
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
     Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
-    OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
-    SPLITTER_WORD, Simulator, Spelling, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder,
-    Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Thresholds,
+    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::Property;
@@ -52,6 +52,7 @@ builder! {
         group, with_group: &'a WordEmbeddings = &WordEmbeddings::UNSET;
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
+        several, with_several: Several<'a> = Several::UNSET;
         spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
@@ -96,6 +97,14 @@ builder! {
     [] Pronoun {
         word, with_word: u16 = u16::MAX;
         owner, with_owner: Option<u16> = None;
+    }
+    ['a] Several<'a> {
+        between, with_between: &'a [u16] = &[];
+        plurals, with_plurals: &'a [Plural<'a>] = &[];
+    }
+    ['a] Plural<'a> {
+        text, with_text: &'a str = "";
+        word, with_word: u16 = u16::MAX;
     }
     ['a] Spelling<'a> {
         heard, with_heard: &'a [Heard<'a>] = &[];

@@ -2,7 +2,7 @@ use thiserror::Error;
 
 use super::{Model, WorkSpace};
 use crate::camera::CameraError;
-use crate::dsl::{Extreme, Property};
+use crate::dsl::{Extreme, Property, Quantifier};
 use crate::nn::is_unit;
 
 /// The number of concepts, attribute types or actions that a one-byte index can address.
@@ -26,15 +26,22 @@ pub enum ModelFault<'a> {
     /// Lexicon words are not sorted and unique; the word out of order.
     #[error("lexicon word \"{0}\" is out of order or repeated")]
     LexiconOrder(&'a str),
-    /// A word is both among the words and in the lexicon.
+    /// A word is both among the words and in the lexicon, and no quantifier.
     #[error("word \"{0}\" stands in the lexicon too")]
     WordInLexicon(&'a str),
-    /// A lexicon word has an invalid index, or that of an action without a word for its extreme.
-    #[error("lexicon word \"{0}\" names a concept or an extreme that isn't there")]
+    /// A lexicon word has an invalid index, that of an action without a word for its extreme, or the
+    /// quantifier that no word says.
+    #[error("lexicon word \"{0}\" names a concept, an extreme or a quantifier that isn't there")]
     LexiconProperty(&'a str),
     /// Pronouns are not sorted and unique, or one is no word; its index.
     #[error("pronoun {0} is out of order, repeated or no word")]
     Pronoun(u16),
+    /// A word between a quantifier and the rest is none of the model's; its index.
+    #[error("word {0}, which stands behind quantifiers, isn't there")]
+    Between(u16),
+    /// Plurals are not sorted and unique, in the lexicon, or of no word; the plural.
+    #[error("plural \"{0}\" is out of order, repeated, in the lexicon or of no word")]
+    Plural(&'a str),
     /// Words that are heard as others are not sorted and unique, or known themselves; the word.
     #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
     HeardOrder(&'a str),
@@ -180,15 +187,18 @@ impl<'a> Model<'a> {
                     action.is_some_and(|action| action.extreme.is_some())
                 }
                 Property::Extreme(_) => true,
+                Property::Quantifier(quantifier) => quantifier != Quantifier::Each,
             };
             if !is_there {
                 return Err(ModelFault::LexiconProperty(entry.text));
             }
-            if self.words.iter().any(|word| word.text == entry.text) {
+            let is_quantifier = matches!(entry.property, Property::Quantifier(_));
+            if !is_quantifier && self.words.iter().any(|word| word.text == entry.text) {
                 return Err(ModelFault::WordInLexicon(entry.text));
             }
         }
         self.check_pronouns()?;
+        self.check_several()?;
         self.check_spelling()
     }
 
@@ -207,17 +217,35 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
+    fn check_several(&self) -> Result<(), ModelFault<'a>> {
+        let is_word = |index: u16| usize::from(index) < self.words.len();
+        let mut between = self.several.between.iter();
+        if let Some(&index) = between.find(|index| !is_word(**index)) {
+            return Err(ModelFault::Between(index));
+        }
+        let is_lexical = |text: &str| self.lexicon.iter().any(|entry| entry.text == text);
+        let mut before = "";
+        for plural in self.several.plurals {
+            if plural.text <= before || is_lexical(plural.text) || !is_word(plural.word) {
+                return Err(ModelFault::Plural(plural.text));
+            }
+            before = plural.text;
+        }
+        Ok(())
+    }
+
+    fn is_known(&self, text: &str) -> bool {
+        self.words.iter().any(|word| word.text == text)
+            || self.lexicon.iter().any(|entry| entry.text == text)
+    }
+
     fn check_spelling(&self) -> Result<(), ModelFault<'a>> {
-        let is_known = |text| {
-            self.words.iter().any(|word| word.text == text)
-                || self.lexicon.iter().any(|entry| entry.text == text)
-        };
         let mut before = "";
         for heard in self.spelling.heard {
-            if heard.text <= before || is_known(heard.text) {
+            if heard.text <= before || self.is_known(heard.text) {
                 return Err(ModelFault::HeardOrder(heard.text));
             }
-            if !is_known(heard.read_as) {
+            if !self.is_known(heard.read_as) {
                 return Err(ModelFault::HeardAs(heard.read_as));
             }
             before = heard.text;
@@ -281,7 +309,7 @@ impl WorkSpace {
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::model::{Concept, Heard, LexiconEntry, Pronoun, Spelling, Word};
+    use crate::model::{Concept, Heard, LexiconEntry, Plural, Pronoun, Several, Spelling, Word};
 
     #[test]
     fn each_fault_of_a_list_is_named() {
@@ -371,6 +399,40 @@ mod tests {
         let missing = fault("LexiconProperty(\"a\")");
         assert_eq!(extreme(1, None), missing);
         assert_eq!(extreme(2, Some("a")), missing);
+    }
+
+    #[test]
+    fn each_fault_of_what_is_said_of_several_objects_is_named() {
+        let model = fixture::model();
+        let last = u16::try_from(model.words.len() - 1).unwrap();
+        let fault = |text: &str| Err(text.into());
+        let check = |between: &[u16], plurals: &[(&str, u16)]| {
+            let each = |&(text, word): &_| Plural { text, word };
+            let plurals: std::vec::Vec<Plural<'_>> = plurals.iter().map(each).collect();
+            let several = Several::new().with_between(between).with_plurals(&plurals);
+            let checked = model.with_several(several).check();
+            checked.map_err(|fault| std::format!("{fault:?}"))
+        };
+        assert_eq!(check(&[0, last], &[("blocks", 0), ("cubes", 0)]), Ok(()));
+        assert_eq!(
+            check(&[last + 1], &[]),
+            fault(&std::format!("Between({})", last + 1))
+        );
+        for (plurals, plural) in [
+            (&[("cubes", 0), ("blocks", 0)][..], "blocks"),
+            (&[("blocks", 0), ("blocks", 1)], "blocks"),
+            (&[("red", 0)], "red"),
+            (&[("blocks", last + 1)], "blocks"),
+        ] {
+            assert_eq!(
+                check(&[], plurals),
+                fault(&std::format!("Plural({plural:?})"))
+            );
+        }
+        let mut lexicon = model.lexicon.to_vec();
+        lexicon[0].property = Property::Quantifier(Quantifier::Each);
+        let fault = ModelFault::LexiconProperty(lexicon[0].text);
+        assert_eq!(model.with_lexicon(&lexicon).check(), Err(fault));
     }
 
     #[test]

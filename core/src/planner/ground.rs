@@ -8,8 +8,8 @@ use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 use crate::action::simulate;
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
 use crate::camera::rotation;
-use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description, Step};
+use crate::capacity::{MAX_OBJECTS, MAX_STEPS};
+use crate::dsl::{Argument, Description, Quantifier, Step};
 use crate::language::{Parsed, StepDecisions};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Quantity, Refusal};
@@ -21,13 +21,13 @@ use crate::viewpoint::Viewpoint;
 /// one of: the calibration check, one object's score, one choice of an object, or one action. All
 /// scratch memory is in here.
 ///
-/// `S` is the scene and `P` the parsed sentence: borrowed, or owned where the task
-/// outlives the call that began it.
+/// A step that moves several objects is replaced by one for each of them before it is grounded.
+///
+/// `S` is the scene: borrowed, or owned where the task outlives the call that began it.
 #[derive(Debug, Clone)]
-pub struct GroundingTask<'m, S, P> {
+pub struct GroundingTask<'m, S> {
     model: &'m Model<'m>,
     scene: S,
-    parsed: P,
     viewpoint: Viewpoint<'m>,
     /// Where the objects are after the steps so far, as the training's camera would see them.
     locations: [[f32; LOCATION]; MAX_OBJECTS],
@@ -52,10 +52,15 @@ enum Stage {
     Object {
         step: usize,
     },
-    /// The reference is sought.
+    /// The reference is sought, before the objects if several are moved.
     Reference {
         step: usize,
-        object: Grounding,
+        object: Option<Grounding>,
+    },
+    /// The objects to move are sought.
+    Several {
+        step: usize,
+        reference: Grounding,
     },
     Act {
         step: usize,
@@ -65,12 +70,11 @@ enum Stage {
     Done(Option<Refusal>),
 }
 
-impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
-    pub(super) fn new(model: &'m Model<'m>, scene: S, parsed: P, first: usize) -> Self {
+impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
+    pub(super) fn new(model: &'m Model<'m>, scene: S, parsed: Parsed, first: usize) -> Self {
         let checked =
-            check_model(model, scene.borrow()).and_then(|()| check_parsed(model, parsed.borrow()));
-        let program = parsed.borrow().program();
-        let first = first.min(program.steps().len());
+            check_model(model, scene.borrow()).and_then(|()| check_parsed(model, &parsed));
+        let first = first.min(parsed.program().steps().len());
         let viewpoint = Viewpoint::new(model, scene.borrow().camera());
         let mut locations = [[0.0; LOCATION]; MAX_OBJECTS];
         for (location, object) in locations.iter_mut().zip(scene.borrow().objects()) {
@@ -79,9 +83,8 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         let mut task = Self {
             model,
             // At most MAX_STEPS.
-            plan: Plan::new(parsed.borrow(), first as u8),
+            plan: Plan::new(parsed, first as u8),
             scene,
-            parsed,
             viewpoint,
             locations,
             resolver: Resolver::new(&Description::new()),
@@ -98,9 +101,15 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
         self.scene.borrow()
     }
 
-    /// What the sentence says.
-    pub fn parsed(&self) -> &Parsed {
-        self.parsed.borrow()
+    /// What the sentence says; once it is grounded, with a step for each of several objects.
+    pub const fn parsed(&self) -> &Parsed {
+        self.plan.parsed()
+    }
+
+    /// Starts with this sentence instead, in a task that has not started yet.
+    pub(super) fn begin(&mut self, parsed: &Parsed) {
+        self.plan = Plan::new(parsed.clone(), 0);
+        self.stage = self.begin_program(0);
     }
 
     /// Whether grounding has failed.
@@ -144,11 +153,16 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
                     return Ok(stage);
                 };
                 self.seek(step, Argument::Reference)?;
+                let object = Some(object);
                 Ok(Stage::Reference { step, object })
             }
             Stage::Reference { step, object } => {
                 let Some(reference) = self.resolve(step, Argument::Reference)? else {
                     return Ok(stage);
+                };
+                let Some(object) = object else {
+                    self.seek(step, Argument::Object)?;
+                    return Ok(Stage::Several { step, reference });
                 };
                 if reference.index == object.index {
                     return Err(Refusal::SameObject {
@@ -161,6 +175,17 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
                     object,
                     reference,
                 })
+            }
+            Stage::Several { step, reference } => {
+                let (resolver, description, within) = self.resolving(step, Argument::Object)?;
+                let Some(ids) = resolver.poll_several(description, &within, &reference)? else {
+                    return Ok(stage);
+                };
+                if !self.plan.expand(step, &ids) {
+                    let limit = MAX_STEPS as u8;
+                    return Err(Refusal::TooManySteps { limit });
+                }
+                self.begin_step(step)
             }
             Stage::Act {
                 step,
@@ -184,12 +209,15 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
     }
 
     fn begin_step(&mut self, step: usize) -> Result<Stage, Refusal> {
-        if step < self.plan.program().steps().len() {
-            self.seek(step, Argument::Object)?;
-            Ok(Stage::Object { step })
-        } else {
-            Ok(Stage::Done(self.doubt()))
+        let Some(symbols) = self.plan.program().steps().get(step) else {
+            return Ok(Stage::Done(self.doubt()));
+        };
+        if let Some(Quantifier::All | Quantifier::Both) = symbols.object.filters().quantifier() {
+            self.seek(step, Argument::Reference)?;
+            return Ok(Stage::Reference { step, object: None });
         }
+        self.seek(step, Argument::Object)?;
+        Ok(Stage::Object { step })
     }
 
     /// Why the finished plan is refused, if it is.
@@ -210,7 +238,19 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 
     /// One unit of work on a description; the object once it is found.
     fn resolve(&mut self, step: usize, argument: Argument) -> Result<Option<Grounding>, Refusal> {
-        let symbols = self.symbols(step)?;
+        let (resolver, description, within) = self.resolving(step, argument)?;
+        resolver.poll(description, &within)
+    }
+
+    /// The resolver, and what it resolves.
+    fn resolving(
+        &mut self,
+        step: usize,
+        argument: Argument,
+    ) -> Result<(&mut Resolver, &Description, Within<'_>), Refusal> {
+        // Always there: steps are counted up to the program's length.
+        let symbols = self.plan.program().steps().get(step);
+        let symbols = symbols.ok_or(Refusal::InvalidModel)?;
         let within = Within {
             model: self.model,
             scene: self.scene.borrow(),
@@ -218,8 +258,9 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
             locations: &self.locations,
             step,
             argument,
+            each: self.plan.parsed().each(step, argument),
         };
-        self.resolver.poll(symbols.description(argument), &within)
+        Ok((&mut self.resolver, symbols.description(argument), within))
     }
 
     /// Predicts where the object will be, and moves it there for the following steps.
@@ -315,17 +356,8 @@ impl<'m, S: Borrow<Scene>, P: Borrow<Parsed>> GroundingTask<'m, S, P> {
 
     fn decisions(&self, step: usize) -> Result<StepDecisions, Refusal> {
         // There are as many as steps.
-        let decisions = self.parsed.borrow().decisions();
+        let decisions = self.plan.parsed().decisions();
         decisions.get(step).copied().ok_or(Refusal::InvalidModel)
-    }
-}
-
-impl<S: Borrow<Scene>> GroundingTask<'_, S, Parsed> {
-    /// Starts with this sentence instead, in a task that has not started yet.
-    pub(super) fn begin(&mut self, parsed: &Parsed) {
-        self.plan = Plan::new(parsed, 0);
-        self.parsed.clone_from(parsed);
-        self.stage = self.begin_program(0);
     }
 }
 

@@ -42,7 +42,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 15 * 1024 && PLAN_BYTES <= 1552);
+const _: () = assert!(TASK_BYTES <= 15 * 1024 && PLAN_BYTES <= 1888);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -92,9 +92,11 @@ pub const UNIT_SIZES: usize = 64;
 /// words, and for each way to split it tokens through splitter and encoder, and for each step its
 /// begin, three decoders and the role of each group; the scene against the calibration, which takes another for each cause that
 /// may explain what disagrees; and for each step two descriptions, each with all that it relates to
-/// over all objects and a choice, and the action.
-pub const MAX_POLLS: usize =
-    MAX_READINGS * MAX_SPLITS * READING_POLLS + Cause::ALL.len() + MAX_STEPS * GROUNDING_POLLS + 3;
+/// over all objects and a choice, and the action, twice if it moves several objects.
+pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
+    + Cause::ALL.len()
+    + 2 * MAX_STEPS * GROUNDING_POLLS
+    + 3;
 const READING_POLLS: usize = (MAX_FILTERS + 3) * MAX_TOKENS + 1 + MAX_STEPS * (4 + MAX_GROUPS);
 const GROUNDING_POLLS: usize = 2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + 1;
 
@@ -285,16 +287,12 @@ impl<'m> Planner<'m> {
     /// # Ok(())
     /// # }
     /// ```
-    pub fn begin_grounding<S, P>(
+    pub fn begin_grounding<S: Borrow<Scene>>(
         &self,
         scene: S,
-        parsed: P,
+        parsed: &Parsed,
         first: usize,
-    ) -> GroundingTask<'m, S, P>
-    where
-        S: Borrow<Scene>,
-        P: Borrow<Parsed>,
-    {
-        GroundingTask::new(self.model, scene, parsed, first)
+    ) -> GroundingTask<'m, S> {
+        GroundingTask::new(self.model, scene, parsed.clone(), first)
     }
 }

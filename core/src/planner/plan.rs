@@ -4,8 +4,8 @@ use nalgebra::Isometry3;
 use crate::capacity::{MAX_RELATIONS, MAX_STEPS};
 use crate::dsl::{Program, Step};
 use crate::grounding::Chosen;
-use crate::language::{Correction, Corrections, Parsed};
-use crate::model::LOCATION;
+use crate::language::{Correction, Parsed};
+use crate::model::{LOCATION, Model};
 
 /// A sub-goal, where to move an object: the paper's `(o_t, p_t)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,23 +132,29 @@ pub struct PlannedStep {
 /// A plan in a scene; at most [`MAX_STEPS`] steps.
 // Invariant: a planned step for each step of the program from `first` on, in the
 // same order.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    program: Program,
-    corrections: Corrections,
+    parsed: Parsed,
     first: u8,
     steps: Vec<PlannedStep, MAX_STEPS, u8>,
 }
 
 impl Plan {
-    /// The parsed program.
+    /// The program: the parsed one, in which each step that moves several objects is replaced by one
+    /// for each.
     pub const fn program(&self) -> &Program {
-        &self.program
+        self.parsed.program()
+    }
+
+    /// That program with the parser's confidence: what the rest of the plan is grounded from again, with
+    /// the same objects where several are moved.
+    pub const fn parsed(&self) -> &Parsed {
+        &self.parsed
     }
 
     /// Misspelt words of the sentence, and what they were read as: tell the person.
     pub fn corrections(&self) -> &[Correction] {
-        &self.corrections
+        self.parsed.corrections()
     }
 
     /// The step of the program at which [`Plan::steps`] starts, from 0: 0 unless only the rest of a
@@ -166,7 +172,7 @@ impl Plan {
     /// The planned steps, each with its number in the program, from 0, and its parsed step. If only
     /// the rest of a program was grounded, the first number is [`Plan::first`].
     pub fn numbered(&self) -> impl Iterator<Item = (usize, &Step, &PlannedStep)> {
-        let understood = self.program.steps().iter().enumerate().skip(self.first());
+        let understood = self.program().steps().iter().enumerate().skip(self.first());
         understood
             .zip(&self.steps)
             .map(|((number, understood), planned)| (number, understood, planned))
@@ -188,16 +194,22 @@ impl Plan {
     }
 
     /// No steps yet.
-    pub(super) fn new(parsed: &Parsed, first: u8) -> Self {
-        let mut corrections = Corrections::new();
-        // As many places.
-        let _ = corrections.extend_from_slice(parsed.corrections());
+    pub(super) const fn new(parsed: Parsed, first: u8) -> Self {
         Self {
-            program: parsed.program().clone(),
-            corrections,
+            parsed,
             first,
             steps: Vec::new(),
         }
+    }
+
+    /// A program without steps, as before a sentence is parsed.
+    pub const fn empty(model: &Model<'_>) -> Self {
+        Self::new(Parsed::empty(model), 0)
+    }
+
+    /// Replaces a step that moves several objects by one for each; false if these are too many.
+    pub(super) fn expand(&mut self, step: usize, ids: &[u32]) -> bool {
+        self.parsed.expand(step, ids)
     }
 
     pub(super) fn push(&mut self, step: PlannedStep) {

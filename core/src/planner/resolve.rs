@@ -1,9 +1,10 @@
+use heapless::Vec;
 use nalgebra::Point3;
 
 use super::Grounding;
-use super::superlative::Superlative;
+use super::superlative::{Superlative, seen_in_part};
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description, Extreme, RelationKind};
+use crate::dsl::{Argument, Description, Extreme, Quantifier, RelationKind};
 use crate::grounding::{ScoreError, Scores, score};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
@@ -11,6 +12,9 @@ use crate::relation::{RELATION_CLEAR, relate};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
 use crate::vision;
+
+/// How many objects "both" means.
+const BOTH: usize = 2;
 
 /// Finds the object that a description refers to, from the innermost anchor of its relations
 /// outwards. Each [`Resolver::poll`] scores one object or chooses one.
@@ -35,6 +39,8 @@ pub(super) struct Within<'a> {
     pub(super) locations: &'a [[f32; LOCATION]; MAX_OBJECTS],
     pub(super) step: usize,
     pub(super) argument: Argument,
+    /// The id of the only object that may be meant, of several that are moved.
+    pub(super) each: Option<u32>,
 }
 
 impl Resolver {
@@ -59,15 +65,7 @@ impl Resolver {
         // Always there: levels are counted down from the chain's length.
         let sought = description.anchor(self.level);
         let sought = sought.ok_or(Refusal::InvalidModel)?;
-        if let Some(object) = within.scene.objects().get(self.scores.values().len()) {
-            let score = self.score(&sought, within, object)?;
-            if let Some(Extreme::Largest | Extreme::Smallest) = sought.filters().which()
-                && let Some(place) = self.volumes.get_mut(self.scores.values().len())
-            {
-                *place = vision::volume(within.model, &object.embedding);
-            }
-            // As many places as a scene has objects.
-            let _ = self.scores.push(score);
+        if self.score_next(&sought, within)? {
             return Ok(None);
         }
         let is_clear = self.compare(&sought, within)?;
@@ -84,6 +82,96 @@ impl Resolver {
         Ok(None)
     }
 
+    /// Does one unit of work on a description of several objects; their ids once they are found, from
+    /// the highest to the lowest, so that none carries one that is moved later.
+    ///
+    /// * `description`: the one that it was made for
+    /// * `reference`: what they are moved in relation to, which is none of them
+    pub(super) fn poll_several(
+        &mut self,
+        description: &Description,
+        within: &Within<'_>,
+        reference: &Grounding,
+    ) -> Result<Option<Vec<u32, MAX_OBJECTS, u8>>, Refusal> {
+        if self.level > 0 {
+            // Its relation is to a single object.
+            return self.poll(description, within).map(|_| None);
+        }
+        if self.score_next(description, within)? {
+            return Ok(None);
+        }
+        let threshold = within.model.header.thresholds.match_score;
+        // What others hide in part may look like anything.
+        let mut unclear = Candidates::default();
+        // Heights and ids, the highest first.
+        let mut found: Vec<(f32, u32), MAX_OBJECTS, u8> = Vec::new();
+        let objects = within.scene.objects().iter().zip(within.locations);
+        let scores = self.scores.values().iter().zip(seen_in_part(within));
+        for (index, ((object, location), (&score, is_partial))) in objects.zip(scores).enumerate() {
+            if index == usize::from(reference.index) {
+                continue;
+            }
+            let fits = score >= threshold;
+            let related = self.relation(description, within, index)?;
+            let is_vague = fits && related.is_some_and(|related| related < RELATION_CLEAR);
+            if is_vague || (is_partial && !description.concepts().is_empty()) {
+                unclear.add(Candidate {
+                    object: object.id,
+                    score,
+                });
+            }
+            if fits {
+                let mut lower = (within.place(location).z, object.id);
+                // Each place behind the object's takes what stood in front of it.
+                for place in &mut found {
+                    if lower.0 > place.0 {
+                        core::mem::swap(place, &mut lower);
+                    }
+                }
+                // As many places as a scene has objects.
+                let _ = found.push(lower);
+            }
+        }
+        if found.is_empty() {
+            let best = self.best(within);
+            let best = best.map(|best| candidate(&best, best.score));
+            return Err(within.no_such_object(description, best, threshold));
+        }
+        if unclear.count() > 0 {
+            return Err(within.ambiguous(description, unclear));
+        }
+        if description.filters().quantifier() == Some(Quantifier::Both) && found.len() != BOTH {
+            return Err(Refusal::OtherNumber {
+                step: within.step as u8,
+                description: *description,
+                expected: BOTH as u8,
+                got: found.len() as u8,
+            });
+        }
+        let mut ids = Vec::new();
+        for (_, id) in &found {
+            // As many places.
+            let _ = ids.push(*id);
+        }
+        Ok(Some(ids))
+    }
+
+    /// Scores the next object; false if none is left.
+    fn score_next(&mut self, sought: &Description, within: &Within<'_>) -> Result<bool, Refusal> {
+        let Some(object) = within.scene.objects().get(self.scores.values().len()) else {
+            return Ok(false);
+        };
+        let score = self.score(sought, within, object)?;
+        if let Some(Extreme::Largest | Extreme::Smallest) = sought.filters().which()
+            && let Some(place) = self.volumes.get_mut(self.scores.values().len())
+        {
+            *place = vision::volume(within.model, &object.embedding);
+        }
+        // As many places as a scene has objects.
+        let _ = self.scores.push(score);
+        Ok(true)
+    }
+
     /// How well the next object fits.
     fn score(
         &self,
@@ -96,6 +184,9 @@ impl Resolver {
             ScoreError::UnknownConcept => Refusal::InvalidModel,
             ScoreError::NotFinite => within.not_finite(),
         })?;
+        if within.each.is_some_and(|each| object.id != each) {
+            return Ok(-1.0);
+        }
         let related = self.relation(sought, within, self.scores.values().len())?;
         Ok(related.map_or(filtered, |related| filtered.min(related)))
     }
@@ -178,12 +269,7 @@ impl Resolver {
             }
         }
         if candidates.count() > 1 || !is_clear {
-            return Err(Refusal::Ambiguous {
-                step: within.step as u8,
-                argument: within.argument,
-                description: *sought,
-                candidates,
-            });
+            return Err(within.ambiguous(sought, candidates));
         }
         let related = self.relation(sought, within, usize::from(best.index))?;
         if let Some(score) = related.filter(|related| *related < RELATION_CLEAR) {
@@ -214,6 +300,15 @@ impl Within<'_> {
         Refusal::NotFinite {
             step: self.step as u8,
             quantity: Quantity::Score(self.argument),
+        }
+    }
+
+    const fn ambiguous(&self, sought: &Description, candidates: Candidates) -> Refusal {
+        Refusal::Ambiguous {
+            step: self.step as u8,
+            argument: self.argument,
+            description: *sought,
+            candidates,
         }
     }
 

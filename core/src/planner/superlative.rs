@@ -115,22 +115,10 @@ impl Superlative {
         within: &Within<'_>,
     ) -> Result<[Compared; MAX_OBJECTS], Refusal> {
         let direction = self.direction(within)?;
-        let mut seen = [[0.0; LOCATION]; MAX_OBJECTS];
-        for (location, object) in seen.iter_mut().zip(within.scene.objects()) {
-            *location = within.viewpoint.to_training(&object.location);
-        }
-        let mut objects = [Compared {
+        let mut objects = seen_in_part(within).map(|is_partial| Compared {
             measure: f32::NAN,
-            is_partial: false,
-        }; MAX_OBJECTS];
-        // What earlier steps uncover looks as it did before; what they cover will be seen in part.
-        for locations in [&seen, within.locations] {
-            mark_partial(
-                &mut objects,
-                locations.get(..count).unwrap_or_default(),
-                within,
-            );
-        }
+            is_partial,
+        });
         let each = objects.iter_mut().zip(within.locations).zip(volumes);
         for ((object, location), volume) in each.take(count) {
             let metres = match self {
@@ -180,15 +168,32 @@ impl Superlative {
     }
 }
 
+/// Which objects of the scene are seen in part only: whatever they look like, they may look like
+/// something else.
+pub(super) fn seen_in_part(within: &Within<'_>) -> [bool; MAX_OBJECTS] {
+    let objects = within.scene.objects();
+    let mut seen = [[0.0; LOCATION]; MAX_OBJECTS];
+    for (location, object) in seen.iter_mut().zip(objects) {
+        *location = within.viewpoint.to_training(&object.location);
+    }
+    let mut are_partial = [false; MAX_OBJECTS];
+    // What earlier steps uncover looks as it did before; what they cover will be seen in part.
+    for locations in [&seen, within.locations] {
+        let locations = locations.get(..objects.len()).unwrap_or_default();
+        mark_partial(&mut are_partial, locations, within);
+    }
+    are_partial
+}
+
 /// Marks the objects that are seen in part only where they are in these places.
-fn mark_partial(objects: &mut [Compared], locations: &[[f32; LOCATION]], within: &Within<'_>) {
+fn mark_partial(are_partial: &mut [bool], locations: &[[f32; LOCATION]], within: &Within<'_>) {
     let mut places = [Point3::origin(); MAX_OBJECTS];
     for (place, location) in places.iter_mut().zip(locations) {
         *place = within.place(location);
     }
     let places = places.get(..locations.len()).unwrap_or_default();
-    for ((object, location), place) in objects.iter_mut().zip(locations).zip(places) {
-        object.is_partial |= is_hidden(location, locations) || carries_any(place, places);
+    for ((is_partial, location), place) in are_partial.iter_mut().zip(locations).zip(places) {
+        *is_partial |= is_hidden(location, locations) || carries_any(place, places);
     }
 }
 

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 pub struct PlanningTask<'m, S, T> {
     parsing: ParsingTask<'m, T>,
     /// Without steps until the sentence is parsed.
-    grounding: GroundingTask<'m, S, Parsed>,
+    grounding: GroundingTask<'m, S>,
     /// Whether the sentence is parsed, or the scene was refused before parsing.
     is_parsed: bool,
 }

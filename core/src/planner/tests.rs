@@ -1,5 +1,6 @@
 mod extremes;
 mod relations;
+mod several;
 
 use core::task::Poll;
 use std::string::{String, ToString};
@@ -429,7 +430,7 @@ fn a_scene_of_another_model_is_refused() {
     let refusal = Err(Refusal::OtherModel { expected, got });
     // Of no sentence, not even a bad one.
     assert_eq!(planner.plan(&scene, "put red on blurp"), refusal);
-    let mut task = planner.begin_grounding(&scene, Parsed::empty(&other), 0);
+    let mut task = planner.begin_grounding(&scene, &Parsed::empty(&other), 0);
     assert_eq!(task.poll().map(|plan| plan.cloned()), Poll::Ready(refusal));
     assert_eq!(got, 0x0100_0000_0000_0007);
 }

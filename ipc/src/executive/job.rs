@@ -29,6 +29,7 @@ pub(super) struct Job<'m> {
     planner: Planner<'m>,
     pub(super) number: u64,
     mode: Mode,
+    /// Once it is grounded, with a step for each of several objects that are moved.
     parsed: Parsed,
     plan: Plan,
     /// The current step: next, or being executed.
@@ -60,7 +61,7 @@ impl<'m> Job<'m> {
             number,
             mode,
             parsed: Parsed::empty(planner.model()),
-            plan: Plan::default(),
+            plan: Plan::empty(planner.model()),
             step: 0,
             next: None,
             reference: None,
@@ -241,8 +242,7 @@ impl<'m> Job<'m> {
             self.stage = Stage::Send { seen };
             return Ok(Event::Working);
         }
-        let parsed = self.parsed.clone();
-        let task = self.planner.begin_grounding(scene, parsed, self.step);
+        let task = self.planner.begin_grounding(scene, &self.parsed, self.step);
         self.stage = Stage::Ground {
             task,
             taken_ns,
@@ -281,6 +281,8 @@ impl<'m> Job<'m> {
                     return Err(Failure::OtherObject { step, meant, found });
                 }
                 self.meant.update(&plan, &scene);
+                // Which objects are several, the first grounding decides for the whole sentence.
+                self.parsed.clone_from(plan.parsed());
                 self.plan = plan;
             }
             // A moving object may still be in the camera's view.

@@ -1,6 +1,6 @@
 //! The stages of a running sentence.
 
-use nsrm_core::language::{Parsed, ParsingTask};
+use nsrm_core::language::ParsingTask;
 use nsrm_core::planner::GroundingTask;
 use nsrm_core::scene::Scene;
 
@@ -22,7 +22,7 @@ pub(super) enum Stage<'m> {
         purpose: Purpose,
     },
     Ground {
-        task: GroundingTask<'m, Scene, Parsed>,
+        task: GroundingTask<'m, Scene>,
         taken_ns: u64,
         since_ns: u64,
     },

@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 41] = [
+pub const REASONS: [&str; 43] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -94,6 +94,8 @@ pub const REASONS: [&str; 41] = [
     "outside_training_view",
     "other_object",
     "unclear_pronoun",
+    "several_references",
+    "other_number",
     OTHER,
 ];
 

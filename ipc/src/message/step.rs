@@ -2,9 +2,7 @@
 
 #[cfg(feature = "processes")]
 use iceoryx2::prelude::ZeroCopySend;
-use nsrm_core::dsl::{
-    Argument, Description, Extreme, Filters, Property, Relation, RelationKind, Step,
-};
+use nsrm_core::dsl::{Argument, Description, Filters, Property, Relation, RelationKind, Step};
 use nsrm_core::planner::PlannedStep;
 use nsrm_core::{MAX_FILTERS, MAX_RELATIONS};
 
@@ -263,22 +261,22 @@ fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS
     (description.relations().len() as u32, places)
 }
 
-/// The number of the extreme, or 0.
+/// Which of the objects that fit, as a number.
 fn which(filters: &Filters) -> u32 {
-    filters.which().map_or(0, Extreme::number)
+    filters.choice().map_or(0, Property::which_number)
 }
 
-/// Whether a received number is 0 or that of an extreme.
+/// Whether a received number is 0 or says which of the objects that fit.
 fn is_which(number: u32) -> bool {
-    number == 0 || Extreme::of_number(number).is_some()
+    number == 0 || Property::of_which_number(number).is_some()
 }
 
-/// The first `count` concepts, and the extreme.
+/// The first `count` concepts, and which of the objects that have them.
 fn filters(count: u32, concepts: &[u8; MAX_FILTERS], which: u32) -> Filters {
     let mut filters = Filters::new();
-    if let Some(extreme) = Extreme::of_number(which) {
+    if let Some(choice) = Property::of_which_number(which) {
         // There is always room for it.
-        let _ = filters.add(Property::Extreme(extreme));
+        let _ = filters.add(choice);
     }
     for &concept in concepts.iter().take(count as usize) {
         // As many places.
@@ -289,6 +287,8 @@ fn filters(count: u32, concepts: &[u8; MAX_FILTERS], which: u32) -> Filters {
 
 #[cfg(test)]
 mod tests {
+    use nsrm_core::dsl::{Extreme, Quantifier};
+
     use super::*;
 
     fn of(concepts: &[u8]) -> Filters {
@@ -311,6 +311,8 @@ mod tests {
         }
         let mut to = of(&[2]);
         to.add(Property::Extreme(Extreme::Action(u8::MAX))).unwrap();
+        let mut all = of(&[5]);
+        all.add(Property::Quantifier(Quantifier::All)).unwrap();
         let mut extreme = Filters::new();
         extreme.add(Property::Extreme(Extreme::Largest)).unwrap();
         let mut reference = Description::of(extreme);
@@ -320,6 +322,7 @@ mod tests {
             (object, reference),
             (reference, Description::new()),
             (Description::of(to), object),
+            (Description::of(all), reference),
         ] {
             let mut message = StepMessage::EMPTY;
             let (object_count, own) = concepts(object.filters());

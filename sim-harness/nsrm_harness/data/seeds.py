@@ -50,6 +50,7 @@ STREAMS = {
     "related": 84,
     "pronouns": 85,
     "mixed": 86,
+    "several": 87,
 }
 
 

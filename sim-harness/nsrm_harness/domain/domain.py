@@ -22,7 +22,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
-from nsrm_harness.domain.program import SIZE_EXTREMES
+from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES
 from nsrm_harness.domain.wording import (
     Alternatives,
     Commands,
@@ -164,6 +164,9 @@ NEEDED_RULES = (
     "description",
     "possessor",
 )
+#: Rules of descriptions of several objects, if the domain has words for them: without and with a
+#: relation.
+SEVERAL_RULES = ("several", "several_related")
 #: Rules of descriptions with a relation, if some action's state has a rule.
 RELATING_RULES = ("related", "undescribed")
 #: Keys of a relation that name rules. The last two name further alternatives of `RELATING_RULES`.
@@ -187,7 +190,8 @@ class EverydayWords:
         """The rules that sentences about the domain's actions use."""
         used: set[str] = set()
         named = [relation.get(key) for relation in self.relations.values() for key in RULE_NAMES]
-        left = {*NEEDED_RULES, *(RELATING_RULES if self.states() else ()), *named}
+        relating = RELATING_RULES if self.states() else ()
+        left = {*NEEDED_RULES, *relating, *SEVERAL_RULES, *named}
         while left := (left & self.rules.keys()) - used:
             used |= left
             texts = [text for name in left for text in self.rules[name]]
@@ -206,6 +210,29 @@ class EverydayWords:
     def states(self) -> dict[str, Mapping[str, Phrase]]:
         """The relations that descriptions may have."""
         return {name: each for name, each in self.relations.items() if "state" in each}
+
+
+@dataclass(frozen=True)
+class SeveralWords:
+    """How several objects are said that are moved: "all of the red blocks"."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Words for all that fit, before a plural, "all",
+    all: ConceptWords
+    #: before a singular, "every",
+    every: ConceptWords
+    #: and for both of two.
+    both: ConceptWords
+    #: Words that may stand between these and the rest: "of", "the".
+    between: tuple[Phrase, ...]
+    #: Words in the plural, each with its singular, as which it is read: "blocks", "them".
+    #: Elsewhere, they are other words, or unknown.
+    plurals: Mapping[Phrase, Phrase]
+
+    def quantifiers(self) -> dict[str, tuple[str, ...]]:
+        """The words for several objects, by what they mean in programs."""
+        return {ALL: (*self.all, *self.every), BOTH: self.both}
 
 
 @dataclass(frozen=True)
@@ -238,6 +265,7 @@ class Domain:
     #: Words that may stand for what the step before moved, "it", each with the word that is then
     #: read behind it: "one's" for "its", or an empty text.
     pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
+    several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
     spelling: Annotated[SpellingWords | None, Field(default=None), BeforeValidator(_not_null)]
@@ -274,9 +302,15 @@ class Domain:
             for key, words in self.extremes.items()
         }
 
+    def quantifier_words(self) -> dict[str, tuple[str, ...]]:
+        """The words for several objects that are moved, by what they mean in programs."""
+        return self.several.quantifiers() if self.several is not None else {}
+
     def group_words(self) -> set[str]:
-        """The words for which a group token stands: those of concepts and of extremes."""
-        return {*self.lexicon(), *(word for words in self.extremes.values() for word in words)}
+        """The words for which a group token stands: those of concepts, of extremes, and for several
+        objects."""
+        choices = (*self.extremes.values(), *self.quantifier_words().values())
+        return {*self.lexicon(), *(word for words in choices for word in words)}
 
     def vocabulary(self) -> list[str]:
         """The group token, then every other token that the grammar produces, sorted."""

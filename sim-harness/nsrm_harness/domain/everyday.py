@@ -18,8 +18,14 @@ import numpy as np
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
-from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
-from nsrm_harness.domain.program import SIZE_EXTREMES, Program, Relation, Step
+from nsrm_harness.domain.domain import (
+    GROUP_TOKEN,
+    RELATING_RULES,
+    SEVERAL_RULES,
+    Domain,
+    EverydayWords,
+)
+from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
 
 #: The wording of the paper's domain.
@@ -49,8 +55,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes, pronouns = (
-        _taken_out(words, name, path) for name in ("synonyms", "extremes", "pronouns")
+    synonyms, extremes, pronouns, several = (
+        _taken_out(words, name, path) for name in ("synonyms", "extremes", "pronouns", "several")
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -66,6 +72,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["extremes"] = extremes
     if pronouns:
         document["pronouns"] = pronouns
+    if several:
+        document["several"] = several
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
@@ -170,6 +178,8 @@ class Speaker:
                 yield self._words.rules[name][context.index]
             elif name == "values":
                 yield self._values(context.saying)
+            elif name == "nouns":
+                yield self._noun(context.saying)
             elif name == "relation":
                 relation = self._words.relations[context.action or self._any_action()]
                 filled = self._choose(self._words.rules[relation["rule"]])
@@ -180,6 +190,8 @@ class Speaker:
                 yield from self._expanded(filled_in(filled, state), context.of_anchor())
             elif name in DESCRIBED:
                 said = context.moved if name == "moved" else context.reference
+                if said.which in (ALL, BOTH):
+                    said = self._quantified(said)
                 yield from self._described(name, said, replace(context, saying=said))
             else:
                 yield from self._expanded(self._choose(self._words.rules[name]), context)
@@ -211,7 +223,30 @@ class Speaker:
         values = tuple(said[index] for index in self._rng.permutation(len(said)))
         if description.which is None:
             return values
+        if description.quantifier is not None:
+            return (*description.quantifier, *values)
         return (self._choose(self._domain.extreme_words()[description.which]), *values)
+
+    def _quantified(self, description: _Said) -> _Said:
+        """The description with words for several objects: "all of the"."""
+        several = self._domain.several
+        if several is None:
+            raise _CannotBeSaidError
+        word = self._choose(several.quantifiers()[description.which or ALL])
+        between = ((), ("the",), ("of", "the"))[int(self._rng.integers(3))]
+        if word in several.every or not {*between} <= {*several.between}:
+            between = ()
+        return replace(description, quantifier=(word, *between))
+
+    def _noun(self, description: _Said) -> str:
+        """A noun for several objects: in the singular behind "every"."""
+        several = self._domain.several
+        if several is None or description.quantifier is None:
+            raise _CannotBeSaidError
+        nouns = self._words.rules["noun"]
+        plural = self._choose([each for each, one in several.plurals.items() if one in nouns])
+        is_single = description.quantifier[0] in several.every
+        return several.plurals[plural] if is_single else plural
 
     def _pronoun(self, is_owner: bool) -> str:
         pronouns = self._domain.pronouns
@@ -234,6 +269,8 @@ class _Said:
     concepts: tuple[str, ...]
     relations: tuple[Relation, ...] = ()
     which: str | None = None
+    #: The words for several objects, if it is of several.
+    quantifier: tuple[str, ...] | None = None
 
 
 _UNKNOWN = _Said((GROUP_TOKEN,))
@@ -280,6 +317,8 @@ def _description_rule(name: str, said: _Said) -> str:
         if said.relations:
             raise _CannotBeSaidError
         return name
+    if said.quantifier is not None:
+        return SEVERAL_RULES[bool(said.relations)]
     if not said.concepts and said.which is None:
         return "undescribed"
     return "related" if said.relations else "description"

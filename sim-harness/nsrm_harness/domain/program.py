@@ -15,6 +15,9 @@ SUPERLATIVES = ("Nearest", "Farthest")
 
 #: What chooses among objects by their size, beside the extremes in the directions of actions.
 SIZE_EXTREMES = ("Largest", "Smallest")
+#: What says that several objects are moved, in place of an extreme: all that fit, and both of two.
+#: Once it is grounded, such a step is one for each of them.
+ALL, BOTH, EACH = "all", "both", "each"
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,8 @@ class Step:
     reference: tuple[str, ...]
     object_relations: tuple[Relation, ...] = ()
     reference_relations: tuple[Relation, ...] = ()
-    #: Which of several objects that fit is to be moved: the name of an extreme, "leftmost".
+    #: Which of several objects that fit is to be moved: the name of an extreme, "leftmost", or
+    #: `ALL`, `BOTH` or `EACH` of them.
     object_which: str | None = None
     #: Which of several is the reference.
     reference_which: str | None = None

@@ -17,6 +17,7 @@ from nsrm_harness.domain.domain import (
     NEEDED_RULES,
     RELATING_RULES,
     RULE_NAMES,
+    SEVERAL_RULES,
     Attribute,
     Domain,
     EverydayWords,
@@ -42,6 +43,7 @@ FILLED_IN = {
     "moved": ("description",),
     "reference": ("description",),
     "values": (),
+    "nouns": (),
     "relation": (),
     "relating": (),
 }
@@ -106,7 +108,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
-    for check in (_words, _held_out, _pronouns, _spelling):
+    for check in (_words, _held_out, _pronouns, _several, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -167,7 +169,7 @@ def _appearance(domain: Domain) -> Faults:
 
 
 def _words(domain: Domain) -> Faults:
-    """Each word names one concept or one extreme."""
+    """Each word names one concept or one extreme, or says that several objects are meant."""
     named = [
         (f"{value.attribute}.{value.name}.words", f"the concept {value.name!r}", value.words)
         for value in domain.concepts
@@ -176,13 +178,18 @@ def _words(domain: Domain) -> Faults:
         (f"extremes.{name}", f"the extreme {name}", words)
         for name, words in domain.extremes.items()
     ]
+    named += [
+        (f"several.{name}", f"several objects, {name!r}", words)
+        for name, words in domain.quantifier_words().items()
+    ]
     seen: dict[str, str] = {}
     for key, what, words in named:
         for word in words:
             if word in seen:
                 yield key, f"{word!r} already names {seen[word]}"
             seen.setdefault(word, what)
-    for word in sorted(domain.other_words() & seen.keys()):
+    quantifiers = {word for words in domain.quantifier_words().values() for word in words}
+    for word in sorted((domain.other_words() & seen.keys()) - quantifiers):
         yield "grammar", f"{word!r} names {seen[word]} and cannot be another word, too"
 
 
@@ -230,6 +237,9 @@ def _everyday(domain: Domain) -> Faults:
         for name in RELATING_RULES:
             if name not in rules:
                 yield f"everyday.rules.{name}", "is missing: an action's state has a rule"
+    for name in SEVERAL_RULES if domain.several is not None else ():
+        if name not in rules:
+            yield f"everyday.rules.{name}", "is missing: several objects can be said"
     placeholders = {
         name for relation in domain.everyday.relations.values() for name in relation
     } - {*RULE_NAMES}
@@ -279,6 +289,21 @@ def _pronouns(domain: Domain) -> Faults:
         for each in (word, owner) if owner else (word,):
             if each not in known:
                 yield f"pronouns.{word}", f"{each!r} is not a word of the grammar"
+
+
+def _several(domain: Domain) -> Faults:
+    """What stands behind the words for several objects are words, and plurals of words."""
+    if domain.several is None:
+        return
+    known = domain.other_words()
+    for word in domain.several.between:
+        if word not in known:
+            yield "several.between", f"{word!r} is not a word of the grammar"
+    for word, singular in domain.several.plurals.items():
+        if word in domain.group_words():
+            yield "several.plurals", f"{word!r} is a word that describes objects"
+        if singular not in known:
+            yield f"several.plurals.{word}", f"{singular!r} is not a word of the grammar"
 
 
 def _spelling(domain: Domain) -> Faults:

@@ -8,6 +8,8 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * their programs in everyday wording, as `data.tell` tells them, apart by whether training leaves
   out the pattern of one of their steps (`domain.patterns`);
 * programs of one to five steps that mix all kinds of descriptions (`data.mixed`);
+* the same programs with several objects that are moved in one of their steps, "all red blocks", and
+  with several references, which nobody can put anything on;
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
 * sentences with relations in descriptions (`evaluation.relations`);
@@ -32,6 +34,7 @@ from nsrm_harness.data.mixed import MixedPrograms
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.seeds import generator
+from nsrm_harness.data.several import with_several
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker
@@ -122,6 +125,11 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             count(name, understand(model, sentences))
             for name, sentences in say_mixed(domain, seed).items()
         ]
+    if domain.several is not None:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_several(domain, programs, seed).items()
+        ]
     if domain.pronouns:
         rows += [
             count(name, understand(model, sentences))
@@ -141,6 +149,19 @@ def say_mixed(domain: Domain, seed: int) -> dict[str, Sentences]:
         name = f"mixed; {steps} step{'s' if steps > 1 else ''}"
         sets[name] = [*spoken.get("", ()), *spoken.get(" held out", ())]
     return sets
+
+
+def say_several(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:
+    """A sentence for each program with several objects that are moved in one of its steps, and one
+    with several references, by the name of their set."""
+    rng = generator(seed, "several", 0)
+    told, untrue = zip(*(with_several(program, rng) for program in programs), strict=True)
+    sets = {f"several{ending}": sentences for ending, sentences in say(domain, told, seed).items()}
+    refused: Sentences = [
+        (" ".join(Speaker(domain, generator(seed, "told", number)).sentence(each)), None)
+        for number, each in enumerate(untrue)
+    ]
+    return {**sets, "several references": refused}
 
 
 def say_pronouns(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:

@@ -1,11 +1,11 @@
-"""Measures how sentences with relations and extremes in descriptions are understood and grounded,
-through the core.
+"""Measures how sentences with relations and extremes in descriptions, and about several objects,
+are understood and grounded, through the core.
 
 They are about episodes of one step, and best about scenes in which blocks stand on each other. A
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
-must be refused there. Superlatives, "nearest to" and "farthest from", and extremes, "leftmost", are
-counted apart.
+must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost", and
+several blocks, "all red ones", are counted apart.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
+from nsrm_harness.data.several import several_programs
 from nsrm_harness.data.tell import (
     extreme_programs,
     misleading_extremes,
@@ -46,8 +47,18 @@ class Said:
 
     episode: int
     program: Program
-    #: Ids of the block to be moved and of the other one; None if it must be refused.
-    blocks: tuple[int, int] | None
+    #: Ids of the blocks to be moved, in any order, and of the other one; None if it must be
+    #: refused.
+    blocks: tuple[tuple[int, ...], int] | None
+
+    def is_done_by(self, plan: nsrm.Plan) -> bool:
+        """Whether the plan moves the right blocks, one after the other, and each of them beside or
+        on the one before."""
+        moved = tuple(step.object_id for step in plan.steps)
+        if self.blocks is None or sorted(moved) != sorted(self.blocks[0]):
+            return False
+        references = [step.reference_id for step in plan.steps]
+        return references == [self.blocks[1], *moved[:-1]]
 
 
 def measure_relations(
@@ -78,12 +89,25 @@ def measure_relations(
             said = say(domain, [each.program for each in told], seed)
             rows += [count(f"{name}{ending}", understand(model, said[ending])) for ending in said]
             for ending, chosen in (("in scenes", told), ("of none or several", misleading)):
+                words, title = _words(domain, chosen, seed), f"{name} {ending}"
+                rows.append(_grounded(model, demonstrations, title, chosen, words, quiet))
+        if domain.several is not None:
+            for title, chosen in _several(domain, judge, seed).items():
                 words = _words(domain, chosen, seed)
-                grounded = _grounded(
-                    model, demonstrations, f"{name} {ending}", chosen, words, quiet
-                )
-                rows.append(grounded)
+                rows.append(_grounded(model, demonstrations, title, chosen, words, quiet))
         return rows
+
+
+def _several(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[Said]]:
+    """Sentences that move several blocks of the scenes, by the name of their set."""
+    sets: dict[str, list[Said]] = {"several in scenes": [], "several of another number": []}
+    for index in range(len(judge)):
+        rng = generator(seed, "several", index)
+        true, untrue = several_programs(domain, judge.truth(index), rng, TIMES)
+        told, misleading = sets.values()
+        told += [Said(index, each.program, (each.moved, each.reference)) for each in true]
+        misleading += [Said(index, each.program, None) for each in untrue]
+    return sets
 
 
 def _programs(
@@ -96,7 +120,7 @@ def _programs(
         truth, rng = judge.truth(index), generator(seed, "related", index)
         for program in true(domain, truth, rng, TIMES):
             (step,) = truth.steps
-            told.append(Said(index, program, (step.object_id, step.reference_id)))
+            told.append(Said(index, program, ((step.object_id,), step.reference_id)))
         for program in untrue(domain, truth, rng, TIMES):
             misleading.append(Said(index, program, None))
     return told, misleading
@@ -137,6 +161,5 @@ def _grounded(
             if isinstance(plan, nsrm.Refused):
                 refused += 1
             else:
-                blocks = [(step.object_id, step.reference_id) for step in plan.steps]
-                right += blocks == [told[number].blocks]
+                right += told[number].is_done_by(plan)
     return Counted(name, len(told), right, refused, len(told) - right - refused)

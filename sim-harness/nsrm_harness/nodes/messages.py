@@ -50,6 +50,8 @@ REASONS = (
     "outside_training_view",
     "other_object",
     "unclear_pronoun",
+    "several_references",
+    "other_number",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""

@@ -26,7 +26,7 @@ PARTS = {
     "spelling": ("spelling",),
     "colour view": ("vision.color",),
     "brightness view": ("vision.brightness",),
-    "attributes, concepts": ("attributes", "concepts", "lexicon", "pronouns"),
+    "attributes, concepts": ("attributes", "concepts", "lexicon", "pronouns", "several"),
     "action simulator": ("simulator", "camera"),
 }
 CODE = "code and constants"

@@ -111,9 +111,9 @@ impl Described {
     }
 }
 
-/// The step, the argument and the description that a refusal is about.
-pub(super) const fn refused(refusal: &Refusal) -> Option<(u8, Argument, &Description)> {
-    match refusal {
+/// The step, the argument and the description that a refusal is about, if it is of a single object.
+pub(super) fn refused(refusal: &Refusal) -> Option<(u8, Argument, &Description)> {
+    let found = match refusal {
         Refusal::Ambiguous {
             step,
             argument,
@@ -127,7 +127,8 @@ pub(super) const fn refused(refusal: &Refusal) -> Option<(u8, Argument, &Descrip
             ..
         } => Some((*step, *argument, description)),
         _ => None,
-    }
+    };
+    found.filter(|(.., description)| description.filters().quantifier().is_none())
 }
 
 /// How many links of a sentence's description are outside of the refused one.

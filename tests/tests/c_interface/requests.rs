@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use nsrm_core::dsl::{Argument, Description, Extreme, RelationKind};
+use nsrm_core::dsl::{Argument, Description, Property, RelationKind};
 use nsrm_core::language::{Correction, Parsed};
 use nsrm_core::planner::{Grounding, Plan};
 use nsrm_core::refusal::Candidate;
@@ -33,8 +33,7 @@ impl Requests {
             Ok(scene) => {
                 let planner = Planner::new(&TABLETOP);
                 let plan = planner.plan(&scene, sentence);
-                let parsed = planner.parse(sentence);
-                self.planned(plan.as_ref(), parsed.as_ref().ok(), sentence);
+                self.planned(plan.as_ref(), sentence);
             }
             Err(error) => self.line(&format!("invalid: {error}")),
         }
@@ -64,7 +63,7 @@ impl Requests {
                 break plan;
             }
         };
-        self.planned(plan.as_ref().copied(), Some(&parsed), sentence);
+        self.planned(plan.as_ref().copied(), sentence);
         self.line("");
     }
 
@@ -107,11 +106,11 @@ impl Requests {
         self.line("");
     }
 
-    fn planned(&mut self, plan: Result<&Plan, &Refusal>, parsed: Option<&Parsed>, sentence: &str) {
+    fn planned(&mut self, plan: Result<&Plan, &Refusal>, sentence: &str) {
         match plan {
             Ok(plan) => {
                 self.counts[0] += 1;
-                self.program(parsed.expect("parsed"), plan.program());
+                self.program(plan.parsed(), plan.program());
                 self.line(&format!("confidence{}", bits(&[plan.confidence()])));
                 for (number, _, step) in plan.numbered() {
                     let pose = &step.sub_goal.pose;
@@ -181,6 +180,7 @@ impl Requests {
                 step: n, span: at, ..
             }
             | Refusal::SameReference { step: n, span: at }
+            | Refusal::SeveralReferences { step: n, span: at }
             | Refusal::UnclearPronoun { step: n, span: at }
             | Refusal::UnclearWords {
                 step: n, span: at, ..
@@ -331,7 +331,10 @@ fn corrected(correction: &Correction) -> String {
 
 /// The kind of the first relation as a number, 0 without one.
 fn which(description: &Description) -> u32 {
-    description.filters().which().map_or(0, Extreme::number)
+    description
+        .filters()
+        .choice()
+        .map_or(0, Property::which_number)
 }
 
 fn kind(description: &Description) -> u32 {

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::f32::consts::FRAC_1_SQRT_2;
 
 use nsrm_codegen::{ModelError, OwnedModel};
-use nsrm_core::dsl::{Extreme, Property};
+use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use serde_json::{Value, json};
 
 /// A tensor of the file.
@@ -32,9 +32,11 @@ pub(crate) const WORDS: [&str; 9] = [
     ",", "beside", "jar", "near", "onto", "shift", "the", "then", "to",
 ];
 /// Its lexicon, sorted.
-pub(crate) const LEXICON: [(&str, Property); 10] = [
+pub(crate) const LEXICON: [(&str, Property); 12] = [
     ("amber", Property::Concept(0)),
     ("big", Property::Concept(3)),
+    ("both", Property::Quantifier(Quantifier::Both)),
+    ("every", Property::Quantifier(Quantifier::All)),
     ("glossy", Property::Concept(6)),
     ("largest", Property::Extreme(Extreme::Largest)),
     ("matte", Property::Concept(5)),
@@ -95,6 +97,12 @@ pub(crate) fn domain() -> Value {
         },
         "extremes": {"Flank": ["outermost"], "Largest": ["largest"]},
         "pronouns": {"then": "", "near": "jar"},
+        "several": {
+            "all": ["every"],
+            "both": ["both"],
+            "between": ["the"],
+            "plurals": {"jars": "jar"},
+        },
         "spelling": {
             "heard": {"steal": "teal", "bare": "beside"},
             "other_words": ["plumb", "jam", "teak"],

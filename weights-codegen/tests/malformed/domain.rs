@@ -163,6 +163,34 @@ fn a_word_that_is_heard_as_an_unknown_one() {
 }
 
 #[test]
+fn what_is_said_of_several_objects_in_words_that_are_none() {
+    let spoils: [(&str, SpoilDomain); 2] = [
+        ("of", |domain| {
+            domain["several"]["between"] = json!(["the", "of"])
+        }),
+        ("glass", |domain| {
+            domain["several"]["plurals"]["glasses"] = json!("glass")
+        }),
+    ];
+    for (word, spoil) in spoils {
+        let error = refused_domain(spoil, &["several", word, "not a word of the domain"]);
+        assert_eq!(error, ModelError::Several { word: word.into() });
+    }
+    refused_domain(
+        |domain| domain["several"]["plurals"]["teal"] = json!("jar"),
+        &["\"teal\" occurs twice"],
+    );
+    refused_domain(
+        |domain| domain["several"]["all"] = json!(["both"]),
+        &["\"both\" occurs twice"],
+    );
+    refused_domain(
+        |domain| domain["several"]["plurals"]["big jars"] = json!("jar"),
+        &["no sentence can contain", "\"big jars\""],
+    );
+}
+
+#[test]
 fn pronouns_that_are_no_words() {
     let spoils: [(&str, SpoilDomain); 3] = [
         ("that", |domain| domain["pronouns"]["that"] = json!("")),

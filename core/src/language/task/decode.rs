@@ -2,7 +2,7 @@
 
 use super::{Decided, ParsingTask, Stage, not_finite};
 use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
-use crate::dsl::{Argument, Description, Filters, Step};
+use crate::dsl::{Argument, Description, Filters, RelationKind, Step};
 use crate::language::pronouns::antecedent;
 use crate::language::{GroupRole, Span, StepDecisions, choose_action, choose_group, choose_role};
 use crate::model::INSTRUCTION;
@@ -118,6 +118,12 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             // It is refused if the words make sense to the end.
             self.unclear.get_or_insert((step as u8, pronoun.span));
         }
+        check_single(
+            &description,
+            &reference_description,
+            step,
+            [span, reference_span],
+        )?;
         let decisions = StepDecisions {
             span: self.segments.span(step, self.reader.tokens()),
             object_span: span,
@@ -222,4 +228,32 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         })?;
         Ok((description, span))
     }
+}
+
+/// Refuses a step in which several objects are meant other than those to be moved, or of which one is
+/// the nearest or the farthest.
+///
+/// * `spans`: the places of both descriptions
+fn check_single(
+    object: &Description,
+    reference: &Description,
+    step: usize,
+    [span, reference_span]: [Span; ARGUMENTS],
+) -> Result<(), Refusal> {
+    let is_several = |filters: &Filters| filters.quantifier().is_some();
+    let has_several = |description: &Description| {
+        let mut relations = description.relations().iter();
+        relations.any(|relation| is_several(&relation.to))
+    };
+    let own = object.relations().first().map(|relation| relation.kind);
+    let is_compared = matches!(own, Some(RelationKind::Nearest | RelationKind::Farthest));
+    let span = if has_several(object) || (is_several(object.filters()) && is_compared) {
+        span
+    } else if is_several(reference.filters()) || has_several(reference) {
+        reference_span
+    } else {
+        return Ok(());
+    };
+    let step = step as u8;
+    Err(Refusal::SeveralReferences { step, span })
 }
