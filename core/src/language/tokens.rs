@@ -118,6 +118,8 @@ pub struct Reader {
     /// Behind the last word.
     end: usize,
     tokens: Tokens,
+    /// Whether the last group means several objects.
+    is_several: bool,
     corrections: Corrections,
     /// Chooses how each of the further words is read that has several readings: the number of the
     /// reading, divided by the numbers of choices so far.
@@ -156,6 +158,7 @@ impl Reader {
             rest_from: 0,
             end: 0,
             tokens: Tokens::new(),
+            is_several: false,
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
@@ -235,8 +238,9 @@ impl Reader {
 
     /// The word of which another one is the plural, if the last group means several objects.
     fn plural(&self, model: &Model<'_>, text: &str) -> Option<u16> {
-        let last = self.tokens.iter().rev().find_map(Token::filters);
-        last.and_then(Filters::quantifier)?;
+        if !self.is_several {
+            return None;
+        }
         let plural = find(model.several.plurals, text, |plural| plural.text);
         plural.map(|(_, plural)| plural.word)
     }
@@ -301,11 +305,13 @@ impl Reader {
         property: Property,
         span: Span,
     ) -> Result<(), Refusal> {
+        let is_quantifier = matches!(property, Property::Quantifier(_));
         if let Some(Token {
             kind: TokenKind::Group(filters),
             span: group,
         }) = self.tokens.last_mut()
         {
+            self.is_several |= is_quantifier;
             group.end = span.end;
             if let Some(first) = conflicting(model, filters, property) {
                 return Err(Refusal::ConflictingValues {
@@ -319,6 +325,7 @@ impl Reader {
                 limit: MAX_FILTERS as u8,
             });
         }
+        self.is_several = is_quantifier;
         let mut filters = Filters::new();
         // Empty filters have room.
         let _ = filters.add(property);
