@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from one_step_episodes import truths_of
 
 from nsrm_harness import domain as domains
 from nsrm_harness.data.extremes import FARTHER_M, LARGER, SAME_M, ExtremeDescriptions
-from nsrm_harness.data.generate import SPLITS, generate
-from nsrm_harness.data.ground_truth import GroundTruth, Truth
+from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.relations import Described
 from nsrm_harness.data.tell import extreme_programs, misleading_extremes
 from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday
@@ -28,23 +27,12 @@ DIRECTIONS = {
     "frontmost": (1, 0, 0),
     "rearmost": (-1, 0, 0),
 }
-SETTINGS = replace(
-    SPLITS["validation"],
-    count=12,
-    seed=9,
-    steps=(1, 1),
-    stacks=0.5,
-    final_image=False,
-    renderer="pybullet",
-)
 
 
 @pytest.fixture(scope="module")
 def truths(tmp_path_factory: pytest.TempPathFactory) -> list[Truth]:
-    path: Path = tmp_path_factory.mktemp("extremes") / "validation.h5"
-    assert generate(SETTINGS, domains.load(), path)
-    with GroundTruth(path) as judge:
-        return [judge.truth(number) for number in range(len(judge))]
+    path = tmp_path_factory.mktemp("extremes") / "validation.h5"
+    return truths_of(path, count=12, seed=9)
 
 
 def test_a_step_with_extremes_is_the_same_after_json() -> None:

@@ -9,10 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from explained_programs import programs_of
+from one_step_episodes import ONE_STEP
 
 from nsrm_harness import domain as domains
 from nsrm_harness.data.file import Demonstrations
-from nsrm_harness.data.generate import SPLITS, generate
+from nsrm_harness.data.generate import generate
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.tell import related_programs
@@ -39,22 +40,13 @@ DOMAIN = with_everyday(domains.load())
 #: That of the built-in model.
 FOUR_SIDES = with_everyday(domains.load(domains.FOUR_SIDES))
 PRETRAINED = Path(__file__).parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
-SETTINGS = replace(
-    SPLITS["validation"],
-    count=16,
-    seed=9,
-    steps=(1, 1),
-    stacks=0.5,
-    final_image=False,
-    renderer="pybullet",
-)
 LEFT_OF_WHITE = (Relation("MoveLeft", ("white",)),)
 
 
 @pytest.fixture(scope="module")
 def episodes(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("related") / "validation.h5"
-    assert generate(SETTINGS, domains.load(), path)
+    assert generate(ONE_STEP, domains.load(), path)
     return path
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 import pytest
+from one_step_episodes import truths_of
 
 from nsrm_harness import domain as domains
-from nsrm_harness.data.generate import SPLITS, generate
-from nsrm_harness.data.ground_truth import GroundTruth, Truth
+from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.several import MOST_MOVED, several_programs, with_several
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday
@@ -18,23 +15,12 @@ from nsrm_harness.domain.program import ALL, BOTH, Relation, Step
 from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError
 
 DOMAIN = with_everyday(domains.load(domains.FOUR_SIDES))
-SETTINGS = replace(
-    SPLITS["validation"],
-    count=16,
-    seed=3,
-    steps=(1, 1),
-    stacks=0.5,
-    final_image=False,
-    renderer="pybullet",
-)
 
 
 @pytest.fixture(scope="module")
 def truths(tmp_path_factory: pytest.TempPathFactory) -> list[Truth]:
-    path: Path = tmp_path_factory.mktemp("several") / "validation.h5"
-    assert generate(SETTINGS, domains.load(), path)
-    with GroundTruth(path) as judge:
-        return [judge.truth(number) for number in range(len(judge))]
+    path = tmp_path_factory.mktemp("several") / "validation.h5"
+    return truths_of(path, count=16, seed=3)
 
 
 def test_several_objects_are_one_group_and_their_plurals_singulars() -> None:
