@@ -46,6 +46,9 @@ LEAST_UNDERSTOOD = {
     "extremes": 99,
     "extremes held out": 99,
     "mixed; 1 step": 95,
+    "several": 99,
+    "several held out": 99,
+    "several in scenes": 55,
     "pronouns": 95,
     "pronouns held out": 95,
     "sentences": 87,
@@ -67,6 +70,8 @@ MOST_TAKEN_FOR_ELSE = {
     "extremes": 0.2,
     "extremes in scenes": 0.1,
     "extremes of none or several": 0.2,
+    "several in scenes with stacks": 0.1,
+    "several of another number": 0.1,
     "near misses": 0.8,
     "sentences; to refuse; misspelt": 0.3,
 }

@@ -34,11 +34,8 @@ class Several:
 def several_programs(
     domain: Domain, truth: Truth, rng: np.random.Generator, count: int
 ) -> tuple[list[Several], list[Several]]:
-    """So many random programs about an episode's initial scene, in which no block stands on another
-    one, and as many that fit none of its blocks, or not two if both are meant. Fewer if there are
-    none."""
-    if _has_stack(truth):
-        return [], []
+    """So many random programs about an episode's initial scene, and as many that fit none of its
+    blocks, or not two if both are meant. None if there are no such programs."""
     blocks = [block_from_attributes(domain, values) for values in truth.attributes]
     values = [tuple(block.values.values()) for block in blocks]
     true: list[Several] = []
@@ -57,7 +54,7 @@ def several_programs(
     return _drawn(domain, true, rng, count), _drawn(domain, untrue, rng, count)
 
 
-def _has_stack(truth: Truth) -> bool:
+def has_stack(truth: Truth) -> bool:
     """Whether a block stands on another one, which it then hides in part."""
     heights = [pose.position[2] for pose in truth.initial_poses]
     return any(z > edges[2] for z, edges in zip(heights, truth.edges_m, strict=True))

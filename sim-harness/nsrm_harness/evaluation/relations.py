@@ -21,7 +21,7 @@ import numpy as np
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
-from nsrm_harness.data.several import several_programs
+from nsrm_harness.data.several import has_stack, several_programs
 from nsrm_harness.data.tell import (
     extreme_programs,
     misleading_extremes,
@@ -100,12 +100,18 @@ def measure_relations(
 
 def _several(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[Said]]:
     """Sentences that move several blocks of the scenes, by the name of their set."""
-    sets: dict[str, list[Said]] = {"several in scenes": [], "several of another number": []}
+    sets: dict[str, list[Said]] = {
+        "several in scenes": [],
+        "several in scenes with stacks": [],
+        "several of another number": [],
+    }
+    told, hidden, misleading = sets.values()
     for index in range(len(judge)):
-        rng = generator(seed, "several", index)
-        true, untrue = several_programs(domain, judge.truth(index), rng, TIMES)
-        told, misleading = sets.values()
-        told += [Said(index, each.program, (each.moved, each.reference)) for each in true]
+        rng, truth = generator(seed, "several", index), judge.truth(index)
+        true, untrue = several_programs(domain, truth, rng, TIMES)
+        # What carries another block is hidden in part, and so is what it may look like.
+        chosen = hidden if has_stack(truth) else told
+        chosen += [Said(index, each.program, (each.moved, each.reference)) for each in true]
         misleading += [Said(index, each.program, None) for each in untrue]
     return sets
 

@@ -36,6 +36,7 @@ SETS = {
     "several held out": "the same, in patterns kept from training",
     "several references": "several references; to refuse",
     "several in scenes": "several objects, in their scenes",
+    "several in scenes with stacks": "the same where blocks hide others in part",
     "several of another number": "of none, or not two, in the scene; to refuse",
     "pronouns": 'pronouns: "… and put the green block on it"',
     "pronouns held out": "the same, in patterns kept from training",
