@@ -82,6 +82,8 @@ pub struct Model<'a> {
     pub pronouns: &'a [Pronoun],
     /// What may be said of several objects.
     pub several: Several<'a>,
+    /// How towers and rows are said.
+    pub arrangements: Arrangements<'a>,
     /// What unknown words are read as.
     pub spelling: Spelling<'a>,
     /// Attribute types with their operators, in the domain's order (Table I).
@@ -182,6 +184,62 @@ pub struct Plural<'a> {
     pub text: &'a str,
     /// The word as which it is read, "block", "it": index into [`Model::words`].
     pub word: u16,
+}
+
+/// How towers and rows are said, several steps in a few words: "build a tower of red, green and blue" is
+/// read as "put green on red, then put blue on it". By default, they cannot be said.
+///
+/// All texts are words in lower case with one space in between. Those of openings, closings and
+/// singulars need not be among [`Model::words`]; elsewhere they are unknown words.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Arrangements<'a> {
+    /// Words that stand between the objects of a list, "," and "and"; sorted.
+    pub between: &'a [&'a str],
+    /// Words before which a list ends, "then"; sorted.
+    pub ends: &'a [&'a str],
+    /// What is read between two steps: ", then".
+    pub next: &'a str,
+    /// What each of the objects is moved to.
+    pub arrangements: &'a [Arrangement<'a>],
+    /// What stands before a list; sorted by text.
+    pub openings: &'a [Opening<'a>],
+    /// What stands behind a list.
+    pub closings: &'a [Closing<'a>],
+}
+
+/// How each object of a list is put in relation to the one before it.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Arrangement<'a> {
+    /// What is read before the object that is moved: "put".
+    pub order: &'a str,
+    /// What is read between it and the object before it: "on".
+    pub relation: &'a str,
+    /// Whether the list begins with the last object: "from top to bottom".
+    pub is_reversed: bool,
+}
+
+/// What stands before a list: "build a tower of".
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Opening<'a> {
+    /// Its words, at least one.
+    pub text: &'a str,
+    /// What may stand behind the list: closings with the same pattern.
+    pub pattern: u8,
+}
+
+/// What stands behind a list: "from left to right".
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Closing<'a> {
+    /// Its words; empty if nothing need stand there.
+    pub text: &'a str,
+    /// What stands before the list: openings with the same pattern.
+    pub pattern: u8,
+    /// What is then meant: index into [`Arrangements::arrangements`].
+    pub arrangement: u8,
 }
 
 /// What unknown words are read as, if the sentence then makes sense; by default nothing.

@@ -120,7 +120,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
     edit(words)
     lines = [
         f"{table} = {json.dumps(words[table]).replace(':', ' =')}"
-        for table in ("synonyms", "extremes", "pronouns", "several", "spelling")
+        for table in ("synonyms", "extremes", "pronouns", "several", "arrangements", "spelling")
     ]
     for table in ("relations", "rules"):
         lines.append(f"[{table}]")
@@ -137,7 +137,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
     ("edit", "problem"),
     [
         (lambda w: w["rules"].pop("command"), r"everyday\.rules\.command: is missing"),
-        (lambda w: w["rules"]["do"].append("{pushing}"), r"rules\.do: unknown rule {pushing}"),
+        (lambda w: w["rules"]["on"].append("{pushing}"), r"rules\.on: unknown rule {pushing}"),
         (lambda w: w["rules"]["noun"].append("{noun}"), r"rules\.noun: contains itself"),
         (lambda w: w["rules"]["on"].append("{where}"), "contains itself"),
         (lambda w: w["rules"]["ordinal"].pop(), r"rules\.ordinal: expected 8 alternatives"),
@@ -169,6 +169,24 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["several"]["between"].append("off-of"), "between: 'off-of' is not a word of"),
         (lambda w: w["several"]["plurals"].update(hers="her"), "plurals.hers: 'her' is not a word"),
         (lambda w: w["several"]["plurals"].update(red="it"), "'red' is a word that describes"),
+        (lambda w: w["arrangements"].update(next="hm"), "arrangements: 'hm' is not a word of the"),
+        (
+            lambda w: w["arrangements"]["steps"]["up"].update(order="pat"),
+            "arrangements: 'pat' is not a word of the grammar",
+        ),
+        (
+            lambda w: w["arrangements"]["patterns"][0]["openings"].append("{heap} of"),
+            "no rule 'heap'; add it to arrangements.rules",
+        ),
+        (
+            lambda w: w["arrangements"]["patterns"][0]["openings"].append(""),
+            "expected words before the list",
+        ),
+        (
+            lambda w: w["arrangements"]["patterns"][0]["closings"].update(across="across"),
+            "'across': no steps 'across'",
+        ),
+        (lambda w: w["arrangements"].pop("between"), "arrangements.between"),
         (lambda w: w["rules"].pop("several"), r"everyday\.rules\.several: is missing"),
     ],
 )

@@ -49,6 +49,7 @@ LEAST_UNDERSTOOD = {
     "several": 99,
     "several held out": 99,
     "several in scenes": 55,
+    "towers and rows": 95,
     "pronouns": 95,
     "pronouns held out": 95,
     "sentences": 87,
@@ -56,6 +57,7 @@ LEAST_UNDERSTOOD = {
 }
 MOST_TAKEN_FOR_ELSE = {
     "test; everyday wording held out": 0.3,
+    "no towers and rows": 0.2,
     "mixed; 3 steps": 0.5,
     "mixed; 5 steps": 0.5,
     "pronouns": 0.2,

@@ -1,5 +1,6 @@
 //! A description of a model, as text or as JSON: domain, dimensions, memory and metrics.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use nsrm_codegen::{hexadecimal, memory_report};
@@ -75,6 +76,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "extremes": extremes(&model),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
         "pronouns": pronouns(&model),
+        "arrangements": arrangements(&model),
         "lexicon": model.lexicon.iter().map(|entry| entry.text).collect::<Vec<_>>(),
         "dimensions": object(&DIMENSIONS),
         "capacities": object(&CAPACITIES),
@@ -154,6 +156,27 @@ fn pronouns<'a>(model: &Model<'a>) -> Vec<&'a str> {
     words.map(|word| word.text).collect()
 }
 
+/// How towers and rows are said: the texts before and behind a list that go together.
+fn arrangements(model: &Model<'_>) -> Vec<Value> {
+    let said = model.arrangements;
+    let patterns = said.closings.iter().map(|closing| closing.pattern);
+    let patterns: BTreeSet<u8> = patterns.collect();
+    let texts = |pattern| {
+        let before = said
+            .openings
+            .iter()
+            .filter(move |opening| opening.pattern == pattern);
+        let behind = said
+            .closings
+            .iter()
+            .filter(move |closing| closing.pattern == pattern);
+        let before: Vec<&str> = before.map(|opening| opening.text).collect();
+        let behind: Vec<&str> = behind.map(|closing| closing.text).collect();
+        json!({"before": before, "behind": behind})
+    };
+    patterns.into_iter().map(texts).collect()
+}
+
 /// The same as text.
 pub fn info_text(any: &AnyModel) -> String {
     let model = any.model();
@@ -179,6 +202,12 @@ pub fn info_text(any: &AnyModel) -> String {
     line("relations", or_none(relations(&model)));
     line("extremes", or_none(extremes(&model)));
     line("pronouns", or_none(pronouns(&model)));
+    let said = model.arrangements;
+    let (before, behind) = (said.openings.len(), said.closings.len());
+    line(
+        "towers and rows",
+        format!("{before} texts before a list, {behind} behind it; --json lists them"),
+    );
     let words: Vec<&str> = model.words.iter().map(|word| word.text).collect();
     line("words", words.join(" "));
     line("dimensions", pairs(&DIMENSIONS));

@@ -24,8 +24,8 @@ const EXECUTED: [(&str, &[u32]); 5] = [
     ("put the yellow block to the right of the green one", &[3]),
 ];
 
-/// Sentences with relations, extremes, several objects and pronouns, and their programs.
-const PARSED: [(&str, &str); 16] = [
+/// Sentences with relations, extremes, several objects, pronouns, towers and rows, and their programs.
+const PARSED: [(&str, &str); 20] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -89,6 +89,26 @@ const PARSED: [(&str, &str); 16] = [
         "Action(MoveOn, All(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
     ),
     (
+        "build a tower of the red block, the green one and the small blue one",
+        "Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))\n\
+         Action(MoveOn, Unique(Filter(small, Filter(blue, Scene()))), Unique(Filter(green, Scene())))",
+    ),
+    (
+        "Stack the red, green and blue blocks from top to bottom, please.",
+        "Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(blue, Scene())))\n\
+         Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(green, Scene())))",
+    ),
+    (
+        "could you put the red block and the blue one next to each other, then put the white one on it",
+        "Action(MoveRight, Unique(Filter(blue, Scene())), Unique(Filter(red, Scene())))\n\
+         Action(MoveOn, Unique(Filter(white, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "take the block left of the white one and the small red block and line them up from front to back",
+        "Action(MoveBehind, Unique(Filter(small, Filter(red, Scene()))), \
+         Unique(Relate(MoveLeft, Unique(Filter(white, Scene())))))",
+    ),
+    (
         "put the red block on the blue one and the green one on it",
         "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
          Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
@@ -105,8 +125,21 @@ const PARSED: [(&str, &str); 16] = [
     ),
 ];
 
+/// What resembles a tower or a row; elsewhere its words are unknown.
+const NOT_ARRANGED: [&str; 9] = [
+    "build a tower of the red block",
+    "build a tower of the red or the green block",
+    "build a tower of red and not green",
+    "build a tower of red and green on the blue block",
+    "build a tower of red and green, on the blue block",
+    "line up red and green left of the blue one",
+    "build a tower of red and green from left to right",
+    "don't stack the red and the green block",
+    "put the red block on the tower",
+];
+
 /// All of known words.
-const REFUSED: [&str; 24] = [
+const REFUSED: [&str; 25] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -134,6 +167,8 @@ const REFUSED: [&str; 24] = [
     "put all the leftmost blocks on the red one",
     "put all blocks nearest to the red one on the blue one",
     "put both the red block and the green block on the blue one",
+    // Two objects, and not one on the other.
+    "stack the red block and the green block on the blue one",
     "put all red blocks on the blue one and then put the green one on it",
     // What nothing stands for, or what does not lie there any more, or two ways to read it.
     "put it on the red block",
@@ -156,6 +191,11 @@ fn what_is_meant_is_planned_and_what_is_meant_otherwise_refused() {
         let parsed = parsed.unwrap_or_else(|refusal| panic!("{sentence}: {refusal}"));
         let program = parsed.program().notation(&TABLETOP).to_string();
         assert_eq!(program, expected, "{sentence}");
+    }
+    for sentence in NOT_ARRANGED {
+        if let Ok(parsed) = planner.parse(sentence) {
+            panic!("{sentence}: {}", parsed.program().notation(&TABLETOP));
+        }
     }
     for sentence in REFUSED {
         // By the parser, whatever the scene, and not for a word alone.

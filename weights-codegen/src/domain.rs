@@ -47,6 +47,9 @@ pub struct Domain {
     /// What may be said of several objects.
     #[serde(default)]
     pub several: Several,
+    /// How towers and rows are said.
+    #[serde(default)]
+    pub arrangements: Arrangements,
     /// What unknown words are read as.
     #[serde(default)]
     pub spelling: Spelling,
@@ -66,6 +69,65 @@ pub struct Several {
     pub between: Vec<String>,
     /// Words in the plural, each with its singular: "blocks", "them".
     pub plurals: BTreeMap<String, String>,
+}
+
+/// How towers and rows are said, "build a tower of red, green and blue"; without it, they cannot be said.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Arrangements {
+    /// Words between the objects of a list.
+    pub between: BTreeSet<String>,
+    /// Words before which a list ends.
+    pub ends: BTreeSet<String>,
+    /// What is read between two steps.
+    pub next: String,
+    /// What is meant, by name.
+    pub steps: BTreeMap<String, ArrangedStep>,
+    /// What is said.
+    pub patterns: Vec<Pattern>,
+}
+
+/// As what the steps of an arrangement are read.
+#[derive(Debug, Clone, Deserialize)]
+pub struct ArrangedStep {
+    /// What is read before the object that is moved.
+    pub order: String,
+    /// What is read between it and the one before it.
+    pub relation: String,
+    /// Whether the list begins with the last object.
+    #[serde(default)]
+    pub reversed: bool,
+}
+
+/// What may stand before and behind the objects of a list.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Pattern {
+    /// Before it.
+    pub openings: Vec<String>,
+    /// Behind it, or an empty text for nothing, each with what is then meant.
+    pub closings: BTreeMap<String, String>,
+}
+
+impl Arrangements {
+    /// Each opening with the index of its pattern, sorted by text.
+    pub(crate) fn openings(&self) -> Vec<(&str, usize)> {
+        let each = self.patterns.iter().enumerate();
+        let each = each
+            .flat_map(|(index, pattern)| pattern.openings.iter().map(move |text| (&**text, index)));
+        let mut openings: Vec<_> = each.collect();
+        openings.sort_unstable();
+        openings
+    }
+
+    /// Each closing with the index of its pattern and the name of what is meant.
+    pub(crate) fn closings(&self) -> impl Iterator<Item = (&str, usize, &str)> + Clone {
+        let each = self.patterns.iter().enumerate();
+        each.flat_map(|(index, pattern)| {
+            pattern
+                .closings
+                .iter()
+                .map(move |(text, meant)| (&**text, index, &**meant))
+        })
+    }
 }
 
 /// How people say commands: rules whose alternatives contain words and `{rules}`.
@@ -285,6 +347,7 @@ impl Domain {
             None => {
                 self.check_pronouns()?;
                 self.check_several()?;
+                self.check_arrangements()?;
                 self.check_spelling()
             }
         }
@@ -324,6 +387,40 @@ impl Domain {
         }
         match plurals.keys().find(|word| !readable(word)) {
             Some(word) => Err(ModelError::UnreadableWord { word: word.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that towers and rows are said in words that can be read, and read as those of the domain.
+    fn check_arrangements(&self) -> Result<(), ModelError> {
+        let words = self.words();
+        let said = &self.arrangements;
+        at_most("arrangements", MAX_NAMES, said.steps.len())?;
+        at_most("patterns of arrangements", MAX_NAMES, said.patterns.len())?;
+        let read_as = said
+            .steps
+            .values()
+            .flat_map(|step| [&step.order, &step.relation]);
+        let next = (!said.steps.is_empty()).then_some(&said.next);
+        let mut read_as = read_as.chain(next).flat_map(|text| text.split(' '));
+        if let Some(word) = read_as.find(|word| !words.contains(*word)) {
+            return Err(ModelError::Arrangement { word: word.into() });
+        }
+        if let Some((.., name)) = said
+            .closings()
+            .find(|(.., name)| !said.steps.contains_key(*name))
+        {
+            return Err(ModelError::ArrangedSteps { name: name.into() });
+        }
+        let openings = said.openings();
+        let closings = said.closings().filter(|(text, ..)| !text.is_empty());
+        let texts = closings.map(|(text, ..)| text);
+        let texts = texts.chain(openings.iter().map(|(text, _)| *text));
+        let mut words = texts
+            .flat_map(|text| text.split(' '))
+            .chain(said.between.iter().chain(&said.ends).map(String::as_str));
+        match words.find(|word| !readable(word)) {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
             None => Ok(()),
         }
     }

@@ -26,9 +26,9 @@ use nsrm_core::Camera;
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
-    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, PixelToCamera,
-    Plural, Pronoun, Several, Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder,
-    Vision, Word, WordEmbeddings, WorkSpace,
+    Action, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
+    LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several, Simulator, Spelling,
+    Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };
 #[rustfmt::skip]
 use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};

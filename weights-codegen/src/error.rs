@@ -114,6 +114,18 @@ pub enum ModelError {
         /// The word.
         word: String,
     },
+    /// An arrangement is read as something that is not a word of the domain.
+    #[error("domain: arrangements: {word:?} is not a word of the domain; name one that is")]
+    Arrangement {
+        /// The word.
+        word: String,
+    },
+    /// What closes an arrangement means steps that are not there.
+    #[error("domain: arrangements.patterns: no steps {name:?}; name some of arrangements.steps")]
+    ArrangedSteps {
+        /// The name.
+        name: String,
+    },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
     #[error(fmt = edges)]

@@ -1,8 +1,9 @@
 //! A model that owns its parameters and texts.
 
 use nsrm_core::model::{
-    Action, Attribute, Concept, Header, Heard, Language, LexiconEntry, Model, Plural, Pronoun,
-    Several, Spelling, View, Vision, Word, WordEmbeddings,
+    Action, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
+    LexiconEntry, Model, Opening, Plural, Pronoun, Several, Spelling, View, Vision, Word,
+    WordEmbeddings,
 };
 use safetensors::SafeTensors;
 use self_cell::self_cell;
@@ -43,12 +44,23 @@ struct Parts<'a> {
     pronouns: Vec<Pronoun>,
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
+    arrangements: ArrangementParts<'a>,
     heard: Vec<Heard<'a>>,
     other_words: Vec<u16>,
     attributes: Vec<Attribute<'a>>,
     concepts: Vec<Concept<'a>>,
     actions: Vec<Action<'a>>,
     folded: &'a Folded,
+}
+
+/// What core reads as slices of [`Arrangements`].
+struct ArrangementParts<'a> {
+    between: Vec<&'a str>,
+    ends: Vec<&'a str>,
+    next: &'a str,
+    arrangements: Vec<Arrangement<'a>>,
+    openings: Vec<Opening<'a>>,
+    closings: Vec<Closing<'a>>,
 }
 
 self_cell!(
@@ -129,6 +141,7 @@ impl OwnedModel {
                     .with_between(&parts.between)
                     .with_plurals(&parts.plurals),
             )
+            .with_arrangements(parts.arrangements.lent())
             .with_spelling(
                 Spelling::new()
                     .with_heard(&parts.heard)
@@ -227,6 +240,7 @@ impl<'a> Parts<'a> {
                     Ok(Plural::new().with_text(text).with_word(word))
                 })
                 .collect::<Result<_, ModelError>>()?,
+            arrangements: ArrangementParts::new(&domain.arrangements)?,
             heard: domain
                 .spelling
                 .heard
@@ -278,6 +292,47 @@ impl<'a> Parts<'a> {
                 .collect(),
             folded,
         })
+    }
+}
+
+impl<'a> ArrangementParts<'a> {
+    fn new(said: &'a domain::Arrangements) -> Result<Self, ModelError> {
+        let opening = |(text, pattern)| {
+            let pattern = index("patterns of arrangements", pattern)?;
+            Ok(Opening::new().with_text(text).with_pattern(pattern))
+        };
+        let closing = |(text, pattern, meant): (&'a str, usize, &str)| {
+            let pattern = index("patterns of arrangements", pattern)?;
+            let found = said.steps.keys().position(|name| name == meant);
+            let found = found.ok_or_else(|| ModelError::ArrangedSteps { name: meant.into() })?;
+            let closing = Closing::new().with_text(text).with_pattern(pattern);
+            Ok(closing.with_arrangement(index("arrangements", found)?))
+        };
+        let arrangement = |steps: &'a domain::ArrangedStep| {
+            Arrangement::new()
+                .with_order(&steps.order)
+                .with_relation(&steps.relation)
+                .with_is_reversed(steps.reversed)
+        };
+        let (openings, closings) = (said.openings().into_iter(), said.closings());
+        Ok(Self {
+            between: said.between.iter().map(String::as_str).collect(),
+            ends: said.ends.iter().map(String::as_str).collect(),
+            next: &said.next,
+            arrangements: said.steps.values().map(arrangement).collect(),
+            openings: openings.map(opening).collect::<Result<_, ModelError>>()?,
+            closings: closings.map(closing).collect::<Result<_, ModelError>>()?,
+        })
+    }
+
+    fn lent(&self) -> Arrangements<'_> {
+        Arrangements::new()
+            .with_between(&self.between)
+            .with_ends(&self.ends)
+            .with_next(self.next)
+            .with_arrangements(&self.arrangements)
+            .with_openings(&self.openings)
+            .with_closings(&self.closings)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use nsrm_core::Camera;
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Attribute, Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard,
-    INSTRUCTION, LexiconEntry, Model, PixelToCamera, Plural, Pronoun, SPLITTER_HIDDEN,
-    SPLITTER_WORD, Simulator, Superlative, Thresholds, WORD, Word, WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Concept, ENCODER_HIDDEN,
+    HAZARD_INPUT, Header, Heard, INSTRUCTION, LexiconEntry, Model, Opening, PixelToCamera, Plural,
+    Pronoun, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Thresholds, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 
 use crate::tree::{Describe, Node, describe};
@@ -34,6 +35,9 @@ describe! {
     LexiconEntry<'_> { text, property }
     Pronoun { word, owner }
     Plural<'_> { text, word }
+    Arrangement<'_> { order, relation, is_reversed }
+    Opening<'_> { text, pattern }
+    Closing<'_> { text, pattern, arrangement }
     Heard<'_> { text, read_as }
     Attribute<'_> { name, view, hidden, output }
     Concept<'_> { name, attribute, embedding, edges_m }
@@ -63,6 +67,20 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                     [
                         ("between", Node::Reference("BETWEEN")),
                         ("plurals", Node::Reference("PLURALS")),
+                    ],
+                ),
+            ),
+            (
+                "arrangements",
+                Node::record(
+                    "Arrangements",
+                    [
+                        ("between", Node::Reference("LIST_BETWEEN")),
+                        ("ends", Node::Reference("LIST_ENDS")),
+                        ("next", model.arrangements.next.describe()),
+                        ("arrangements", Node::Reference("ARRANGEMENTS")),
+                        ("openings", Node::Reference("OPENINGS")),
+                        ("closings", Node::Reference("CLOSINGS")),
                     ],
                 ),
             ),
@@ -131,6 +149,36 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "several.plurals",
             "Plural<'static>",
             model.several.plurals,
+        ),
+        table(
+            "LIST_BETWEEN",
+            "arrangements.between",
+            "&str",
+            model.arrangements.between,
+        ),
+        table(
+            "LIST_ENDS",
+            "arrangements.ends",
+            "&str",
+            model.arrangements.ends,
+        ),
+        table(
+            "ARRANGEMENTS",
+            "arrangements.arrangements",
+            "Arrangement<'static>",
+            model.arrangements.arrangements,
+        ),
+        table(
+            "OPENINGS",
+            "arrangements.openings",
+            "Opening<'static>",
+            model.arrangements.openings,
+        ),
+        table(
+            "CLOSINGS",
+            "arrangements.closings",
+            "Closing<'static>",
+            model.arrangements.closings,
         ),
         table(
             "HEARD",

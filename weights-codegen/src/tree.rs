@@ -46,6 +46,15 @@ impl Describe for f32 {
     }
 }
 
+impl Describe for bool {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: self.to_string(),
+            bytes: size_of::<bool>(),
+        }
+    }
+}
+
 impl Describe for u8 {
     fn describe(&self) -> Node {
         Node::Scalar {

@@ -64,6 +64,20 @@ fn names_stand_with_their_parameters() {
             .map(|plural| (plural.text, plural.word))
             .eq([("jars", 2)])
     );
+    let said = model.arrangements;
+    assert_eq!(
+        (said.between, said.ends, said.next),
+        (&[",", "and"][..], &["then"][..], ", then")
+    );
+    let steps = said.arrangements.iter();
+    let steps = steps.map(|steps| (steps.order, steps.relation, steps.is_reversed));
+    assert!(steps.eq([("shift", "onto", true), ("shift the", "onto", false)]));
+    let openings = said.openings.iter();
+    let openings = openings.map(|opening| (opening.text, opening.pattern));
+    assert!(openings.eq([("a pile of", 0), ("heap", 1), ("pile", 0)]));
+    let closings = said.closings.iter();
+    let closings = closings.map(|closing| (closing.text, closing.pattern, closing.arrangement));
+    assert!(closings.eq([("", 0, 1), ("downwards", 0, 0), ("up", 1, 1)]));
     let heard = model.spelling.heard.iter();
     let heard = heard.map(|heard| (heard.text, heard.read_as));
     assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));

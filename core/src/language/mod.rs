@@ -6,6 +6,7 @@
 //! paper. Adjacent words of this kind become one token.
 
 mod acceptability;
+mod arrangements;
 mod decoders;
 mod encoder;
 mod nearest;
@@ -17,6 +18,7 @@ mod spelling;
 mod splitter;
 mod task;
 mod tokens;
+mod words;
 
 pub use acceptability::Acceptability;
 pub use decoders::{choose_action, choose_group};
@@ -28,4 +30,5 @@ pub use relations::{GroupRole, choose_role};
 pub use spelling::{Correction, word_hash};
 pub use splitter::{SPLIT_HAZARD, Splitter};
 pub use task::ParsingTask;
-pub use tokens::{Corrections, Reader, Span, Token, TokenKind, Tokens};
+pub use tokens::{Corrections, Reader, Token, TokenKind, Tokens};
+pub use words::Span;

@@ -62,9 +62,11 @@ impl Segments {
     /// * `sentence`: all tokens
     pub(super) fn span(&self, step: usize, sentence: &[Token]) -> Span {
         let tokens = sentence.get(self.tokens(step)).unwrap_or_default();
+        // Those of towers and rows are in another order.
+        let spans = tokens.iter().map(|token| token.span);
         Span {
-            start: tokens.first().map_or(0, |token| token.span.start),
-            end: tokens.last().map_or(0, |token| token.span.end),
+            start: spans.clone().map(|span| span.start).min().unwrap_or(0),
+            end: spans.map(|span| span.end).max().unwrap_or(0),
         }
     }
 

@@ -216,6 +216,8 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                     return Stage::Done(unknown.or(self.ambiguous_pronoun()));
                 }
             }
+            // In other readings, words of a tower or a row may be unknown.
+            Some(Refusal::UnknownWord { .. }) if self.accepted.is_some() => {}
             Some(refusal) if is_final(refusal) => return Stage::Done(Some(refusal)),
             Some(refusal) => {
                 self.refused.get_or_insert(refusal);

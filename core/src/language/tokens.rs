@@ -1,29 +1,15 @@
 use heapless::Vec;
 
+use super::arrangements::Said;
 use super::pronouns::pronoun;
 use super::spelling::{Correction, KnownWord, alternatives};
+use super::words::{Span, find, is_full_stop, is_space, next_word, word};
 use crate::capacity::{
     ARGUMENTS, MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS,
 };
 use crate::dsl::{Filters, Property};
 use crate::model::{Model, WordEmbeddings};
 use crate::refusal::Refusal;
-
-/// A place in a sentence: bytes `start..end`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Span {
-    /// First byte.
-    pub start: u16,
-    /// One after the last byte.
-    pub end: u16,
-}
-
-impl Span {
-    /// The part of `sentence`; `None` if the span is of another sentence and does not fit.
-    pub fn of<'a>(&self, sentence: &'a str) -> Option<&'a str> {
-        sentence.get(usize::from(self.start)..usize::from(self.end))
-    }
-}
 
 /// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +21,8 @@ pub enum TokenKind {
     Group(Filters),
     /// A pronoun that is read as a group: it stands for what the step before moved.
     Pronoun,
+    /// An unknown word, which only what is said of a tower or a row may have.
+    Unknown,
 }
 
 /// A token with its place in the sentence.
@@ -48,7 +36,7 @@ pub struct Token {
 }
 
 impl Token {
-    /// Its embeddings; `None` only for a token of another model.
+    /// Its embeddings; `None` only for an unknown word and a token of another model.
     pub fn embeddings<'a>(&self, model: &Model<'a>) -> Option<&'a WordEmbeddings> {
         match self.kind {
             TokenKind::Word(index) => model
@@ -56,19 +44,20 @@ impl Token {
                 .get(usize::from(index))
                 .map(|word| &word.embeddings),
             TokenKind::Group(_) | TokenKind::Pronoun => Some(model.group),
+            TokenKind::Unknown => None,
         }
     }
 
     /// Whether it describes an object: a group or a pronoun.
     pub const fn is_group(&self) -> bool {
-        !matches!(self.kind, TokenKind::Word(_))
+        matches!(self.kind, TokenKind::Group(_) | TokenKind::Pronoun)
     }
 
     /// The concepts, if it is a group.
     pub const fn filters(&self) -> Option<&Filters> {
         match &self.kind {
-            TokenKind::Word(_) | TokenKind::Pronoun => None,
             TokenKind::Group(filters) => Some(filters),
+            _ => None,
         }
     }
 }
@@ -96,6 +85,9 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// stand before the values ([`crate::model::Several`]): in "all of the red blocks", "all" and "red"
 /// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
 /// where it is followed so.
+///
+/// The words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, once
+/// the whole sentence is read; where they may mean something else, the sentence has two readings.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
@@ -126,6 +118,8 @@ pub struct Reader {
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
+    /// Before this token, arrangements have been replaced.
+    arranged: usize,
 }
 
 impl Reader {
@@ -162,15 +156,25 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
+            arranged: 0,
         }
     }
 
-    /// Reads the next word of the sentence; false if none is left.
+    /// Reads the next word of the sentence, or then looks for an arrangement at the next token; false if
+    /// none is left.
     ///
     /// Cost: one pass over the word and the white space before it, and one binary search in the
     /// lexicon and the words. For a word that is not found there, a few comparisons with each letter
     /// of each of the model's words.
     pub fn advance(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
+        let read = match self.read_word(model, sentence) {
+            Ok(false) => self.arrange(model, sentence),
+            read => read,
+        };
+        read.map_err(|refusal| self.unknown().unwrap_or(refusal))
+    }
+
+    fn read_word(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         let words = sentence.get(..self.end).unwrap_or_default();
         let Some((text, span)) = next_word(words, self.rest_from) else {
             return Ok(false);
@@ -187,13 +191,15 @@ impl Reader {
                 self.add_word(model, words, index, span)?;
             }
         } else {
-            match self.correct(model, text, span)? {
-                KnownWord::Word(index) => self.add_word(model, words, index, span)?,
-                KnownWord::Concept(index) => {
+            match self.correct(model, text, span) {
+                Ok(KnownWord::Word(index)) => self.add_word(model, words, index, span)?,
+                Ok(KnownWord::Concept(index)) => {
                     let entry = model.lexicon.get(usize::from(index));
                     let property = entry.ok_or(Refusal::InvalidModel)?.property;
                     self.add_property(model, property, span)?;
                 }
+                Err(unknown) if model.arrangements.openings.is_empty() => return Err(unknown),
+                Err(_) => self.add(TokenKind::Unknown, span)?,
             }
         }
         Ok(true)
@@ -245,9 +251,12 @@ impl Reader {
         plural.map(|(_, plural)| plural.word)
     }
 
-    /// What an unknown word is read as.
+    /// What an unknown word is read as; a plural is not misspelt.
     fn correct(&mut self, model: &Model<'_>, text: &str, span: Span) -> Result<KnownWord, Refusal> {
         let unknown = Refusal::UnknownWord { span };
+        if find(model.several.plurals, text, |plural| plural.text).is_some() {
+            return Err(unknown);
+        }
         let alternatives = alternatives(model, text);
         let chosen = self.choose(alternatives.len()).ok_or(unknown)?;
         let word = *alternatives.get(chosen).ok_or(unknown)?;
@@ -333,12 +342,57 @@ impl Reader {
     }
 
     fn add(&mut self, kind: TokenKind, span: Span) -> Result<(), Refusal> {
-        self.tokens
-            .push(Token { kind, span })
-            .map_err(|_| Refusal::SentenceTooLong {
-                limit: MAX_TOKENS as u16,
-                unit: crate::refusal::LengthUnit::Tokens,
-            })
+        push(&mut self.tokens, kind, span)
+    }
+
+    /// Replaces the arrangement at the next token, if there is one; false if all tokens have been looked
+    /// at, and none is unknown.
+    fn arrange(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
+        let Some(rest) = self.tokens.get(self.arranged..) else {
+            return Ok(false);
+        };
+        let said = Said { model, sentence };
+        if rest.is_empty() || (self.arranged == 0 && !said.has_list(rest)) {
+            return self.unknown().map_or(Ok(false), Err);
+        }
+        if said.arrangement(rest).is_some() {
+            self.replace(said)?;
+        } else {
+            self.arranged = self.arranged.saturating_add(1);
+        }
+        Ok(true)
+    }
+
+    /// Replaces the arrangement at the next token by its steps. Words that have another meaning without
+    /// it have two readings.
+    #[inline(never)]
+    fn replace(&mut self, said: Said<'_, '_>) -> Result<(), Refusal> {
+        let mut before = Tokens::new();
+        // As many fit.
+        let _ = before.extend_from_slice(&self.tokens);
+        let rest = before.get(self.arranged..).unwrap_or_default();
+        let Some(found) = said.arrangement(rest) else {
+            return Ok(());
+        };
+        if self.unknown().is_none() && self.choose(2) != Some(1) {
+            self.arranged = self.arranged.saturating_add(found.length());
+            return Ok(());
+        }
+        self.tokens.truncate(self.arranged);
+        said.write(&found, &mut self.tokens)?;
+        self.arranged = self.tokens.len();
+        let rest = rest.get(found.length()..).unwrap_or_default();
+        for token in rest {
+            self.add(token.kind, token.span)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses the first unknown word.
+    fn unknown(&self) -> Option<Refusal> {
+        let mut tokens = self.tokens.iter();
+        let token = tokens.find(|token| token.kind == TokenKind::Unknown)?;
+        Some(Refusal::UnknownWord { span: token.span })
     }
 }
 
@@ -348,11 +402,14 @@ fn may_describe(model: &Model<'_>, text: &str) -> bool {
         || word(model, text).is_some_and(|index| pronoun(model, index).is_some())
 }
 
-/// The index of a word outside the lexicon.
-fn word(model: &Model<'_>, text: &str) -> Option<u16> {
-    let (index, _) = find(model.words, text, |word| word.text)?;
-    // There are no more than a u16 can count: the model was checked.
-    u16::try_from(index).ok()
+/// Appends a token, as far as there is room.
+pub(super) fn push(tokens: &mut Tokens, kind: TokenKind, span: Span) -> Result<(), Refusal> {
+    tokens
+        .push(Token { kind, span })
+        .map_err(|_| Refusal::SentenceTooLong {
+            limit: MAX_TOKENS as u16,
+            unit: crate::refusal::LengthUnit::Tokens,
+        })
 }
 
 /// What a group says that excludes a further property.
@@ -374,109 +431,10 @@ fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Opti
     }
 }
 
-const fn is_full_stop(c: char) -> bool {
-    matches!(c, '.' | '!' | '?')
-}
-
-const fn is_mark(c: char) -> bool {
-    is_full_stop(c) || matches!(c, ':' | '\'' | '’')
-}
-
-fn is_space(c: char) -> bool {
-    c.is_whitespace() || matches!(c, '"' | '“' | '”' | '„')
-}
-
-const fn is_comma(c: char) -> bool {
-    matches!(c, ',' | ';')
-}
-
-/// The first non-empty word at or after byte `from`, and its place.
-fn next_word(sentence: &str, from: usize) -> Option<(&str, Span)> {
-    let rest = sentence.get(from..)?;
-    let word = rest.trim_start_matches(is_space);
-    let start = from + (rest.len() - word.len());
-    let first = word.chars().next()?;
-    let length = if is_comma(first) || is_mark(first) {
-        first.len_utf8()
-    } else {
-        let length = word
-            .find(|c: char| is_space(c) || is_comma(c))
-            .unwrap_or(word.len());
-        word.get(..length)?.trim_end_matches(is_mark).len()
-    };
-    let span = Span {
-        start: u16::try_from(start).ok()?,
-        end: u16::try_from(start + length).ok()?,
-    };
-    Some((word.get(..length)?, span))
-}
-
-/// The letters of a word in lower case.
-fn letters(word: &str) -> impl Iterator<Item = char> + '_ {
-    let plain = |c| if c == '’' { '\'' } else { c };
-    word.chars().map(plain).flat_map(char::to_lowercase)
-}
-
-/// The entry whose text is `word` in lower case, and its index.
-fn find<'a, T>(entries: &'a [T], word: &str, text: fn(&T) -> &str) -> Option<(usize, &'a T)> {
-    // In UTF-8, bytes are in the order of letters.
-    let index = if word.is_ascii() {
-        entries.binary_search_by(|entry| {
-            let lower = word.bytes().map(|byte| byte.to_ascii_lowercase());
-            text(entry).bytes().cmp(lower)
-        })
-    } else {
-        entries.binary_search_by(|entry| text(entry).chars().cmp(letters(word)))
-    };
-    let index = index.ok()?;
-    entries.get(index).map(|entry| (index, entry))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dsl::Extreme;
-
-    fn words(sentence: &str) -> std::vec::Vec<&str> {
-        let mut words = std::vec::Vec::new();
-        let mut from = 0;
-        while let Some((word, span)) = next_word(sentence, from) {
-            assert_eq!(span.of(sentence), Some(word));
-            assert!(usize::from(span.end) > from || from == 0);
-            from = usize::from(span.end);
-            words.push(word);
-        }
-        words
-    }
-
-    #[test]
-    fn words_are_parted_at_white_space_commas_and_marks_at_their_ends() {
-        assert_eq!(words("  put\tthe\u{a0}red "), ["put", "the", "red"]);
-        assert_eq!(words("red,blue;then"), ["red", ",", "blue", ";", "then"]);
-        assert_eq!(words("\"red\" “don't”."), ["red", "don't", "."]);
-        assert_eq!(words("1. 'red' \""), ["1", ".", "'", "red", "'"]);
-        assert_eq!(words("größe 1.5!?"), ["größe", "1.5", "!", "?"]);
-        assert_eq!(words(" \n"), [""; 0]);
-    }
-
-    #[test]
-    fn case_is_folded_letter_by_letter() {
-        let known = ["don't", "kırmızı", "weiß", "λευκός"];
-        for (word, expected) in [
-            ("WEIß", Some(2)),
-            ("WEIẞ", Some(2)),
-            ("WEISS", None),
-            ("KıRMıZı", Some(1)),
-            ("KIRMIZI", None),
-            ("KİRMİZİ", None),
-            ("ΛΕΥΚΌς", Some(3)),
-            ("ΛΕΥΚΌΣ", None),
-            ("Don’t", Some(0)),
-        ] {
-            let found = find(&known, word, |text| text).map(|(index, _)| index);
-            assert_eq!(found, expected, "{word}");
-        }
-    }
 
     fn read(sentence: &str) -> std::vec::Vec<Token> {
         let model = crate::fixture::model();
@@ -491,7 +449,7 @@ mod tests {
         let texts = tokens.iter().map(|token| match &token.kind {
             TokenKind::Word(index) => std::format!("{index}"),
             TokenKind::Group(filters) => std::format!("{:?}", filters.concepts()),
-            TokenKind::Pronoun => "pronoun".into(),
+            other => std::format!("{other:?}"),
         });
         let texts: std::vec::Vec<_> = texts.collect();
         assert_eq!(texts, ["5", "[3, 1]", "0", "[0]", "0", "7", "[2]"]);

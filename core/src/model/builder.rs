@@ -2,11 +2,12 @@
 //! output of nsrm-codegen still compiles.
 
 use super::{
-    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
-    Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
-    OPERATOR_HIDDEN, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Thresholds,
-    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Arrangement, Arrangements, Attribute, CONCEPT, Closing, Concept,
+    ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry,
+    MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural,
+    Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling,
+    Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings,
+    WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::Property;
@@ -53,6 +54,7 @@ builder! {
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         several, with_several: Several<'a> = Several::UNSET;
+        arrangements, with_arrangements: Arrangements<'a> = Arrangements::UNSET;
         spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
@@ -105,6 +107,28 @@ builder! {
     ['a] Plural<'a> {
         text, with_text: &'a str = "";
         word, with_word: u16 = u16::MAX;
+    }
+    ['a] Arrangements<'a> {
+        between, with_between: &'a [&'a str] = &[];
+        ends, with_ends: &'a [&'a str] = &[];
+        next, with_next: &'a str = "";
+        arrangements, with_arrangements: &'a [Arrangement<'a>] = &[];
+        openings, with_openings: &'a [Opening<'a>] = &[];
+        closings, with_closings: &'a [Closing<'a>] = &[];
+    }
+    ['a] Arrangement<'a> {
+        order, with_order: &'a str = "";
+        relation, with_relation: &'a str = "";
+        is_reversed, with_is_reversed: bool = false;
+    }
+    ['a] Opening<'a> {
+        text, with_text: &'a str = "";
+        pattern, with_pattern: u8 = NOWHERE;
+    }
+    ['a] Closing<'a> {
+        text, with_text: &'a str = "";
+        pattern, with_pattern: u8 = NOWHERE;
+        arrangement, with_arrangement: u8 = NOWHERE;
     }
     ['a] Spelling<'a> {
         heard, with_heard: &'a [Heard<'a>] = &[];

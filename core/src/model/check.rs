@@ -42,6 +42,19 @@ pub enum ModelFault<'a> {
     /// Plurals are not sorted and unique, in the lexicon, or of no word; the plural.
     #[error("plural \"{0}\" is out of order, repeated, in the lexicon or of no word")]
     Plural(&'a str),
+    /// What opens an arrangement has no words, or is not sorted; the opening.
+    #[error("opening \"{0}\" of an arrangement is out of order or empty")]
+    Opening(&'a str),
+    /// Words between the objects of a list, or before which it ends, are not sorted and unique; the
+    /// word out of order.
+    #[error("word \"{0}\" between or behind the objects of a list is out of order or repeated")]
+    ListWord(&'a str),
+    /// A closing names no arrangement; the closing.
+    #[error("closing \"{0}\" names an arrangement that isn't there")]
+    Closing(&'a str),
+    /// A word that an arrangement is read as is none of the model's; the word.
+    #[error("word \"{0}\", as which an arrangement is read, isn't there")]
+    ArrangementWord(&'a str),
     /// Words that are heard as others are not sorted and unique, or known themselves; the word.
     #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
     HeardOrder(&'a str),
@@ -199,6 +212,7 @@ impl<'a> Model<'a> {
         }
         self.check_pronouns()?;
         self.check_several()?;
+        self.check_arrangements()?;
         self.check_spelling()
     }
 
@@ -232,6 +246,38 @@ impl<'a> Model<'a> {
             before = plural.text;
         }
         Ok(())
+    }
+
+    fn check_arrangements(&self) -> Result<(), ModelFault<'a>> {
+        let said = &self.arrangements;
+        let is_there = |index: u8| usize::from(index) < said.arrangements.len();
+        let mut before = "";
+        for opening in said.openings {
+            // The same words may open several.
+            if opening.text.is_empty() || opening.text < before {
+                return Err(ModelFault::Opening(opening.text));
+            }
+            before = opening.text;
+        }
+        for words in [said.between, said.ends] {
+            let mut pairs = words.windows(2);
+            if let Some([_, word]) = pairs.find(|pair| !pair.is_sorted_by(|a, b| a < b)) {
+                return Err(ModelFault::ListWord(word));
+            }
+        }
+        let mut closings = said.closings.iter();
+        if let Some(closing) = closings.find(|closing| !is_there(closing.arrangement)) {
+            return Err(ModelFault::Closing(closing.text));
+        }
+        let read_as = said.arrangements.iter();
+        let read_as = read_as.flat_map(|each| [each.order, each.relation]);
+        let next = (!said.openings.is_empty()).then_some(said.next);
+        let mut read_as = read_as.chain(next).flat_map(|text| text.split(' '));
+        let is_word = |text: &str| self.words.iter().any(|word| word.text == text);
+        match read_as.find(|text| !is_word(text)) {
+            Some(text) => Err(ModelFault::ArrangementWord(text)),
+            None => Ok(()),
+        }
     }
 
     fn is_known(&self, text: &str) -> bool {
@@ -309,7 +355,10 @@ impl WorkSpace {
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::model::{Concept, Heard, LexiconEntry, Plural, Pronoun, Several, Spelling, Word};
+    use crate::model::{
+        Arrangement, Arrangements, Closing, Concept, Heard, LexiconEntry, Opening, Plural, Pronoun,
+        Several, Spelling, Word,
+    };
 
     #[test]
     fn each_fault_of_a_list_is_named() {
@@ -433,6 +482,51 @@ mod tests {
         lexicon[0].property = Property::Quantifier(Quantifier::Each);
         let fault = ModelFault::LexiconProperty(lexicon[0].text);
         assert_eq!(model.with_lexicon(&lexicon).check(), Err(fault));
+    }
+
+    #[test]
+    fn each_fault_of_an_arrangement_is_named() {
+        let model = fixture::model();
+        let check = |openings: &[&'static str], arrangement, order, next| {
+            let opening = |&text: &_| Opening { text, pattern: 0 };
+            let openings: std::vec::Vec<_> = openings.iter().map(opening).collect();
+            let closings = [Closing::new().with_arrangement(arrangement)];
+            let arrangements = [Arrangement::new().with_order(order).with_relation("on the")];
+            let said = Arrangements::new()
+                .with_next(next)
+                .with_arrangements(&arrangements)
+                .with_openings(&openings)
+                .with_closings(&closings);
+            let checked = model.with_arrangements(said).check();
+            checked.map_err(|fault| std::format!("{fault:?}"))
+        };
+        let good = ["a tower of", "a tower of", "build"];
+        assert_eq!(check(&good, 0, "put the", ", then"), Ok(()));
+        for (openings, opening) in [(&["b", "a"][..], "a"), (&[""], "")] {
+            let fault = std::format!("Opening({opening:?})");
+            assert_eq!(check(openings, 0, "put", "then"), Err(fault));
+        }
+        let fault = Err("Closing(\"\")".into());
+        assert_eq!(check(&good, 1, "put", "then"), fault);
+        for words in [["and", "and"], ["and", ","]] {
+            for said in [
+                Arrangements::new().with_between(&words),
+                Arrangements::new().with_ends(&words),
+            ] {
+                let fault = ModelFault::ListWord(words[1]);
+                assert_eq!(model.with_arrangements(said).check(), Err(fault));
+            }
+        }
+        for (order, next, word) in [
+            ("place", "then", "place"),
+            ("put", "next", "next"),
+            ("", "then", ""),
+            ("put", "", ""),
+            ("put  the", "then", ""),
+        ] {
+            let fault = std::format!("ArrangementWord({word:?})");
+            assert_eq!(check(&good, 0, order, next), Err(fault));
+        }
     }
 
     #[test]

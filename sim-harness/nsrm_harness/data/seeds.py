@@ -51,6 +51,7 @@ STREAMS = {
     "pronouns": 85,
     "mixed": 86,
     "several": 87,
+    "arranged": 88,
 }
 
 

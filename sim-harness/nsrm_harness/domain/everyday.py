@@ -18,6 +18,7 @@ import numpy as np
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
+from nsrm_harness.domain.arrangements import expanded
 from nsrm_harness.domain.domain import (
     GROUP_TOKEN,
     RELATING_RULES,
@@ -55,8 +56,9 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes, pronouns, several = (
-        _taken_out(words, name, path) for name in ("synonyms", "extremes", "pronouns", "several")
+    synonyms, extremes, pronouns, several, arrangements = (
+        _taken_out(words, name, path)
+        for name in ("synonyms", "extremes", "pronouns", "several", "arrangements")
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -74,6 +76,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["pronouns"] = pronouns
     if several:
         document["several"] = several
+    if arrangements := expanded(arrangements, names, words["rules"], str(path)):
+        document["arrangements"] = arrangements
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words

@@ -108,7 +108,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
-    for check in (_words, _held_out, _pronouns, _several, _spelling):
+    for check in (_words, _held_out, _pronouns, _several, _arrangements, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -304,6 +304,27 @@ def _several(domain: Domain) -> Faults:
             yield "several.plurals", f"{word!r} is a word that describes objects"
         if singular not in known:
             yield f"several.plurals.{word}", f"{singular!r} is not a word of the grammar"
+
+
+def _arrangements(domain: Domain) -> Faults:
+    """What is said of towers and rows means steps that are there, in words of the grammar."""
+    said = domain.arrangements
+    if said is None:
+        return
+    known = domain.other_words()
+    for text in said.read_as():
+        for word in text.split(" "):
+            if word not in known:
+                yield "arrangements", f"{word!r} is not a word of the grammar"
+    for name, step in said.steps.items():
+        if step.action not in (action.name for action in domain.actions):
+            yield f"arrangements.steps.{name}", f"no action {step.action!r}"
+    for pattern in said.patterns:
+        if not pattern.openings or not all(pattern.openings):
+            yield "arrangements.patterns", "expected words before the list"
+        for closing, meant in pattern.closings.items():
+            if meant not in said.steps:
+                yield "arrangements.patterns", f"{closing!r}: no steps {meant!r}"
 
 
 def _spelling(domain: Domain) -> Faults:

@@ -10,6 +10,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * programs of one to five steps that mix all kinds of descriptions (`data.mixed`);
 * the same programs with several objects that are moved in one of their steps, "all red blocks", and
   with several references, which nobody can put anything on;
+* towers and rows, several steps in a few words, and such that mean none (`data.arranged`);
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
 * sentences with relations in descriptions (`evaluation.relations`);
@@ -28,6 +29,7 @@ from pathlib import Path
 
 import nsrm
 
+from nsrm_harness.data.arranged import ArrangedSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.mixed import MixedPrograms
@@ -73,6 +75,8 @@ PRONOUN_TIMES = 3
 """How often a program of several steps is said with a pronoun."""
 MIXED_STEPS, MIXED_COUNT = (1, 2, 3, 5), 1000
 """Numbers of steps of programs that mix all kinds of descriptions, and how many of each."""
+ARRANGED_COUNT = 2000
+"""How many towers and rows, and how many that mean none."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -130,6 +134,11 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             count(name, understand(model, sentences))
             for name, sentences in say_several(domain, programs, seed).items()
         ]
+    if domain.arrangements is not None:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_arranged(domain, seed).items()
+        ]
     if domain.pronouns:
         rows += [
             count(name, understand(model, sentences))
@@ -162,6 +171,16 @@ def say_several(domain: Domain, programs: Sequence[Program], seed: int) -> dict[
         for number, each in enumerate(untrue)
     ]
     return {**sets, "several references": refused}
+
+
+def say_arranged(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`ARRANGED_COUNT` sentences about towers and rows, and as many that mean none, by the name of
+    their set."""
+    sentences = ArrangedSentences(domain, generator(seed, "arranged", 0))
+    return {
+        "towers and rows": [sentences.draw() for _ in range(ARRANGED_COUNT)],
+        "no towers and rows": [(sentences.near_miss(), None) for _ in range(ARRANGED_COUNT)],
+    }
 
 
 def say_pronouns(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:

@@ -26,7 +26,14 @@ PARTS = {
     "spelling": ("spelling",),
     "colour view": ("vision.color",),
     "brightness view": ("vision.brightness",),
-    "attributes, concepts": ("attributes", "concepts", "lexicon", "pronouns", "several"),
+    "attributes, concepts": (
+        "attributes",
+        "concepts",
+        "lexicon",
+        "pronouns",
+        "several",
+        "arrangements",
+    ),
     "action simulator": ("simulator", "camera"),
 }
 CODE = "code and constants"

@@ -103,6 +103,19 @@ pub(crate) fn domain() -> Value {
             "between": ["the"],
             "plurals": {"jars": "jar"},
         },
+        "arrangements": {
+            "between": ["and", ","],
+            "ends": ["then"],
+            "next": ", then",
+            "steps": {
+                "up": {"action": "Stack", "order": "shift the", "relation": "onto"},
+                "down": {"action": "Stack", "order": "shift", "relation": "onto", "reversed": true},
+            },
+            "patterns": [
+                {"openings": ["pile", "a pile of"], "closings": {"": "up", "downwards": "down"}},
+                {"openings": ["heap"], "closings": {"up": "up"}},
+            ],
+        },
         "spelling": {
             "heard": {"steal": "teal", "bare": "beside"},
             "other_words": ["plumb", "jam", "teak"],

@@ -191,6 +191,42 @@ fn what_is_said_of_several_objects_in_words_that_are_none() {
 }
 
 #[test]
+fn arrangements_that_mean_nothing() {
+    let spoils: [(&str, SpoilDomain); 3] = [
+        ("next", |domain| {
+            domain["arrangements"]["next"] = json!(", next")
+        }),
+        ("put", |domain| {
+            domain["arrangements"]["steps"]["up"]["order"] = json!("put")
+        }),
+        ("", |domain| {
+            domain["arrangements"]["steps"]["up"]["relation"] = json!("")
+        }),
+    ];
+    for (word, spoil) in spoils {
+        let error = refused_domain(spoil, &["arrangements", word, "not a word of the domain"]);
+        assert_eq!(error, ModelError::Arrangement { word: word.into() });
+    }
+    refused_domain(
+        |domain| domain["arrangements"]["patterns"][1]["closings"]["up"] = json!("across"),
+        &[
+            "arrangements.patterns",
+            "no steps \"across\"",
+            "arrangements.steps",
+        ],
+    );
+    let unreadable: [SpoilDomain; 4] = [
+        |domain| domain["arrangements"]["patterns"][0]["openings"] = json!(["a  pile"]),
+        |domain| domain["arrangements"]["patterns"][0]["openings"] = json!([""]),
+        |domain| domain["arrangements"]["patterns"][0]["closings"] = json!({"Down": "down"}),
+        |domain| domain["arrangements"]["ends"] = json!(["and then"]),
+    ];
+    for spoil in unreadable {
+        refused_domain(spoil, &["no sentence can contain"]);
+    }
+}
+
+#[test]
 fn pronouns_that_are_no_words() {
     let spoils: [(&str, SpoilDomain); 3] = [
         ("that", |domain| domain["pronouns"]["that"] = json!("")),

@@ -1,0 +1,467 @@
+//! Towers and rows: "build a tower of the red block, the green one and the blue one".
+//!
+//! The words of such an arrangement are replaced by those of its steps, "put the green one on the red
+//! block , then put the blue one on it", which the network reads and judges as if they had been said.
+//! Nothing is learned here: the model lists what stands before and behind the objects, and what it means
+//! ([`crate::model::Arrangements`]).
+
+use heapless::Vec;
+
+use super::tokens::push;
+use super::words::{find, letters, word};
+use super::{Span, Token, TokenKind, Tokens};
+use crate::capacity::MAX_STEPS;
+use crate::model::{Arrangement, Closing, Model};
+use crate::refusal::Refusal;
+
+/// What is said of the objects of a list, one each: one step fewer than objects.
+type Items<'t> = Vec<&'t [Token], { MAX_STEPS + 1 }, u8>;
+
+/// An arrangement in a sentence, from one of its tokens on.
+pub(super) struct Found<'a, 't> {
+    arrangement: &'a Arrangement<'a>,
+    /// The place of what stands before the list.
+    opening: Span,
+    items: Items<'t>,
+    /// How many objects are listed.
+    count: usize,
+    /// How many tokens it has.
+    length: usize,
+    /// How many of them do not belong to the list.
+    around: usize,
+}
+
+/// A sentence and the model that reads it.
+#[derive(Clone, Copy)]
+pub(super) struct Said<'s, 'a> {
+    pub(super) model: &'s Model<'a>,
+    pub(super) sentence: &'s str,
+}
+
+impl<'a> Said<'_, 'a> {
+    /// The arrangement whose first token is the first of these; of several the one of which more is
+    /// said around the list.
+    ///
+    /// Cost: a binary search among the openings, and for each opening that is there, comparisons of
+    /// each closing with each further token.
+    #[inline(never)]
+    pub(super) fn arrangement<'t>(&self, tokens: &'t [Token]) -> Option<Found<'a, 't>> {
+        let said = self.model.arrangements;
+        let first = tokens.first().filter(|token| !token.is_group())?;
+        let openings = said.openings;
+        let from = openings.partition_point(|opening| self.is_behind(first, opening.text));
+        let mut best: Option<Found<'a, 't>> = None;
+        for opening in openings.get(from..)? {
+            if !self.is(first, parts(opening.text).next().unwrap_or_default()) {
+                break;
+            }
+            let Some(opened) = self.begins_with(tokens, opening.text) else {
+                continue;
+            };
+            let Some(rest) = tokens.get(opened..) else {
+                continue;
+            };
+            let Some(end) = self.list_end(rest) else {
+                continue;
+            };
+            for closing in said.closings {
+                if closing.pattern != opening.pattern {
+                    continue;
+                }
+                let Some(found) = self.closed(tokens, opened, end, closing) else {
+                    continue;
+                };
+                if best.as_ref().is_none_or(|best| best.around < found.around) {
+                    best = Some(found);
+                }
+            }
+        }
+        best
+    }
+
+    /// How many of these tokens may belong to a list that begins with the first, or begin its closing; `None`
+    /// if they do not begin with one: a first object, what separates it from the next, and that one.
+    fn list_end(&self, tokens: &[Token]) -> Option<usize> {
+        let group = tokens.iter().position(Token::is_group)?;
+        let behind = tokens.get(group..)?.get(1..)?;
+        let item = behind
+            .iter()
+            .position(|token| token.is_group() || self.is_between(token))?;
+        let rest = behind.get(item..)?;
+        if rest.first()?.is_group() {
+            return None;
+        }
+        let ends = |token: &Token| self.is_one_of(self.model.arrangements.ends, token);
+        let end = tokens.iter().position(ends).unwrap_or(tokens.len());
+        let listed = tokens.get(..end)?;
+        let mut groups = listed.iter().filter(|token| token.is_group());
+        groups.nth(1).map(|_| end)
+    }
+
+    /// Whether the sentence separates objects.
+    pub(super) fn has_list(&self, tokens: &[Token]) -> bool {
+        !self.model.arrangements.openings.is_empty()
+            && tokens.iter().any(|token| self.is_between(token))
+    }
+
+    /// The arrangement with this closing.
+    ///
+    /// * `opened`: how many tokens stand before the list
+    /// * `end`: how many tokens behind these may belong to it, or begin the closing
+    fn closed<'t>(
+        &self,
+        tokens: &'t [Token],
+        opened: usize,
+        end: usize,
+        closing: &Closing<'_>,
+    ) -> Option<Found<'a, 't>> {
+        let said = self.model.arrangements;
+        let rest = tokens.get(opened..)?;
+        let mut listed = rest.get(..end)?;
+        let mut closed = 0;
+        if closing.text.is_empty() {
+            listed = self.before_others(listed);
+        } else {
+            let closes = |at: &usize| self.begins_with(rest.get(*at..)?, closing.text);
+            let (at, length) = (0..end).find_map(|at| Some((at, closes(&at)?)))?;
+            (listed, closed) = (listed.get(..at)?, length);
+        }
+        let arrangement = said.arrangements.get(usize::from(closing.arrangement))?;
+        let length = opened + listed.len() + closed;
+        // A further description belongs to another step, or says what no arrangement means.
+        let behind = tokens.get(length..)?;
+        let mut behind = behind
+            .iter()
+            .take_while(|token| !self.is_one_of(said.ends, token));
+        if behind.any(Token::is_group) {
+            return None;
+        }
+        let (items, count) = self.items(listed)?;
+        let (_, others) = items.split_last()?;
+        let is_unknown = |token: &Token| token.kind == TokenKind::Unknown;
+        // Only the last one may be in the plural.
+        if others.is_empty() || others.iter().any(|item| item.iter().any(is_unknown)) {
+            return None;
+        }
+        let words = tokens.get(..opened)?;
+        Some(Found {
+            arrangement,
+            opening: Span {
+                start: words.first()?.span.start,
+                end: words.last()?.span.end,
+            },
+            items,
+            count,
+            length,
+            around: opened + closed,
+        })
+    }
+
+    /// What is said of each object of a list, and how many these are: from one separator to another, with
+    /// those before the object itself, as in "the, um, red block".
+    fn items<'t>(&self, mut listed: &'t [Token]) -> Option<(Items<'t>, usize)> {
+        let (mut items, mut count) = (Items::new(), 0_usize);
+        loop {
+            while let Some((first, rest)) = listed.split_first()
+                && self.is_between(first)
+            {
+                listed = rest;
+            }
+            if listed.is_empty() {
+                return Some((items, count));
+            }
+            let group = listed.iter().position(Token::is_group)?;
+            let behind = listed.get(group..)?;
+            let length = behind.iter().position(|token| self.is_between(token));
+            let length = group.saturating_add(length.unwrap_or(behind.len()));
+            let (item, rest) = listed.split_at_checked(length)?;
+            if item.iter().filter(|token| token.is_group()).count() != 1 {
+                return None;
+            }
+            // More are too many steps.
+            let _ = items.push(item);
+            (listed, count) = (rest, count.saturating_add(1));
+        }
+    }
+
+    /// Appends the words of an arrangement's steps to those before it.
+    pub(super) fn write(&self, found: &Found<'_, '_>, tokens: &mut Tokens) -> Result<(), Refusal> {
+        if found.count > found.items.len() {
+            return Err(Refusal::TooManySteps {
+                limit: MAX_STEPS as u8,
+            });
+        }
+        let mut before: Option<&[Token]> = None;
+        for number in 0..found.items.len() {
+            let last = found.items.len().saturating_sub(1);
+            let listed = match found.arrangement.is_reversed {
+                true => last.saturating_sub(number),
+                false => number,
+            };
+            let Some(item) = found.items.get(listed) else {
+                continue;
+            };
+            let Some(first) = before.replace(item) else {
+                continue;
+            };
+            if number > 1 {
+                self.write_words(self.model.arrangements.next, found.opening, tokens)?;
+            }
+            self.write_words(found.arrangement.order, found.opening, tokens)?;
+            self.write_item(item, tokens)?;
+            self.write_words(found.arrangement.relation, found.opening, tokens)?;
+            if number > 1 {
+                // What the step before moved: it may be described by where it was.
+                let span = first
+                    .iter()
+                    .find(|token| token.is_group())
+                    .map_or(found.opening, |group| group.span);
+                push(tokens, TokenKind::Pronoun, span)?;
+            } else {
+                self.write_item(first, tokens)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Plurals are read as singulars: "the red, green and blue blocks".
+    fn write_item(&self, item: &[Token], tokens: &mut Tokens) -> Result<(), Refusal> {
+        for token in item {
+            let plurals = self.model.several.plurals;
+            let text = token.span.of(self.sentence).unwrap_or_default();
+            let kind = match (token.kind, find(plurals, text, |plural| plural.text)) {
+                (TokenKind::Unknown, Some((_, plural))) => TokenKind::Word(plural.word),
+                (kind, _) => kind,
+            };
+            push(tokens, kind, token.span)?;
+        }
+        Ok(())
+    }
+
+    fn write_words(&self, words: &str, span: Span, tokens: &mut Tokens) -> Result<(), Refusal> {
+        for text in parts(words) {
+            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
+            push(tokens, TokenKind::Word(index), span)?;
+        }
+        Ok(())
+    }
+
+    /// A list without what is said behind its last object: ", please" and ", and".
+    fn before_others<'t>(&self, mut listed: &'t [Token]) -> &'t [Token] {
+        loop {
+            let last = listed.iter().rposition(|token| self.is_between(token));
+            let (before, item) = match last {
+                Some(at) => listed.split_at_checked(at).unwrap_or_default(),
+                None => return listed,
+            };
+            if item.iter().any(Token::is_group) {
+                return listed;
+            }
+            listed = before;
+        }
+    }
+
+    fn is_between(&self, token: &Token) -> bool {
+        self.is_one_of(self.model.arrangements.between, token)
+    }
+
+    /// Whether a token is one of these words, which are sorted.
+    fn is_one_of(&self, words: &[&str], token: &Token) -> bool {
+        let text = match token.kind {
+            TokenKind::Word(index) => self.known(index),
+            TokenKind::Unknown => self.text(token),
+            TokenKind::Group(_) | TokenKind::Pronoun => return false,
+        };
+        find(words, text, |word| word).is_some()
+    }
+
+    /// How many tokens the text has, if these begin with it.
+    fn begins_with(&self, tokens: &[Token], text: &str) -> Option<usize> {
+        let mut tokens = tokens.iter();
+        let mut count = 0_usize;
+        for word in parts(text) {
+            if !self.is(tokens.next()?, word) {
+                return None;
+            }
+            count = count.saturating_add(1);
+        }
+        Some(count)
+    }
+
+    /// Whether a token is this word.
+    fn is(&self, token: &Token, text: &str) -> bool {
+        match token.kind {
+            TokenKind::Word(index) => self.known(index) == text,
+            // "Each" in "each other" is read as a group.
+            TokenKind::Unknown | TokenKind::Group(_) => letters(self.text(token)).eq(text.chars()),
+            TokenKind::Pronoun => false,
+        }
+    }
+
+    /// Whether this text comes before a token's in the order of letters.
+    fn is_behind(&self, token: &Token, text: &str) -> bool {
+        match token.kind {
+            TokenKind::Word(index) => text < self.known(index),
+            TokenKind::Unknown => text.chars().lt(letters(self.text(token))),
+            // None stands before a list.
+            TokenKind::Group(_) | TokenKind::Pronoun => true,
+        }
+    }
+
+    fn known(&self, index: u16) -> &'a str {
+        let word = self.model.words.get(usize::from(index));
+        word.map_or("", |word| word.text)
+    }
+
+    fn text(&self, token: &Token) -> &str {
+        token.span.of(self.sentence).unwrap_or_default()
+    }
+}
+
+impl Found<'_, '_> {
+    /// How many tokens it has.
+    pub(super) const fn length(&self) -> usize {
+        self.length
+    }
+}
+
+/// The words of a text with one space in between.
+fn parts(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = Some(text);
+    core::iter::from_fn(move || {
+        let text = rest?;
+        let end = text.bytes().position(|byte| byte == b' ');
+        rest = end.and_then(|end| text.get(end.saturating_add(1)..));
+        text.get(..end.unwrap_or(text.len()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use core::task::Poll;
+    use std::string::ToString;
+
+    use super::*;
+    use crate::fixture;
+    use crate::language::ParsingTask;
+    use crate::model::{Arrangements, Opening, Plural, Several};
+
+    const LISTS: Arrangements<'static> = Arrangements::new()
+        .with_between(&[",", "and"])
+        .with_ends(&["then"])
+        .with_next(", then")
+        .with_arrangements(&[
+            Arrangement::new().with_order("put").with_relation("on"),
+            Arrangement::new().with_order("put").with_relation("right"),
+            Arrangement::new()
+                .with_order("put the")
+                .with_relation("on")
+                .with_is_reversed(true),
+        ])
+        .with_openings(&[
+            Opening::new().with_text("line").with_pattern(1),
+            Opening::new().with_text("put").with_pattern(1),
+            Opening::new().with_text("the tower of").with_pattern(0),
+        ])
+        .with_closings(&[
+            Closing::new().with_pattern(0).with_arrangement(0),
+            Closing::new()
+                .with_text("in line")
+                .with_pattern(1)
+                .with_arrangement(1),
+            Closing::new()
+                .with_text("from the top")
+                .with_pattern(0)
+                .with_arrangement(2),
+        ]);
+
+    fn parse(sentence: &str) -> Result<std::string::String, Refusal> {
+        let model = fixture::model();
+        let the = model.words.iter().position(|word| word.text == "the");
+        let plural = Plural {
+            text: "blocks",
+            word: u16::try_from(the.unwrap()).unwrap(),
+        };
+        let several = Several::new().with_plurals(std::slice::from_ref(&plural));
+        let model = model.with_arrangements(LISTS).with_several(several);
+        assert_eq!(model.check(), Ok(()));
+        let mut task = ParsingTask::new(&model, sentence);
+        loop {
+            if let Poll::Ready(result) = task.poll() {
+                return result.map(|parsed| parsed.program().notation(&model).to_string());
+            }
+        }
+    }
+
+    #[test]
+    fn an_arrangement_is_read_as_its_steps() {
+        for (sentence, meant) in [
+            ("the tower of red and green", "put green on red"),
+            (
+                "the tower of the red , small , and lego blocks",
+                "put small on red then put lego on small",
+            ),
+            (
+                "The Tower of red, green, small from the top",
+                "put green on small then put red on green",
+            ),
+            (
+                "put red and the small and green in line",
+                "put small right red then put green right small",
+            ),
+            (
+                "put red on green then the tower of small and lego, then put red right small",
+                "put red on green then put lego on small then put red right small",
+            ),
+            (
+                "the tower of red , green then line small and lego in line",
+                "put green on red then put lego right small",
+            ),
+        ] {
+            assert_eq!(parse(sentence), parse(meant), "{sentence}");
+            assert!(parse(meant).is_ok(), "{meant}");
+        }
+    }
+
+    #[test]
+    fn a_command_that_may_be_one_is_read_as_it_stands_first() {
+        let meant = parse("put red on green");
+        assert_eq!(parse("put red , on green"), meant);
+        assert!(meant.is_ok());
+    }
+
+    #[test]
+    fn words_of_arrangements_are_unknown_elsewhere() {
+        for (sentence, word) in [
+            ("put red on green then tower", "tower"),
+            ("the tower of red", "tower"),
+            ("the tower of red or green", "tower"),
+            ("the tower of red and green on lego", "tower"),
+            ("the tower of red and huge", "tower"),
+            ("the tower of red blocks and green", "tower"),
+            ("the tower of red and green from the bottom", "from"),
+            ("put the tower of red and green in a row", "in"),
+            ("line red and green", "line"),
+            ("put red on green blocks", "blocks"),
+            // The first one, whatever is wrong with those behind it.
+            ("put tower red green", "tower"),
+        ] {
+            let refusal = parse(sentence).unwrap_err();
+            let Refusal::UnknownWord { span } = refusal else {
+                panic!("{sentence}: {refusal:?}");
+            };
+            assert_eq!(span.of(sentence), Some(word), "{sentence}");
+        }
+    }
+
+    #[test]
+    fn arrangements_have_as_many_objects_as_steps_and_one() {
+        let most = std::format!(
+            "the tower of red{}",
+            " and red, and green".repeat(MAX_STEPS / 2)
+        );
+        assert!(parse(&most).is_ok());
+        let more = most + " and red";
+        assert_eq!(parse(&more).unwrap_err().kind(), "too_many_steps");
+    }
+}

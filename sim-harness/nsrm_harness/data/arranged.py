@@ -1,0 +1,141 @@
+"""Says towers and rows, "build a tower of the red, the green and the blue block", as the domain's
+wording has them; and near misses, which mean none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.arrangements import ArrangedStep, Arrangements, Pattern
+from nsrm_harness.domain.everyday import Speaker
+from nsrm_harness.domain.program import Program, Step
+
+#: Number of objects in a list: at least and at most.
+LEAST, MOST = 2, 5
+#: Share of lists whose noun is said once, in the plural: "the red, green and blue blocks".
+PLURAL = 0.3
+#: Share of sentences with a further step behind the list.
+FOLLOWED = 0.3
+#: Ways to join the objects of a list: between them, and before the last one.
+JOINTS = ((" , ", " and "), (" , ", " , and "), (" , ", " , "), (" and ", " and "))
+
+Values = tuple[str, ...]
+_T = TypeVar("_T")
+
+
+class ArrangedSentences:
+    """Draws sentences of one domain. They are about no scene."""
+
+    def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
+        if domain.arrangements is None or domain.several is None:
+            raise ValueError("the domain's wording has no towers and rows")
+        self._domain = domain
+        self._said: Arrangements = domain.arrangements
+        self._nouns = [*domain.several.plurals]
+        self._speaker = Speaker(domain, rng)
+        self._rng = rng
+
+    def draw(self) -> tuple[str, Program]:
+        """A sentence and the program that it means."""
+        objects = self._objects()
+        opening, closing, steps = self._around()
+        words = [*self._before(), opening, *self._list(objects), closing]
+        program = program_of(steps, objects)
+        if self._rng.random() < FOLLOWED:
+            further = self._step()
+            lead = self._choose([", then", "and then", ". then", ". after that ,", "and"])
+            words += [lead, *self._speaker.words("{order}", further)]
+            program = (*program, further)
+        return " ".join(" ".join(words).split()), program
+
+    def near_miss(self) -> str:
+        """A sentence of the same words that must be refused."""
+        first, *others = self._objects()
+        opening, closing, steps = self._around()
+        one, listed = self._described(first), self._list((first, *others))
+        relation = self._speaker.words("{relation}", self._step())
+        several = ["all", *first, "blocks"], self._described(others[0])
+        # The first of a tower from the top is moved, and may be several.
+        below, above = several[::-1] if steps.reversed else several
+        words = self._choose(
+            [
+                # One object alone, and others in its place.
+                [opening, *one, closing],
+                [opening, *one, "or", *self._described(others[0]), closing],
+                [opening, *one, "and not", *self._described(others[0]), closing],
+                # Where the tower or the row is to be.
+                [opening, *listed, closing, *relation],
+                [opening, *listed, *relation, closing],
+                # Several on which another one would be put.
+                [opening, *below, "and", *above, closing],
+                # Words of another pattern behind the list, or that say two things.
+                [opening, *listed, self._closing_of_others(opening)],
+                [opening, *listed, "from left to right", "from top to bottom"],
+                ["do not", opening, *listed, closing],
+                ["unless you", opening, *listed, closing],
+            ]
+        )
+        return " ".join(" ".join([*self._before(), *words]).split())
+
+    def _around(self) -> tuple[str, str, ArrangedStep]:
+        """What stands before and behind a list, and what is meant."""
+        pattern = self._choose(self._said.patterns)
+        closing = self._choose(list(pattern.closings))
+        steps = self._said.steps[pattern.closings[closing]]
+        return self._choose(pattern.openings), closing, steps
+
+    def _closing_of_others(self, opening: str) -> str:
+        """What cannot stand behind a list with this before it."""
+        own = {closing for each in self._with(opening) for closing in each.closings} - {""}
+        every = {closing for each in self._said.patterns for closing in each.closings} - {""}
+        return self._choose(sorted(each for each in every if not each.endswith((*own,))))
+
+    def _with(self, opening: str) -> list[Pattern]:
+        return [each for each in self._said.patterns if opening in each.openings]
+
+    def _objects(self) -> tuple[Values, ...]:
+        """Descriptions of different objects."""
+        count, objects = int(self._rng.integers(LEAST, MOST + 1)), list[Values]()
+        while len(objects) < count:
+            values = self._values()
+            if all({*values} != {*other} for other in objects):
+                objects.append(values)
+        return tuple(objects)
+
+    def _list(self, objects: tuple[Values, ...]) -> list[str]:
+        if self._rng.random() < PLURAL:
+            *before, last = [" ".join(values) for values in objects]
+            items = [f"the {before[0]}", *before[1:], f"{last} {self._choose(self._nouns[2:])}"]
+        else:
+            items = [" ".join(self._described(values)) for values in objects]
+        between, before_last = JOINTS[int(self._rng.integers(len(JOINTS)))]
+        return f"{between.join(items[:-1])}{before_last}{items[-1]}".split()
+
+    def _described(self, values: Values) -> list[str]:
+        return self._speaker.words("{moved}", Step(self._domain.actions[0].name, values, ()))
+
+    def _before(self) -> list[str]:
+        return self._speaker.words("{before}")
+
+    def _step(self) -> Step:
+        action = self._choose([action.name for action in self._domain.actions])
+        moved, reference = self._objects()[:2]
+        return Step(action, moved, reference)
+
+    def _values(self) -> Values:
+        """One or two, of different types."""
+        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
+        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
+
+    def _choose(self, every: Sequence[_T]) -> _T:
+        return every[int(self._rng.integers(len(every)))]
+
+
+def program_of(steps: ArrangedStep, objects: tuple[Values, ...]) -> Program:
+    """The program of a tower or a row of these objects, as they are listed."""
+    placed = objects[::-1] if steps.reversed else objects
+    return tuple(Step(steps.action, moved, before) for before, moved in pairwise(placed))

@@ -1,0 +1,128 @@
+"""Towers and rows of a domain file: what is said of them, and as which steps it is read.
+
+The parser is not taught them. The core replaces their words by those of their steps before it reads
+the sentence.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from nsrm_harness.common.errors import DomainError
+from nsrm_harness.common.toml_file import NO_OTHER_KEYS
+from nsrm_harness.domain.wording import Identifier, Phrase
+
+_RULE = re.compile(r"\{([a-z_]+)\}")
+
+
+@dataclass(frozen=True)
+class ArrangedStep:
+    """As what the steps of an arrangement are read: "put", the object, "on", the one before it."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: What is done with each object, in relation to the one before it.
+    action: Identifier
+    #: What is read before the object that is moved,
+    order: Phrase
+    #: and between it and the one before it.
+    relation: Phrase
+    #: Whether the list begins with the last object: "from top to bottom".
+    reversed: bool = False
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """What may stand before and behind the objects of a list."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Before it: "build a tower of".
+    openings: tuple[Phrase, ...]
+    #: Behind it, or an empty text for nothing, each with the name of what is then meant.
+    closings: Mapping[Phrase, Identifier]
+
+
+@dataclass(frozen=True)
+class Arrangements:
+    """How towers and rows are said."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Words between the objects of a list: "," and "and".
+    between: tuple[Phrase, ...]
+    #: Words before which a list ends: "then".
+    ends: tuple[Phrase, ...]
+    #: What is read between two steps: ", then".
+    next: Phrase
+    #: What is meant, by name.
+    steps: Mapping[Identifier, ArrangedStep]
+    #: What is said.
+    patterns: tuple[Pattern, ...]
+
+    def read_as(self) -> Iterable[str]:
+        """The texts that are read in place of what is said."""
+        steps = self.steps.values()
+        return (self.next, *(text for step in steps for text in (step.order, step.relation)))
+
+
+def expanded(
+    table: Mapping[str, Any], actions: Iterable[str], rules: Mapping[str, list[str]], source: str
+) -> dict[str, Any] | None:
+    """The table of a wording file with what its rules stand for, without what the domain has no
+    actions for; nothing if nothing is left.
+
+    `rules`: those of the wording file, beside the table's own
+    """
+    table = dict(table)
+    rules = {**rules, **table.pop("rules", {})}
+    ends = {
+        end.split(" ")[0]
+        for text in table.get("ends", ())
+        for end in _expanded(text, rules, source)
+    }
+    steps = {
+        name: step for name, step in table.get("steps", {}).items() if step.get("action") in actions
+    }
+    patterns = []
+    for pattern in table.get("patterns", ()):
+        closings = {
+            closing: meant
+            for text, meant in pattern.get("closings", {}).items()
+            for closing in _expanded(text, rules, source)
+            if meant in steps or meant not in table.get("steps", {})
+        }
+        openings = [
+            opening
+            for text in pattern.get("openings", ())
+            for opening in _expanded(text, rules, source)
+        ]
+        if closings:
+            patterns.append({"openings": sorted({*openings}), "closings": closings})
+    return (
+        {**table, "ends": sorted(ends), "steps": steps, "patterns": patterns} if patterns else None
+    )
+
+
+def _expanded(text: str, rules: Mapping[str, list[str]], source: str) -> list[str]:
+    """All texts that one with names of rules stands for."""
+    found = _RULE.search(text)
+    if found is None:
+        return [text]
+    name = found.group(1)
+    if name not in rules:
+        raise DomainError(f"{source}: arrangements: no rule {name!r}; add it to arrangements.rules")
+    # Without the rule, so that none contains itself.
+    others = {other: texts for other, texts in rules.items() if other != name}
+    chosen = [
+        each for alternative in rules[name] for each in _expanded(alternative, others, source)
+    ]
+    before, behind = text[: found.start()], text[found.end() :]
+    return [
+        f"{before}{alternative}{rest}"
+        for alternative in chosen
+        for rest in _expanded(behind, rules, source)
+    ]
