@@ -197,6 +197,23 @@ fn what_is_meant_is_planned_and_what_is_meant_otherwise_refused() {
             panic!("{sentence}: {}", parsed.program().notation(&TABLETOP));
         }
     }
+    for (sentence, message) in [
+        (
+            "Build a tower of the red block",
+            "\"Build\" is only understood around a list of objects, as in \"build a line from …\"; \
+             list each object by itself, and nothing else",
+        ),
+        (
+            "put the red block at the bottom",
+            "\"bottom\" is only understood around a list of objects, as in \"build a pile from … \
+             from bottom to top\"; list",
+        ),
+    ] {
+        let refusal = planner.parse(sentence).unwrap_err();
+        let told = refusal.in_context(&TABLETOP, sentence).to_string();
+        assert!(told.starts_with(message), "{told}");
+        assert_eq!(refusal.suggestion(&TABLETOP, sentence), None);
+    }
     for sentence in REFUSED {
         // By the parser, whatever the scene, and not for a word alone.
         match planner.parse(sentence) {

@@ -1,13 +1,13 @@
 use core::fmt;
 
 use crate::dsl::{Argument, Description};
-use crate::language::{Span, nearest_word};
+use crate::language::{Span, nearest_word, said_around};
 use crate::model::Model;
 use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refusal};
 
 impl Refusal {
     /// The known word that may have been meant by an unknown one; see
-    /// [`nearest_word`].
+    /// [`nearest_word`]. None may for a word that only towers and rows have.
     ///
     /// * `model`, `sentence`: those that were refused
     ///
@@ -21,7 +21,11 @@ impl Refusal {
     /// ```
     pub fn suggestion<'a>(&self, model: &Model<'a>, sentence: &str) -> Option<&'a str> {
         match self {
-            Self::UnknownWord { span } => nearest_word(model, span.of(sentence)?),
+            Self::UnknownWord { span } => {
+                let word = span.of(sentence)?;
+                let of_arrangement = said_around(model, word).is_some();
+                nearest_word(model, word).filter(|_| !of_arrangement)
+            }
             _ => None,
         }
     }
@@ -157,6 +161,17 @@ impl Message<'_> {
             }
             Refusal::UnknownWord { span } => {
                 let quoted = self.quoted(*span);
+                let around = self.context.and_then(|(model, sentence)| {
+                    said_around(model, span.of(sentence).unwrap_or_default())
+                });
+                if let Some((before, behind)) = around {
+                    let space = if behind.is_empty() { "" } else { " " };
+                    return write!(
+                        f,
+                        "{quoted} is only understood around a list of objects, as in \
+                         \"{before} …{space}{behind}\"; list each object by itself, and nothing else"
+                    );
+                }
                 write!(f, "{quoted} is not a word that the model knows; ")?;
                 let suggestion = self
                     .context

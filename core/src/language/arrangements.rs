@@ -325,6 +325,22 @@ impl Found<'_, '_> {
     }
 }
 
+/// How a word is said that only towers and rows have: what stands before and behind a list.
+pub(crate) fn said_around<'a>(model: &Model<'a>, word: &str) -> Option<(&'a str, &'a str)> {
+    let said = &model.arrangements;
+    let has = |text: &str| parts(text).any(|part| letters(word).eq(part.chars()));
+    let opening = said.openings.iter().find(|opening| has(opening.text));
+    let closing = said.closings.iter().find(|closing| match opening {
+        Some(opening) => closing.pattern == opening.pattern,
+        None => has(closing.text),
+    })?;
+    let opening = opening.or_else(|| {
+        let mut openings = said.openings.iter();
+        openings.find(|opening| opening.pattern == closing.pattern)
+    })?;
+    Some((opening.text, closing.text))
+}
+
 /// The words of a text with one space in between.
 fn parts(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = Some(text);

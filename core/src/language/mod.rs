@@ -21,6 +21,7 @@ mod tokens;
 mod words;
 
 pub use acceptability::Acceptability;
+pub(crate) use arrangements::said_around;
 pub use decoders::{choose_action, choose_group};
 pub use encoder::Encoder;
 pub use nearest::nearest_word;
