@@ -213,7 +213,8 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                     .extend_from_slice(self.reader.corrections());
                 let accepted = self.accepted.get_or_insert_with(|| self.parsed.clone());
                 if accepted.program != self.parsed.program {
-                    return Stage::Done(unknown.or(self.ambiguous_pronoun()));
+                    let unclear = unknown.or(self.ambiguous_pronoun());
+                    return Stage::Done(unclear.or(Some(self.two_readings())));
                 }
             }
             // In other readings, words of a tower or a row may be unknown.
@@ -245,6 +246,16 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             step: steps.position(|step| self.segments.tokens(step).contains(&pronoun))? as u8,
             span: self.reader.tokens().get(pronoun)?.span,
         })
+    }
+
+    /// Refuses the first step, for the sentence makes sense in two ways.
+    fn two_readings(&self) -> Refusal {
+        Refusal::UnclearWords {
+            step: 0,
+            span: self.segments.span(0, self.reader.tokens()),
+            probability: 0.5,
+            threshold: self.model.header.thresholds.decision,
+        }
     }
 
     fn begin_reading(&mut self) -> Stage {
@@ -354,5 +365,31 @@ const fn not_finite(step: usize, quantity: Quantity) -> Refusal {
     Refusal::NotFinite {
         step: step as u8,
         quantity,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+
+    fn parsed<'m>(model: &'m Model<'m>, sentence: &'static str) -> ParsingTask<'m, &'static str> {
+        let mut task = ParsingTask::new(model, sentence);
+        while task.poll().is_pending() {}
+        task
+    }
+
+    #[test]
+    fn readings_that_mean_different_programs_are_refused() {
+        let model = fixture::model();
+        let other = parsed(&model, "put green on red").parsed;
+        let mut task = parsed(&model, "put red on green");
+        (task.reading, task.readings, task.accepted) = (1, 2, Some(other));
+        let Stage::Done(Some(refusal)) = task.end_reading(None) else {
+            panic!("not refused");
+        };
+        assert_eq!(refusal.kind(), "unclear_words");
+        task.accepted = Some(task.parsed.clone());
+        assert!(matches!(task.end_reading(None), Stage::Done(None)));
     }
 }
