@@ -276,6 +276,7 @@ pub(crate) fn model() -> Model<'static> {
         words: words().leak(),
         pronouns: &[],
         several: Several::new(),
+        apart: Apart::new(),
         arrangements: Arrangements::new(),
         spelling: Spelling::new(),
         group: Box::leak(Box::new(word())),

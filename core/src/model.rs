@@ -82,6 +82,8 @@ pub struct Model<'a> {
     pub pronouns: &'a [Pronoun],
     /// What may be said of several objects.
     pub several: Several<'a>,
+    /// What stands between values of one object.
+    pub apart: Apart<'a>,
     /// How towers and rows are said.
     pub arrangements: Arrangements<'a>,
     /// What unknown words are read as.
@@ -184,6 +186,20 @@ pub struct Plural<'a> {
     pub text: &'a str,
     /// The word as which it is read, "block", "it": index into [`Model::words`].
     pub word: u16,
+}
+
+/// What may stand between values of one object that are said apart: they are read as if they stood together.
+/// By default nothing.
+///
+/// All texts are words in lower case with one space in between, which need not be among
+/// [`Model::words`].
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Apart<'a> {
+    /// Directly between values: "small and red block".
+    pub between: &'a [&'a str],
+    /// Between an object and another of its values, "that is" in "the small block that is red".
+    pub phrases: &'a [&'a str],
 }
 
 /// How towers and rows are said, several steps in a few words: "build a tower of red, green and blue" is

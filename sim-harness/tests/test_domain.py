@@ -147,11 +147,11 @@ def _set(document: dict[str, Any], path: str, value: Any) -> None:
         ("grammar.order_words", [], "grammar.order_words: expected 1 or more entries"),
         ("attribute", "color", "attribute: expected a list, got 'color'"),
         ("attribute.0", "color", "attribute[0]: expected a table, got 'color'"),
-        ("attributes", [], "attributes: unknown key; expected some of: action, arrangements, attr"),
+        ("attributes", [], "attributes: unknown key; expected some of: action, apart, arr"),
         (
             "document",
             "{}",
-            "document: unknown key; expected some of: action, arrangements, attr",
+            "document: unknown key; expected some of: action, apart, arr",
         ),
         ("attribute.0.values.1.attribute", "color", "attribute[0].values[1].attribute: unknown"),
         ("attribute.0.values.1.color", [], "color: unknown key; expected some of: edges_m, name, "),

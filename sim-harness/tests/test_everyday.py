@@ -120,7 +120,15 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
     edit(words)
     lines = [
         f"{table} = {json.dumps(words[table]).replace(':', ' =')}"
-        for table in ("synonyms", "extremes", "pronouns", "several", "arrangements", "spelling")
+        for table in (
+            "synonyms",
+            "extremes",
+            "pronouns",
+            "several",
+            "apart",
+            "arrangements",
+            "spelling",
+        )
     ]
     for table in ("relations", "rules"):
         lines.append(f"[{table}]")
@@ -169,6 +177,9 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["several"]["between"].append("off-of"), "between: 'off-of' is not a word of"),
         (lambda w: w["several"]["plurals"].update(hers="her"), "plurals.hers: 'her' is not a word"),
         (lambda w: w["several"]["plurals"].update(red="it"), "'red' is a word that describes"),
+        (lambda w: w["apart"]["between"].append("And"), "apart.between"),
+        (lambda w: w["apart"]["phrases"].append(""), "apart: expected words between values"),
+        (lambda w: w["apart"].pop("phrases"), "apart.phrases"),
         (lambda w: w["arrangements"].update(next="hm"), "arrangements: 'hm' is not a word of the"),
         (
             lambda w: w["arrangements"]["steps"]["up"].update(order="pat"),

@@ -52,6 +52,7 @@ LEAST_UNDERSTOOD = {
     "several": 99,
     "several held out": 99,
     "several in scenes": 55,
+    "values apart": 90,
     "towers and rows": 95,
     "pronouns": 95,
     "pronouns held out": 95,
@@ -60,6 +61,7 @@ LEAST_UNDERSTOOD = {
 }
 MOST_TAKEN_FOR_ELSE = {
     "test; everyday wording held out": 0.3,
+    "values apart of one type": 0.2,
     "no towers and rows": 0.2,
     "mixed; 3 steps": 0.5,
     "mixed; 5 steps": 0.5,

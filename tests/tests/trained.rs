@@ -24,8 +24,9 @@ const EXECUTED: [(&str, &[u32]); 5] = [
     ("put the yellow block to the right of the green one", &[3]),
 ];
 
-/// Sentences with relations, extremes, several objects, pronouns, towers and rows, and their programs.
-const PARSED: [(&str, &str); 20] = [
+/// Sentences with relations, extremes, several objects, pronouns, values that stand apart, towers and
+/// rows, and their programs.
+const PARSED: [(&str, &str); 23] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -89,6 +90,19 @@ const PARSED: [(&str, &str); 20] = [
         "Action(MoveOn, All(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
     ),
     (
+        "put the small block that is red on the lego one that's blue",
+        "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
+         Unique(Filter(lego, Filter(blue, Scene()))))",
+    ),
+    (
+        "put the small and red block left of the green one",
+        "Action(MoveLeft, Unique(Filter(small, Filter(red, Scene()))), Unique(Filter(green, Scene())))",
+    ),
+    (
+        "put the block whose colour is blue and that is small on the red one",
+        "Action(MoveOn, Unique(Filter(blue, Filter(small, Scene()))), Unique(Filter(red, Scene())))",
+    ),
+    (
         "build a tower of the red block, the green one and the small blue one",
         "Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))\n\
          Action(MoveOn, Unique(Filter(small, Filter(blue, Scene()))), Unique(Filter(green, Scene())))",
@@ -139,7 +153,7 @@ const NOT_ARRANGED: [&str; 9] = [
 ];
 
 /// All of known words.
-const REFUSED: [&str; 25] = [
+const REFUSED: [&str; 27] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -167,6 +181,9 @@ const REFUSED: [&str; 25] = [
     "put all the leftmost blocks on the red one",
     "put all blocks nearest to the red one on the blue one",
     "put both the red block and the green block on the blue one",
+    // Two values of one type, or of two objects.
+    "put the red block that is green on the blue one",
+    "put the small block and the red one on the blue one",
     // Two objects, and not one on the other.
     "stack the red block and the green block on the blue one",
     "put all red blocks on the blue one and then put the green one on it",

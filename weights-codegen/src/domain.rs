@@ -47,6 +47,9 @@ pub struct Domain {
     /// What may be said of several objects.
     #[serde(default)]
     pub several: Several,
+    /// What stands between values of one object.
+    #[serde(default)]
+    pub apart: Apart,
     /// How towers and rows are said.
     #[serde(default)]
     pub arrangements: Arrangements,
@@ -69,6 +72,15 @@ pub struct Several {
     pub between: Vec<String>,
     /// Words in the plural, each with its singular: "blocks", "them".
     pub plurals: BTreeMap<String, String>,
+}
+
+/// What may stand between values of one object that are said apart; without it, nothing may.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Apart {
+    /// Directly between values.
+    pub between: Vec<String>,
+    /// Between an object and another of its values.
+    pub phrases: Vec<String>,
 }
 
 /// How towers and rows are said, "build a tower of red, green and blue"; without it, they cannot be said.
@@ -391,7 +403,8 @@ impl Domain {
         }
     }
 
-    /// Checks that towers and rows are said in words that can be read, and read as those of the domain.
+    /// Checks that towers and rows, and values that stand apart, are said in words that can be read, and
+    /// read as those of the domain.
     fn check_arrangements(&self) -> Result<(), ModelError> {
         let words = self.words();
         let said = &self.arrangements;
@@ -416,7 +429,9 @@ impl Domain {
         let closings = said.closings().filter(|(text, ..)| !text.is_empty());
         let texts = closings.map(|(text, ..)| text);
         let texts = texts.chain(openings.iter().map(|(text, _)| *text));
+        let apart = self.apart.between.iter().chain(&self.apart.phrases);
         let mut words = texts
+            .chain(apart.map(String::as_str))
             .flat_map(|text| text.split(' '))
             .chain(said.between.iter().chain(&said.ends).map(String::as_str));
         match words.find(|word| !readable(word)) {

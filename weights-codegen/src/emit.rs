@@ -26,7 +26,7 @@ use nsrm_core::Camera;
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
-    Action, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
+    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
     LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several, Simulator, Spelling,
     Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
 };

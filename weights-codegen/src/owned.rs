@@ -1,7 +1,7 @@
 //! A model that owns its parameters and texts.
 
 use nsrm_core::model::{
-    Action, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
+    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
     LexiconEntry, Model, Opening, Plural, Pronoun, Several, Spelling, View, Vision, Word,
     WordEmbeddings,
 };
@@ -44,6 +44,7 @@ struct Parts<'a> {
     pronouns: Vec<Pronoun>,
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
+    apart: [Vec<&'a str>; 2],
     arrangements: ArrangementParts<'a>,
     heard: Vec<Heard<'a>>,
     other_words: Vec<u16>,
@@ -140,6 +141,11 @@ impl OwnedModel {
                 Several::new()
                     .with_between(&parts.between)
                     .with_plurals(&parts.plurals),
+            )
+            .with_apart(
+                Apart::new()
+                    .with_between(&parts.apart[0])
+                    .with_phrases(&parts.apart[1]),
             )
             .with_arrangements(parts.arrangements.lent())
             .with_spelling(
@@ -240,6 +246,8 @@ impl<'a> Parts<'a> {
                     Ok(Plural::new().with_text(text).with_word(word))
                 })
                 .collect::<Result<_, ModelError>>()?,
+            apart: [&domain.apart.between, &domain.apart.phrases]
+                .map(|texts| texts.iter().map(String::as_str).collect()),
             arrangements: ArrangementParts::new(&domain.arrangements)?,
             heard: domain
                 .spelling

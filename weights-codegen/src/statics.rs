@@ -71,6 +71,16 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                 ),
             ),
             (
+                "apart",
+                Node::record(
+                    "Apart",
+                    [
+                        ("between", Node::Reference("APART_BETWEEN")),
+                        ("phrases", Node::Reference("APART_PHRASES")),
+                    ],
+                ),
+            ),
+            (
                 "arrangements",
                 Node::record(
                     "Arrangements",
@@ -149,6 +159,18 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "several.plurals",
             "Plural<'static>",
             model.several.plurals,
+        ),
+        table(
+            "APART_BETWEEN",
+            "apart.between",
+            "&str",
+            model.apart.between,
+        ),
+        table(
+            "APART_PHRASES",
+            "apart.phrases",
+            "&str",
+            model.apart.phrases,
         ),
         table(
             "LIST_BETWEEN",

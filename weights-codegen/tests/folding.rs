@@ -64,6 +64,8 @@ fn names_stand_with_their_parameters() {
             .map(|plural| (plural.text, plural.word))
             .eq([("jars", 2)])
     );
+    assert_eq!(model.apart.between, ["and"]);
+    assert_eq!(model.apart.phrases, ["whose finish is", "then"]);
     let said = model.arrangements;
     assert_eq!(
         (said.between, said.ends, said.next),

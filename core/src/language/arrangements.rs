@@ -288,6 +288,18 @@ impl<'a> Said<'_, 'a> {
         Some(count)
     }
 
+    /// How many tokens the text has, if these end with it.
+    pub(super) fn ends_with(&self, tokens: &[Token], text: &str) -> Option<usize> {
+        let end = text.bytes().rposition(|byte| byte == b' ');
+        let last = end.map_or(Some(text), |end| text.get(end.saturating_add(1)..))?;
+        if !self.is(tokens.last()?, last) {
+            return None;
+        }
+        let length = parts(text).count();
+        let from = tokens.len().checked_sub(length)?;
+        self.begins_with(tokens.get(from..)?, text)
+    }
+
     /// Whether a token is this word.
     fn is(&self, token: &Token, text: &str) -> bool {
         match token.kind {

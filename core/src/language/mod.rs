@@ -6,6 +6,7 @@
 //! paper. Adjacent words of this kind become one token.
 
 mod acceptability;
+mod apart;
 mod arrangements;
 mod decoders;
 mod encoder;

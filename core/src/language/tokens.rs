@@ -86,7 +86,8 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
 /// where it is followed so.
 ///
-/// The words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, once
+/// Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
+/// to that of "the small red block"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, once
 /// the whole sentence is read; where they may mean something else, the sentence has two readings.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
@@ -118,8 +119,29 @@ pub struct Reader {
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
-    /// Before this token, arrangements have been replaced.
-    arranged: usize,
+    /// What has been done of rewriting the tokens.
+    rewriting: Rewriting,
+    /// Whether groups that stand apart are joined in this reading.
+    joins: Option<bool>,
+}
+
+/// How far the tokens of a sentence are rewritten, once all are read: from which one on is still to be
+/// looked at.
+#[derive(Debug, Clone, Copy)]
+enum Rewriting {
+    /// For values that stand apart.
+    Apart {
+        from: usize,
+    },
+    /// For towers and rows.
+    Arrangements {
+        from: usize,
+    },
+    /// For values directly beside each other.
+    Beside {
+        from: usize,
+    },
+    Done,
 }
 
 impl Reader {
@@ -156,7 +178,8 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
-            arranged: 0,
+            rewriting: Rewriting::Apart { from: 0 },
+            joins: None,
         }
     }
 
@@ -167,11 +190,11 @@ impl Reader {
     /// lexicon and the words. For a word that is not found there, a few comparisons with each letter
     /// of each of the model's words.
     pub fn advance(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
-        let read = match self.read_word(model, sentence) {
-            Ok(false) => self.arrange(model, sentence),
-            read => read,
-        };
-        read.map_err(|refusal| self.unknown().unwrap_or(refusal))
+        match self.read_word(model, sentence) {
+            Ok(false) => self.rewrite(model, sentence),
+            Ok(true) => Ok(true),
+            Err(refusal) => Err(self.unknown().unwrap_or(refusal)),
+        }
     }
 
     fn read_word(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
@@ -198,7 +221,7 @@ impl Reader {
                     let property = entry.ok_or(Refusal::InvalidModel)?.property;
                     self.add_property(model, property, span)?;
                 }
-                Err(unknown) if model.arrangements.openings.is_empty() => return Err(unknown),
+                Err(unknown) if model.has_no_rewriting() => return Err(unknown),
                 Err(_) => self.add(TokenKind::Unknown, span)?,
             }
         }
@@ -306,8 +329,7 @@ impl Reader {
         self.add(TokenKind::Word(index), span)
     }
 
-    /// A word of the lexicon joins the group before it or starts one. Values of one attribute
-    /// exclude each other, so that no object has two; and so do extremes and quantifiers.
+    /// A word of the lexicon joins the group before it or starts one.
     fn add_property(
         &mut self,
         model: &Model<'_>,
@@ -322,17 +344,7 @@ impl Reader {
         {
             self.is_several |= is_quantifier;
             group.end = span.end;
-            if let Some(first) = conflicting(model, filters, property) {
-                return Err(Refusal::ConflictingValues {
-                    span: *group,
-                    first,
-                    second: property,
-                });
-            }
-            return filters.add(property).map_err(|_| Refusal::TooManyConcepts {
-                span: *group,
-                limit: MAX_FILTERS as u8,
-            });
+            return add_value(model, filters, property, *group);
         }
         self.is_several = is_quantifier;
         let mut filters = Filters::new();
@@ -345,47 +357,98 @@ impl Reader {
         push(&mut self.tokens, kind, span)
     }
 
-    /// Replaces the arrangement at the next token, if there is one; false if all tokens have been looked
-    /// at, and none is unknown.
-    fn arrange(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
-        let Some(rest) = self.tokens.get(self.arranged..) else {
+    /// Joins values that stand apart, replaces arrangements, then joins values that stand beside each other:
+    /// a piece of it. False if all tokens have been looked at, and none is unknown.
+    fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
+        if self.tokens.is_empty() || model.has_no_rewriting() {
             return Ok(false);
-        };
-        let said = Said { model, sentence };
-        if rest.is_empty() || (self.arranged == 0 && !said.has_list(rest)) {
-            return self.unknown().map_or(Ok(false), Err);
         }
-        if said.arrangement(rest).is_some() {
-            self.replace(said)?;
-        } else {
-            self.arranged = self.arranged.saturating_add(1);
+        let said = Said { model, sentence };
+        match self.rewriting {
+            Rewriting::Apart { from } => self.join(said, from, false)?,
+            Rewriting::Arrangements { from } => self.arrange(said, from)?,
+            Rewriting::Beside { from } => self.join(said, from, true)?,
+            Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
         }
         Ok(true)
     }
 
-    /// Replaces the arrangement at the next token by its steps. Words that have another meaning without
-    /// it have two readings.
+    /// Joins the next group to what it stands apart from, if there is one. All words in between have
+    /// another meaning without it, and so the sentence two readings, unless one is unknown.
+    ///
+    /// * `directly`: whether only another group may stand before what is in between
+    fn join(&mut self, said: Said<'_, '_>, from: usize, directly: bool) -> Result<(), Refusal> {
+        let mut groups = from..self.tokens.len();
+        let joint = groups.find_map(|at| said.joint(&self.tokens, at, directly));
+        let Some(joint) = joint else {
+            self.rewriting = match directly {
+                false if said.has_list(&self.tokens) => Rewriting::Arrangements { from: 0 },
+                false => Rewriting::Beside { from: 0 },
+                true => Rewriting::Done,
+            };
+            return Ok(());
+        };
+        let mut from = joint.behind();
+        if Said::must_join(&self.tokens, joint) || self.chooses_to_join() {
+            (self.tokens, from) = said.joined(&self.tokens, joint)?;
+        }
+        self.rewriting = match directly {
+            false => Rewriting::Apart { from },
+            true => Rewriting::Beside { from },
+        };
+        Ok(())
+    }
+
+    /// Replaces the arrangement at a token, if there is one.
+    fn arrange(&mut self, said: Said<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let rest = self.tokens.get(from..).unwrap_or_default();
+        let next = if rest.is_empty() {
+            Rewriting::Beside { from: 0 }
+        } else if said.arrangement(rest).is_some() {
+            let from = self.replace(said, from)?;
+            Rewriting::Arrangements { from }
+        } else {
+            let from = from.saturating_add(1);
+            Rewriting::Arrangements { from }
+        };
+        self.rewriting = next;
+        Ok(())
+    }
+
+    /// Whether groups join in this reading: all or none.
+    fn chooses_to_join(&mut self) -> bool {
+        match self.joins {
+            Some(joins) => joins,
+            None => {
+                let joins = self.choose(2) == Some(1);
+                self.joins = Some(joins);
+                joins
+            }
+        }
+    }
+
+    /// Replaces the arrangement at a token by its steps, and tells the number of the token behind them.
+    /// Words that have another meaning without it have two readings.
     #[inline(never)]
-    fn replace(&mut self, said: Said<'_, '_>) -> Result<(), Refusal> {
+    fn replace(&mut self, said: Said<'_, '_>, from: usize) -> Result<usize, Refusal> {
         let mut before = Tokens::new();
         // As many fit.
         let _ = before.extend_from_slice(&self.tokens);
-        let rest = before.get(self.arranged..).unwrap_or_default();
+        let rest = before.get(from..).unwrap_or_default();
         let Some(found) = said.arrangement(rest) else {
-            return Ok(());
+            return Ok(from);
         };
         if self.unknown().is_none() && self.choose(2) != Some(1) {
-            self.arranged = self.arranged.saturating_add(found.length());
-            return Ok(());
+            return Ok(from.saturating_add(found.length()));
         }
-        self.tokens.truncate(self.arranged);
+        self.tokens.truncate(from);
         said.write(&found, &mut self.tokens)?;
-        self.arranged = self.tokens.len();
+        let behind = self.tokens.len();
         let rest = rest.get(found.length()..).unwrap_or_default();
         for token in rest {
             self.add(token.kind, token.span)?;
         }
-        Ok(())
+        Ok(behind)
     }
 
     /// Refuses the first unknown word.
@@ -400,6 +463,48 @@ impl Reader {
 fn may_describe(model: &Model<'_>, text: &str) -> bool {
     find(model.lexicon, text, |entry| entry.text).is_some()
         || word(model, text).is_some_and(|index| pronoun(model, index).is_some())
+}
+
+/// One group for what two say of an object.
+pub(super) fn join(model: &Model<'_>, first: &Token, second: &Token) -> Result<Token, Refusal> {
+    let (mut filters, more) = match (first.filters(), second.filters()) {
+        (Some(first), Some(second)) => (*first, second),
+        _ => return Err(Refusal::InvalidModel),
+    };
+    let span = Span {
+        start: first.span.start,
+        end: second.span.end,
+    };
+    for concept in more.concepts() {
+        add_value(model, &mut filters, Property::Concept(*concept), span)?;
+    }
+    Ok(Token {
+        kind: TokenKind::Group(filters),
+        span,
+    })
+}
+
+/// A group says more of an object. Values of one attribute exclude each other, so that no object has two;
+/// and so do extremes and quantifiers.
+///
+/// * `span`: the place of the group
+fn add_value(
+    model: &Model<'_>,
+    filters: &mut Filters,
+    property: Property,
+    span: Span,
+) -> Result<(), Refusal> {
+    if let Some(first) = conflicting(model, filters, property) {
+        return Err(Refusal::ConflictingValues {
+            span,
+            first,
+            second: property,
+        });
+    }
+    filters.add(property).map_err(|_| Refusal::TooManyConcepts {
+        span,
+        limit: MAX_FILTERS as u8,
+    })
 }
 
 /// Appends a token, as far as there is room.

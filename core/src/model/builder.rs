@@ -2,12 +2,12 @@
 //! output of nsrm-codegen still compiles.
 
 use super::{
-    ACCEPTABILITY_HIDDEN, Action, Arrangement, Arrangements, Attribute, CONCEPT, Closing, Concept,
-    ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard, INSTRUCTION, LOCATION, Language, LexiconEntry,
-    MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural,
-    Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling,
-    Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings,
-    WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
+    Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard, INSTRUCTION, LOCATION, Language,
+    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, PATCH_CHANNELS,
+    PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Several,
+    Simulator, Spelling, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD,
+    Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::Property;
@@ -54,6 +54,7 @@ builder! {
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         several, with_several: Several<'a> = Several::UNSET;
+        apart, with_apart: Apart<'a> = Apart::UNSET;
         arrangements, with_arrangements: Arrangements<'a> = Arrangements::UNSET;
         spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
@@ -107,6 +108,10 @@ builder! {
     ['a] Plural<'a> {
         text, with_text: &'a str = "";
         word, with_word: u16 = u16::MAX;
+    }
+    ['a] Apart<'a> {
+        between, with_between: &'a [&'a str] = &[];
+        phrases, with_phrases: &'a [&'a str] = &[];
     }
     ['a] Arrangements<'a> {
         between, with_between: &'a [&'a str] = &[];

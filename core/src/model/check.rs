@@ -280,6 +280,11 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Whether the words of every sentence are read as they stand.
+    pub(crate) const fn has_no_rewriting(&self) -> bool {
+        self.arrangements.openings.is_empty() && self.apart.phrases.is_empty()
+    }
+
     fn is_known(&self, text: &str) -> bool {
         self.words.iter().any(|word| word.text == text)
             || self.lexicon.iter().any(|entry| entry.text == text)

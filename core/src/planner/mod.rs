@@ -89,7 +89,7 @@ pub const UNIT_ACTIONS: usize = 64;
 pub const UNIT_SIZES: usize = 64;
 
 /// The most calls of [`PlanningTask::poll`] until it is done: for each reading of the sentence
-/// words and what is said of towers and rows, and for each way to split it tokens through splitter and encoder, and for each step its
+/// words and what is rewritten, and for each way to split it tokens through splitter and encoder, and for each step its
 /// begin, three decoders and the role of each group; the scene against the calibration, which takes another for each cause that
 /// may explain what disagrees; and for each step two descriptions, each with all that it relates to
 /// over all objects and a choice, and the action, twice if it moves several objects.
@@ -97,7 +97,7 @@ pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
     + Cause::ALL.len()
     + 2 * MAX_STEPS * GROUNDING_POLLS
     + 3;
-const READING_POLLS: usize = (MAX_FILTERS + 4) * MAX_TOKENS + 2 + MAX_STEPS * (4 + MAX_GROUPS);
+const READING_POLLS: usize = (MAX_FILTERS + 5) * MAX_TOKENS + 4 + MAX_STEPS * (4 + MAX_GROUPS);
 const GROUNDING_POLLS: usize = 2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + 1;
 
 /// Plans with one model. Holds only a reference to the model.

@@ -10,9 +10,9 @@ from typing import TypeVar
 import numpy as np
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.arrangements import ArrangedStep, Arrangements, Pattern
 from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.rewriting import ArrangedStep, Arrangements, Pattern
 
 #: Number of objects in a list: at least and at most.
 LEAST, MOST = 2, 5

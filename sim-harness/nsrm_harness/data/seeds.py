@@ -52,6 +52,7 @@ STREAMS = {
     "mixed": 86,
     "several": 87,
     "arranged": 88,
+    "apart": 89,
 }
 
 

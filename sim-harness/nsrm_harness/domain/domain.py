@@ -22,8 +22,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
-from nsrm_harness.domain.arrangements import Arrangements
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES
+from nsrm_harness.domain.rewriting import Apart, Arrangements
 from nsrm_harness.domain.wording import (
     Alternatives,
     Commands,
@@ -267,6 +267,7 @@ class Domain:
     #: read behind it: "one's" for "its", or an empty text.
     pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
+    apart: Annotated[Apart | None, Field(default=None), BeforeValidator(_not_null)]
     arrangements: Annotated[Arrangements | None, Field(default=None), BeforeValidator(_not_null)]
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]

@@ -18,7 +18,6 @@ import numpy as np
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
-from nsrm_harness.domain.arrangements import expanded
 from nsrm_harness.domain.domain import (
     GROUP_TOKEN,
     RELATING_RULES,
@@ -28,6 +27,7 @@ from nsrm_harness.domain.domain import (
 )
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
+from nsrm_harness.domain.rewriting import expanded
 
 #: The wording of the paper's domain.
 EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
@@ -56,9 +56,9 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes, pronouns, several, arrangements = (
+    synonyms, extremes, pronouns, several, apart, arrangements = (
         _taken_out(words, name, path)
-        for name in ("synonyms", "extremes", "pronouns", "several", "arrangements")
+        for name in ("synonyms", "extremes", "pronouns", "several", "apart", "arrangements")
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -76,6 +76,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["pronouns"] = pronouns
     if several:
         document["several"] = several
+    if apart:
+        document["apart"] = apart
     if arrangements := expanded(arrangements, names, words["rules"], str(path)):
         document["arrangements"] = arrangements
     if spelling := words.pop("spelling", None):

@@ -108,7 +108,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
-    for check in (_words, _held_out, _pronouns, _several, _arrangements, _spelling):
+    for check in (_words, _held_out, _pronouns, _several, _apart, _arrangements, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -304,6 +304,12 @@ def _several(domain: Domain) -> Faults:
             yield "several.plurals", f"{word!r} is a word that describes objects"
         if singular not in known:
             yield f"several.plurals.{word}", f"{singular!r} is not a word of the grammar"
+
+
+def _apart(domain: Domain) -> Faults:
+    """Words stand between values that are said apart."""
+    if domain.apart is not None and not all((*domain.apart.between, *domain.apart.phrases)):
+        yield "apart", "expected words between values: remove the empty string"
 
 
 def _arrangements(domain: Domain) -> Faults:

@@ -10,6 +10,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * programs of one to five steps that mix all kinds of descriptions (`data.mixed`);
 * the same programs with several objects that are moved in one of their steps, "all red blocks", and
   with several references, which nobody can put anything on;
+* the episodes' programs with values that stand apart, and with two of one type (`data.apart`);
 * towers and rows, several steps in a few words, and such that mean none (`data.arranged`);
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
@@ -29,6 +30,7 @@ from pathlib import Path
 
 import nsrm
 
+from nsrm_harness.data.apart import ApartSentences
 from nsrm_harness.data.arranged import ArrangedSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
@@ -134,6 +136,11 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             count(name, understand(model, sentences))
             for name, sentences in say_several(domain, programs, seed).items()
         ]
+    if domain.apart is not None:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_apart(domain, programs, seed).items()
+        ]
     if domain.arrangements is not None:
         rows += [
             count(name, understand(model, sentences))
@@ -171,6 +178,18 @@ def say_several(domain: Domain, programs: Sequence[Program], seed: int) -> dict[
         for number, each in enumerate(untrue)
     ]
     return {**sets, "several references": refused}
+
+
+def say_apart(domain: Domain, programs: Sequence[Program], seed: int) -> dict[str, Sentences]:
+    """A sentence for each program with values that can stand apart, and one with two of one type in
+    their place, by the name of their set."""
+    sentences = ApartSentences(domain, generator(seed, "apart", 0))
+    told = [(sentences.draw(program), program) for program in programs]
+    refused = [sentences.near_miss(program) for program in programs]
+    return {
+        "values apart": [(said, program) for said, program in told if said is not None],
+        "values apart of one type": [(said, None) for said in refused if said is not None],
+    }
 
 
 def say_arranged(domain: Domain, seed: int) -> dict[str, Sentences]:

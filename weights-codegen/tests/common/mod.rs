@@ -103,6 +103,7 @@ pub(crate) fn domain() -> Value {
             "between": ["the"],
             "plurals": {"jars": "jar"},
         },
+        "apart": {"between": ["and"], "phrases": ["whose finish is", "then"]},
         "arrangements": {
             "between": ["and", ","],
             "ends": ["then"],

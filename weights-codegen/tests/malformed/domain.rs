@@ -215,7 +215,9 @@ fn arrangements_that_mean_nothing() {
             "arrangements.steps",
         ],
     );
-    let unreadable: [SpoilDomain; 4] = [
+    let unreadable: [SpoilDomain; 6] = [
+        |domain| domain["apart"]["between"] = json!([""]),
+        |domain| domain["apart"]["phrases"] = json!(["That is"]),
         |domain| domain["arrangements"]["patterns"][0]["openings"] = json!(["a  pile"]),
         |domain| domain["arrangements"]["patterns"][0]["openings"] = json!([""]),
         |domain| domain["arrangements"]["patterns"][0]["closings"] = json!({"Down": "down"}),

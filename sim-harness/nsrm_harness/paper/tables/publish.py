@@ -38,6 +38,8 @@ SETS = {
     "several in scenes": "several objects, in their scenes",
     "several in scenes with stacks": "the same where blocks hide others in part",
     "several of another number": "of none, or not two, in the scene; to refuse",
+    "values apart": 'values that stand apart: "the small block that is red"',
+    "values apart of one type": "two values of one type; to refuse",
     "towers and rows": 'towers and rows: "build a tower of red, green and blue"',
     "no towers and rows": "such that mean none, to refuse",
     "pronouns": 'pronouns: "… and put the green block on it"',

@@ -1,7 +1,7 @@
-"""Towers and rows of a domain file: what is said of them, and as which steps it is read.
+"""What the core rewrites before it reads a sentence: values that stand apart, which it joins, and
+towers and rows, which it reads as their steps.
 
-The parser is not taught them. The core replaces their words by those of their steps before it reads
-the sentence.
+The parser is not taught them.
 """
 
 from __future__ import annotations
@@ -16,6 +16,19 @@ from nsrm_harness.common.toml_file import NO_OTHER_KEYS
 from nsrm_harness.domain.wording import Identifier, Phrase
 
 _RULE = re.compile(r"\{([a-z_]+)\}")
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What may stand between values of one object that are said apart: they are read as if they
+    stood together."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Directly between values: "small and red block".
+    between: tuple[Phrase, ...]
+    #: Between an object and another of its values, "that is" in "the small block that is red".
+    phrases: tuple[Phrase, ...]
 
 
 @dataclass(frozen=True)
