@@ -9,13 +9,17 @@
 //! to the right of, what stands behind; `past` stands for what is to the right of it. So are `closest`
 //! and `furthest`; `around` stands for what is nearest to it.
 
+use core::task::Poll;
 use std::boxed::Box;
+use std::string::{String, ToString};
 use std::vec::Vec;
 
 use crate::camera::Camera;
 use crate::dsl::{Filters, Property};
+use crate::language::ParsingTask;
 use crate::model::*;
 use crate::nn::{Gru, Linear, MergeConv, PatchConv};
+use crate::refusal::Refusal;
 use crate::scene::{ObservedObject, RawScene, Scene};
 
 pub(crate) const RED: usize = 0;
@@ -408,4 +412,14 @@ pub(crate) fn filters(concepts: &[u8]) -> Filters {
         filters.push(concept).expect("a place");
     }
     filters
+}
+
+/// The program of a sentence in the paper's notation.
+pub(crate) fn parse(model: &Model<'_>, sentence: &str) -> Result<String, Refusal> {
+    let mut task = ParsingTask::new(model, sentence);
+    loop {
+        if let Poll::Ready(result) = task.poll() {
+            return result.map(|parsed| parsed.program().notation(model).to_string());
+        }
+    }
 }

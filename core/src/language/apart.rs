@@ -4,7 +4,7 @@
 //! beside each other last, since the objects of a list are, too ("a tower of red, small and blue"). Nothing is
 //! learned here: the model lists what may stand between ([`crate::model::Apart`]).
 
-use super::arrangements::Said;
+use super::phrases::PhraseMatcher;
 use super::tokens::{Tokens, join, push};
 use super::{Token, TokenKind};
 use crate::refusal::Refusal;
@@ -27,7 +27,7 @@ impl Joint {
     }
 }
 
-impl Said<'_, '_> {
+impl PhraseMatcher<'_, '_> {
     /// How the group at this token joins what stands before it.
     ///
     /// * `directly`: whether only another group may stand before what is in between
@@ -111,12 +111,8 @@ impl Said<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use core::task::Poll;
-    use std::string::ToString;
-
     use super::*;
     use crate::fixture;
-    use crate::language::ParsingTask;
     use crate::model::Apart;
 
     const APART: Apart<'static> = Apart::new()
@@ -126,12 +122,7 @@ mod tests {
     fn parse(sentence: &str) -> Result<std::string::String, Refusal> {
         let model = fixture::model().with_apart(APART);
         assert_eq!(model.check(), Ok(()));
-        let mut task = ParsingTask::new(&model, sentence);
-        loop {
-            if let Poll::Ready(result) = task.poll() {
-                return result.map(|parsed| parsed.program().notation(&model).to_string());
-            }
-        }
+        fixture::parse(&model, sentence)
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use heapless::Vec;
 
+use super::phrases::{PhraseMatcher, parts};
 use super::tokens::push;
 use super::words::{find, letters, word};
 use super::{Span, Token, TokenKind, Tokens};
@@ -31,14 +32,7 @@ pub(super) struct Found<'a, 't> {
     around: usize,
 }
 
-/// A sentence and the model that reads it.
-#[derive(Clone, Copy)]
-pub(super) struct Said<'s, 'a> {
-    pub(super) model: &'s Model<'a>,
-    pub(super) sentence: &'s str,
-}
-
-impl<'a> Said<'_, 'a> {
+impl<'a> PhraseMatcher<'_, 'a> {
     /// The arrangement whose first token is the first of these; of several the one of which more is
     /// said around the list.
     ///
@@ -264,70 +258,6 @@ impl<'a> Said<'_, 'a> {
     fn is_between(&self, token: &Token) -> bool {
         self.is_one_of(self.model.arrangements.between, token)
     }
-
-    /// Whether a token is one of these words, which are sorted.
-    fn is_one_of(&self, words: &[&str], token: &Token) -> bool {
-        let text = match token.kind {
-            TokenKind::Word(index) => self.known(index),
-            TokenKind::Unknown => self.text(token),
-            TokenKind::Group(_) | TokenKind::Pronoun => return false,
-        };
-        find(words, text, |word| word).is_some()
-    }
-
-    /// How many tokens the text has, if these begin with it.
-    fn begins_with(&self, tokens: &[Token], text: &str) -> Option<usize> {
-        let mut tokens = tokens.iter();
-        let mut count = 0_usize;
-        for word in parts(text) {
-            if !self.is(tokens.next()?, word) {
-                return None;
-            }
-            count = count.saturating_add(1);
-        }
-        Some(count)
-    }
-
-    /// How many tokens the text has, if these end with it.
-    pub(super) fn ends_with(&self, tokens: &[Token], text: &str) -> Option<usize> {
-        let end = text.bytes().rposition(|byte| byte == b' ');
-        let last = end.map_or(Some(text), |end| text.get(end.saturating_add(1)..))?;
-        if !self.is(tokens.last()?, last) {
-            return None;
-        }
-        let length = parts(text).count();
-        let from = tokens.len().checked_sub(length)?;
-        self.begins_with(tokens.get(from..)?, text)
-    }
-
-    /// Whether a token is this word.
-    fn is(&self, token: &Token, text: &str) -> bool {
-        match token.kind {
-            TokenKind::Word(index) => self.known(index) == text,
-            // "Each" in "each other" is read as a group.
-            TokenKind::Unknown | TokenKind::Group(_) => letters(self.text(token)).eq(text.chars()),
-            TokenKind::Pronoun => false,
-        }
-    }
-
-    /// Whether this text comes before a token's in the order of letters.
-    fn is_behind(&self, token: &Token, text: &str) -> bool {
-        match token.kind {
-            TokenKind::Word(index) => text < self.known(index),
-            TokenKind::Unknown => text.chars().lt(letters(self.text(token))),
-            // None stands before a list.
-            TokenKind::Group(_) | TokenKind::Pronoun => true,
-        }
-    }
-
-    fn known(&self, index: u16) -> &'a str {
-        let word = self.model.words.get(usize::from(index));
-        word.map_or("", |word| word.text)
-    }
-
-    fn text(&self, token: &Token) -> &str {
-        token.span.of(self.sentence).unwrap_or_default()
-    }
 }
 
 impl Found<'_, '_> {
@@ -353,25 +283,10 @@ pub(crate) fn said_around<'a>(model: &Model<'a>, word: &str) -> Option<(&'a str,
     Some((opening.text, closing.text))
 }
 
-/// The words of a text with one space in between.
-fn parts(text: &str) -> impl Iterator<Item = &str> {
-    let mut rest = Some(text);
-    core::iter::from_fn(move || {
-        let text = rest?;
-        let end = text.bytes().position(|byte| byte == b' ');
-        rest = end.and_then(|end| text.get(end.saturating_add(1)..));
-        text.get(..end.unwrap_or(text.len()))
-    })
-}
-
 #[cfg(test)]
 mod tests {
-    use core::task::Poll;
-    use std::string::ToString;
-
     use super::*;
     use crate::fixture;
-    use crate::language::ParsingTask;
     use crate::model::{Arrangements, Opening, Plural, Several};
 
     const LISTS: Arrangements<'static> = Arrangements::new()
@@ -413,12 +328,7 @@ mod tests {
         let several = Several::new().with_plurals(std::slice::from_ref(&plural));
         let model = model.with_arrangements(LISTS).with_several(several);
         assert_eq!(model.check(), Ok(()));
-        let mut task = ParsingTask::new(&model, sentence);
-        loop {
-            if let Poll::Ready(result) = task.poll() {
-                return result.map(|parsed| parsed.program().notation(&model).to_string());
-            }
-        }
+        fixture::parse(&model, sentence)
     }
 
     #[test]

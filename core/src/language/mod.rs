@@ -12,6 +12,7 @@ mod decoders;
 mod encoder;
 mod nearest;
 mod parsed;
+mod phrases;
 mod pronouns;
 mod relations;
 mod segments;

@@ -28,13 +28,10 @@ pub(super) fn antecedent(program: &Program) -> Option<Filters> {
 
 #[cfg(test)]
 mod tests {
-    use core::task::Poll;
-    use std::string::ToString;
-
     use super::*;
     use crate::MAX_READINGS;
-    use crate::fixture;
-    use crate::language::{ParsingTask, Reader, Span, TokenKind};
+    use crate::fixture::{self, parse};
+    use crate::language::{Reader, Span, TokenKind};
     use crate::refusal::Refusal;
 
     /// A model in which "the" is a pronoun.
@@ -50,15 +47,6 @@ mod tests {
         let model = model.with_pronouns(std::vec![pronoun].leak());
         assert_eq!(model.check(), Ok(()));
         model
-    }
-
-    fn parse(model: &Model<'_>, sentence: &str) -> Result<std::string::String, Refusal> {
-        let mut task = ParsingTask::new(model, sentence);
-        loop {
-            if let Poll::Ready(result) = task.poll() {
-                return result.map(|parsed| parsed.program().notation(model).to_string());
-            }
-        }
     }
 
     #[test]

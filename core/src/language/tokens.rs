@@ -1,6 +1,8 @@
-use heapless::Vec;
+mod rewriting;
 
-use super::arrangements::Said;
+use heapless::Vec;
+use rewriting::Rewriting;
+
 use super::pronouns::pronoun;
 use super::spelling::{Correction, KnownWord, alternatives};
 use super::words::{Span, find, is_full_stop, is_space, next_word, word};
@@ -123,25 +125,6 @@ pub struct Reader {
     rewriting: Rewriting,
     /// Whether groups that stand apart are joined in this reading.
     joins: Option<bool>,
-}
-
-/// How far the tokens of a sentence are rewritten, once all are read: from which one on is still to be
-/// looked at.
-#[derive(Debug, Clone, Copy)]
-enum Rewriting {
-    /// For values that stand apart.
-    Apart {
-        from: usize,
-    },
-    /// For towers and rows.
-    Arrangements {
-        from: usize,
-    },
-    /// For values directly beside each other.
-    Beside {
-        from: usize,
-    },
-    Done,
 }
 
 impl Reader {
@@ -355,100 +338,6 @@ impl Reader {
 
     fn add(&mut self, kind: TokenKind, span: Span) -> Result<(), Refusal> {
         push(&mut self.tokens, kind, span)
-    }
-
-    /// Joins values that stand apart, replaces arrangements, then joins values that stand beside each other:
-    /// a piece of it. False if all tokens have been looked at, and none is unknown.
-    fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
-        if self.tokens.is_empty() || model.has_no_rewriting() {
-            return Ok(false);
-        }
-        let said = Said { model, sentence };
-        match self.rewriting {
-            Rewriting::Apart { from } => self.join(said, from, false)?,
-            Rewriting::Arrangements { from } => self.arrange(said, from)?,
-            Rewriting::Beside { from } => self.join(said, from, true)?,
-            Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
-        }
-        Ok(true)
-    }
-
-    /// Joins the next group to what it stands apart from, if there is one. All words in between have
-    /// another meaning without it, and so the sentence two readings, unless one is unknown.
-    ///
-    /// * `directly`: whether only another group may stand before what is in between
-    fn join(&mut self, said: Said<'_, '_>, from: usize, directly: bool) -> Result<(), Refusal> {
-        let mut groups = from..self.tokens.len();
-        let joint = groups.find_map(|at| said.joint(&self.tokens, at, directly));
-        let Some(joint) = joint else {
-            self.rewriting = match directly {
-                false if said.has_list(&self.tokens) => Rewriting::Arrangements { from: 0 },
-                false => Rewriting::Beside { from: 0 },
-                true => Rewriting::Done,
-            };
-            return Ok(());
-        };
-        let mut from = joint.behind();
-        if Said::must_join(&self.tokens, joint) || self.chooses_to_join() {
-            (self.tokens, from) = said.joined(&self.tokens, joint)?;
-        }
-        self.rewriting = match directly {
-            false => Rewriting::Apart { from },
-            true => Rewriting::Beside { from },
-        };
-        Ok(())
-    }
-
-    /// Replaces the arrangement at a token, if there is one.
-    fn arrange(&mut self, said: Said<'_, '_>, from: usize) -> Result<(), Refusal> {
-        let rest = self.tokens.get(from..).unwrap_or_default();
-        let next = if rest.is_empty() {
-            Rewriting::Beside { from: 0 }
-        } else if said.arrangement(rest).is_some() {
-            let from = self.replace(said, from)?;
-            Rewriting::Arrangements { from }
-        } else {
-            let from = from.saturating_add(1);
-            Rewriting::Arrangements { from }
-        };
-        self.rewriting = next;
-        Ok(())
-    }
-
-    /// Whether groups join in this reading: all or none.
-    fn chooses_to_join(&mut self) -> bool {
-        match self.joins {
-            Some(joins) => joins,
-            None => {
-                let joins = self.choose(2) == Some(1);
-                self.joins = Some(joins);
-                joins
-            }
-        }
-    }
-
-    /// Replaces the arrangement at a token by its steps, and tells the number of the token behind them.
-    /// Words that have another meaning without it have two readings.
-    #[inline(never)]
-    fn replace(&mut self, said: Said<'_, '_>, from: usize) -> Result<usize, Refusal> {
-        let mut before = Tokens::new();
-        // As many fit.
-        let _ = before.extend_from_slice(&self.tokens);
-        let rest = before.get(from..).unwrap_or_default();
-        let Some(found) = said.arrangement(rest) else {
-            return Ok(from);
-        };
-        if self.unknown().is_none() && self.choose(2) != Some(1) {
-            return Ok(from.saturating_add(found.length()));
-        }
-        self.tokens.truncate(from);
-        said.write(&found, &mut self.tokens)?;
-        let behind = self.tokens.len();
-        let rest = rest.get(found.length()..).unwrap_or_default();
-        for token in rest {
-            self.add(token.kind, token.span)?;
-        }
-        Ok(behind)
     }
 
     /// Refuses the first unknown word.
