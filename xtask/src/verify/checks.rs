@@ -406,6 +406,8 @@ fn pytest(context: &Context, folder: &str) -> Result<Step> {
         .with("JAX_COMPILATION_CACHE_DIR", compiled)
         .with("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
         .with("XLA_FLAGS", QUICK_EMITTERS)
+        // Those that hang are aborted, and print where they were.
+        .with("PYTHONFAULTHANDLER", "1")
         .counting(Runner::Pytest))
 }
 

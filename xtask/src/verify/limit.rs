@@ -9,8 +9,11 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, bail};
 
 /// How long a command may print nothing. Not how long it may take: on a busy machine, that is a
-/// multiple. The slowest is silent for seven minutes on two idle cores, while it trains.
-pub(super) const LIMIT: Duration = Duration::from_secs(40 * 60);
+/// multiple. The slowest is silent for five minutes on two idle cores, while it trains.
+pub(super) const LIMIT: Duration = Duration::from_secs(25 * 60);
+
+/// How long a silent command has, once what it started is aborted, to tell of it and end.
+const LAST_WORDS: Duration = Duration::from_secs(20);
 
 /// How often a running command is polled.
 const NAP: Duration = Duration::from_millis(20);
@@ -26,7 +29,8 @@ pub(super) struct Ended {
     pub(super) processor: Duration,
 }
 
-/// Waits until a command has ended; kills it and its descendants if it is silent for too long.
+/// Waits until a command has ended. If it is silent for too long, aborts its descendants, at which
+/// Python prints where each of its threads was; then kills it.
 ///
 /// * `printed`: how much it has printed so far
 pub(super) fn wait(mut child: Child, limit: Duration, printed: impl Fn() -> u64) -> Result<Ended> {
@@ -42,8 +46,7 @@ pub(super) fn wait(mut child: Child, limit: Duration, printed: impl Fn() -> u64)
         if now != before {
             (before, since) = (now, Instant::now());
         } else if since.elapsed() > limit {
-            kill(child.id());
-            child.wait().context("waiting for a command")?;
+            end(&mut child)?;
             bail!(
                 "printed nothing for {} min and was killed; the last lines of the log show where it was",
                 limit.as_secs() / 60
@@ -64,9 +67,30 @@ fn processor_time(process: u32) -> Option<Duration> {
     Some(Duration::from_millis(ticks * 1000 / TICKS))
 }
 
-/// Kills a process and its descendants. They share our process group, so that Ctrl-C reaches
-/// them all; hence they are searched for one by one.
-fn kill(process: u32) {
+/// Ends a silent command: aborts what it started, and kills it unless it then ends by itself.
+fn end(child: &mut Child) -> Result<()> {
+    let processes = stop(child.id());
+    let descendants = processes.iter().skip(1);
+    signal("-ABRT", descendants.clone());
+    signal("-CONT", &processes);
+    let since = Instant::now();
+    while since.elapsed() < LAST_WORDS {
+        if child.try_wait().context("waiting for a command")?.is_some() {
+            break;
+        }
+        thread::sleep(NAP);
+    }
+    signal("-KILL", descendants);
+    if child.try_wait().context("waiting for a command")?.is_none() {
+        signal("-KILL", &stop(child.id()));
+        child.wait().context("waiting for a command")?;
+    }
+    Ok(())
+}
+
+/// Stops a process and its descendants, and lists them. They share our process group, so that
+/// Ctrl-C reaches them all; hence they are searched for one by one.
+fn stop(process: u32) -> Vec<String> {
     let mut processes = vec![process.to_string()];
     let mut index = 0;
     while let Some(parent) = processes.get(index).cloned() {
@@ -75,7 +99,7 @@ fn kill(process: u32) {
         processes.extend(children(&parent));
         index += 1;
     }
-    signal("-KILL", &processes);
+    processes
 }
 
 /// Sends a signal; not an error if the process has ended meanwhile.
@@ -140,6 +164,18 @@ mod tests {
         assert!(ended.processor > Duration::ZERO);
         let idle = wait(shell("true"), LIMIT, || 0).unwrap();
         assert!(idle.processor < ended.processor);
+    }
+
+    #[test]
+    fn what_hangs_can_tell_where_it_was() {
+        let hanging = "trap 'echo here; exit 1' ABRT; echo begun; while :; do sleep 0.1; done";
+        let mut child = shell(&format!("sh -c \"{hanging}\" & wait; echo ended"));
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        output.read_line(&mut String::new()).unwrap();
+        wait(child, Duration::ZERO, || 0).unwrap_err();
+        let mut said = String::new();
+        output.read_to_string(&mut said).unwrap();
+        assert_eq!(said, "here\nended\n");
     }
 
     #[test]
