@@ -161,18 +161,18 @@ impl Run {
                 (queue, scope.spawn(work))
             };
             let (waiting, of_waiting) = lane();
-            let (background, of_background) = lane();
+            let (long, of_long) = lane();
             for check in checks {
                 // The receivers stay until the end, except after an error of ours, which is
                 // reported below.
                 match check.lane {
                     Lane::Computing => self.one(check)?,
                     Lane::Waiting => drop(waiting.send(check)),
-                    Lane::Background => drop(background.send(check)),
+                    Lane::Long => drop(long.send(check)),
                 }
             }
-            drop((waiting, background));
-            [of_waiting, of_background].into_iter().try_for_each(|own| {
+            drop((waiting, long));
+            [of_waiting, of_long].into_iter().try_for_each(|own| {
                 own.join()
                     .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             })
@@ -203,10 +203,7 @@ fn run_check(context: &Context, check: &Check, quick: bool) -> Result<Outcome> {
     let mut problem = None;
     let steps = if quick { check.quick } else { None };
     match steps.unwrap_or(check.steps)(context) {
-        Ok(mut steps) => {
-            for step in &mut steps {
-                step.yields = check.lane == Lane::Background;
-            }
+        Ok(steps) => {
             for steps in steps.chunk_by(|one, next| one.beside && next.beside) {
                 for result in run_steps(context, steps, &log)? {
                     match result {
@@ -408,18 +405,18 @@ mod tests {
         assert!(run(false, &[&WAITING, &COMPUTING]).passed());
     }
 
-    /// Ends after the waiting check, which waits for the computing one, if its priority is low.
-    const BACKGROUND: Check = Check::new("background", "", "", |context| {
-        let script = "until [ -e \"$0\" ]; do sleep 0.01; done; test \"$(nice)\" -gt 0";
+    /// Ends after the waiting check, which waits for the computing one.
+    const LONG: Check = Check::new("long", "", "", |context| {
+        let script = "until [ -e \"$0\" ]; do sleep 0.01; done";
         Ok(vec![
             Step::new("sh", &["-c", script]).argument(mark(context)),
         ])
     })
-    .in_background();
+    .long();
 
     #[test]
-    fn the_background_yields_to_both() {
-        assert!(run(false, &[&BACKGROUND, &WAITING, &COMPUTING]).passed());
+    fn what_takes_long_runs_beside_both() {
+        assert!(run(false, &[&LONG, &WAITING, &COMPUTING]).passed());
     }
 
     #[test]

@@ -47,8 +47,9 @@ pub(super) enum Lane {
     /// Checks that leave a processor free, waiting for processes most of the time or computing on
     /// one.
     Waiting,
-    /// Checks that compute on what the others leave free, with a lower priority.
-    Background,
+    /// Checks that compute for so long on one processor that the whole run waits for them, unless
+    /// they have their share from the start.
+    Long,
 }
 
 type Steps = fn(&Context) -> Result<Vec<Step>>;
@@ -81,8 +82,8 @@ impl Check {
         self
     }
 
-    pub(super) const fn in_background(mut self) -> Self {
-        self.lane = Lane::Background;
+    pub(super) const fn long(mut self) -> Self {
+        self.lane = Lane::Long;
         self
     }
 }
@@ -105,7 +106,7 @@ pub(super) const CHECKS: &[Check] = &[
         "15 min, in parallel",
         tables,
     )
-    .in_background(),
+    .long(),
     Check::new("format", "Rust is formatted by rustfmt", "1 s", format).quick(format),
     Check::new(
         "lints",

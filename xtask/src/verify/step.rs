@@ -6,10 +6,6 @@ use std::process::Command;
 
 use super::count::Runner;
 
-/// How much a step that yields lowers its priority: it gets a third of what another process does,
-/// so that it ends with them.
-const BACKGROUND_NICE: &str = "5";
-
 /// A command that a check runs in the root of the checkout.
 pub(super) struct Step {
     pub(super) program: PathBuf,
@@ -19,8 +15,6 @@ pub(super) struct Step {
     pub(super) tests: Option<Runner>,
     /// Whether it can run in parallel with adjacent steps of this kind.
     pub(super) beside: bool,
-    /// Whether it leaves the processors to others that want them.
-    pub(super) yields: bool,
 }
 
 impl Step {
@@ -31,7 +25,6 @@ impl Step {
             variables: Vec::new(),
             tests: None,
             beside: false,
-            yields: false,
         }
     }
 
@@ -96,13 +89,7 @@ impl Step {
 
     /// The command, to be run.
     pub(super) fn command(&self) -> Command {
-        let mut command = if self.yields {
-            let mut nice = Command::new("nice");
-            nice.args(["-n", BACKGROUND_NICE]).arg(&self.program);
-            nice
-        } else {
-            Command::new(&self.program)
-        };
+        let mut command = Command::new(&self.program);
         let variables = self.variables.iter().map(|(name, value)| (name, value));
         command.args(&self.arguments).envs(variables);
         command
