@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 from nsrm_harness import domain as domains
+from nsrm_harness.common.marked_text import MarkError
 from nsrm_harness.common.workers import LocalProcesses
 from nsrm_harness.evaluation import language
 from nsrm_harness.evaluation.metrics import EvaluationError, Metrics
@@ -223,7 +224,7 @@ def test_the_readme_gets_the_figures_between_its_marks(report: Path) -> None:
 
 
 def test_a_readme_without_marks_is_refused(report: Path) -> None:
-    with pytest.raises(PublishError, match="a marker is missing"):
+    with pytest.raises(MarkError, match="the page lacks a mark"):
         with_figures("nothing\n", report)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from nsrm_harness.common.errors import HarnessError
+from nsrm_harness.common.marked_text import replaced
 from nsrm_harness.evaluation import language
 from nsrm_harness.paper.tables.lines import HEADINGS, TITLES
 from nsrm_harness.paper.tables.published_figures import ROWS, TABLES
@@ -103,21 +104,13 @@ def read_readme(root: Path) -> str:
 def with_figures(readme: str, report: Path) -> str:
     """The README with the figures of a report between its two markers."""
     block = figures(read_rows(report / TABLES_FILE), _refusals(report / REFUSALS))
-    return _between(readme, BEGIN, block, END)
+    return replaced(readme, BEGIN, block, END)
 
 
 def with_language(readme: str, report: Path) -> str:
     """The README with what the models understand between its two markers."""
     block = understood(language.read_rows(report / LANGUAGE))
-    return _between(readme, BEGIN_LANGUAGE, block, END_LANGUAGE)
-
-
-def _between(readme: str, begin: str, block: str, end: str) -> str:
-    before, has_begin, rest = readme.partition(begin)
-    _, has_end, after = rest.partition(end)
-    if not has_begin or not has_end:
-        raise PublishError(f"README: a marker is missing: {begin!r} or {end!r}")
-    return f"{before}{begin}\n{block}\n{end}{after}"
+    return replaced(readme, BEGIN_LANGUAGE, block, END_LANGUAGE)
 
 
 def figures(rows: Sequence[ResultRow], refusals: Sequence[dict[str, Any]]) -> str:
