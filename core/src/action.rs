@@ -31,7 +31,7 @@ use crate::nn::{add_products, tanh_all};
 /// # }
 /// ```
 pub fn simulate(
-    simulator: &Simulator,
+    simulator: &Simulator<'_>,
     action: &Action<'_>,
     object: &[f32; LOCATION],
     reference: &[f32; LOCATION],
@@ -108,7 +108,10 @@ mod tests {
     fn the_network_reads_centre_and_size_of_both_objects_in_order() {
         let model = fixture::model();
         let mut simulator = *model.simulator;
-        simulator.hidden = fixture::linear();
+        let mut hidden = fixture::linear();
+        hidden.weight[20][40] = 3.0;
+        hidden.bias[40] = -1.0;
+        simulator.hidden = fixture::dense(hidden);
         simulator.output = fixture::linear();
         let mut action = model.actions[0];
         action.simulator_bias = [0.0; 64];
@@ -120,8 +123,6 @@ mod tests {
         for (input, number) in numbers.into_iter().enumerate() {
             let mut simulator = simulator;
             simulator.input[input][20] = 0.25;
-            simulator.hidden.weight[20][40] = 3.0;
-            simulator.hidden.bias[40] = -1.0;
             simulator.output.weight[40][4] = 0.125;
             simulator.output.bias[2] = 0.02;
             let hidden = libm::tanhf(0.25 * number + 0.5);

@@ -18,7 +18,7 @@ use crate::camera::Camera;
 use crate::dsl::{Filters, Property};
 use crate::language::ParsingTask;
 use crate::model::*;
-use crate::nn::{Gru, Linear, MergeConv, PatchConv};
+use crate::nn::{Cell, Dense, Gru, Linear, MergeConv, PatchConv};
 use crate::refusal::Refusal;
 use crate::scene::{ObservedObject, RawScene, Scene};
 
@@ -58,6 +58,12 @@ pub(crate) fn linear<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT,
     }
 }
 
+pub(crate) fn dense<const INPUT: usize, const OUTPUT: usize>(
+    layer: Linear<INPUT, OUTPUT>,
+) -> Dense<'static, INPUT, OUTPUT> {
+    Dense::F32(Box::leak(Box::new(layer)))
+}
+
 fn identity<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT> {
     let mut layer = linear();
     for index in 0..INPUT.min(OUTPUT) {
@@ -76,7 +82,7 @@ fn gru<const INPUT: usize, const HIDDEN: usize>() -> Gru<INPUT, HIDDEN> {
     }
 }
 
-fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
+fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<'static, CHANNELS> {
     ViewEncoder {
         patch: PatchConv {
             weight: [[[[0.0; PATCH_CHANNELS]; 4]; 4]; CHANNELS],
@@ -86,7 +92,7 @@ fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
             weight: [[[[0.0; MERGE_CHANNELS]; PATCH_CHANNELS]; 2]; 2],
             bias: [0.0; MERGE_CHANNELS],
         },
-        dense: linear(),
+        dense: dense(linear()),
     }
 }
 
@@ -111,13 +117,14 @@ fn set(cell: &mut Gru<WORD, ENCODER_HIDDEN>, element: usize, unit: usize, value:
     cell.weight_ih[element][2][unit] = OPEN * value;
 }
 
-fn words() -> Vec<Word<'static>> {
+/// Words with their embeddings.
+fn words() -> Vec<(&'static str, WordEmbeddings)> {
     let mut then = word();
     then.splitter[0] = 1.0;
     // A hazard of σ(0.04): just enough to split, not enough to be sure.
     let mut perhaps = word();
     perhaps.splitter[0] = 0.552_3 / OPEN;
-    let words = [
+    [
         (",", word()),
         ("near", meaning(NEAR)),
         ("not", meaning(NOT)),
@@ -127,10 +134,23 @@ fn words() -> Vec<Word<'static>> {
         ("right", meaning(TO_RIGHT)),
         ("the", word()),
         ("then", then),
-    ];
-    words
-        .map(|(text, embeddings)| Word { text, embeddings })
-        .into()
+    ]
+    .into()
+}
+
+/// Sorts words, and separates their embeddings, behind the group's.
+fn separated(
+    mut words: Vec<(&'static str, WordEmbeddings)>,
+) -> (&'static [Word<'static>], Embeddings<'static>) {
+    words.sort_by_key(|(text, _)| *text);
+    words.insert(0, ("", word()));
+    let (texts, embeddings): (Vec<_>, Vec<_>) = words.into_iter().unzip();
+    let words: Vec<_> = texts
+        .into_iter()
+        .skip(1)
+        .map(|text| Word { text })
+        .collect();
+    (words.leak(), Embeddings::F32(embeddings.leak()))
 }
 
 fn language() -> Language<'static> {
@@ -160,19 +180,19 @@ fn language() -> Language<'static> {
     hazard.weight[0] = [20.0];
     hazard.bias = [-10.0];
     Language {
-        forward: Box::leak(Box::new(forward)),
-        backward: Box::leak(Box::new(backward)),
-        object_decoder: Box::leak(Box::new(object_decoder)),
-        reference_decoder: Box::leak(Box::new(reference_decoder)),
-        acceptability_hidden: Box::leak(Box::new(linear())),
+        forward: Cell::F32(Box::leak(Box::new(forward))),
+        backward: Cell::F32(Box::leak(Box::new(backward))),
+        object_decoder: dense(object_decoder),
+        reference_decoder: dense(reference_decoder),
+        acceptability_hidden: dense(linear()),
         acceptability: Box::leak(Box::new(acceptability)),
         nearest: Box::leak(Box::new(superlative())),
         farthest: Box::leak(Box::new(superlative())),
-        splitter: Box::leak(Box::new(Gru {
+        splitter: Cell::F32(Box::leak(Box::new(Gru {
             bias: [[0.0; SPLITTER_HIDDEN]; 3],
             ..gru()
-        })),
-        hazard_hidden: Box::leak(Box::new(hazard_hidden)),
+        }))),
+        hazard_hidden: dense(hazard_hidden),
         hazard: Box::leak(Box::new(hazard)),
     }
 }
@@ -228,7 +248,7 @@ fn actions() -> &'static [Action<'static>] {
 
 /// `MoveOn` moves the centre up by 0.0625 of the image's height, `MoveRight` right
 /// by 0.125 of its width.
-fn simulator() -> Simulator {
+fn simulator() -> Simulator<'static> {
     let mut hidden = linear();
     let mut output = linear();
     for unit in 0..2 {
@@ -238,7 +258,7 @@ fn simulator() -> Simulator {
     output.weight[1][0] = 0.125;
     Simulator {
         input: [[0.0; SIMULATOR_HIDDEN]; 2 * LOCATION],
-        hidden,
+        hidden: dense(hidden),
         output,
     }
 }
@@ -261,6 +281,7 @@ pub(crate) fn model() -> Model<'static> {
         ("smallest", Extreme(Smallest)),
         ("topmost", Extreme(Action(0))),
     ];
+    let (words, embeddings) = separated(words());
     Model {
         header: Header {
             domain: "fixture",
@@ -277,13 +298,13 @@ pub(crate) fn model() -> Model<'static> {
             placed_orientation: [0.0, 0.0, 0.0, 1.0],
             training_camera: camera(),
         },
-        words: words().leak(),
+        words,
+        embeddings,
         pronouns: &[],
         several: Several::new(),
         apart: Apart::new(),
         arrangements: Arrangements::new(),
         spelling: Spelling::new(),
-        group: Box::leak(Box::new(word())),
         lexicon: Box::leak(Box::new(
             lexicon.map(|(text, property)| LexiconEntry { text, property }),
         )),
@@ -327,10 +348,9 @@ pub(crate) fn related() -> Model<'static> {
         ("around", AROUND),
     ];
     let mut words = words();
-    let mut forward = *model.language.forward;
+    let mut forward = *model.language.forward.as_f32().unwrap();
     for (text, (element, unit)) in own {
-        let embeddings = meaning(element);
-        words.push(Word { text, embeddings });
+        words.push((text, meaning(element)));
         // One at a time, up to the next action.
         for (_, (_, other)) in own {
             set(&mut forward, element, other, 0.0);
@@ -341,7 +361,6 @@ pub(crate) fn related() -> Model<'static> {
         }
     }
     forward.weight_ih[ROUGHLY.0][2][ROUGHLY.1] = 0.549_306_15; // atanh(0.5)
-    words.sort_by_key(|word| word.text);
     let mut actions = [model.actions[0], model.actions[1]];
     actions[0].relation_decoder[0][ABOVE.1] = 40.0;
     actions[1].relation_decoder[0][BESIDE.1] = 40.0;
@@ -352,9 +371,9 @@ pub(crate) fn related() -> Model<'static> {
     nearest.decoder[1][AROUND.1] = 40.0;
     model.language.nearest = Box::leak(Box::new(nearest));
     model.language.farthest = Box::leak(Box::new(farthest));
-    model.words = words.leak();
+    (model.words, model.embeddings) = separated(words);
     model.actions = Box::leak(Box::new(actions));
-    model.language.forward = Box::leak(Box::new(forward));
+    model.language.forward = Cell::F32(Box::leak(Box::new(forward)));
     model
 }
 

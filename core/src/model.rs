@@ -15,12 +15,14 @@
 
 mod builder;
 mod check;
+mod embeddings;
 
 pub use check::ModelFault;
+pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 
 use crate::camera::Camera;
 use crate::dsl::Property;
-use crate::nn::{Gru, Linear, MergeConv, PatchConv};
+use crate::nn::{Cell, Dense, Linear, MergeConv, PatchConv};
 
 /// Length of a word's embedding at the sentence encoder's input (section IV-B).
 pub const WORD: usize = 32;
@@ -71,10 +73,10 @@ pub const SCHEMA: u32 = 9;
 pub struct Model<'a> {
     /// The header of the model file.
     pub header: Header<'a>,
-    /// Words outside the lexicon, with their embeddings; sorted by text.
+    /// Words outside the lexicon; sorted by text.
     pub words: &'a [Word<'a>],
-    /// The token for a group of concept words, `[[X]]` in the paper.
-    pub group: &'a WordEmbeddings,
+    /// Of the token for a group of concept words, `[[X]]` in the paper, then of [`Model::words`].
+    pub embeddings: Embeddings<'a>,
     /// Words that name a concept (the paper's only lexicon), or say which one of several objects is
     /// meant or that several are; sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
@@ -99,7 +101,7 @@ pub struct Model<'a> {
     /// Crop encoder (section IV-C); without it, scenes must come from elsewhere.
     pub vision: Option<Vision<'a>>,
     /// Action simulator (section IV-D).
-    pub simulator: &'a Simulator,
+    pub simulator: &'a Simulator<'a>,
     /// From a location to the object's centre in the camera's frame.
     pub camera: &'a PixelToCamera,
 }
@@ -151,8 +153,6 @@ pub struct WorkSpace {
 pub struct Word<'a> {
     /// In lower case; `","` is the comma.
     pub text: &'a str,
-    /// Its embeddings.
-    pub embeddings: WordEmbeddings,
 }
 
 /// A word that may stand for the object that the step before moved: "it". The sentence is also read
@@ -282,16 +282,6 @@ pub struct Heard<'a> {
     pub read_as: &'a str,
 }
 
-/// A word's embeddings.
-#[derive(Debug, Clone, Copy)]
-#[non_exhaustive]
-pub struct WordEmbeddings {
-    /// At the input of both of the encoder's cells.
-    pub encoder: [f32; WORD],
-    /// At the input of the splitter's cell and of the hazard's hidden layer.
-    pub splitter: [f32; SPLITTER_WORD],
-}
-
 /// A word that names a concept, or says which one of several objects is meant or that several are.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
@@ -402,15 +392,15 @@ impl Action<'_> {
 #[non_exhaustive]
 pub struct Language<'a> {
     /// The encoder's forward cell.
-    pub forward: &'a Gru<WORD, ENCODER_HIDDEN>,
+    pub forward: Cell<'a, WORD, ENCODER_HIDDEN>,
     /// The encoder's backward cell.
-    pub backward: &'a Gru<WORD, ENCODER_HIDDEN>,
+    pub backward: Cell<'a, WORD, ENCODER_HIDDEN>,
     /// From the instruction embedding to `c_1`, compared with each group's state.
-    pub object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
+    pub object_decoder: Dense<'a, INSTRUCTION, INSTRUCTION>,
     /// From the instruction embedding to `c_2`.
-    pub reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION>,
+    pub reference_decoder: Dense<'a, INSTRUCTION, INSTRUCTION>,
     /// From the encoder's states at a word to the hidden layer (tanh) of its acceptability.
-    pub acceptability_hidden: &'a Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN>,
+    pub acceptability_hidden: Dense<'a, INSTRUCTION, ACCEPTABILITY_HIDDEN>,
     /// From that hidden layer to the logit.
     pub acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1>,
     /// "nearest to", in descriptions.
@@ -418,10 +408,10 @@ pub struct Language<'a> {
     /// "farthest from".
     pub farthest: &'a Superlative,
     /// The splitter's cell.
-    pub splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN>,
+    pub splitter: Cell<'a, SPLITTER_WORD, SPLITTER_HIDDEN>,
     /// From the splitter's state and the next [`LOOKAHEAD`] tokens to the hazard's hidden layer
     /// (tanh).
-    pub hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN>,
+    pub hazard_hidden: Dense<'a, HAZARD_INPUT, SPLITTER_HIDDEN>,
     /// From the hazard's hidden layer to its logit.
     pub hazard: &'a Linear<SPLITTER_HIDDEN, 1>,
 }
@@ -431,33 +421,33 @@ pub struct Language<'a> {
 #[non_exhaustive]
 pub struct Vision<'a> {
     /// On red, green and blue.
-    pub color: &'a ViewEncoder<3>,
+    pub color: &'a ViewEncoder<'a, 3>,
     /// On brightness.
-    pub brightness: &'a ViewEncoder<1>,
+    pub brightness: &'a ViewEncoder<'a, 1>,
 }
 
 /// `Conv 4×4/4 → ReLU → Conv 2×2/2 → ReLU → Linear → ReLU`.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
-pub struct ViewEncoder<const CHANNELS: usize> {
+pub struct ViewEncoder<'a, const CHANNELS: usize> {
     /// 32×32 to 8×8.
     pub patch: PatchConv<CHANNELS, PATCH_CHANNELS>,
     /// 8×8 to 4×4.
     pub merge: MergeConv<PATCH_CHANNELS, MERGE_CHANNELS>,
     /// Flattened by row, column, channel.
-    pub dense: Linear<MERGED, VIEW_EMBEDDING>,
+    pub dense: Dense<'a, MERGED, VIEW_EMBEDDING>,
 }
 
 /// `loc' = base + MLP(action, loc_1, loc_2)`, where base has the moved object's
 /// width and height at the reference's centre and depth; tanh between layers.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
-pub struct Simulator {
+pub struct Simulator<'a> {
     /// Columns of the first layer for the moved object's and the reference's
     /// centre x, centre y, width, height and depth, standardisation folded in.
     pub input: [[f32; SIMULATOR_HIDDEN]; 2 * LOCATION],
     /// Second layer.
-    pub hidden: Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN>,
+    pub hidden: Dense<'a, SIMULATOR_HIDDEN, SIMULATOR_HIDDEN>,
     /// Change of centre x, centre y, width, height and depth, the output's scale
     /// folded in.
     pub output: Linear<SIMULATOR_HIDDEN, LOCATION>,

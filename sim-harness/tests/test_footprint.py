@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 import nsrm
 import pytest
@@ -21,9 +22,10 @@ COUNTED = Path(__file__).resolve().parents[2] / "docs/controller/footprint.csv"
 HEAD = "target,precision,vision,flash_bytes,ram_bytes,stack_bytes\n"
 
 
-def test_the_parts_are_the_whole_image() -> None:
-    flash = nsrm.Model.pretrained().info()["flash"]
-    rows = read(COUNTED)
+@pytest.mark.parametrize("precision", ["f32", "int8"])
+def test_the_parts_are_the_whole_image(precision: Literal["f32", "int8"]) -> None:
+    flash = nsrm.Model.pretrained(precision).info()["flash"]
+    rows = [row for row in read(COUNTED) if row.precision == precision]
     (image,) = (row for row in rows if row.target == "cortex-m7" and row.vision)
     (alone,) = (row for row in rows if row.target == "cortex-m7" and not row.vision)
     sizes = parts(flash, image.flash)
@@ -45,7 +47,7 @@ def test_the_command_draws_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("target,vision\n", "no columns flash_bytes, ram_bytes, stack_bytes: write it with"),
+        ("target,vision\n", "no columns flash_bytes, precision, ram_bytes, stack_bytes: write"),
         (HEAD + "cortex-m7,f32,no,1,2,3\n", "no row with vision in it"),
         (HEAD + "cortex-m7,f32,yes,1,2,many\n", "cannot read the counts: invalid literal"),
     ],

@@ -9,6 +9,7 @@ import struct
 from pathlib import Path
 from statistics import mean
 
+from nsrm_harness.evaluation import quantised
 from nsrm_harness.evaluation.language import read_rows as read_language
 from nsrm_harness.evaluation.refusals.spoiler import KINDS
 from nsrm_harness.paper.tables import published_figures as paper
@@ -157,3 +158,19 @@ def test_the_committed_report_refuses_what_it_should() -> None:
     _, on_test = text.split("### On test")
     (good, lost) = re.findall(r"Of (\d+) good sentences .* and ([\d.]+)% refused", on_test)[0]
     assert int(good) >= 2000 and float(lost) <= 0.5
+
+
+def test_rounded_weights_lose_no_more_than_is_published() -> None:
+    folder = ROOT / "docs/controller"
+    rows = quantised.read_rows(folder / "quantised.csv")
+    page = (folder / "README.md").read_text(encoding="utf-8")
+    assert quantised.with_table(page, rows) == page
+    pairs = quantised.pairs(rows)
+    assert {"test", "steps_3", "steps_8", "novel_pairs"} <= {trained.split for trained, _ in pairs}
+    assert len(pairs) >= 30
+    for trained, rounded in pairs:
+        assert rounded.count == trained.count
+        assert rounded.wrongly_obeyed <= trained.wrongly_obeyed + 0.1, trained.split
+        for measure in ("program", "o1", "o2", "iou_2d", "iou_3d"):
+            before, after = getattr(trained, measure), getattr(rounded, measure)
+            assert before is None or after >= before - 0.3, (trained.split, measure)

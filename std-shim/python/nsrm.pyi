@@ -265,12 +265,16 @@ class Model:
     """A trained model: the one that is built in, or one from a file."""
 
     @staticmethod
-    def pretrained() -> Model:
-        """The model that is built in: the domain `tabletop`."""
+    def pretrained(precision: Literal["f32", "int8"] = "f32") -> Model:
+        """The model that is built in: the domain `tabletop`.
+
+        precision: of the weights of its large layers; int8 as in a controller's program
+        """
 
     @staticmethod
-    def load(path: str | PathLike[str]) -> Model:
-        """A model file (safetensors). Raises ModelError for what does not fit."""
+    def load(path: str | PathLike[str], precision: Literal["f32", "int8"] = "f32") -> Model:
+        """A model file (safetensors), rounded to a precision. Raises ModelError for what does not
+        fit."""
 
     def info(self) -> dict[str, Any]:
         """Domain, dimensions, capacities, sizes, thresholds, training and metrics."""

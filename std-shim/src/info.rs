@@ -70,6 +70,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "schema": model::SCHEMA,
         "domain": header.domain,
         "identity": hexadecimal(&header.identity),
+        "precision": model.embeddings.precision().name(),
         "attributes": attributes(&model),
         "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
         "relations": relations(&model),

@@ -30,7 +30,7 @@ pub mod risk;
 mod scenes;
 
 pub use info::{info_json, info_text};
-pub use models::{AnyModel, LoadError, load_model};
+pub use models::{AnyModel, LoadError, load_model, load_model_as};
 pub use nsrm_codegen::{ModelError, OwnedModel, with_confidence};
 #[cfg(feature = "scene-files")]
 pub use scenes::{SceneFileError, SceneText, read_scene, read_scene_text};

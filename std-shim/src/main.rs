@@ -12,6 +12,7 @@ use nsrm::dialogue::Question;
 use nsrm::{AnyModel, info_json, info_text, json, read_scene};
 use nsrm_codegen::hexadecimal;
 use nsrm_core::language::Correction;
+use nsrm_core::nn::Precision;
 use nsrm_core::{Planner, Refusal, Scene};
 use serde_json::Value;
 
@@ -51,6 +52,9 @@ enum Command {
     Info {
         /// The model file (safetensors); the built-in model by default.
         model: Option<PathBuf>,
+        /// Round the weights as a controller's model is: f32 (as trained) or int8.
+        #[arg(long, value_name = "TYPE", default_value = Precision::F32.name())]
+        precision: Precision,
         /// Print JSON.
         #[arg(long)]
         json: bool,
@@ -81,6 +85,9 @@ struct Options {
     /// The model file (safetensors); the built-in model by default.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Round the weights as a controller's model is: f32 (as trained) or int8.
+    #[arg(long, value_name = "TYPE", default_value = Precision::F32.name())]
+    precision: Precision,
 }
 
 /// Why a command failed: as text and as JSON.
@@ -157,7 +164,7 @@ fn print(text: &str) -> ExitCode {
 fn run(command: &Command) -> Result<String, Failure> {
     match command {
         Command::Parse { sentence, options } => {
-            let any = open(options.model.as_ref())?;
+            let any = open(options.model.as_ref(), options.precision)?;
             let model = any.model();
             let parsed = Planner::new(&model)
                 .parse(sentence)
@@ -176,7 +183,7 @@ fn run(command: &Command) -> Result<String, Failure> {
             sentence,
             options,
         } => {
-            let any = open(options.model.as_ref())?;
+            let any = open(options.model.as_ref(), options.precision)?;
             let model = any.model();
             let scene = read_scene(scene, crops.as_deref(), &model)?;
             let plan = Planner::new(&model)
@@ -188,8 +195,12 @@ fn run(command: &Command) -> Result<String, Failure> {
                 plan_text(&model, &plan, sentence)
             })
         }
-        Command::Info { model, json } => {
-            let any = open(model.as_ref())?;
+        Command::Info {
+            model,
+            precision,
+            json,
+        } => {
+            let any = open(model.as_ref(), *precision)?;
             Ok(if *json {
                 info_json(&any).to_string()
             } else {
@@ -215,10 +226,10 @@ fn run(command: &Command) -> Result<String, Failure> {
     }
 }
 
-fn open(path: Option<&PathBuf>) -> Result<AnyModel, Failure> {
+fn open(path: Option<&PathBuf>, precision: Precision) -> Result<AnyModel, Failure> {
     match path {
-        Some(path) => Ok(AnyModel::load(path)?),
-        None => Ok(AnyModel::Pretrained),
+        Some(path) => Ok(AnyModel::load_as(path, precision)?),
+        None => Ok(AnyModel::pretrained(precision)),
     }
 }
 

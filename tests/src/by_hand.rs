@@ -15,13 +15,13 @@
 
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, HAZARD_INPUT,
-    Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, Model, OBJECT_EMBEDDING,
-    PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD,
-    Simulator, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Embeddings,
+    HAZARD_INPUT, Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED,
+    Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Thresholds, VIEW_EMBEDDING, View,
+    ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
-use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
+use nsrm_core::nn::{Cell, Dense, Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{RawScene, Scene};
 
@@ -32,9 +32,13 @@ pub const EDGES_M: [f32; 3] = [0.04, 0.015, 0.05];
 /// The depth at which [`picture::camera`] sees the centre of a block on the table, metres.
 pub const DEPTH_M: f32 = 0.975;
 /// See [`Vision::color`]; all zero.
-static COLOR: ViewEncoder<3> = view_encoder();
+static COLOR: ViewEncoder<'static, 3> = view_encoder();
 /// See [`Vision::brightness`]; all zero.
-static BRIGHTNESS: ViewEncoder<1> = view_encoder();
+static BRIGHTNESS: ViewEncoder<'static, 1> = view_encoder();
+/// See [`Simulator::hidden`]; all zero.
+static SIMULATED: Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN> = zero();
+/// See [`ViewEncoder::dense`]; all zero.
+static DENSE: Linear<MERGED, VIEW_EMBEDDING> = zero();
 /// A saturated gate or logit.
 const SURE: f32 = 20.0;
 /// The unit of the forward encoder for `on`; the next one is for `beside`.
@@ -55,8 +59,8 @@ pub struct Parts {
     pub header: Header<'static>,
     /// See [`Model::words`].
     pub words: Vec<Word<'static>>,
-    /// See [`Model::group`].
-    pub group: WordEmbeddings,
+    /// See [`Model::embeddings`].
+    pub embeddings: Vec<WordEmbeddings>,
     /// See [`Model::lexicon`].
     pub lexicon: Vec<LexiconEntry<'static>>,
     /// See [`Model::pronouns`].
@@ -88,7 +92,7 @@ pub struct Parts {
     /// See [`Language::hazard`].
     pub hazard: Linear<SPLITTER_HIDDEN, 1>,
     /// See [`Model::simulator`].
-    pub simulator: Simulator,
+    pub simulator: Simulator<'static>,
     /// See [`Model::camera`].
     pub camera: PixelToCamera,
 }
@@ -98,8 +102,8 @@ impl Parts {
     pub fn new() -> Self {
         let mut parts = Self {
             header: header(),
-            words: words(),
-            group: silent_word(),
+            words: WORDS.map(|text| Word::new().with_text(text)).into(),
+            embeddings: embeddings(),
             lexicon: Vec::new(),
             pronouns: Vec::new(),
             attributes: vec![
@@ -120,7 +124,7 @@ impl Parts {
             hazard: zero(),
             simulator: Simulator::new()
                 .with_input([[0.0; SIMULATOR_HIDDEN]; 2 * LOCATION])
-                .with_hidden(zero())
+                .with_hidden(Dense::F32(&SIMULATED))
                 .with_output(zero()),
             camera: PixelToCamera::new().with_weight([
                 [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -178,12 +182,62 @@ impl Parts {
         parts
     }
 
+    /// A word's embeddings.
+    ///
+    /// # Panics
+    /// If the model has no such word.
+    pub fn embeddings_of(&self, text: &str) -> WordEmbeddings {
+        self.embeddings[1 + self.place(text)]
+    }
+
+    fn place(&self, text: &str) -> usize {
+        let place = self.words.iter().position(|word| word.text == text);
+        place.expect("a word of the model")
+    }
+
+    /// Removes a word that is no pronoun.
+    ///
+    /// # Panics
+    /// As [`Parts::embeddings_of`].
+    pub fn remove_word(&mut self, text: &str) {
+        let place = self.place(text);
+        self.words.remove(place);
+        self.embeddings.remove(1 + place);
+        for pronoun in &mut self.pronouns {
+            pronoun.word -= u16::from(usize::from(pronoun.word) > place);
+        }
+    }
+
+    /// Adds a word that is like another one.
+    ///
+    /// # Panics
+    /// As [`Parts::embeddings_of`].
+    pub fn add_word(&mut self, text: &'static str, like: &str) {
+        let embeddings = self.embeddings_of(like);
+        let place = self.words.partition_point(|word| word.text < text);
+        self.words.insert(place, Word::new().with_text(text));
+        self.embeddings.insert(1 + place, embeddings);
+        for pronoun in &mut self.pronouns {
+            pronoun.word += u16::from(usize::from(pronoun.word) >= place);
+        }
+    }
+
+    /// Lets the first unit of the simulator's second layer be that of the first.
+    pub fn simulate_one_unit(&mut self) {
+        static ONE_UNIT: Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN> = {
+            let mut layer = zero();
+            layer.weight[0][0] = SURE;
+            layer
+        };
+        self.simulator.hidden = Dense::F32(&ONE_UNIT);
+    }
+
     /// The model made of these parts.
     pub fn model(&self) -> Model<'_> {
         Model::new()
             .with_header(self.header)
             .with_words(&self.words)
-            .with_group(&self.group)
+            .with_embeddings(Embeddings::F32(&self.embeddings))
             .with_lexicon(&self.lexicon)
             .with_pronouns(&self.pronouns)
             .with_attributes(&self.attributes)
@@ -191,16 +245,16 @@ impl Parts {
             .with_actions(&self.actions)
             .with_language(
                 Language::new()
-                    .with_forward(&self.encoder)
-                    .with_backward(&self.encoder)
-                    .with_object_decoder(&self.object_decoder)
-                    .with_reference_decoder(&self.reference_decoder)
-                    .with_acceptability_hidden(&self.acceptability_hidden)
+                    .with_forward(Cell::F32(&self.encoder))
+                    .with_backward(Cell::F32(&self.encoder))
+                    .with_object_decoder(Dense::F32(&self.object_decoder))
+                    .with_reference_decoder(Dense::F32(&self.reference_decoder))
+                    .with_acceptability_hidden(Dense::F32(&self.acceptability_hidden))
                     .with_acceptability(&self.acceptability)
                     .with_nearest(&self.nearest)
                     .with_farthest(&self.farthest)
-                    .with_splitter(&self.splitter)
-                    .with_hazard_hidden(&self.hazard_hidden)
+                    .with_splitter(Cell::F32(&self.splitter))
+                    .with_hazard_hidden(Dense::F32(&self.hazard_hidden))
                     .with_hazard(&self.hazard),
             )
             .with_vision(
@@ -279,16 +333,16 @@ fn header() -> Header<'static> {
         .with_training_camera(picture::camera())
 }
 
-fn words() -> Vec<Word<'static>> {
-    let mut words: Vec<_> = [
-        ",", "and", "behind", "beside", "block", "furthest", "it", "maybe", "on", "opposite",
-        "put", "sideways", "the", "then", "this",
-    ]
-    .map(|text| Word::new().with_text(text).with_embeddings(silent_word()))
-    .into();
-    for word in &mut words {
-        let embeddings = &mut word.embeddings;
-        match word.text {
+const WORDS: [&str; 15] = [
+    ",", "and", "behind", "beside", "block", "furthest", "it", "maybe", "on", "opposite", "put",
+    "sideways", "the", "then", "this",
+];
+
+/// The group's, then those of [`WORDS`].
+fn embeddings() -> Vec<WordEmbeddings> {
+    let mut rows = vec![silent_word(); WORDS.len() + 1];
+    for (embeddings, text) in rows.iter_mut().skip(1).zip(WORDS) {
+        match text {
             "on" => embeddings.encoder[ACTION_UNIT] = 1.0,
             "beside" => embeddings.encoder[ACTION_UNIT + 1] = 1.0,
             "behind" => embeddings.encoder[RELATION_UNIT] = 1.0,
@@ -302,7 +356,7 @@ fn words() -> Vec<Word<'static>> {
             _ => {}
         }
     }
-    words
+    rows
 }
 
 /// A word that changes nothing: all update gates keep the state.
@@ -409,7 +463,7 @@ const fn zero<const INPUT: usize, const OUTPUT: usize>() -> Linear<INPUT, OUTPUT
         .with_bias([0.0; OUTPUT])
 }
 
-const fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
+const fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<'static, CHANNELS> {
     ViewEncoder::new()
         .with_patch(
             PatchConv::new()
@@ -421,7 +475,7 @@ const fn view_encoder<const CHANNELS: usize>() -> ViewEncoder<CHANNELS> {
                 .with_weight([[[[0.0; MERGE_CHANNELS]; PATCH_CHANNELS]; 2]; 2])
                 .with_bias([0.0; MERGE_CHANNELS]),
         )
-        .with_dense(zero())
+        .with_dense(Dense::F32(&DENSE))
 }
 
 #[cfg(test)]

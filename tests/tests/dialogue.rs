@@ -261,15 +261,10 @@ fn sides() -> Parts {
         ("that", "block"),
         ("to", "block"),
     ] {
-        let known = parts.words.iter().find(|known| known.text == like);
-        let mut word_like = *known.expect("a word");
-        word_like.text = word;
-        parts.words.push(word_like);
+        parts.add_word(word, like);
     }
-    parts.words.sort_by_key(|word| word.text);
     let unit = |text| {
-        let word = parts.words.iter().find(|word| word.text == text);
-        let embedding = word.expect("a word").embeddings.encoder;
+        let embedding = parts.embeddings_of(text).encoder;
         let unit = embedding.iter().position(|value| *value != 0.0);
         unit.expect("it sets a unit")
     };
@@ -287,7 +282,7 @@ fn sides() -> Parts {
     on.relation_decoder[0][right] = beside.relation_decoder[0][left];
     on.relation_bias[0] = beside.relation_bias[0];
     beside.relation_decoder[1] = on.relation_decoder[1];
-    parts.simulator.hidden.weight[0][0] = 20.0;
+    parts.simulate_one_unit();
     parts.simulator.output.weight[0][0] = 0.02;
     parts
 }
@@ -527,6 +522,6 @@ fn a_model_without_relations_asks_nothing_about_places() {
     assert_eq!(asked_by(&untaught, &BLUE_BETWEEN, sentence), None);
     // It was taught them, but not the words.
     let mut wordless = sides();
-    wordless.words.retain(|word| word.text != "that");
+    wordless.remove_word("that");
     assert_eq!(asked_by(&wordless, &BLUE_BETWEEN, sentence), None);
 }

@@ -4,8 +4,8 @@
 use core::task::Poll;
 use nsrm_core::action::simulate;
 use nsrm_core::language::{
-    Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, Token, TokenKind, choose_action,
-    choose_group, choose_role,
+    Encoder, ParsingTask, Reader, SPLIT_HAZARD, Splitter, Token, choose_action, choose_group,
+    choose_role,
 };
 use nsrm_core::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use nsrm_core::nn::{Choice, Gru, Linear, MergeConv, PatchConv};
@@ -232,16 +232,9 @@ fn golden_padding_changes_nothing() {
 
 /// Checks that each token has its row of the trainer's embeddings.
 fn check_tokens(tokens: &[Token], sentence: &str, case: &Value) {
-    // Row 0 of the trainer's embeddings is the group token's; core stores that separately.
     let rows = numbers(&case["rows"]);
-    let got: Vec<f64> = tokens
-        .iter()
-        .map(|token| match token.kind {
-            TokenKind::Group(_) => 0.0,
-            TokenKind::Word(index) => f64::from(index) + 1.0,
-            other => panic!("the trainer has no row for {other:?}"),
-        })
-        .collect();
+    let row = |token: &Token| token.embedding().expect("a row of the trainer's") as f64;
+    let got: Vec<f64> = tokens.iter().map(row).collect();
     assert_eq!(got, rows, "{sentence}");
 }
 
@@ -264,9 +257,9 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
         let mut decided = None;
         for (offset, expected) in hazards.values.iter().enumerate() {
             let at = first + offset;
-            let embeddings = |token: &Token| token.embeddings(model).unwrap();
-            let ahead = tokens[at + 1..].iter().map(embeddings);
-            let hazard = splitter.hazard(&model.language, embeddings(&tokens[at]), ahead);
+            let word = |token: &Token| token.embeddings(model).unwrap().splitter;
+            let ahead = tokens[at + 1..].iter().map(word);
+            let hazard = splitter.hazard(&model.language, &word(&tokens[at]), ahead);
             golden.close("probability", &[hazard], &[*expected], &hazards.name);
             assert_eq!(hazard > SPLIT_HAZARD, at + 1 == end && end < tokens.len());
             decided = splitter.decide(hazard);
@@ -301,7 +294,7 @@ fn check_sentence(golden: &Golden, model: &Model<'_>, number: usize, case: &Valu
             (language.object_decoder, "object_logits"),
             (language.reference_decoder, "reference_logits"),
         ] {
-            let choice = choose_group(decoder, &instruction, encoder.groups());
+            let choice = choose_group(&decoder, &instruction, encoder.groups());
             check_choice(golden, &choice, &part(logits));
         }
         let roles = part("role_logits");
@@ -360,15 +353,15 @@ fn encoded(model: &Model<'_>, tokens: &[nsrm_core::language::Token]) -> Encoder 
     let mut encoder = Encoder::new();
     let embeddings = |token: &nsrm_core::language::Token| {
         let embeddings = token.embeddings(model).expect("a token of this model");
-        (*embeddings, token.filters().is_some())
+        (embeddings, token.filters().is_some())
     };
     for token in tokens {
         let (embeddings, group) = embeddings(token);
-        assert!(encoder.forward(&model.language, &embeddings, group));
+        assert!(encoder.forward(&model.language, &embeddings.encoder, group));
     }
     for token in tokens.iter().rev() {
         let (embeddings, group) = embeddings(token);
-        encoder.backward(&model.language, &embeddings, group);
+        encoder.backward(&model.language, &embeddings.encoder, group);
     }
     encoder
 }

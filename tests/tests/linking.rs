@@ -10,8 +10,8 @@ use std::process::{Command, Output, Stdio};
 
 use nsrm_core::planner::Plan;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Planner, Refusal};
-use nsrm_tabletop::TABLETOP;
+use nsrm_core::{Model, Planner, Refusal};
+use nsrm_tabletop::{TABLETOP, TABLETOP_INT8};
 use nsrm_tests::picture::{Picture, SIZE, camera, squares};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/no-std-plan");
@@ -43,7 +43,13 @@ fn messages(output: &Output) -> String {
 #[test]
 #[ignore = "builds a program; run by cargo verify"]
 fn without_allocator_and_panics_it_links_and_plans() {
-    let (output, program) = build(None);
+    for (feature, model) in [(None, &TABLETOP), (Some("int8"), &TABLETOP_INT8)] {
+        links_and_plans(feature, model);
+    }
+}
+
+fn links_and_plans(feature: Option<&str>, model: &Model<'_>) {
+    let (output, program) = build(feature);
     assert!(output.status.success(), "{}", messages(&output));
     let picture = squares();
     let mut planned = 0;
@@ -57,14 +63,14 @@ fn without_allocator_and_panics_it_links_and_plans() {
         "",
     ] {
         let ran = run(&program, &input(&picture, sentence));
-        let (code, bytes) = match on_the_host(&picture, sentence) {
+        let (code, bytes) = match on_the_host(model, &picture, sentence) {
             Ok(plan) => {
                 planned += 1;
                 let confidence = plan.confidence().to_le_bytes();
                 (0, [sub_goals(&plan), confidence.into()].concat())
             }
             Err(refusal) => {
-                let word = refusal.suggestion(&TABLETOP, sentence);
+                let word = refusal.suggestion(model, sentence);
                 let word = word.map_or(String::new(), |word| format!(" {word}"));
                 (2, format!("{}{word}", refusal.kind()).into())
             }
@@ -170,13 +176,12 @@ fn run(program: &Path, input: &[u8]) -> Output {
     process.wait_with_output().expect("the program ends")
 }
 
-fn on_the_host(picture: &Picture, sentence: &str) -> Result<Plan, Refusal> {
+fn on_the_host(model: &Model<'_>, picture: &Picture, sentence: &str) -> Result<Plan, Refusal> {
     let image = RgbImage::new(&picture.pixels, SIZE[0], SIZE[1], 3 * SIZE[0] as usize).unwrap();
     let detections = &picture.detections;
-    let task =
-        ObservationTask::new(&TABLETOP, image, camera(), detections, Stamp::default()).unwrap();
+    let task = ObservationTask::new(model, image, camera(), detections, Stamp::default()).unwrap();
     let scene = task.finish().expect("the picture is in order");
-    Planner::new(&TABLETOP).plan(&scene, sentence)
+    Planner::new(model).plan(&scene, sentence)
 }
 
 fn sub_goals(plan: &Plan) -> Vec<u8> {

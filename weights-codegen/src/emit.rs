@@ -26,12 +26,18 @@ use nsrm_core::Camera;
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
-    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
-    LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several, Simulator, Spelling,
-    Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
+    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
+    Heard, Language, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several,
+    Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
-use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
+#[allow(unused_imports)] // Those of the model's precision are used.
+use nsrm_core::model::{Int8WordEmbeddings, WordEmbeddings};
+#[rustfmt::skip]
+use nsrm_core::nn::{Cell, Dense, Linear, MergeConv, PatchConv};
+#[rustfmt::skip]
+#[allow(unused_imports)] // Those of the model's precision are used.
+use nsrm_core::nn::{Gru, Int8Gru, Int8Linear};
 
 ";
 
@@ -140,6 +146,9 @@ fn value(out: &mut String, node: &Node, depth: usize) {
         Node::Reference(name) => {
             let _ = write!(out, "&{name}");
         }
+        Node::Variant(variant, name) => {
+            let _ = write!(out, "{variant}(&{name})");
+        }
         Node::Record(name, fields) => {
             let _ = write!(out, "{name}::new()");
             for (field, node) in fields {
@@ -193,7 +202,7 @@ fn numbers_only(node: &Node) -> bool {
     match node {
         Node::Scalar { .. } => true,
         Node::Array(elements) => elements.iter().all(numbers_only),
-        Node::Text(_) | Node::Reference(_) | Node::Record(..) => false,
+        Node::Text(_) | Node::Reference(_) | Node::Variant(..) | Node::Record(..) => false,
     }
 }
 

@@ -32,6 +32,7 @@ mod nn;
 mod owned;
 mod report;
 mod rewrite;
+mod rounded;
 mod statics;
 mod tensors;
 mod tree;

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use nsrm_codegen::{Options, OwnedModel, memory_report, rust_source};
+use nsrm_core::nn::Precision;
 
 /// Write a trained model as static Rust arrays for nsrm-core.
 #[derive(Parser)]
@@ -18,12 +19,30 @@ struct Arguments {
     /// Name of the public static.
     #[arg(long, default_value = "TABLETOP")]
     name: String,
+    /// Round the weights of the large layers, one scale a row.
+    #[arg(long, value_name = "TYPE")]
+    quantise: Option<Rounding>,
     /// Print the read-only memory of each array.
     #[arg(long)]
     report: bool,
     /// Write nothing; exit with code 2 if FILE is out of date.
     #[arg(long, requires = "out")]
     check: bool,
+}
+
+/// What weights can be rounded to.
+#[derive(Clone, Copy, ValueEnum)]
+enum Rounding {
+    /// Whole numbers of eight bits.
+    Int8,
+}
+
+impl From<Rounding> for Precision {
+    fn from(rounding: Rounding) -> Self {
+        match rounding {
+            Rounding::Int8 => Self::Int8,
+        }
+    }
 }
 
 fn main() -> ExitCode {
@@ -39,7 +58,8 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), String> {
     let options = Options::new(&arguments.name).map_err(|error| error.to_string())?;
     let bytes = std::fs::read(&arguments.model).map_err(at(&arguments.model))?;
-    let model = OwnedModel::from_bytes(&bytes).map_err(at(&arguments.model))?;
+    let precision = arguments.quantise.map_or(Precision::F32, Precision::from);
+    let model = OwnedModel::from_bytes_as(&bytes, precision).map_err(at(&arguments.model))?;
     if let Some(out) = &arguments.out {
         let source = rust_source(&model, &options);
         if arguments.check {

@@ -1,19 +1,21 @@
 //! A model that owns its parameters and texts.
 
 use nsrm_core::model::{
-    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
-    LexiconEntry, Model, Opening, Plural, Pronoun, Several, Spelling, View, Vision, Word,
-    WordEmbeddings,
+    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
+    Heard, Language, LexiconEntry, MERGED, Model, Opening, Plural, Pronoun, Several, Simulator,
+    Spelling, VIEW_EMBEDDING, View, ViewEncoder, Vision, Word,
 };
+use nsrm_core::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, Precision};
 use safetensors::SafeTensors;
 use self_cell::self_cell;
 use sha2::{Digest, Sha256};
 
 use crate::domain::{self, Domain};
 use crate::error::ModelError;
-use crate::fold::Folded;
+use crate::fold::{Folded, FoldedView};
 use crate::hash;
 use crate::metadata::{self, Metadata};
+use crate::rounded::Rounded;
 use crate::tensors::Tensors;
 
 /// A model read from a safetensors file, checked and folded.
@@ -32,6 +34,8 @@ struct Owner {
     domain: Domain,
     vocabulary: Vec<String>,
     folded: Folded,
+    /// With a precision of eight bits.
+    rounded: Option<Box<Rounded>>,
     identity: [u8; 32],
 }
 
@@ -39,7 +43,6 @@ struct Owner {
 struct Parts<'a> {
     header: Header<'a>,
     words: Vec<Word<'a>>,
-    group: &'a WordEmbeddings,
     lexicon: Vec<LexiconEntry<'a>>,
     pronouns: Vec<Pronoun>,
     between: Vec<u16>,
@@ -51,7 +54,11 @@ struct Parts<'a> {
     attributes: Vec<Attribute<'a>>,
     concepts: Vec<Concept<'a>>,
     actions: Vec<Action<'a>>,
+    color: Box<ViewEncoder<'a, 3>>,
+    brightness: Box<ViewEncoder<'a, 1>>,
+    simulator: Simulator<'a>,
     folded: &'a Folded,
+    rounded: Option<&'a Rounded>,
 }
 
 /// What core reads as slices of [`Arrangements`].
@@ -80,6 +87,15 @@ impl OwnedModel {
     /// A [`ModelError`] if anything does not match the architecture, the domain in the file or the
     /// metadata's hash. It never panics.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
+        Self::from_bytes_as(bytes, Precision::F32)
+    }
+
+    /// Reads, checks and folds a model file, and rounds its weights to a precision. The file's own
+    /// are `f32`, whatever the precision.
+    ///
+    /// # Errors
+    /// As [`OwnedModel::from_bytes`].
+    pub fn from_bytes_as(bytes: &[u8], precision: Precision) -> Result<Self, ModelError> {
         let not_safetensors = |error: safetensors::SafeTensorError| ModelError::NotSafetensors {
             reason: error.to_string(),
         };
@@ -101,10 +117,12 @@ impl OwnedModel {
             training,
             metrics,
         } = metadata;
+        let rounded = (precision == Precision::Int8).then(|| Box::new(Rounded::of(&folded)));
         let owner = Owner {
             domain,
             vocabulary,
             folded,
+            rounded,
             identity: hash::identity(&file, &entries),
         };
         let parts = OwnedParts::try_new(owner, |owner| {
@@ -130,11 +148,10 @@ impl OwnedModel {
     pub fn as_model(&self) -> Model<'_> {
         let parts = self.parts.borrow_dependent();
         let folded = parts.folded;
-        let language = &folded.language;
         Model::new()
             .with_header(parts.header)
             .with_words(&parts.words)
-            .with_group(parts.group)
+            .with_embeddings(parts.embeddings())
             .with_lexicon(&parts.lexicon)
             .with_pronouns(&parts.pronouns)
             .with_several(
@@ -156,26 +173,13 @@ impl OwnedModel {
             .with_attributes(&parts.attributes)
             .with_concepts(&parts.concepts)
             .with_actions(&parts.actions)
-            .with_language(
-                Language::new()
-                    .with_forward(&language.forward)
-                    .with_backward(&language.backward)
-                    .with_object_decoder(&language.object_decoder)
-                    .with_reference_decoder(&language.reference_decoder)
-                    .with_acceptability_hidden(&language.acceptability_hidden)
-                    .with_acceptability(&language.acceptability)
-                    .with_nearest(&folded.actions.nearest)
-                    .with_farthest(&folded.actions.farthest)
-                    .with_splitter(&language.splitter)
-                    .with_hazard_hidden(&language.hazard_hidden)
-                    .with_hazard(&language.hazard),
-            )
+            .with_language(parts.language())
             .with_vision(
                 Vision::new()
-                    .with_color(&folded.vision.color)
-                    .with_brightness(&folded.vision.brightness),
+                    .with_color(&parts.color)
+                    .with_brightness(&parts.brightness),
             )
-            .with_simulator(&folded.actions.simulator)
+            .with_simulator(&parts.simulator)
             .with_camera(&folded.camera)
     }
 
@@ -215,9 +219,8 @@ impl<'a> Parts<'a> {
     ) -> Result<Self, ModelError> {
         let domain = &owner.domain;
         let folded = &owner.folded;
-        let no_group = || ModelError::GroupToken { got: String::new() };
-        let (group, embeddings) = folded.language.words.split_first().ok_or_else(no_group)?;
-        let words = owner.vocabulary.iter().skip(1).zip(embeddings);
+        let rounded = owner.rounded.as_deref();
+        let words = owner.vocabulary.iter().skip(1);
         let mut lexicon: Vec<LexiconEntry<'a>> = domain
             .lexicon()
             .map(|(text, concept)| {
@@ -231,10 +234,7 @@ impl<'a> Parts<'a> {
         lexicon.sort_unstable_by_key(|entry| entry.text);
         Ok(Self {
             header: header(&domain.name),
-            words: words
-                .map(|(text, &embeddings)| Word::new().with_text(text).with_embeddings(embeddings))
-                .collect(),
-            group,
+            words: words.map(|text| Word::new().with_text(text)).collect(),
             lexicon,
             pronouns: pronouns(owner)?,
             between: (domain.several.between.iter())
@@ -298,9 +298,86 @@ impl<'a> Parts<'a> {
                         .with_simulator_bias(parameters.simulator_bias)
                 })
                 .collect(),
+            color: view(&folded.vision.color, rounded.map(|own| &own.color_dense)),
+            brightness: view(
+                &folded.vision.brightness,
+                rounded.map(|own| &own.brightness_dense),
+            ),
+            simulator: Simulator::new()
+                .with_input(folded.actions.simulator.input)
+                .with_hidden(dense(
+                    &folded.actions.simulator.hidden,
+                    rounded.map(|own| &own.simulator_hidden),
+                ))
+                .with_output(folded.actions.simulator.output),
             folded,
+            rounded,
         })
     }
+
+    fn embeddings(&self) -> Embeddings<'_> {
+        match self.rounded {
+            None => Embeddings::F32(&self.folded.language.words),
+            Some(rounded) => Embeddings::Int8(&rounded.words),
+        }
+    }
+
+    fn language(&self) -> Language<'_> {
+        let (language, actions) = (&self.folded.language, &self.folded.actions);
+        let rounded = self.rounded;
+        Language::new()
+            .with_forward(cell(&language.forward, rounded.map(|own| &own.forward)))
+            .with_backward(cell(&language.backward, rounded.map(|own| &own.backward)))
+            .with_object_decoder(dense(
+                &language.object_decoder,
+                rounded.map(|own| &own.object_decoder),
+            ))
+            .with_reference_decoder(dense(
+                &language.reference_decoder,
+                rounded.map(|own| &own.reference_decoder),
+            ))
+            .with_acceptability_hidden(dense(
+                &language.acceptability_hidden,
+                rounded.map(|own| &own.acceptability_hidden),
+            ))
+            .with_acceptability(&language.acceptability)
+            .with_nearest(&actions.nearest)
+            .with_farthest(&actions.farthest)
+            .with_splitter(cell(&language.splitter, rounded.map(|own| &own.splitter)))
+            .with_hazard_hidden(dense(
+                &language.hazard_hidden,
+                rounded.map(|own| &own.hazard_hidden),
+            ))
+            .with_hazard(&language.hazard)
+    }
+}
+
+/// A layer with rounded weights, if there are any.
+fn dense<'a, const INPUT: usize, const OUTPUT: usize>(
+    layer: &'a Linear<INPUT, OUTPUT>,
+    rounded: Option<&'a Int8Linear<INPUT, OUTPUT>>,
+) -> Dense<'a, INPUT, OUTPUT> {
+    rounded.map_or(Dense::F32(layer), Dense::Int8)
+}
+
+/// As [`dense`].
+fn cell<'a, const INPUT: usize, const HIDDEN: usize>(
+    cell: &'a Gru<INPUT, HIDDEN>,
+    rounded: Option<&'a Int8Gru<INPUT, HIDDEN>>,
+) -> Cell<'a, INPUT, HIDDEN> {
+    rounded.map_or(Cell::F32(cell), Cell::Int8)
+}
+
+fn view<'a, const CHANNELS: usize>(
+    view: &'a FoldedView<CHANNELS>,
+    rounded: Option<&'a Int8Linear<MERGED, VIEW_EMBEDDING>>,
+) -> Box<ViewEncoder<'a, CHANNELS>> {
+    Box::new(
+        ViewEncoder::new()
+            .with_patch(*view.patch)
+            .with_merge(*view.merge)
+            .with_dense(dense(&view.dense, rounded)),
+    )
 }
 
 impl<'a> ArrangementParts<'a> {

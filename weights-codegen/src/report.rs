@@ -42,7 +42,7 @@ impl MemoryReport {
         match node {
             Node::Scalar { bytes, .. } => self.add_scalar(path, *bytes),
             Node::Text(text) => self.texts += text.len(),
-            Node::Reference(_) => {}
+            Node::Reference(_) | Node::Variant(..) => {}
             Node::Array(elements) => {
                 for element in elements {
                     self.add(path, element);

@@ -2,11 +2,12 @@
 
 use nsrm_core::Camera;
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Concept, ENCODER_HIDDEN,
-    HAZARD_INPUT, Header, Heard, INSTRUCTION, LexiconEntry, Model, Opening, PixelToCamera, Plural,
-    Pronoun, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Thresholds, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Concept, Embeddings, Header,
+    Heard, Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun,
+    SPLITTER_HIDDEN, Simulator, Superlative, Thresholds, ViewEncoder, Word, WordEmbeddings,
+    WorkSpace,
 };
+use nsrm_core::nn::{Cell, Dense};
 
 use crate::tree::{Describe, Node, describe};
 
@@ -30,8 +31,9 @@ describe! {
     Camera { width, height, fx, fy, cx, cy, position, orientation }
     Thresholds { match_score, decision, confidence }
     WorkSpace { min, max }
-    Word<'_> { text, embeddings }
+    Word<'_> { text }
     WordEmbeddings { encoder, splitter }
+    Int8WordEmbeddings { encoder, encoder_scale, splitter, splitter_scale }
     LexiconEntry<'_> { text, property }
     Pronoun { word, owner }
     Plural<'_> { text, word }
@@ -46,18 +48,18 @@ describe! {
         simulator_bias,
     }
     Superlative { decoder, bias }
-    Simulator { input, hidden, output }
     PixelToCamera { weight }
 }
 
 /// The model itself: the header, and references to [`statics`].
 pub(crate) fn model_record(model: &Model<'_>) -> Node {
+    let language = &model.language;
     Node::record(
         "Model",
         [
             ("header", model.header.describe()),
             ("words", Node::Reference("WORDS")),
-            ("group", Node::Reference("GROUP")),
+            ("embeddings", embeddings(&model.embeddings).0),
             ("lexicon", Node::Reference("LEXICON")),
             ("pronouns", Node::Reference("PRONOUNS")),
             (
@@ -112,19 +114,28 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                 Node::record(
                     "Language",
                     [
-                        ("forward", Node::Reference("FORWARD")),
-                        ("backward", Node::Reference("BACKWARD")),
-                        ("object_decoder", Node::Reference("OBJECT_DECODER")),
-                        ("reference_decoder", Node::Reference("REFERENCE_DECODER")),
+                        ("forward", cell_variant(&language.forward, "FORWARD")),
+                        ("backward", cell_variant(&language.backward, "BACKWARD")),
+                        (
+                            "object_decoder",
+                            dense_variant(&language.object_decoder, "OBJECT_DECODER"),
+                        ),
+                        (
+                            "reference_decoder",
+                            dense_variant(&language.reference_decoder, "REFERENCE_DECODER"),
+                        ),
                         (
                             "acceptability_hidden",
-                            Node::Reference("ACCEPTABILITY_HIDDEN"),
+                            dense_variant(&language.acceptability_hidden, "ACCEPTABILITY_HIDDEN"),
                         ),
                         ("acceptability", Node::Reference("ACCEPTABILITY")),
                         ("nearest", Node::Reference("NEAREST")),
                         ("farthest", Node::Reference("FARTHEST")),
-                        ("splitter", Node::Reference("SPLITTER")),
-                        ("hazard_hidden", Node::Reference("HAZARD_HIDDEN")),
+                        ("splitter", cell_variant(&language.splitter, "SPLITTER")),
+                        (
+                            "hazard_hidden",
+                            dense_variant(&language.hazard_hidden, "HAZARD_HIDDEN"),
+                        ),
                         ("hazard", Node::Reference("HAZARD")),
                     ],
                 ),
@@ -150,7 +161,7 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
     let language = &model.language;
     let mut statics = vec![
         table("WORDS", "words", "Word<'static>", model.words),
-        single("GROUP", "group", "WordEmbeddings", model.group),
+        embeddings(&model.embeddings).1,
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
         table("PRONOUNS", "pronouns", "Pronoun", model.pronouns),
         table("BETWEEN", "several.between", "u16", model.several.between),
@@ -222,35 +233,22 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         ),
         table("CONCEPTS", "concepts", "Concept<'static>", model.concepts),
         table("ACTIONS", "actions", "Action<'static>", model.actions),
-        single(
-            "FORWARD",
-            "language.forward",
-            format!("Gru<{WORD}, {ENCODER_HIDDEN}>"),
-            language.forward,
-        ),
-        single(
-            "BACKWARD",
-            "language.backward",
-            format!("Gru<{WORD}, {ENCODER_HIDDEN}>"),
-            language.backward,
-        ),
-        single(
+        cell_static("FORWARD", "language.forward", &language.forward),
+        cell_static("BACKWARD", "language.backward", &language.backward),
+        dense_static(
             "OBJECT_DECODER",
             "language.object_decoder",
-            format!("Linear<{INSTRUCTION}, {INSTRUCTION}>"),
-            language.object_decoder,
+            &language.object_decoder,
         ),
-        single(
+        dense_static(
             "REFERENCE_DECODER",
             "language.reference_decoder",
-            format!("Linear<{INSTRUCTION}, {INSTRUCTION}>"),
-            language.reference_decoder,
+            &language.reference_decoder,
         ),
-        single(
+        dense_static(
             "ACCEPTABILITY_HIDDEN",
             "language.acceptability_hidden",
-            format!("Linear<{INSTRUCTION}, {ACCEPTABILITY_HIDDEN}>"),
-            language.acceptability_hidden,
+            &language.acceptability_hidden,
         ),
         single(
             "ACCEPTABILITY",
@@ -270,17 +268,11 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "Superlative",
             language.farthest,
         ),
-        single(
-            "SPLITTER",
-            "language.splitter",
-            format!("Gru<{SPLITTER_WORD}, {SPLITTER_HIDDEN}>"),
-            language.splitter,
-        ),
-        single(
+        cell_static("SPLITTER", "language.splitter", &language.splitter),
+        dense_static(
             "HAZARD_HIDDEN",
             "language.hazard_hidden",
-            format!("Linear<{HAZARD_INPUT}, {SPLITTER_HIDDEN}>"),
-            language.hazard_hidden,
+            &language.hazard_hidden,
         ),
         single(
             "HAZARD",
@@ -291,23 +283,125 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
     ];
     // The model of a file has all parts.
     if let Some(vision) = &model.vision {
-        let (color, light) = (vision.color, vision.brightness);
-        statics.push(single("COLOR", "vision.color", "ViewEncoder<3>", color));
-        statics.push(single(
-            "BRIGHTNESS",
-            "vision.brightness",
-            "ViewEncoder<1>",
-            light,
+        statics.extend(view(
+            ["COLOR", "COLOR_DENSE"],
+            ["vision.color", "vision.color.dense"],
+            vision.color,
+        ));
+        statics.extend(view(
+            ["BRIGHTNESS", "BRIGHTNESS_DENSE"],
+            ["vision.brightness", "vision.brightness.dense"],
+            vision.brightness,
         ));
     }
-    statics.push(single(
-        "SIMULATOR",
-        "simulator",
-        "Simulator",
-        model.simulator,
-    ));
+    statics.extend(simulator(model.simulator));
     statics.push(single("CAMERA", "camera", "PixelToCamera", model.camera));
     statics
+}
+
+/// The embeddings in the model's record, and their static.
+fn embeddings(embeddings: &Embeddings<'_>) -> (Node, Static) {
+    const NAME: &str = "EMBEDDINGS";
+    match embeddings {
+        Embeddings::F32(rows) => (
+            Node::Variant("Embeddings::F32", NAME),
+            table(NAME, "embeddings", "WordEmbeddings", rows),
+        ),
+        Embeddings::Int8(rows) => (
+            Node::Variant("Embeddings::Int8", NAME),
+            table(NAME, "embeddings", "Int8WordEmbeddings", rows),
+        ),
+        _ => unknown_precision(),
+    }
+}
+
+fn cell_variant<const I: usize, const H: usize>(cell: &Cell<'_, I, H>, name: &'static str) -> Node {
+    match cell {
+        Cell::F32(_) => Node::Variant("Cell::F32", name),
+        Cell::Int8(_) => Node::Variant("Cell::Int8", name),
+        _ => unknown_precision(),
+    }
+}
+
+fn cell_static<const I: usize, const H: usize>(
+    name: &'static str,
+    path: &'static str,
+    cell: &Cell<'_, I, H>,
+) -> Static {
+    match cell {
+        Cell::F32(cell) => single(name, path, format!("Gru<{I}, {H}>"), *cell),
+        Cell::Int8(cell) => single(name, path, format!("Int8Gru<{I}, {H}>"), *cell),
+        _ => unknown_precision(),
+    }
+}
+
+fn dense_variant<const I: usize, const O: usize>(
+    layer: &Dense<'_, I, O>,
+    name: &'static str,
+) -> Node {
+    match layer {
+        Dense::F32(_) => Node::Variant("Dense::F32", name),
+        Dense::Int8(_) => Node::Variant("Dense::Int8", name),
+        _ => unknown_precision(),
+    }
+}
+
+fn dense_static<const I: usize, const O: usize>(
+    name: &'static str,
+    path: &'static str,
+    layer: &Dense<'_, I, O>,
+) -> Static {
+    match layer {
+        Dense::F32(layer) => single(name, path, format!("Linear<{I}, {O}>"), *layer),
+        Dense::Int8(layer) => single(name, path, format!("Int8Linear<{I}, {O}>"), *layer),
+        _ => unknown_precision(),
+    }
+}
+
+/// Core's enums are `#[non_exhaustive]`; the loader gives the precisions above.
+fn unknown_precision() -> ! {
+    unreachable!("a precision that the loader does not know")
+}
+
+/// A view's encoder, and its dense layer.
+fn view<const CHANNELS: usize>(
+    [name, dense]: [&'static str; 2],
+    [path, dense_path]: [&'static str; 2],
+    encoder: &ViewEncoder<'_, CHANNELS>,
+) -> [Static; 2] {
+    let fields = [
+        ("patch", encoder.patch.describe()),
+        ("merge", encoder.merge.describe()),
+        ("dense", dense_variant(&encoder.dense, dense)),
+    ];
+    let encoder_static = Static {
+        name,
+        kind: format!("ViewEncoder<'static, {CHANNELS}>"),
+        path,
+        node: Node::record("ViewEncoder", fields),
+        size: size_of_val(encoder),
+    };
+    let layer = dense_static(dense, dense_path, &encoder.dense);
+    [encoder_static, layer]
+}
+
+/// The action simulator, and its hidden layer.
+fn simulator(simulator: &Simulator<'_>) -> [Static; 2] {
+    const HIDDEN: &str = "SIMULATOR_HIDDEN";
+    let fields = [
+        ("input", simulator.input.describe()),
+        ("hidden", dense_variant(&simulator.hidden, HIDDEN)),
+        ("output", simulator.output.describe()),
+    ];
+    let simulator_static = Static {
+        name: "SIMULATOR",
+        kind: "Simulator<'static>".into(),
+        path: "simulator",
+        node: Node::record("Simulator", fields),
+        size: size_of_val(simulator),
+    };
+    let hidden = dense_static(HIDDEN, "simulator.hidden", &simulator.hidden);
+    [simulator_static, hidden]
 }
 
 fn single<T: Describe>(

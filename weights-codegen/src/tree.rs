@@ -14,6 +14,8 @@ pub(crate) enum Node {
     Text(String),
     /// A reference to another static.
     Reference(&'static str),
+    /// A variant of an enum with a reference to another static.
+    Variant(&'static str, &'static str),
     /// A fixed array.
     Array(Vec<Node>),
     /// A struct that is built with `new` and a `with_` method for each field: its name, and its
@@ -51,6 +53,15 @@ impl Describe for bool {
         Node::Scalar {
             text: self.to_string(),
             bytes: size_of::<bool>(),
+        }
+    }
+}
+
+impl Describe for i8 {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: self.to_string(),
+            bytes: size_of::<i8>(),
         }
     }
 }

@@ -4,7 +4,8 @@
 mod common;
 
 use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, RELATIONS, WORDS};
-use nsrm_core::model::{Model, View, WordEmbeddings};
+use nsrm_core::model::View;
+use nsrm_core::nn::{Cell, Dense, Precision};
 
 /// Rounding of a sum in `f64` to `f32`, values below 10.
 const ROUNDED: f64 = 1e-6;
@@ -32,13 +33,6 @@ fn row(values: &[f32], index: usize, length: usize) -> Vec<f64> {
         .iter()
         .map(|&x| x.into())
         .collect()
-}
-
-fn embeddings<'a>(model: &'a Model<'_>, token: usize) -> &'a WordEmbeddings {
-    match token.checked_sub(1) {
-        Some(word) => &model.words[word].embeddings,
-        None => model.group,
-    }
 }
 
 #[test]
@@ -121,7 +115,7 @@ fn embeddings_of_each_word() {
     let encoder = file.values("language.embedding.weight");
     let splitter = file.values("language.splitter.embedding.weight");
     for token in 0..=WORDS.len() {
-        let word = embeddings(&model, token);
+        let word = model.embeddings.get(token).unwrap();
         assert!(word.encoder[..] == encoder[32 * token..][..32]);
         assert!(word.splitter[..] == splitter[24 * token..][..24]);
     }
@@ -131,7 +125,7 @@ fn embeddings_of_each_word() {
 fn hazard_columns_are_state_and_next_six_tokens() {
     let file = ModelFile::random(5);
     let owned = file.load();
-    let layer = owned.as_model().language.hazard_hidden;
+    let layer = owned.as_model().language.hazard_hidden.as_f32().unwrap();
     let weight = file.values("language.splitter.hidden.weight");
     for (column, unit) in [(0, 0), (31, 4), (32, 5), (55, 31), (56, 2), (175, 30)] {
         assert_eq!(layer.weight[column][unit], weight[176 * unit + column]);
@@ -143,7 +137,7 @@ fn hazard_columns_are_state_and_next_six_tokens() {
 fn weights_of_a_cell_by_column_gate_and_row() {
     let file = ModelFile::random(6);
     let owned = file.load();
-    let cell = owned.as_model().language.backward;
+    let cell = owned.as_model().language.backward.as_f32().unwrap();
     let weight = file.values("language.encoder.backward.weight_hh");
     for (hidden, gate, unit) in [(0, 0, 0), (5, 1, 7), (47, 2, 3), (3, 2, 47)] {
         let expected = weight[(gate * 48 + unit) * 48 + hidden];
@@ -177,11 +171,12 @@ fn convolutions_by_channel_row_column_and_output() {
         assert_eq!(view.merge.weight[row][column][input][output], expected);
     }
     let dense = file.values("vision.color.dense.weight");
+    let layer = view.dense.as_f32().unwrap();
     for (channel, pixel, output) in [(31, 15, 3), (1, 0, 31), (0, 1, 0)] {
         let expected = dense[output * 512 + channel * 16 + pixel];
-        assert_eq!(view.dense.weight[pixel * 32 + channel][output], expected);
+        assert_eq!(layer.weight[pixel * 32 + channel][output], expected);
     }
-    assert_eq!(view.dense.bias[..], file.values("vision.color.dense.bias"));
+    assert_eq!(layer.bias[..], file.values("vision.color.dense.bias"));
 }
 
 #[test]
@@ -288,4 +283,100 @@ fn camera_by_rows() {
     let owned = file.load();
     let camera = owned.as_model().camera;
     assert_eq!(camera.weight.as_flattened(), file.values("camera.weight"));
+}
+
+/// Whether the rows of a rounded matrix are those of the file's, within half a step.
+fn rounds<const COLUMNS: usize>(rows: &[[i8; COLUMNS]], scales: &[f32], weight: &[f32]) -> bool {
+    let mut pairs = rows.iter().zip(scales).zip(weight.chunks_exact(COLUMNS));
+    rows.len() * COLUMNS == weight.len()
+        && pairs.all(|((row, &scale), weights)| {
+            let mut pairs = row.iter().zip(weights);
+            pairs.all(|(&rounded, &weight)| {
+                (f32::from(rounded) * scale - weight).abs() <= 0.5 * scale * 1.001
+            })
+        })
+}
+
+#[test]
+fn rounded_weights_are_those_of_the_file_within_half_a_step() {
+    let file = ModelFile::random(13);
+    let owned = file.load_as(Precision::Int8);
+    let model = owned.as_model();
+    let exact = file.load();
+    let exact = exact.as_model();
+    assert_eq!(model.embeddings.precision(), Precision::Int8);
+    let language = model.language;
+    let layers = [
+        ("language.object_decoder", language.object_decoder),
+        ("language.reference_decoder", language.reference_decoder),
+    ];
+    for (name, layer) in layers {
+        let Dense::Int8(layer) = layer else {
+            panic!("{name} is not rounded");
+        };
+        let weight = file.values(&format!("{name}.weight"));
+        assert!(rounds(&layer.weight, &layer.scale, &weight), "{name}");
+        assert_eq!(layer.bias[..], file.values(&format!("{name}.bias")));
+    }
+    let (Dense::Int8(hidden), Dense::Int8(hazard), Dense::Int8(simulator)) = (
+        language.acceptability_hidden,
+        language.hazard_hidden,
+        model.simulator.hidden,
+    ) else {
+        panic!("a layer is not rounded");
+    };
+    let weight = file.values("language.acceptability.hidden.weight");
+    assert!(rounds(&hidden.weight, &hidden.scale, &weight));
+    let weight = file.values("language.splitter.hidden.weight");
+    assert!(rounds(&hazard.weight, &hazard.scale, &weight));
+    let weight = file.values("action.simulator.hidden.weight");
+    assert!(rounds(&simulator.weight, &simulator.scale, &weight));
+    let cells = [
+        ("language.encoder.forward", language.forward),
+        ("language.encoder.backward", language.backward),
+    ];
+    for (name, cell) in cells {
+        let Cell::Int8(cell) = cell else {
+            panic!("{name} is not rounded");
+        };
+        let (rows, scales) = (cell.weight_ih.as_flattened(), cell.scale_ih.as_flattened());
+        let weight = file.values(&format!("{name}.weight_ih"));
+        assert!(rounds(rows, scales, &weight), "{name}");
+        let (rows, scales) = (cell.weight_hh.as_flattened(), cell.scale_hh.as_flattened());
+        let weight = file.values(&format!("{name}.weight_hh"));
+        assert!(rounds(rows, scales, &weight), "{name}");
+        assert!(cell.bias.as_flattened() == file.values(&format!("{name}.bias")));
+        assert!(cell.bias_n[..] == file.values(&format!("{name}.bias_n"))[..]);
+    }
+    let Cell::Int8(splitter) = language.splitter else {
+        panic!("the splitter is not rounded");
+    };
+    let rows = splitter.weight_hh.as_flattened();
+    let weight = file.values("language.splitter.gru.weight_hh");
+    assert!(rounds(rows, splitter.scale_hh.as_flattened(), &weight));
+    let (vision, exact_vision) = (model.vision.unwrap(), exact.vision.unwrap());
+    for (rounded, exact) in [
+        (vision.color.dense, exact_vision.color.dense),
+        (vision.brightness.dense, exact_vision.brightness.dense),
+    ] {
+        let input: [f32; 512] = std::array::from_fn(|index| (index % 7) as f32);
+        let results = rounded.apply(&input).into_iter().zip(exact.apply(&input));
+        for (rounded, exact) in results {
+            assert!(
+                (rounded - exact).abs() < 0.02 * input.iter().sum::<f32>(),
+                "{rounded}"
+            );
+        }
+    }
+    for token in 0..=WORDS.len() {
+        let (rounded, exact) = (model.embeddings.get(token), exact.embeddings.get(token));
+        let pairs = rounded
+            .unwrap()
+            .encoder
+            .into_iter()
+            .zip(exact.unwrap().encoder);
+        for (rounded, exact) in pairs {
+            assert!((rounded - exact).abs() < 0.01, "token {token}");
+        }
+    }
 }

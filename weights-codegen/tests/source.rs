@@ -9,6 +9,8 @@ use std::path::Path;
 
 use common::ModelFile;
 use nsrm_codegen::{InvalidName, Options, OwnedModel, memory_report, rust_source};
+use nsrm_core::nn::Precision;
+use nsrm_tabletop::{TABLETOP, TABLETOP_INT8};
 
 fn shelf_source() -> String {
     let options = Options::new("SHELF").expect("a static's name");
@@ -46,19 +48,23 @@ fn compiled_snapshot_is_the_loaded_model() {
 fn pretrained_is_in_step() {
     let tabletop = Path::new(env!("CARGO_MANIFEST_DIR")).join("tabletop");
     let bytes = std::fs::read(tabletop.join("tabletop.safetensors")).expect("the model");
-    let owned = OwnedModel::from_bytes(&bytes).expect("a sound model");
-    let written = std::fs::read_to_string(tabletop.join("src/generated.rs")).expect("the source");
-    let options = Options::new("TABLETOP").expect("a static's name");
-    assert!(
-        rust_source(&owned, &options) == written,
-        "cargo run -p nsrm-codegen -- weights-codegen/tabletop/tabletop.safetensors \
-         --out weights-codegen/tabletop/src/generated.rs"
-    );
-    let compiled = format!("{:?}", nsrm_tabletop::TABLETOP);
-    assert!(
-        compiled == format!("{:?}", owned.as_model()),
-        "statics and loaded model differ"
-    );
+    for (name, file, precision, compiled) in [
+        ("TABLETOP", "generated.rs", Precision::F32, TABLETOP),
+        ("TABLETOP_INT8", "int8.rs", Precision::Int8, TABLETOP_INT8),
+    ] {
+        let owned = OwnedModel::from_bytes_as(&bytes, precision).expect("a sound model");
+        let written = tabletop.join("src").join(file);
+        let written = std::fs::read_to_string(written).expect("the source");
+        let options = Options::new(name).expect("a static's name");
+        assert!(
+            rust_source(&owned, &options) == written,
+            "{file} is out of date: CONTRIBUTING.md says how it is written"
+        );
+        assert!(
+            format!("{compiled:?}") == format!("{:?}", owned.as_model()),
+            "{name}: statics and loaded model differ"
+        );
+    }
 }
 
 #[test]
@@ -77,11 +83,9 @@ fn numbers_read_back_as_the_same_bits() {
         file.set_value("vision.color.dense.bias", index, value);
     }
     let source = rust_source(&file.load(), &Options::new("M").expect("a name"));
-    let color = source.split("static COLOR").nth(1).expect("the color view");
-    let bias = color
-        .split(".with_bias([")
-        .nth(3)
-        .expect("the bias of the dense layer");
+    let layer = source.split("static COLOR_DENSE").nth(1);
+    let bias = layer.expect("the dense layer").split(".with_bias([").nth(1);
+    let bias = bias.expect("its bias");
     let texts = bias.split(']').next().expect("its numbers").split(',');
     let got: Vec<u32> = texts
         .take(hard.len())
@@ -117,9 +121,17 @@ fn memory_is_counted_array_by_array() {
         array.map(|array| (array.count, array.bytes))
     };
     assert_eq!(bytes("language.forward.weight_hh"), Some((6912, 27648)));
-    assert_eq!(bytes("words.embeddings.encoder"), Some((9 * 32, 9 * 128)));
+    assert_eq!(bytes("embeddings.encoder"), Some((10 * 32, 10 * 128)));
     assert_eq!(bytes("concepts.attribute"), Some((7, 7)));
     assert_eq!(bytes("simulator.input"), Some((640, 2560)));
+    let rounded = ModelFile::random(1).load_as(Precision::Int8);
+    let rounded = memory_report(&rounded.as_model());
+    let cell = rounded
+        .arrays
+        .iter()
+        .find(|array| array.path == "language.forward.weight_hh");
+    assert_eq!(cell.map(|array| array.bytes), Some(6912));
+    assert!(rounded.total() < report.total() / 2);
     let numbers: usize = report.arrays.iter().map(|array| array.bytes).sum();
     assert_eq!(report.total(), numbers + report.texts + report.tables);
     let text = report.to_string();

@@ -93,7 +93,7 @@ impl Tools {
         }
         run_on_stderr(&mut cargo)?;
         let image = folder.join(target).join("release/nsrm-firmware");
-        let kept = folder.join(format!("{target}-{}.elf", features.concat()));
+        let kept = folder.join(format!("{target}-{}.elf", features.join("-")));
         fs::copy(&image, &kept).with_context(|| format!("copying {}", image.display()))?;
         Ok(kept)
     }

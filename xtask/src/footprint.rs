@@ -12,9 +12,9 @@ use crate::project::{Project, run_on_stderr};
 const HELP: &str = "\
 usage: cargo footprint [--quick]
 
-Builds the library with a program around it for Cortex-M3, M4F, M7 and M33, with and without vision, runs
-it under QEMU, compares what it computes with this machine, bit by bit, and writes flash, RAM, stack and
-instructions into docs/controller.
+Builds the library with a program around it for Cortex-M3, M4F, M7 and M33, with and without vision, with
+weights as trained and rounded to eight bits, runs it under QEMU, compares what it computes with this
+machine, bit by bit, and writes flash, RAM, stack and instructions into docs/controller.
 
   --quick    Cortex-M4F and M7 with vision only; compare the figures with the written ones instead";
 
@@ -72,9 +72,17 @@ fn measuring(project: &Project, quick: bool) -> Result<Command> {
         measure.env(name, value);
     }
     for target in TARGETS {
-        for features in [&["vision"][..], &[]] {
-            if !quick || (target == TARGETS[0] && !features.is_empty()) {
-                eprintln!("footprint: building for {target} {} ...", features.concat());
+        for features in [
+            &["vision", "f32"][..],
+            &["f32"],
+            &["vision", "int8"],
+            &["int8"],
+        ] {
+            if !quick || (target == TARGETS[0] && features.contains(&"vision")) {
+                eprintln!(
+                    "footprint: building for {target} {} ...",
+                    features.join(", ")
+                );
                 measure.arg(tools.firmware(target, features)?);
             }
         }

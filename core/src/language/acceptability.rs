@@ -2,7 +2,7 @@ use heapless::Vec;
 
 use crate::capacity::MAX_STEP_TOKENS;
 use crate::model::{ACCEPTABILITY_HIDDEN, ENCODER_HIDDEN, Language};
-use crate::nn::{add_products, sigmoid, tanh_all};
+use crate::nn::{sigmoid, tanh_all};
 
 /// Judges whether each word of a step stands where commands have it: a step is accepted if all its
 /// words are. What nobody says is so refused, although all its words are known. Not in the paper.
@@ -50,9 +50,8 @@ impl Acceptability {
     /// Cost: `48·16` multiply-adds.
     pub fn ahead(&mut self, language: &Language<'_>, state: &[f32; ENCODER_HIDDEN]) -> bool {
         let hidden = language.acceptability_hidden;
-        let mut share = hidden.bias;
-        let (columns, _) = hidden.weight.split_at(ENCODER_HIDDEN);
-        add_products(&mut share, state, columns);
+        let mut share = *hidden.bias();
+        hidden.add_products(&mut share, 0, state);
         self.shares.push(share).is_ok()
     }
 
@@ -64,11 +63,8 @@ impl Acceptability {
         let Some(mut features) = self.shares.pop() else {
             return;
         };
-        let (_, columns) = language
-            .acceptability_hidden
-            .weight
-            .split_at(ENCODER_HIDDEN);
-        add_products(&mut features, state, columns);
+        let hidden = language.acceptability_hidden;
+        hidden.add_products(&mut features, ENCODER_HIDDEN, state);
         tanh_all(&mut features);
         let probability = sigmoid(language.acceptability.single(&features));
         self.probability *= probability;
@@ -101,7 +97,7 @@ impl Default for Acceptability {
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::nn::Linear;
+    use crate::nn::{Dense, Linear};
 
     /// Unit 5 sums the first element of the forward state and the last one of the backward state.
     fn layers() -> (
@@ -122,7 +118,7 @@ mod tests {
     fn a_step_is_as_acceptable_as_all_its_words() {
         let (hidden, output) = layers();
         let mut language = fixture::model().language;
-        (language.acceptability_hidden, language.acceptability) = (&hidden, &output);
+        (language.acceptability_hidden, language.acceptability) = (Dense::F32(&hidden), &output);
         let mut judge = Acceptability::new();
         let state = |place: usize, value: f32| {
             let mut state = [0.0; ENCODER_HIDDEN];

@@ -1,5 +1,5 @@
 use crate::model::{Action, INSTRUCTION};
-use crate::nn::{Choice, Linear, dot};
+use crate::nn::{Choice, Dense, dot};
 
 /// The action decoder (section IV-B): softmax over a logit for each action,
 /// `w_a·emb(Λ) + b_a`.
@@ -21,7 +21,7 @@ pub fn choose_action(actions: &[Action<'_>], instruction: &[f32; INSTRUCTION]) -
 /// * `groups`: the states at those that describe an object of the step, not one that another is
 ///   related to
 pub fn choose_group<'g>(
-    decoder: &Linear<INSTRUCTION, INSTRUCTION>,
+    decoder: &Dense<'_, INSTRUCTION, INSTRUCTION>,
     instruction: &[f32; INSTRUCTION],
     groups: impl IntoIterator<Item = &'g [f32; INSTRUCTION]>,
 ) -> Choice {
@@ -48,7 +48,7 @@ mod tests {
         instruction[3] = 1.0;
         let mut groups = [[0.0; INSTRUCTION]; 3];
         (groups[0][95], groups[1][95], groups[2][3]) = (0.2, 0.6, 100.0);
-        let choice = choose_group(&decoder, &instruction, &groups);
+        let choice = choose_group(&Dense::F32(&decoder), &instruction, &groups);
         assert_eq!(choice.index(), Some(1));
         // Logits 0.5, 1.5 and 0.
         let expected = 1.0 / (1.0 + libm::expf(-1.0) + libm::expf(-1.5));

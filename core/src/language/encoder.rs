@@ -1,7 +1,7 @@
 use heapless::Vec;
 
 use crate::capacity::MAX_GROUPS;
-use crate::model::{ENCODER_HIDDEN, INSTRUCTION, Language, WordEmbeddings};
+use crate::model::{ENCODER_HIDDEN, INSTRUCTION, Language, WORD};
 
 /// The sentence encoder on the tokens of one step: a GRU in each direction
 /// (section IV-B). Of the states in between only those at concept groups are kept.
@@ -38,13 +38,8 @@ impl Encoder {
     /// and [`MAX_GROUPS`] have been fed.
     ///
     /// Cost: `3·48·(32 + 48)` multiply-adds, 96 sigmoids and 48 hyperbolic tangents.
-    pub fn forward(
-        &mut self,
-        language: &Language<'_>,
-        token: &WordEmbeddings,
-        group: bool,
-    ) -> bool {
-        self.forward = language.forward.step(&token.encoder, &self.forward);
+    pub fn forward(&mut self, language: &Language<'_>, token: &[f32; WORD], group: bool) -> bool {
+        self.forward = language.forward.step(token, &self.forward);
         if group {
             let state = join(&self.forward, &[0.0; ENCODER_HIDDEN]);
             if self.groups.push(state).is_err() {
@@ -57,8 +52,8 @@ impl Encoder {
 
     /// Feeds the previous token to the backward cell, from the last to the first. Cost: as
     /// [`Encoder::forward`].
-    pub fn backward(&mut self, language: &Language<'_>, token: &WordEmbeddings, group: bool) {
-        self.backward = language.backward.step(&token.encoder, &self.backward);
+    pub fn backward(&mut self, language: &Language<'_>, token: &[f32; WORD], group: bool) {
+        self.backward = language.backward.step(token, &self.backward);
         if group {
             self.groups_ahead = self.groups_ahead.saturating_sub(1);
             if let Some(state) = self.groups.get_mut(self.groups_ahead) {
@@ -110,7 +105,7 @@ fn join(forward: &[f32; ENCODER_HIDDEN], backward: &[f32; ENCODER_HIDDEN]) -> [f
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::model::WORD;
+    use crate::nn::Cell;
 
     /// A forward and a backward cell that add up 1, 10, 100 … and so tell which
     /// tokens they have seen: `tanh` is nearly straight so close to zero.
@@ -118,7 +113,7 @@ mod tests {
     fn states_at_groups_hold_both_directions() {
         let model = fixture::model();
         let mut language = model.language;
-        let mut cell = *language.forward;
+        let mut cell = *language.forward.as_f32().unwrap();
         // reset → 1, update → 0, new = input + h; the first cell adds the word to its first unit,
         // the other to its last one.
         cell.bias = [[20.0; ENCODER_HIDDEN], [-20.0; ENCODER_HIDDEN], [0.0; 48]];
@@ -129,10 +124,10 @@ mod tests {
         let mut backward = cell;
         cell.weight_ih[0][2][0] = 1.0;
         backward.weight_ih[0][2][47] = 1.0;
-        (language.forward, language.backward) = (&cell, &backward);
+        (language.forward, language.backward) = (Cell::F32(&cell), Cell::F32(&backward));
         let tokens = [1e-6, 1e-5, 1e-4, 1e-3].map(|value| {
-            let mut token = *model.group;
-            token.encoder[0] = value;
+            let mut token = [0.0; WORD];
+            token[0] = value;
             token
         });
         let groups = [false, true, true, false];
@@ -165,10 +160,10 @@ mod tests {
         let model = fixture::model();
         let mut encoder = Encoder::new();
         for _ in 0..MAX_GROUPS {
-            assert!(encoder.forward(&model.language, model.group, true));
+            assert!(encoder.forward(&model.language, &[0.0; WORD], true));
         }
-        assert!(!encoder.forward(&model.language, model.group, true));
-        assert!(encoder.forward(&model.language, model.group, false));
+        assert!(!encoder.forward(&model.language, &[0.0; WORD], true));
+        assert!(encoder.forward(&model.language, &[0.0; WORD], false));
         assert_eq!(encoder.groups().len(), MAX_GROUPS);
     }
 }

@@ -1,5 +1,5 @@
-use crate::model::{LOOKAHEAD, Language, SPLITTER_HIDDEN, SPLITTER_WORD, WordEmbeddings};
-use crate::nn::{add_products, sigmoid, tanh_all};
+use crate::model::{HAZARD_INPUT, Language, SPLITTER_HIDDEN, SPLITTER_WORD};
+use crate::nn::{sigmoid, tanh_all};
 
 /// A hazard above this ends the step. Below 1 − h > h: not splitting is likelier.
 pub const SPLIT_HAZARD: f32 = 0.5;
@@ -10,6 +10,8 @@ pub const SPLIT_HAZARD: f32 = 0.5;
 /// is the probability that the step ends at token t, given that it has not ended
 /// before. The step ends at the first t with `h_t > ½`; its probability is
 /// `h_t·Π_{s<t}(1 − h_s)`.
+///
+/// [`LOOKAHEAD`]: crate::model::LOOKAHEAD
 #[derive(Debug, Clone)]
 pub struct Splitter {
     hidden: [f32; SPLITTER_HIDDEN],
@@ -33,21 +35,21 @@ impl Splitter {
     ///
     /// Cost: `3·32·(24 + 32) + 32·(32 + 6·24) + 32` multiply-adds, 65 sigmoids and 64 hyperbolic
     /// tangents.
-    pub fn hazard<'w>(
+    ///
+    /// [`LOOKAHEAD`]: crate::model::LOOKAHEAD
+    pub fn hazard(
         &mut self,
         language: &Language<'_>,
-        token: &WordEmbeddings,
-        ahead: impl Iterator<Item = &'w WordEmbeddings>,
+        token: &[f32; SPLITTER_WORD],
+        ahead: impl Iterator<Item = [f32; SPLITTER_WORD]>,
     ) -> f32 {
-        self.hidden = language.splitter.step(&token.splitter, &self.hidden);
+        self.hidden = language.splitter.step(token, &self.hidden);
         let layer = language.hazard_hidden;
-        let mut features = layer.bias;
-        let (columns, mut rest) = layer.weight.split_at(SPLITTER_HIDDEN);
-        add_products(&mut features, &self.hidden, columns);
-        for token in ahead.take(LOOKAHEAD) {
-            let (columns, behind) = rest.split_at(rest.len().min(SPLITTER_WORD));
-            add_products(&mut features, &token.splitter, columns);
-            rest = behind;
+        let mut features = *layer.bias();
+        layer.add_products(&mut features, 0, &self.hidden);
+        let firsts = (SPLITTER_HIDDEN..HAZARD_INPUT).step_by(SPLITTER_WORD);
+        for (first, token) in firsts.zip(ahead) {
+            layer.add_products(&mut features, first, &token);
         }
         tanh_all(&mut features);
         sigmoid(language.hazard.single(&features))
@@ -94,16 +96,15 @@ impl Default for Splitter {
 mod tests {
     use super::*;
     use crate::fixture;
-    use crate::model::HAZARD_INPUT;
+    use crate::nn::{Cell, Dense};
 
     #[test]
     fn a_hazard_sees_the_state_and_the_six_tokens_behind() {
         let model = fixture::model();
         let mut language = model.language;
-        let mut cell = *language.splitter;
+        let mut cell = *language.splitter.as_f32().unwrap();
         cell.weight_ih[23][2][31] = 1.0;
-        let mut hidden = *language.hazard_hidden;
-        hidden.weight = [[0.0; 32]; HAZARD_INPUT];
+        let mut hidden = fixture::linear();
         hidden.weight[31][4] = 0.5;
         // Unit 2 of the next token, unit 3 of the last one seen.
         hidden.weight[32 + 2][4] = 1.0;
@@ -113,15 +114,14 @@ mod tests {
         hazard.weight = [[0.0]; 32];
         hazard.weight[4] = [2.0];
         hazard.bias = [-0.25];
-        (language.hazard_hidden, language.hazard) = (&hidden, &hazard);
-        language.splitter = &cell;
-        let mut token = *model.group;
-        token.splitter[23] = 0.8;
-        let (mut next, mut last) = (*model.group, *model.group);
-        (next.splitter[2], next.splitter[3]) = (0.3, 50.0);
-        (last.splitter[2], last.splitter[3]) = (50.0, -0.7);
-        let between = model.group;
-        let ahead = [&next, between, between, between, between, &last, &last];
+        (language.hazard_hidden, language.hazard) = (Dense::F32(&hidden), &hazard);
+        language.splitter = Cell::F32(&cell);
+        let between = [0.0; SPLITTER_WORD];
+        let (mut token, mut next, mut last) = (between, between, between);
+        token[23] = 0.8;
+        (next[2], next[3]) = (0.3, 50.0);
+        (last[2], last[3]) = (50.0, -0.7);
+        let ahead = [next, between, between, between, between, last, last];
         // State of unit 31: half of tanh(0.8), as the update gate is σ(0).
         let state = 0.5 * libm::tanhf(0.8);
         let expected = |ahead: f32| sigmoid(2.0 * libm::tanhf(0.5 * state + 0.1 + ahead) - 0.25);

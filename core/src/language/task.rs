@@ -6,7 +6,7 @@ use super::segments::Segments;
 use super::{Acceptability, Encoder, Parsed, Reader, Span, Splitter, TokenKind};
 use crate::capacity::{MAX_GROUPS, MAX_STEP_TOKENS};
 use crate::dsl::Argument;
-use crate::model::{Model, WordEmbeddings};
+use crate::model::{Model, WORD};
 use crate::refusal::{Decision, LengthUnit, Quantity, Refusal};
 use core::task::Poll;
 use split::{Splits, is_final};
@@ -315,10 +315,10 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn forward(&mut self, step: usize, token: usize) -> Result<Stage, Refusal> {
         let end = self.segments.tokens(step).end;
-        let (embeddings, group) = self.token(token)?;
+        let (word, group) = self.word(token)?;
         let language = &self.model.language;
         // Their numbers were checked when the sentence was read and the step began.
-        let _ = self.encoder.forward(language, embeddings, group);
+        let _ = self.encoder.forward(language, &word, group);
         let _ = self.acceptability.ahead(language, self.encoder.ahead());
         let token = token.saturating_add(1);
         Ok(if token < end {
@@ -330,9 +330,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     fn backward(&mut self, step: usize, before: usize) -> Result<Stage, Refusal> {
         let token = before.saturating_sub(1);
-        let (embeddings, group) = self.token(token)?;
+        let (word, group) = self.word(token)?;
         let language = &self.model.language;
-        self.encoder.backward(language, embeddings, group);
+        self.encoder.backward(language, &word, group);
         self.acceptability.behind(language, self.encoder.behind());
         Ok(if token > self.segments.tokens(step).start {
             Stage::Backward {
@@ -350,14 +350,13 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         self.doubt = self.doubt.or(sure.err());
     }
 
-    fn token(&self, token: usize) -> Result<(&'m WordEmbeddings, bool), Refusal> {
-        let token = self
-            .reader
-            .tokens()
-            .get(token)
-            .ok_or(Refusal::InvalidModel)?;
-        let embeddings = token.embeddings(self.model).ok_or(Refusal::InvalidModel)?;
-        Ok((embeddings, token.is_group()))
+    /// A token as the encoder's cells read it, and whether it describes an object.
+    fn word(&self, token: usize) -> Result<([f32; WORD], bool), Refusal> {
+        let token = self.reader.tokens().get(token);
+        let token = token.ok_or(Refusal::InvalidModel)?;
+        let row = token.embedding().ok_or(Refusal::InvalidModel)?;
+        let word = self.model.embeddings.encoder(row);
+        Ok((word.ok_or(Refusal::InvalidModel)?, token.is_group()))
     }
 }
 

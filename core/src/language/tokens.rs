@@ -39,13 +39,15 @@ pub struct Token {
 
 impl Token {
     /// Its embeddings; `None` only for an unknown word and a token of another model.
-    pub fn embeddings<'a>(&self, model: &Model<'a>) -> Option<&'a WordEmbeddings> {
+    pub fn embeddings(&self, model: &Model<'_>) -> Option<WordEmbeddings> {
+        model.embeddings.get(self.embedding()?)
+    }
+
+    /// Its index in [`Model::embeddings`]; `None` for an unknown word.
+    pub const fn embedding(&self) -> Option<usize> {
         match self.kind {
-            TokenKind::Word(index) => model
-                .words
-                .get(usize::from(index))
-                .map(|word| &word.embeddings),
-            TokenKind::Group(_) | TokenKind::Pronoun => Some(model.group),
+            TokenKind::Word(index) => Some((index as usize).saturating_add(1)),
+            TokenKind::Group(_) | TokenKind::Pronoun => Some(0),
             TokenKind::Unknown => None,
         }
     }

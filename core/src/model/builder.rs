@@ -3,15 +3,15 @@
 
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
-    Concept, ENCODER_HIDDEN, HAZARD_INPUT, Header, Heard, INSTRUCTION, LOCATION, Language,
-    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, PATCH_CHANNELS,
-    PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Several,
-    Simulator, Spelling, Superlative, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD,
-    Word, WordEmbeddings, WorkSpace,
+    Concept, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION,
+    Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
+    OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Thresholds,
+    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::Property;
-use crate::nn::{Gru, Linear, MergeConv, PatchConv};
+use crate::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, MergeConv, PatchConv};
 
 /// The value of an unset parameter. Results that depend on it are refused.
 const UNSET: f32 = f32::NAN;
@@ -50,7 +50,7 @@ builder! {
     ['a] Model<'a> {
         header, with_header: Header<'a> = Header::UNSET;
         words, with_words: &'a [Word<'a>] = &[];
-        group, with_group: &'a WordEmbeddings = &WordEmbeddings::UNSET;
+        embeddings, with_embeddings: Embeddings<'a> = Embeddings::NONE;
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         several, with_several: Several<'a> = Several::UNSET;
@@ -62,7 +62,7 @@ builder! {
         actions, with_actions: &'a [Action<'a>] = &[];
         language, with_language: Language<'a> = Language::UNSET;
         vision, with_vision: Vision<'a> as Some = None;
-        simulator, with_simulator: &'a Simulator = &Simulator::UNSET;
+        simulator, with_simulator: &'a Simulator<'a> = &Simulator::UNSET;
         camera, with_camera: &'a PixelToCamera = &PixelToCamera::UNSET;
     }
     ['a] Header<'a> {
@@ -95,7 +95,6 @@ builder! {
     }
     ['a] Word<'a> {
         text, with_text: &'a str = "";
-        embeddings, with_embeddings: WordEmbeddings = WordEmbeddings::UNSET;
     }
     [] Pronoun {
         word, with_word: u16 = u16::MAX;
@@ -147,6 +146,12 @@ builder! {
         encoder, with_encoder: [f32; WORD] = [UNSET; WORD];
         splitter, with_splitter: [f32; SPLITTER_WORD] = [UNSET; SPLITTER_WORD];
     }
+    [] Int8WordEmbeddings {
+        encoder, with_encoder: [i8; WORD] = [0; WORD];
+        encoder_scale, with_encoder_scale: f32 = UNSET;
+        splitter, with_splitter: [i8; SPLITTER_WORD] = [0; SPLITTER_WORD];
+        splitter_scale, with_splitter_scale: f32 = UNSET;
+    }
     ['a] LexiconEntry<'a> {
         text, with_text: &'a str = "";
         property, with_property: Property = Property::Concept(NOWHERE);
@@ -179,34 +184,33 @@ builder! {
         bias, with_bias: [f32; 2] = [UNSET; 2];
     }
     ['a] Language<'a> {
-        forward, with_forward: &'a Gru<WORD, ENCODER_HIDDEN> = &Gru::UNSET;
-        backward, with_backward: &'a Gru<WORD, ENCODER_HIDDEN> = &Gru::UNSET;
-        object_decoder, with_object_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> = &Linear::UNSET;
-        reference_decoder, with_reference_decoder: &'a Linear<INSTRUCTION, INSTRUCTION> =
-            &Linear::UNSET;
+        forward, with_forward: Cell<'a, WORD, ENCODER_HIDDEN> = Cell::UNSET;
+        backward, with_backward: Cell<'a, WORD, ENCODER_HIDDEN> = Cell::UNSET;
+        object_decoder, with_object_decoder: Dense<'a, INSTRUCTION, INSTRUCTION> = Dense::UNSET;
+        reference_decoder, with_reference_decoder: Dense<'a, INSTRUCTION, INSTRUCTION> =
+            Dense::UNSET;
         acceptability_hidden, with_acceptability_hidden:
-            &'a Linear<INSTRUCTION, ACCEPTABILITY_HIDDEN> = &Linear::UNSET;
+            Dense<'a, INSTRUCTION, ACCEPTABILITY_HIDDEN> = Dense::UNSET;
         acceptability, with_acceptability: &'a Linear<ACCEPTABILITY_HIDDEN, 1> = &Linear::UNSET;
         nearest, with_nearest: &'a Superlative = &Superlative::UNSET;
         farthest, with_farthest: &'a Superlative = &Superlative::UNSET;
-        splitter, with_splitter: &'a Gru<SPLITTER_WORD, SPLITTER_HIDDEN> = &Gru::UNSET;
-        hazard_hidden, with_hazard_hidden: &'a Linear<HAZARD_INPUT, SPLITTER_HIDDEN> =
-            &Linear::UNSET;
+        splitter, with_splitter: Cell<'a, SPLITTER_WORD, SPLITTER_HIDDEN> = Cell::UNSET;
+        hazard_hidden, with_hazard_hidden: Dense<'a, HAZARD_INPUT, SPLITTER_HIDDEN> = Dense::UNSET;
         hazard, with_hazard: &'a Linear<SPLITTER_HIDDEN, 1> = &Linear::UNSET;
     }
     ['a] Vision<'a> {
-        color, with_color: &'a ViewEncoder<3> = &ViewEncoder::UNSET;
-        brightness, with_brightness: &'a ViewEncoder<1> = &ViewEncoder::UNSET;
+        color, with_color: &'a ViewEncoder<'a, 3> = &ViewEncoder::UNSET;
+        brightness, with_brightness: &'a ViewEncoder<'a, 1> = &ViewEncoder::UNSET;
     }
-    [const CHANNELS: usize] ViewEncoder<CHANNELS> {
+    ['a, const CHANNELS: usize] ViewEncoder<'a, CHANNELS> {
         patch, with_patch: PatchConv<CHANNELS, PATCH_CHANNELS> = PatchConv::UNSET;
         merge, with_merge: MergeConv<PATCH_CHANNELS, MERGE_CHANNELS> = MergeConv::UNSET;
-        dense, with_dense: Linear<MERGED, VIEW_EMBEDDING> = Linear::UNSET;
+        dense, with_dense: Dense<'a, MERGED, VIEW_EMBEDDING> = Dense::UNSET;
     }
-    [] Simulator {
+    ['a] Simulator<'a> {
         input, with_input: [[f32; SIMULATOR_HIDDEN]; 2 * LOCATION] =
             [[UNSET; SIMULATOR_HIDDEN]; 2 * LOCATION];
-        hidden, with_hidden: Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN> = Linear::UNSET;
+        hidden, with_hidden: Dense<'a, SIMULATOR_HIDDEN, SIMULATOR_HIDDEN> = Dense::UNSET;
         output, with_output: Linear<SIMULATOR_HIDDEN, LOCATION> = Linear::UNSET;
     }
     [] PixelToCamera {
@@ -230,6 +234,33 @@ builder! {
         weight_hh, with_weight_hh: [[[f32; HIDDEN]; 3]; HIDDEN] = [[[UNSET; HIDDEN]; 3]; HIDDEN];
         bias_n, with_bias_n: [f32; HIDDEN] = [UNSET; HIDDEN];
     }
+    [const INPUT: usize, const OUTPUT: usize] Int8Linear<INPUT, OUTPUT> {
+        weight, with_weight: [[i8; INPUT]; OUTPUT] = [[0; INPUT]; OUTPUT];
+        scale, with_scale: [f32; OUTPUT] = [UNSET; OUTPUT];
+        bias, with_bias: [f32; OUTPUT] = [UNSET; OUTPUT];
+    }
+    [const INPUT: usize, const HIDDEN: usize] Int8Gru<INPUT, HIDDEN> {
+        weight_ih, with_weight_ih: [[[i8; INPUT]; HIDDEN]; 3] = [[[0; INPUT]; HIDDEN]; 3];
+        scale_ih, with_scale_ih: [[f32; HIDDEN]; 3] = [[UNSET; HIDDEN]; 3];
+        bias, with_bias: [[f32; HIDDEN]; 3] = [[UNSET; HIDDEN]; 3];
+        weight_hh, with_weight_hh: [[[i8; HIDDEN]; HIDDEN]; 3] = [[[0; HIDDEN]; HIDDEN]; 3];
+        scale_hh, with_scale_hh: [[f32; HIDDEN]; 3] = [[UNSET; HIDDEN]; 3];
+        bias_n, with_bias_n: [f32; HIDDEN] = [UNSET; HIDDEN];
+    }
+}
+
+impl<const INPUT: usize, const OUTPUT: usize> Dense<'_, INPUT, OUTPUT> {
+    #[cfg(any(feature = "f32", not(feature = "int8")))]
+    const UNSET: Self = Self::F32(&Linear::UNSET);
+    #[cfg(all(feature = "int8", not(feature = "f32")))]
+    const UNSET: Self = Self::Int8(&Int8Linear::UNSET);
+}
+
+impl<const INPUT: usize, const HIDDEN: usize> Cell<'_, INPUT, HIDDEN> {
+    #[cfg(any(feature = "f32", not(feature = "int8")))]
+    const UNSET: Self = Self::F32(&Gru::UNSET);
+    #[cfg(all(feature = "int8", not(feature = "f32")))]
+    const UNSET: Self = Self::Int8(&Int8Gru::UNSET);
 }
 
 impl LexiconEntry<'_> {

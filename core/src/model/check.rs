@@ -23,6 +23,9 @@ pub enum ModelFault<'a> {
     /// Words are not sorted and unique; the word out of order.
     #[error("word \"{0}\" is out of order or repeated")]
     WordOrder(&'a str),
+    /// The embeddings are not those of the group and of each word; their number.
+    #[error("the model has {0} embeddings; expected one for the group and one for each word")]
+    Embeddings(usize),
     /// Lexicon words are not sorted and unique; the word out of order.
     #[error("lexicon word \"{0}\" is out of order or repeated")]
     LexiconOrder(&'a str),
@@ -186,6 +189,9 @@ impl<'a> Model<'a> {
                 return Err(ModelFault::WordOrder(word.text));
             }
             before = word.text;
+        }
+        if self.embeddings.count() != self.words.len().saturating_add(1) {
+            return Err(ModelFault::Embeddings(self.embeddings.count()));
         }
         let mut before = "";
         for entry in self.lexicon {
@@ -361,8 +367,8 @@ mod tests {
     use super::*;
     use crate::fixture;
     use crate::model::{
-        Arrangement, Arrangements, Closing, Concept, Heard, LexiconEntry, Opening, Plural, Pronoun,
-        Several, Spelling, Word,
+        Arrangement, Arrangements, Closing, Concept, Embeddings, Heard, LexiconEntry, Opening,
+        Plural, Pronoun, Several, Spelling, Word, WordEmbeddings,
     };
 
     #[test]
@@ -413,25 +419,25 @@ mod tests {
     fn each_fault_of_a_word_is_named() {
         let model = fixture::model();
         let check = |words: &[&'static str], lexicon: &[(&'static str, u8)]| {
-            let words: std::vec::Vec<Word<'static>> = words
-                .iter()
-                .map(|text| Word {
-                    text,
-                    ..model.words[0]
-                })
-                .collect();
+            let words: std::vec::Vec<Word<'static>> =
+                words.iter().map(|text| Word { text }).collect();
+            let embeddings = std::vec![WordEmbeddings::new(); words.len() + 1];
             let lexicon: std::vec::Vec<LexiconEntry<'static>> = lexicon
                 .iter()
                 .map(|&(text, concept)| LexiconEntry::new().with_text(text).with_concept(concept))
                 .collect();
             let model = Model {
                 words: &words,
+                embeddings: Embeddings::F32(&embeddings),
                 lexicon: &lexicon,
                 ..model
             };
             model.check().map_err(|fault| std::format!("{fault:?}"))
         };
         let fault = |text: &str| Err(text.into());
+        let missing = Embeddings::F32(&[]);
+        let checked = model.with_embeddings(missing).check();
+        assert_eq!(checked, Err(ModelFault::Embeddings(0)));
         assert_eq!(check(&["a", "b"], &[("c", 3)]), Ok(()));
         assert_eq!(check(&["b", "a"], &[("c", 3)]), fault("WordOrder(\"a\")"));
         assert_eq!(check(&["a", "a"], &[("c", 3)]), fault("WordOrder(\"a\")"));

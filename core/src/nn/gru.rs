@@ -60,16 +60,27 @@ impl<const INPUT: usize, const HIDDEN: usize> Kernel for Step<'_, INPUT, HIDDEN>
         add_row_products::<HIDDEN, 3, 0>(&mut reset, hidden, &cell.weight_hh);
         add_row_products::<HIDDEN, 3, 1>(&mut update, hidden, &cell.weight_hh);
         add_row_products::<HIDDEN, 3, 2>(&mut recurrent_new, hidden, &cell.weight_hh);
-        let mut next = *hidden;
-        let gated = reset.iter().zip(&update);
-        let candidates = input_new.iter().zip(&recurrent_new);
-        for (state, ((&r, &z), (&input, &recurrent))) in next.iter_mut().zip(gated.zip(candidates))
-        {
-            let new = tanh(input + sigmoid(r) * recurrent);
-            *state = new + sigmoid(z) * (*state - new);
-        }
-        next
+        gated(hidden, [&reset, &update, &input_new, &recurrent_new])
     }
+}
+
+/// The next state.
+///
+/// * `sums`: before the functions: reset, update, and the input's and the state's share of new
+#[inline(always)]
+pub(super) fn gated<const HIDDEN: usize>(
+    hidden: &[f32; HIDDEN],
+    sums: [&[f32; HIDDEN]; 4],
+) -> [f32; HIDDEN] {
+    let [reset, update, input_new, recurrent_new] = sums;
+    let mut next = *hidden;
+    let gated = reset.iter().zip(update);
+    let candidates = input_new.iter().zip(recurrent_new);
+    for (state, ((&r, &z), (&input, &recurrent))) in next.iter_mut().zip(gated.zip(candidates)) {
+        let new = tanh(input + sigmoid(r) * recurrent);
+        *state = new + sigmoid(z) * (*state - new);
+    }
+    next
 }
 
 #[cfg(test)]

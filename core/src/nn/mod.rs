@@ -6,18 +6,26 @@
 mod activation;
 mod choice;
 mod gru;
+mod int8;
+mod int8_gru;
+mod int8_linear;
 mod linear;
 mod merge;
 mod patch;
+mod precision;
 mod products;
 mod wide;
 
 pub use activation::{relu, relu_all, sigmoid, tanh, tanh_all};
 pub use choice::Choice;
 pub use gru::Gru;
+pub(crate) use int8::round_row;
+pub use int8_gru::Int8Gru;
+pub use int8_linear::Int8Linear;
 pub use linear::Linear;
 pub use merge::MergeConv;
 pub use patch::PatchConv;
+pub use precision::{Cell, Dense, Precision, UnknownPrecision};
 use products::add_row_products;
 pub(crate) use products::{add_products, dot};
 pub(crate) use wide::{Kernel, widest};

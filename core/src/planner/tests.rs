@@ -10,6 +10,7 @@ use crate::capacity::MAX_STEP_TOKENS;
 use crate::dsl::Argument;
 use crate::fixture;
 use crate::model::Thresholds;
+use crate::nn::Dense;
 use crate::refusal::{Candidate, Decision, LengthUnit, Quantity};
 
 fn plan(sentence: &str) -> Result<Plan, Refusal> {
@@ -460,10 +461,10 @@ fn results_that_are_not_finite_are_refused() {
     };
     assert_eq!(quantity(&broken), Quantity::Action);
 
-    let mut decoder = *model.language.reference_decoder;
+    let mut decoder = *model.language.reference_decoder.as_f32().unwrap();
     decoder.bias[1] = f32::INFINITY;
     let mut broken = model;
-    broken.language.reference_decoder = &decoder;
+    broken.language.reference_decoder = Dense::F32(&decoder);
     assert_eq!(quantity(&broken), Quantity::Argument(Argument::Reference));
 
     let mut attributes = [model.attributes[0], model.attributes[1]];

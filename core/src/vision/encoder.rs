@@ -61,7 +61,7 @@ pub fn encode_in_place(model: &Model<'_>, crop: &mut Crop) -> [f32; OBJECT_EMBED
 }
 
 #[inline(never)]
-fn encode_brightness(encoder: &ViewEncoder<1>, crop: &Crop) -> [f32; VIEW_EMBEDDING] {
+fn encode_brightness(encoder: &ViewEncoder<'_, 1>, crop: &Crop) -> [f32; VIEW_EMBEDDING] {
     let mut view = [[[0.0; CROP]; CROP]];
     let [map] = &mut view;
     widest(Brightness { crop, view: map });
@@ -71,7 +71,7 @@ fn encode_brightness(encoder: &ViewEncoder<1>, crop: &Crop) -> [f32; VIEW_EMBEDD
 // Not inlined, so that both views use the same stack.
 #[inline(never)]
 fn encode_view<const CHANNELS: usize>(
-    encoder: &ViewEncoder<CHANNELS>,
+    encoder: &ViewEncoder<'_, CHANNELS>,
     view: &[[[f32; CROP]; CROP]; CHANNELS],
 ) -> [f32; VIEW_EMBEDDING] {
     let mut patches = [[[0.0; PATCH_CHANNELS]; CROP / 4]; CROP / 4];
@@ -193,12 +193,16 @@ mod tests {
         color.patch.weight[1][1][3][20] = 4.0;
         color.patch.bias[20] = 1.0;
         color.merge.weight[1][0][20][30] = 0.5;
-        color.dense.weight[(2 * 4 + 1) * 32 + 30][7] = 2.0;
-        color.dense.bias[6] = -1.0;
+        let mut dense = fixture::linear();
+        dense.weight[(2 * 4 + 1) * 32 + 30][7] = 2.0;
+        dense.bias[6] = -1.0;
+        color.dense = fixture::dense(dense);
         let mut light = *vision.brightness;
         light.patch.weight[0][0][0][1] = 1.0;
         light.merge.weight[0][0][1][2] = 1.0;
-        light.dense.weight[2][9] = 1.0;
+        let mut dense = fixture::linear();
+        dense.weight[2][9] = 1.0;
+        light.dense = fixture::dense(dense);
         model.vision = Some(crate::model::Vision {
             color: Box::leak(Box::new(color)),
             brightness: Box::leak(Box::new(light)),

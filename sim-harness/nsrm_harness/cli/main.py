@@ -47,6 +47,7 @@ COMMANDS = {
     "onnx": "Write a model file as ONNX graphs, for `cargo compare`.",
     "comparison": "Plot the times of `cargo compare`.",
     "growth": "Plot how the work of a plan grows with scene, sentence and domain.",
+    "quantised": "Judge a model with its weights as trained and rounded.",
     "footprint": "Plot what a micro-controller's image consists of.",
 }
 

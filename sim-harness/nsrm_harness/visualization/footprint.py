@@ -18,7 +18,7 @@ from nsrm_harness.common.errors import HarnessError
 #: The parts of a model in read-only memory, each with the beginnings of its arrays' paths; an array
 #: belongs to the first that it begins with.
 PARTS = {
-    "words": ("words", "group"),
+    "words": ("words", "embeddings"),
     "sentence encoder": ("language.forward", "language.backward"),
     "argument decoders": ("language.object_decoder", "language.reference_decoder"),
     "splitter": ("language.splitter", "language.hazard"),
@@ -39,7 +39,7 @@ PARTS = {
 CODE = "code and constants"
 #: Parts that a planner without vision leaves out.
 OF_VISION = ("colour view", "brightness view")
-COLUMNS = ("target", "vision", "flash_bytes", "ram_bytes", "stack_bytes")
+COLUMNS = ("target", "precision", "vision", "flash_bytes", "ram_bytes", "stack_bytes")
 KB = 1024
 
 
@@ -52,6 +52,7 @@ class Footprint:
     """A row of the counts: bytes."""
 
     target: str
+    precision: str
     vision: bool
     flash: int
     ram: int
@@ -69,8 +70,9 @@ def read(path: Path) -> list[Footprint]:
             found = [
                 Footprint(
                     row["target"],
+                    row["precision"],
                     row["vision"] == "yes",
-                    *(int(row[name]) for name in COLUMNS[2:]),
+                    *(int(row[name]) for name in COLUMNS[3:]),
                 )
                 for row in rows
             ]
@@ -97,20 +99,31 @@ def parts(flash: Mapping[str, Any], image: int) -> dict[str, int]:
     return {**sizes, CODE: image - sum(sizes.values())}
 
 
-def draw(rows: Sequence[Footprint], flash: Mapping[str, Any], path: Path) -> None:
-    """The parts of the flash of the last processor, and memory by processor."""
-    last = next(row for row in reversed(rows) if row.vision)
-    sizes = parts(flash, last.flash)
+def draw(rows: Sequence[Footprint], flash: Mapping[str, Mapping[str, Any]], path: Path) -> None:
+    """The parts of the flash of the last processor, and memory by processor.
+
+    * `flash`: of the model in each precision, as in ``nsrm info``
+    """
+    target = rows[-1].target
     figure, (left, right) = plt.subplots(
-        1, 2, figsize=(10.0, 4.2), layout="constrained", width_ratios=(1.25, 1.0)
+        1, 2, figsize=(11.0, 5.0), layout="constrained", width_ratios=(1.25, 1.0)
     )
-    names = list(sizes)
-    colors = ["tab:orange" if name in OF_VISION else "tab:blue" for name in names]
-    bars = left.barh(names, [size / KB for size in sizes.values()], color=colors)
-    left.bar_label(bars, fmt="%.0f", padding=2)
+    shades = {"f32": ("tab:blue", "tab:orange"), "int8": ("lightskyblue", "moccasin")}
+    for place, (precision, of_model) in enumerate(flash.items()):
+        images = (row for row in rows if row.vision and row.target == target)
+        image = next(row.flash for row in images if row.precision == precision)
+        sizes = parts(of_model, image)
+        colors = [shades[precision][name in OF_VISION] for name in sizes]
+        at = [index + 0.4 * place for index in range(len(sizes))]
+        label = f"{precision}, {image / KB:.0f} KB"
+        kilobytes = [size / KB for size in sizes.values()]
+        bars = left.barh(at, kilobytes, 0.38, color=colors, label=label)
+        left.bar_label(bars, fmt="%.0f", padding=2, fontsize=8)
+        left.set_yticks([index + 0.2 for index in range(len(sizes))], list(sizes))
     left.invert_yaxis()
-    left.set(title=f"{last.target}: flash with vision, {last.flash / KB:.0f} KB", xlabel="KB")
+    left.set(title=f"{target}: flash with vision", xlabel="KB")
     left.margins(x=0.12)
+    left.legend(fontsize=8, loc="center right")
 
     targets = list(dict.fromkeys(row.target for row in rows))
     shown = (
@@ -120,9 +133,16 @@ def draw(rows: Sequence[Footprint], flash: Mapping[str, Any], path: Path) -> Non
         ("stack, with vision", True, "stack", "moccasin"),
     )
     for place, (label, vision, kind, color) in enumerate(shown):
-        sized = {row.target: getattr(row, kind) / KB for row in rows if row.vision == vision}
         at = [index + (place - 1.5) * 0.2 for index in range(len(targets))]
-        heights = [sized.get(target, 0.0) for target in targets]
+        # The greater of both precisions.
+        heights = [
+            max(
+                getattr(row, kind) / KB
+                for row in rows
+                if (row.target, row.vision) == (each, vision)
+            )
+            for each in targets
+        ]
         drawn = right.bar(at, heights, 0.19, color=color, label=label)
         right.bar_label(drawn, fmt="%.0f", fontsize=8, padding=1)
     right.set_xticks(range(len(targets)), targets)

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use nsrm::{AnyModel, info_json};
 use nsrm_core::Planner;
 use nsrm_core::model::OBJECT_EMBEDDING;
+use nsrm_core::nn::{Precision, UnknownPrecision};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::vision::{self, ObservationTask, Stamp};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, ndarray};
@@ -34,21 +35,30 @@ impl Model {
     }
 }
 
+fn precision_of(name: &str) -> PyResult<Precision> {
+    let parsed: Result<Precision, UnknownPrecision> = name.parse();
+    parsed.map_err(|error| argument("precision", format!("{error}, got {name:?}")))
+}
+
 #[pymethods]
 impl Model {
     /// The model that is built in: the domain `tabletop`.
     #[staticmethod]
-    fn pretrained() -> Self {
-        Self {
-            inner: Arc::new(AnyModel::Pretrained),
-        }
+    #[pyo3(signature = (precision = "f32"))]
+    fn pretrained(precision: &str) -> PyResult<Self> {
+        let inner = AnyModel::pretrained(precision_of(precision)?);
+        Ok(Self {
+            inner: Arc::new(inner),
+        })
     }
 
-    /// A model file (safetensors), checked.
+    /// A model file (safetensors), checked; its weights rounded to a precision.
     #[staticmethod]
-    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let inner = py.detach(|| AnyModel::load(path)).map_err(errors::load)?;
-        let inner = Arc::new(inner);
+    #[pyo3(signature = (path, precision = "f32"))]
+    fn load(py: Python<'_>, path: PathBuf, precision: &str) -> PyResult<Self> {
+        let precision = precision_of(precision)?;
+        let loaded = py.detach(|| AnyModel::load_as(path, precision));
+        let inner = Arc::new(loaded.map_err(errors::load)?);
         Ok(Self { inner })
     }
 

@@ -12,6 +12,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Subcommand;
 use iceoryx2::prelude::{LogLevel, set_log_level};
 use nsrm::AnyModel;
+use nsrm_core::nn::Precision;
 use nsrm_ipc::executive::Mode;
 use nsrm_ipc::message::Role;
 use nsrm_ipc::node::{PerceptionNode, PlannerNode};
@@ -152,7 +153,7 @@ fn log() {
 }
 
 fn open(config: &Config) -> Result<AnyModel, Failure> {
-    crate::open(config.model.as_ref())
+    crate::open(config.model.as_ref(), Precision::F32)
 }
 
 fn serve(config: &Config) -> Result<(), Failure> {

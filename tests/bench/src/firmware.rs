@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, Result, bail, ensure};
+use nsrm_core::nn::Precision;
 use nsrm_core::{Plan, Planner, Refusal};
-use nsrm_tabletop::TABLETOP;
 use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind};
 
 use crate::Table;
@@ -59,26 +59,34 @@ pub struct Image {
     file: PathBuf,
     /// Whether it makes scenes from images.
     pub has_vision: bool,
+    /// Of its model's weights.
+    pub precision: Precision,
     /// The target.
     pub target: String,
 }
 
 impl Image {
-    /// An image, of which the name is that of its target, and `vision` behind it if it has that.
+    /// An image, of which the name is that of its target and of its features.
     pub fn open(file: &Path) -> Result<Self> {
         let name = file
             .file_stem()
             .context("an image's name")?
             .to_string_lossy();
         let named = PROCESSORS.iter().find_map(|processor| {
-            let features = name.strip_prefix(processor.target)?.strip_prefix('-')?;
-            Some((processor.target, features == "vision"))
+            let features = name.strip_prefix(processor.target)?;
+            let features: Vec<_> = features.split('-').collect();
+            Some((processor.target, features))
         });
-        let (target, has_vision) =
+        let (target, features) =
             named.with_context(|| format!("{} is of no known target", file.display()))?;
         Ok(Self {
             file: file.to_owned(),
-            has_vision,
+            has_vision: features.contains(&"vision"),
+            precision: if features.contains(&"int8") {
+                Precision::Int8
+            } else {
+                Precision::F32
+            },
             target: target.to_owned(),
         })
     }
@@ -196,7 +204,7 @@ impl Run {
 
     /// Fails unless all results are this machine's, bit by bit.
     fn compare(&self, table: &Table, sentences: &[&str]) -> Result<()> {
-        let planner = Planner::new(&TABLETOP);
+        let planner = Planner::new(table.model());
         let told = ["goal", "confidence", "refused"];
         let is_result = |line: &&str| {
             let first = line.split(' ').next().unwrap_or_default();

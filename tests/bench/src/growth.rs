@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use nsrm_core::language::Reader;
-use nsrm_core::model::{Concept, Word};
+use nsrm_core::model::{Concept, Embeddings, Word};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::{Model, Planner, RawScene, Scene};
 use nsrm_tabletop::TABLETOP;
@@ -89,7 +89,7 @@ impl Subject {
                 subject.size = tokens(&subject.sentence);
                 subject.parses_only = true;
             }
-            Axis::Words => subject.model = subject.model.with_words(words(size)),
+            Axis::Words => subject.model = with_words(size),
             Axis::Concepts => subject.model = subject.model.with_concepts(concepts(size)),
         }
         subject
@@ -148,16 +148,23 @@ fn tokens(sentence: &str) -> usize {
     reader.tokens().len()
 }
 
-/// The model's words, and others that no sentence has.
-fn words(count: usize) -> &'static [Word<'static>] {
-    let mut words = TABLETOP.words.to_vec();
-    let embeddings = words[0].embeddings;
-    let others = (words.len()..count).map(|number| {
-        let text = format!("~{number:04}").leak();
-        Word::new().with_text(text).with_embeddings(embeddings)
-    });
-    words.extend(others.collect::<Vec<_>>());
-    words.leak()
+/// The model with other words behind its own, that no sentence has.
+fn with_words(count: usize) -> Model<'static> {
+    let Embeddings::F32(rows) = TABLETOP.embeddings else {
+        panic!("the model's precision is f32");
+    };
+    let (mut words, mut rows) = (TABLETOP.words.to_vec(), rows.to_vec());
+    let like = rows[1];
+    let others = (words.len()..count).map(|number| format!("~{number:04}").leak());
+    words.extend(
+        others
+            .map(|text| Word::new().with_text(text))
+            .collect::<Vec<_>>(),
+    );
+    rows.resize(words.len() + 1, like);
+    TABLETOP
+        .with_words(words.leak())
+        .with_embeddings(Embeddings::F32(rows.leak()))
 }
 
 /// The model's concepts, and others that no sentence has.

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use nsrm::read_scene_text;
 use nsrm_core::vision::{Crop, Detection, ObservationTask, RgbImage, Stamp, encode};
-use nsrm_core::{Camera, Planner, Scene};
+use nsrm_core::{Camera, Model, Planner, Scene};
 use nsrm_tabletop::TABLETOP;
 
 /// Written by `cargo demo --seed 7`.
@@ -80,6 +80,7 @@ impl Job {
 /// What a camera sees, and what was made of it.
 #[derive(Debug)]
 pub struct Table {
+    model: &'static Model<'static>,
     pixels: Vec<u8>,
     camera: Camera,
     detections: Vec<Detection>,
@@ -88,12 +89,20 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table with six blocks.
+    /// The table with six blocks, as the built-in model sees it.
     ///
     /// # Panics
     /// If the committed scene is not in order.
     pub fn new() -> Self {
-        let file = read_scene_text(Path::new("scene.json"), SCENE, &TABLETOP).expect("scene.json");
+        Self::of(&TABLETOP)
+    }
+
+    /// The same of another model of its domain.
+    ///
+    /// # Panics
+    /// If the committed scene is not in order.
+    pub fn of(model: &'static Model<'static>) -> Self {
+        let file = read_scene_text(Path::new("scene.json"), SCENE, model).expect("scene.json");
         let mut reader = png::Decoder::new(Cursor::new(PICTURE))
             .read_info()
             .expect("camera.png");
@@ -101,15 +110,21 @@ impl Table {
         let mut pixels = vec![0; 3 * (width * height) as usize];
         reader.next_frame(&mut pixels).expect("camera.png");
         let image = image(&pixels, &file.camera);
-        let scene = observe(image, file.camera, &file.detections);
+        let scene = observe(model, image, file.camera, &file.detections);
         let crop = Crop::from_rgb(&image, &file.detections[0].visible).expect("a crop");
         Self {
+            model,
             pixels,
             camera: file.camera,
             detections: file.detections,
             scene,
             crop,
         }
+    }
+
+    /// The model that sees it.
+    pub const fn model(&self) -> &'static Model<'static> {
+        self.model
     }
 
     /// The scene of six objects.
@@ -167,7 +182,7 @@ impl Table {
     /// If a sentence is refused.
     #[inline(never)]
     pub fn run(&self, job: Job) {
-        let planner = Planner::new(black_box(&TABLETOP));
+        let planner = Planner::new(black_box(self.model));
         let plan = |sentence: &str| {
             let plan = planner.plan(black_box(&self.scene), black_box(sentence));
             black_box(plan.expect("a plan"));
@@ -185,10 +200,11 @@ impl Table {
                 black_box(Crop::from_rgb(black_box(&image), bounds).expect("a crop"));
             }
             Job::EncodeCrop => {
-                black_box(encode(&TABLETOP, black_box(&self.crop)));
+                black_box(encode(self.model, black_box(&self.crop)));
             }
             Job::ObserveSixObjects => {
-                black_box(observe(black_box(image), self.camera, &self.detections));
+                let image = black_box(image);
+                black_box(observe(self.model, image, self.camera, &self.detections));
             }
         }
     }
@@ -205,8 +221,13 @@ fn image<'a>(pixels: &'a [u8], camera: &Camera) -> RgbImage<'a> {
     RgbImage::new(pixels, camera.width, camera.height, stride).expect("an image")
 }
 
-fn observe(image: RgbImage<'_>, camera: Camera, detections: &[Detection]) -> Scene {
-    ObservationTask::new(&TABLETOP, image, camera, detections, Stamp::default())
+fn observe(
+    model: &Model<'_>,
+    image: RgbImage<'_>,
+    camera: Camera,
+    detections: &[Detection],
+) -> Scene {
+    ObservationTask::new(model, image, camera, detections, Stamp::default())
         .and_then(ObservationTask::finish)
         .expect("a scene in order")
 }

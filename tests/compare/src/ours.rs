@@ -20,7 +20,7 @@ pub struct Ours {
 }
 
 /// Each token's embeddings, and whether it is a group of concept words.
-type Words = Vec<(&'static WordEmbeddings, bool)>;
+type Words = Vec<(WordEmbeddings, bool)>;
 
 impl Ours {
     /// With the built-in model, which is also the one that the others get as a file.
@@ -130,10 +130,10 @@ fn plan_outputs(scene: &Scene, tokens: &[Token]) -> Result<Outputs> {
 fn encoded(encoder: &mut Encoder, words: &Words) -> [f32; nsrm_core::model::INSTRUCTION] {
     encoder.clear();
     for (embeddings, group) in words {
-        encoder.forward(&TABLETOP.language, embeddings, *group);
+        encoder.forward(&TABLETOP.language, &embeddings.encoder, *group);
     }
     for (embeddings, group) in words.iter().rev() {
-        encoder.backward(&TABLETOP.language, embeddings, *group);
+        encoder.backward(&TABLETOP.language, &embeddings.encoder, *group);
     }
     encoder.instruction()
 }
@@ -142,8 +142,8 @@ fn hazards(words: &Words, mut each: impl FnMut(f32)) {
     let mut splitter = Splitter::new();
     let mut rest = words.as_slice();
     while let [(token, _), behind @ ..] = rest {
-        let ahead = behind.iter().map(|(token, _)| *token);
-        each(splitter.hazard(&TABLETOP.language, token, ahead));
+        let ahead = behind.iter().map(|(token, _)| token.splitter);
+        each(splitter.hazard(&TABLETOP.language, &token.splitter, ahead));
         rest = behind;
     }
 }

@@ -16,15 +16,18 @@ use cortex_m_semihosting::{debug, hprintln};
 use input::Reader;
 use measure::{Clock, stack};
 use nsrm_core::{Model, Planner, PlanningTask, Scene};
-use nsrm_tabletop::TABLETOP;
+#[cfg(not(feature = "int8"))]
+use nsrm_tabletop::TABLETOP as BUILT_IN;
+#[cfg(feature = "int8")]
+use nsrm_tabletop::TABLETOP_INT8 as BUILT_IN;
 
 /// The built-in model. A program that only plans has no weights of vision.
 fn model() -> &'static Model<'static> {
     #[cfg(feature = "vision")]
-    return &TABLETOP;
+    return &BUILT_IN;
     #[cfg(not(feature = "vision"))]
     {
-        static PLANNING: Model<'static> = TABLETOP.without_vision();
+        static PLANNING: Model<'static> = BUILT_IN.without_vision();
         &PLANNING
     }
 }

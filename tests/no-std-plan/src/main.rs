@@ -32,7 +32,10 @@ use core::task::Poll;
 use input::Input;
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
 use nsrm_core::{Planner, Refusal, Scene};
-use nsrm_tabletop::TABLETOP;
+#[cfg(not(feature = "int8"))]
+use nsrm_tabletop::TABLETOP as MODEL;
+#[cfg(feature = "int8")]
+use nsrm_tabletop::TABLETOP_INT8 as MODEL;
 
 /// Bytes of the largest image, 640 × 480.
 const IMAGE_BYTES: usize = 640 * 480 * 3;
@@ -66,7 +69,7 @@ fn run() -> i32 {
     let Some(scene) = observe(&input) else {
         return 3;
     };
-    let planner = Planner::new(&TABLETOP);
+    let planner = Planner::new(&MODEL);
     let whole = planner.plan(&scene, input.sentence());
     let mut task = planner.begin(&scene, input.sentence());
     let polled = loop {
@@ -97,7 +100,7 @@ fn run() -> i32 {
 
 fn refused(refusal: &Refusal, sentence: &str) -> i32 {
     linux::write(refusal.kind().as_bytes());
-    if let Some(word) = refusal.suggestion(&TABLETOP, sentence) {
+    if let Some(word) = refusal.suggestion(&MODEL, sentence) {
         linux::write(b" ");
         linux::write(word.as_bytes());
     }
@@ -111,11 +114,11 @@ fn observe(input: &Input<'_>) -> Option<Scene> {
     let image = RgbImage::new(input.pixels, camera.width, camera.height, stride).ok()?;
     let detections = input.detections();
     let mut task =
-        ObservationTask::new(&TABLETOP, image, camera, detections, Stamp::default()).ok()?;
+        ObservationTask::new(&MODEL, image, camera, detections, Stamp::default()).ok()?;
     let observed = loop {
         if let Poll::Ready(scene) = task.poll() {
             break scene.ok()?;
         }
     };
-    Scene::new(*observed.raw(), &TABLETOP).ok()
+    Scene::new(*observed.raw(), &MODEL).ok()
 }

@@ -20,12 +20,11 @@ const BESIDE: f32 = 0.05;
 /// A model that puts one block onto another (nearer to the camera by its height), or to its right.
 pub(crate) fn parts() -> Parts {
     let mut parts = Parts::new();
-    let simulator = &mut parts.simulator;
-    simulator.output.bias[4] = -EDGE_M;
+    parts.simulator.output.bias[4] = -EDGE_M;
     // One unit of each layer, which only the second action sets.
     parts.actions[1].simulator_bias[0] = 20.0;
-    simulator.hidden.weight[0][0] = 20.0;
-    simulator.output.weight[0] = [BESIDE, 0.0, 0.0, 0.0, EDGE_M];
+    parts.simulate_one_unit();
+    parts.simulator.output.weight[0] = [BESIDE, 0.0, 0.0, 0.0, EDGE_M];
     parts
 }
 

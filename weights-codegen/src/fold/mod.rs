@@ -9,7 +9,7 @@ use nsrm_core::model::PixelToCamera;
 
 pub(crate) use language::FoldedLanguage;
 pub(crate) use simulator::FoldedActions;
-pub(crate) use vision::FoldedVision;
+pub(crate) use vision::{FoldedView, FoldedVision};
 
 use crate::error::ModelError;
 use crate::metadata::Metadata;

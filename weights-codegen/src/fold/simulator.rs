@@ -1,6 +1,6 @@
 //! Action decoder's and relation decoder's rows, and action simulator (section IV-D).
 
-use nsrm_core::model::{INSTRUCTION, LOCATION, SIMULATOR_HIDDEN, Simulator, Superlative};
+use nsrm_core::model::{INSTRUCTION, LOCATION, SIMULATOR_HIDDEN, Superlative};
 use nsrm_core::nn::Linear;
 
 use super::finite;
@@ -27,7 +27,15 @@ pub(crate) struct FoldedActions {
     pub(crate) actions: Vec<FoldedAction>,
     pub(crate) nearest: Box<Superlative>,
     pub(crate) farthest: Box<Superlative>,
-    pub(crate) simulator: Box<Simulator>,
+    pub(crate) simulator: FoldedSimulator,
+}
+
+/// The parameters of all actions' simulator.
+#[derive(Debug)]
+pub(crate) struct FoldedSimulator {
+    pub(crate) input: [[f32; SIMULATOR_HIDDEN]; 2 * LOCATION],
+    pub(crate) hidden: Box<Linear<SIMULATOR_HIDDEN, SIMULATOR_HIDDEN>>,
+    pub(crate) output: Linear<SIMULATOR_HIDDEN, LOCATION>,
 }
 
 /// The number of superlatives.
@@ -83,12 +91,11 @@ pub(crate) fn read(tensors: &mut Tensors, count: usize) -> Result<FoldedActions,
     {
         *value = (f64::from(*value) * OUTPUT_SCALE) as f32;
     }
-    let simulator = Box::new(
-        Simulator::new()
-            .with_input(input)
-            .with_hidden(linear(tensors, &format!("{NAME}.hidden"))?)
-            .with_output(output),
-    );
+    let simulator = FoldedSimulator {
+        input,
+        hidden: Box::new(linear(tensors, &format!("{NAME}.hidden"))?),
+        output,
+    };
     finite("simulator.input", simulator.input.as_flattened())?;
     let actions = decoder
         .into_iter()

@@ -1,25 +1,32 @@
 //! Crop encoder, attribute operators and concepts (section IV-C).
 
 use nsrm_core::model::{
-    CONCEPT, MERGE_CHANNELS, MERGED, OPERATOR_HIDDEN, VIEW_EMBEDDING, ViewEncoder,
+    CONCEPT, MERGE_CHANNELS, MERGED, OPERATOR_HIDDEN, PATCH_CHANNELS, VIEW_EMBEDDING,
 };
-use nsrm_core::nn::Linear;
+use nsrm_core::nn::{Linear, MergeConv, PatchConv};
 
 use crate::domain::Domain;
 use crate::error::ModelError;
 use crate::nn::{linear, merge_conv, patch_conv};
 use crate::tensors::Tensors;
-use crate::tree::{Describe, Node};
 
 /// The vision module's parameters.
 #[derive(Debug)]
 pub(crate) struct FoldedVision {
-    pub(crate) color: Box<ViewEncoder<3>>,
-    pub(crate) brightness: Box<ViewEncoder<1>>,
+    pub(crate) color: FoldedView<3>,
+    pub(crate) brightness: FoldedView<1>,
     /// In the domain's order.
     pub(crate) operators: Vec<Operator>,
     /// Of length 1, in the domain's order.
     pub(crate) concepts: Vec<[f32; CONCEPT]>,
+}
+
+/// The encoder of one view of a crop.
+#[derive(Debug)]
+pub(crate) struct FoldedView<const CHANNELS: usize> {
+    pub(crate) patch: Box<PatchConv<CHANNELS, PATCH_CHANNELS>>,
+    pub(crate) merge: Box<MergeConv<PATCH_CHANNELS, MERGE_CHANNELS>>,
+    pub(crate) dense: Box<Linear<MERGED, VIEW_EMBEDDING>>,
 }
 
 /// An attribute type's operator.
@@ -57,14 +64,14 @@ impl FoldedVision {
 fn view<const CHANNELS: usize>(
     tensors: &mut Tensors,
     name: &str,
-) -> Result<Box<ViewEncoder<CHANNELS>>, ModelError> {
-    // Built in place: it takes 85 kB, and a thread may have 2 MB of stack.
-    let mut view = Box::new(ViewEncoder::new());
-    view.patch = patch_conv(tensors, &format!("{name}.patch"))?;
-    view.merge = merge_conv(tensors, &format!("{name}.merge"))?;
-    view.dense = linear(tensors, &format!("{name}.dense"))?;
-    view.dense.weight = channels_last(&view.dense.weight);
-    Ok(view)
+) -> Result<FoldedView<CHANNELS>, ModelError> {
+    let mut dense = Box::new(linear(tensors, &format!("{name}.dense"))?);
+    dense.weight = channels_last(&dense.weight);
+    Ok(FoldedView {
+        patch: Box::new(patch_conv(tensors, &format!("{name}.patch"))?),
+        merge: Box::new(merge_conv(tensors, &format!("{name}.merge"))?),
+        dense,
+    })
 }
 
 /// From maps flattened by channel, row and column to by row, column and channel.
@@ -96,23 +103,4 @@ fn unit(embedding: &[f32; CONCEPT], concept: &str) -> Result<[f32; CONCEPT], Mod
         });
     }
     Ok(embedding.map(|x| (f64::from(x) / length) as f32))
-}
-
-impl<const CHANNELS: usize> Describe for ViewEncoder<CHANNELS> {
-    fn describe(&self) -> Node {
-        let Self {
-            patch,
-            merge,
-            dense,
-            ..
-        } = self;
-        Node::record(
-            "ViewEncoder",
-            [
-                ("patch", patch.describe()),
-                ("merge", merge.describe()),
-                ("dense", dense.describe()),
-            ],
-        )
-    }
 }

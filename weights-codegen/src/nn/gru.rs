@@ -1,4 +1,4 @@
-use nsrm_core::nn::Gru;
+use nsrm_core::nn::{Gru, Int8Gru};
 
 use crate::error::ModelError;
 use crate::tensors::Tensors;
@@ -49,6 +49,31 @@ impl<const INPUT: usize, const HIDDEN: usize> Describe for Gru<INPUT, HIDDEN> {
                 ("weight_ih", weight_ih.describe()),
                 ("bias", bias.describe()),
                 ("weight_hh", weight_hh.describe()),
+                ("bias_n", bias_n.describe()),
+            ],
+        )
+    }
+}
+
+impl<const INPUT: usize, const HIDDEN: usize> Describe for Int8Gru<INPUT, HIDDEN> {
+    fn describe(&self) -> Node {
+        let Self {
+            weight_ih,
+            scale_ih,
+            bias,
+            weight_hh,
+            scale_hh,
+            bias_n,
+            ..
+        } = self;
+        Node::record(
+            "Int8Gru",
+            [
+                ("weight_ih", weight_ih.describe()),
+                ("scale_ih", scale_ih.describe()),
+                ("bias", bias.describe()),
+                ("weight_hh", weight_hh.describe()),
+                ("scale_hh", scale_hh.describe()),
                 ("bias_n", bias_n.describe()),
             ],
         )

@@ -1,4 +1,4 @@
-use nsrm_core::nn::Linear;
+use nsrm_core::nn::{Int8Linear, Linear};
 
 use crate::error::ModelError;
 use crate::tensors::Tensors;
@@ -21,6 +21,25 @@ impl<const INPUT: usize, const OUTPUT: usize> Describe for Linear<INPUT, OUTPUT>
         Node::record(
             "Linear",
             [("weight", weight.describe()), ("bias", bias.describe())],
+        )
+    }
+}
+
+impl<const INPUT: usize, const OUTPUT: usize> Describe for Int8Linear<INPUT, OUTPUT> {
+    fn describe(&self) -> Node {
+        let Self {
+            weight,
+            scale,
+            bias,
+            ..
+        } = self;
+        Node::record(
+            "Int8Linear",
+            [
+                ("weight", weight.describe()),
+                ("scale", scale.describe()),
+                ("bias", bias.describe()),
+            ],
         )
     }
 }

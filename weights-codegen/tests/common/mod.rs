@@ -10,6 +10,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 use nsrm_codegen::{ModelError, OwnedModel};
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
+use nsrm_core::nn::Precision;
 use serde_json::{Value, json};
 
 /// A tensor of the file.
@@ -329,6 +330,10 @@ impl ModelFile {
 
     pub(crate) fn load(&self) -> OwnedModel {
         OwnedModel::from_bytes(&self.bytes()).expect("a sound model file")
+    }
+
+    pub(crate) fn load_as(&self, precision: Precision) -> OwnedModel {
+        OwnedModel::from_bytes_as(&self.bytes(), precision).expect("a sound model file")
     }
 
     pub(crate) fn refusal(&self) -> ModelError {

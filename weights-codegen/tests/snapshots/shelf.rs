@@ -9,12 +9,18 @@ use nsrm_core::Camera;
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
-    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Header, Heard, Language,
-    LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several, Simulator, Spelling,
-    Superlative, Thresholds, View, ViewEncoder, Vision, Word, WordEmbeddings, WorkSpace,
+    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
+    Heard, Language, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several,
+    Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
-use nsrm_core::nn::{Gru, Linear, MergeConv, PatchConv};
+#[allow(unused_imports)] // Those of the model's precision are used.
+use nsrm_core::model::{Int8WordEmbeddings, WordEmbeddings};
+#[rustfmt::skip]
+use nsrm_core::nn::{Cell, Dense, Linear, MergeConv, PatchConv};
+#[rustfmt::skip]
+#[allow(unused_imports)] // Those of the model's precision are used.
+use nsrm_core::nn::{Gru, Int8Gru, Int8Linear};
 
 /// The trained model of the domain "shelf".
 ///
@@ -47,7 +53,7 @@ pub static SHELF: Model<'static> = Model::new()
             .with_position([0.5, 0.0, 0.645])
             .with_orientation([0.70710677, -0.70710677, 0.0, 0.0])))
     .with_words(&WORDS)
-    .with_group(&GROUP)
+    .with_embeddings(Embeddings::F32(&EMBEDDINGS))
     .with_lexicon(&LEXICON)
     .with_pronouns(&PRONOUNS)
     .with_several(Several::new()
@@ -70,16 +76,16 @@ pub static SHELF: Model<'static> = Model::new()
     .with_concepts(&CONCEPTS)
     .with_actions(&ACTIONS)
     .with_language(Language::new()
-        .with_forward(&FORWARD)
-        .with_backward(&BACKWARD)
-        .with_object_decoder(&OBJECT_DECODER)
-        .with_reference_decoder(&REFERENCE_DECODER)
-        .with_acceptability_hidden(&ACCEPTABILITY_HIDDEN)
+        .with_forward(Cell::F32(&FORWARD))
+        .with_backward(Cell::F32(&BACKWARD))
+        .with_object_decoder(Dense::F32(&OBJECT_DECODER))
+        .with_reference_decoder(Dense::F32(&REFERENCE_DECODER))
+        .with_acceptability_hidden(Dense::F32(&ACCEPTABILITY_HIDDEN))
         .with_acceptability(&ACCEPTABILITY)
         .with_nearest(&NEAREST)
         .with_farthest(&FARTHEST)
-        .with_splitter(&SPLITTER)
-        .with_hazard_hidden(&HAZARD_HIDDEN)
+        .with_splitter(Cell::F32(&SPLITTER))
+        .with_hazard_hidden(Dense::F32(&HAZARD_HIDDEN))
         .with_hazard(&HAZARD))
     .with_vision(Vision::new()
         .with_color(&COLOR)
@@ -96,57 +102,59 @@ pub static SHELF_ABOUT: &str = "{\"metrics\":{\"program\":0.5},\"training\":{\"s
 #[allow(clippy::approx_constant)]
 static WORDS: [Word<'static>; 9] = [
     Word::new()
-        .with_text(",")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.21875; 32])
-            .with_splitter([0.15625; 24])),
+        .with_text(","),
     Word::new()
-        .with_text("beside")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.34375; 32])
-            .with_splitter([0.28125; 24])),
+        .with_text("beside"),
     Word::new()
-        .with_text("jar")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.46875; 32])
-            .with_splitter([0.40625; 24])),
+        .with_text("jar"),
     Word::new()
-        .with_text("near")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.59375; 32])
-            .with_splitter([0.53125; 24])),
+        .with_text("near"),
     Word::new()
-        .with_text("onto")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.71875; 32])
-            .with_splitter([0.65625; 24])),
+        .with_text("onto"),
     Word::new()
-        .with_text("shift")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.84375; 32])
-            .with_splitter([0.78125; 24])),
+        .with_text("shift"),
     Word::new()
-        .with_text("the")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([0.96875; 32])
-            .with_splitter([0.90625; 24])),
+        .with_text("the"),
     Word::new()
-        .with_text("then")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([1.09375; 32])
-            .with_splitter([1.03125; 24])),
+        .with_text("then"),
     Word::new()
-        .with_text("to")
-        .with_embeddings(WordEmbeddings::new()
-            .with_encoder([1.21875; 32])
-            .with_splitter([1.15625; 24])),
+        .with_text("to"),
 ];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static GROUP: WordEmbeddings = WordEmbeddings::new()
-    .with_encoder([0.09375; 32])
-    .with_splitter([0.03125; 24]);
+static EMBEDDINGS: [WordEmbeddings; 10] = [
+    WordEmbeddings::new()
+        .with_encoder([0.09375; 32])
+        .with_splitter([0.03125; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.21875; 32])
+        .with_splitter([0.15625; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.34375; 32])
+        .with_splitter([0.28125; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.46875; 32])
+        .with_splitter([0.40625; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.59375; 32])
+        .with_splitter([0.53125; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.71875; 32])
+        .with_splitter([0.65625; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.84375; 32])
+        .with_splitter([0.78125; 24]),
+    WordEmbeddings::new()
+        .with_encoder([0.96875; 32])
+        .with_splitter([0.90625; 24]),
+    WordEmbeddings::new()
+        .with_encoder([1.09375; 32])
+        .with_splitter([1.03125; 24]),
+    WordEmbeddings::new()
+        .with_encoder([1.21875; 32])
+        .with_splitter([1.15625; 24]),
+];
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
@@ -466,20 +474,24 @@ static HAZARD: Linear<32, 1> = Linear::new()
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static COLOR: ViewEncoder<3> = ViewEncoder::new()
+static COLOR: ViewEncoder<'static, 3> = ViewEncoder::new()
     .with_patch(PatchConv::new()
         .with_weight([[[[0.09375; 24]; 4]; 4]; 3])
         .with_bias([0.0625; 24]))
     .with_merge(MergeConv::new()
         .with_weight([[[[0.09375; 32]; 24]; 2]; 2])
         .with_bias([0.0625; 32]))
-    .with_dense(Linear::new()
-        .with_weight([[0.09375; 32]; 512])
-        .with_bias([0.0625; 32]));
+    .with_dense(Dense::F32(&COLOR_DENSE));
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static BRIGHTNESS: ViewEncoder<1> = ViewEncoder::new()
+static COLOR_DENSE: Linear<512, 32> = Linear::new()
+    .with_weight([[0.09375; 32]; 512])
+    .with_bias([0.0625; 32]);
+
+#[rustfmt::skip]
+#[allow(clippy::approx_constant)]
+static BRIGHTNESS: ViewEncoder<'static, 1> = ViewEncoder::new()
     .with_patch(PatchConv::new()
         .with_weight([
             [[[-0.03125; 24]; 4]; 4],
@@ -488,20 +500,28 @@ static BRIGHTNESS: ViewEncoder<1> = ViewEncoder::new()
     .with_merge(MergeConv::new()
         .with_weight([[[[-0.03125; 32]; 24]; 2]; 2])
         .with_bias([-0.0625; 32]))
-    .with_dense(Linear::new()
-        .with_weight([[-0.03125; 32]; 512])
-        .with_bias([-0.0625; 32]));
+    .with_dense(Dense::F32(&BRIGHTNESS_DENSE));
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]
-static SIMULATOR: Simulator = Simulator::new()
+static BRIGHTNESS_DENSE: Linear<512, 32> = Linear::new()
+    .with_weight([[-0.03125; 32]; 512])
+    .with_bias([-0.0625; 32]);
+
+#[rustfmt::skip]
+#[allow(clippy::approx_constant)]
+static SIMULATOR: Simulator<'static> = Simulator::new()
     .with_input([[-0.09375; 64]; 10])
-    .with_hidden(Linear::new()
-        .with_weight([[-0.03125; 64]; 64])
-        .with_bias([-0.0625; 64]))
+    .with_hidden(Dense::F32(&SIMULATOR_HIDDEN))
     .with_output(Linear::new()
         .with_weight([[-0.003125; 5]; 64])
         .with_bias([-0.00625; 5]));
+
+#[rustfmt::skip]
+#[allow(clippy::approx_constant)]
+static SIMULATOR_HIDDEN: Linear<64, 64> = Linear::new()
+    .with_weight([[-0.03125; 64]; 64])
+    .with_bias([-0.0625; 64]);
 
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)]

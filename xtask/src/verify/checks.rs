@@ -309,17 +309,20 @@ fn generated(context: &Context) -> Result<Vec<Step>> {
         "--no-run",
         "--test=source",
     ]);
-    let mut generator = Step::new(context.project().target().join("debug/nsrm-codegen"), &[]);
-    generator.arguments.extend(
-        [
-            "weights-codegen/tabletop/tabletop.safetensors",
-            "--out",
-            "weights-codegen/tabletop/src/generated.rs",
-            "--check",
-        ]
-        .map(Into::into),
-    );
-    Ok(vec![build, generator])
+    let generator = context.project().target().join("debug/nsrm-codegen");
+    let model = "weights-codegen/tabletop/tabletop.safetensors";
+    let checked = |out: &str, options: &[&str]| {
+        let step = Step::new(&generator, &[model, "--check", "--out"]);
+        step.argument(out).arguments(options)
+    };
+    Ok(vec![
+        build,
+        checked("weights-codegen/tabletop/src/generated.rs", &[]),
+        checked(
+            "weights-codegen/tabletop/src/int8.rs",
+            &["--quantise", "int8", "--name", "TABLETOP_INT8"],
+        ),
+    ])
 }
 
 fn golden(_: &Context) -> Result<Vec<Step>> {

@@ -6,7 +6,7 @@ use crate::dsl::{Argument, Description, Filters, RelationKind, Step};
 use crate::language::pronouns::antecedent;
 use crate::language::{GroupRole, Span, StepDecisions, choose_action, choose_group, choose_role};
 use crate::model::INSTRUCTION;
-use crate::nn::{Choice, Linear};
+use crate::nn::{Choice, Dense};
 use crate::refusal::{Decision, Quantity, Refusal};
 
 impl<T: AsRef<str>> ParsingTask<'_, T> {
@@ -83,12 +83,12 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         &mut self,
         step: usize,
         argument: Argument,
-        decoder: &Linear<INSTRUCTION, INSTRUCTION>,
+        decoder: Dense<'_, INSTRUCTION, INSTRUCTION>,
     ) -> Result<Decided, Refusal> {
         let instruction = self.encoder.instruction();
         let states = self.encoder.groups();
         let heads = self.roles.heads().filter_map(|head| states.get(head));
-        let choice = choose_group(decoder, &instruction, heads);
+        let choice = choose_group(&decoder, &instruction, heads);
         self.decide(step, Decision::Argument(argument), choice)
     }
 

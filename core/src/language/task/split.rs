@@ -178,11 +178,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             }
             return Ok(Stage::Step { step: 0 });
         };
-        let ahead = ahead
-            .iter()
-            .map_while(|token: &Token| token.embeddings(model));
-        let (this, _) = self.token(token)?;
-        let hazard = self.splitter.hazard(&model.language, this, ahead);
+        let word = |token: &Token| model.embeddings.splitter(token.embedding()?);
+        let this = tokens
+            .get(token)
+            .and_then(word)
+            .ok_or(Refusal::InvalidModel)?;
+        let ahead = ahead.iter().map_while(word);
+        let hazard = self.splitter.hazard(&model.language, &this, ahead);
         let step = self.segments.count();
         if !hazard.is_finite() {
             return Err(not_finite(step, Quantity::Split));

@@ -26,10 +26,10 @@ import click
 def command(counted: Path, model_path: Path | None, out: Path) -> None:
     """Plot the flash by parts of the model, and the memory by processor, that `cargo footprint` has
     written to FILE.csv."""
-    from nsrm_harness.evaluation.metrics import load_model
+    from nsrm_harness.evaluation.quantised import load
     from nsrm_harness.visualization.footprint import draw, read
 
-    rows, model = read(counted), load_model(model_path)
+    rows, models = read(counted), load(model_path)
     out.parent.mkdir(parents=True, exist_ok=True)
-    draw(rows, model.info()["flash"], out)
+    draw(rows, {each: model.info()["flash"] for each, model in models.items()}, out)
     click.echo(f"plot: {out}")

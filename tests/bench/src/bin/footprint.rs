@@ -9,6 +9,8 @@ use std::process::ExitCode;
 use anyhow::{Context as _, Result, ensure};
 use nsrm_bench::firmware::{Image, PROCESSORS};
 use nsrm_bench::{ONE_STEP, THREE_STEPS, Table};
+use nsrm_core::nn::Precision;
+use nsrm_tabletop::{TABLETOP, TABLETOP_INT8};
 
 const HEADER: &str = "target,precision,vision,flash_bytes,ram_bytes,stack_bytes,instructions_1,\
     instructions_3,largest_poll,vision_instructions,vision_largest_poll,stack_bound_bytes";
@@ -31,14 +33,19 @@ fn main() -> Result<ExitCode> {
     let qemu = PathBuf::from(arguments.next().context("QEMU's path")?);
     let objdump = PathBuf::from(arguments.next().context("the path of objdump")?);
     let compares = arguments.next().is_some_and(|word| word == "compare");
-    let table = Table::new();
+    let tables = [&TABLETOP, &TABLETOP_INT8].map(Table::of);
     let mut rows = Vec::new();
     for file in arguments {
         let image = Image::open(Path::new(&file))?;
         let bound = image.stack_bound(&objdump)?;
+        let [trained, rounded] = &tables;
+        let table = match image.precision {
+            Precision::Int8 => rounded,
+            _ => trained,
+        };
         for processor in PROCESSORS.iter().filter(|one| one.target == image.target) {
             let sentences = [ONE_STEP, THREE_STEPS, UNKNOWN_WORD];
-            let run = image.run(&qemu, processor, &table, &sentences)?;
+            let run = image.run(&qemu, processor, table, &sentences)?;
             let (flash, ram) = image.memory()?;
             let (mut vision, mut vision_largest) = (0, 0);
             if image.has_vision {
@@ -55,8 +62,9 @@ fn main() -> Result<ExitCode> {
                 processor.name
             );
             rows.push(format!(
-                "{},f32,{},{flash},{ram},{stack},{},{},{largest},{vision},{vision_largest},{bound}",
+                "{},{},{},{flash},{ram},{stack},{},{},{largest},{vision},{vision_largest},{bound}",
                 processor.name,
+                image.precision.name(),
                 if image.has_vision { "yes" } else { "no" },
                 run.instructions("plan", 0, "ticks")?,
                 run.instructions("plan", 1, "ticks")?,
