@@ -190,6 +190,7 @@ pub fn info_text(any: &AnyModel) -> String {
     line("domain", header.domain.into());
     line("identity", hexadecimal(&header.identity));
     line("schema", model::SCHEMA.to_string());
+    line("weights", model.embeddings.precision().name().into());
     for attribute in model.attributes {
         let values = values(&model, attribute.name);
         line(attribute.name, values.join(", "));

@@ -30,6 +30,27 @@ fn parses() {
 }
 
 #[test]
+fn models_have_the_precision_that_is_asked_for() {
+    let bench = Bench::new();
+    let of = |arguments: &[&str], precision: &str| {
+        done(&bench.run(&[arguments, &["--precision", precision]].concat()))
+    };
+    for model in [&[][..], &["--model", "model.safetensors"]] {
+        let parse = [&["parse", SENTENCE][..], model].concat();
+        assert_eq!(of(&parse, "int8"), of(&parse, "f32"));
+    }
+    for model in [&["info"][..], &["info", "model.safetensors"]] {
+        let told = of(model, "int8");
+        assert!(told.contains("\nweights              int8\n"), "{told}");
+    }
+    let wrong = bench.run(&["parse", SENTENCE, "--precision", "int4"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&wrong.stderr);
+    assert!(said.contains("'int4' for '--precision"), "{said}");
+    assert!(said.contains("expected f32 or int8"), "{said}");
+}
+
+#[test]
 fn tells_what_misspelt_words_were_read_as() {
     let bench = Bench::new();
     let sentence = "plase put the yelow block on the read one";

@@ -290,6 +290,8 @@ typedef struct nsrm_model_info_t {
     float work_space_max[3];
     /** The camera that saw the demonstrations. */
     struct nsrm_camera_t training_camera;
+    /** Bits of a weight of its large layers: 32, as trained, or 8. */
+    uint32_t weight_bits;
 } nsrm_model_info_t;
 
 /** UTF-8 text without a zero behind it. */
@@ -601,6 +603,12 @@ extern "C" {
 
 /** The built-in model: toy blocks on a table. Never null. */
 const struct nsrm_model_t *nsrm_tabletop(void);
+
+/**
+ * The built-in model with weights of eight bits. Never null. Not in every library: see
+ * `NSRM_PRECISIONS` of CMake.
+ */
+const struct nsrm_model_t *nsrm_tabletop_int8(void);
 
 /**
  * Checks a model as a loader does: every index is valid, every list is sorted, the header is valid.

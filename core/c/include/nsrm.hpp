@@ -135,6 +135,8 @@ class Model {
   public:
     /** The built-in model: toy blocks on a table. */
     static Model tabletop() noexcept { return Model{nsrm_tabletop()}; }
+    /** The same with weights of eight bits, in a library that has them. */
+    static Model tabletop_int8() noexcept { return Model{nsrm_tabletop_int8()}; }
     explicit constexpr Model(const nsrm_model_t *model) noexcept : model_(model) {}
 
     const nsrm_model_t *get() const noexcept { return model_; }

@@ -16,21 +16,34 @@ pub struct ModelHandle {
 /// "NSRM" and the version of this struct.
 const MAGIC: u64 = 0x4e53_524d_0000_0001;
 
-/// The built-in model.
-#[cfg(feature = "tabletop")]
-static TABLETOP: ModelHandle = ModelHandle {
-    magic: MAGIC,
-    #[cfg(feature = "vision")]
-    model: nsrm_tabletop::TABLETOP,
-    #[cfg(not(feature = "vision"))]
-    model: nsrm_tabletop::TABLETOP.without_vision(),
-};
+impl ModelHandle {
+    #[cfg(any(feature = "tabletop", feature = "int8"))]
+    const fn of(model: Model<'static>) -> Self {
+        Self {
+            magic: MAGIC,
+            #[cfg(feature = "vision")]
+            model,
+            #[cfg(not(feature = "vision"))]
+            model: model.without_vision(),
+        }
+    }
+}
 
 /// The built-in model: toy blocks on a table. Never null.
 #[cfg(feature = "tabletop")]
 #[unsafe(no_mangle)]
 pub extern "C" fn nsrm_tabletop() -> *const ModelHandle {
+    static TABLETOP: ModelHandle = ModelHandle::of(nsrm_tabletop::TABLETOP);
     &raw const TABLETOP
+}
+
+/// The built-in model with weights of eight bits. Never null. Not in every library: see
+/// `NSRM_PRECISIONS` of CMake.
+#[cfg(feature = "int8")]
+#[unsafe(no_mangle)]
+pub extern "C" fn nsrm_tabletop_int8() -> *const ModelHandle {
+    static TABLETOP_INT8: ModelHandle = ModelHandle::of(nsrm_tabletop::TABLETOP_INT8);
+    &raw const TABLETOP_INT8
 }
 
 /// # Safety
@@ -73,6 +86,8 @@ pub struct ModelInfo {
     pub work_space_max: [f32; 3],
     /// The camera that saw the demonstrations.
     pub training_camera: Camera,
+    /// Bits of a weight of its large layers: 32, as trained, or 8.
+    pub weight_bits: u32,
 }
 
 // SAFETY: the first field is the size.
@@ -118,6 +133,7 @@ pub unsafe extern "C" fn nsrm_model_info(
             work_space_min: header.work_space.min,
             work_space_max: header.work_space.max,
             training_camera: header.training_camera.into(),
+            weight_bits: model.embeddings.precision().bits(),
         };
         // SAFETY: the caller's promise.
         unsafe { pointers::write_sized(info, told) }

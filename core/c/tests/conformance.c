@@ -16,6 +16,11 @@
 
 #include "nsrm.h"
 
+/* The model that Rust has computed with. */
+#ifndef MODEL
+#define MODEL nsrm_tabletop
+#endif
+
 static nsrm_task_t task;
 static nsrm_observer_t observer;
 static nsrm_scene_t scene;
@@ -177,7 +182,7 @@ static void plan(void) {
     memset(&whole, 0, sizeof whole);
     memset(&in_parts, 0, sizeof in_parts);
     whole.size = in_parts.size = sizeof whole;
-    const nsrm_model_t *model = nsrm_tabletop();
+    const nsrm_model_t *model = MODEL();
     const nsrm_status_t status = nsrm_plan(&task, model, &scene, sentence, length, &whole);
     if (polled(nsrm_begin(&task, model, &scene, sentence, length)) != status) {
         fail("nsrm_plan and nsrm_poll disagree");
@@ -194,7 +199,7 @@ static void parse(void) {
     nsrm_program_t program;
     memset(&program, 0, sizeof program);
     program.size = sizeof program;
-    const nsrm_model_t *model = nsrm_tabletop();
+    const nsrm_model_t *model = MODEL();
     const nsrm_status_t status = nsrm_parse(&task, model, sentence, length, &program);
     if (polled(nsrm_begin_parsing(&task, model, sentence, length)) != status) {
         fail("nsrm_parse and nsrm_poll disagree");
@@ -235,7 +240,7 @@ static void observe(void) {
     }
     get(pixels, length);
     const nsrm_image_t image = {pixels, length, width, height, (size_t)3 * width};
-    const nsrm_status_t status = nsrm_observe(&observer, nsrm_tabletop(), &image, &camera,
+    const nsrm_status_t status = nsrm_observe(&observer, MODEL(), &image, &camera,
                                               detections, count, 7, 9, &scene);
     free(pixels);
     if (status == NSRM_OK) {

@@ -106,6 +106,9 @@ static void sizes(void) {
     info->size = sizeof *info;
     CHECK(nsrm_model_info(model, info) == NSRM_OK);
     CHECK(info->tag == scene->model_tag && info->actions > 0 && info->concepts > 0);
+    CHECK(info->weight_bits == 32);
+    CHECK(nsrm_model_info(nsrm_tabletop_int8(), info) == NSRM_OK && info->weight_bits == 8);
+    CHECK(nsrm_model_check(nsrm_tabletop_int8()) == NSRM_OK && info->tag == scene->model_tag);
     nsrm_text_t name;
     CHECK(nsrm_action_name(model, info->actions - 1, &name) == NSRM_OK && name.length > 0);
     CHECK(nsrm_action_name(model, info->actions, &name) == NSRM_ERROR_INDEX);

@@ -24,6 +24,14 @@ impl Precision {
     /// All of them.
     pub const ALL: [Self; 2] = [Self::F32, Self::Int8];
 
+    /// Bits of a weight.
+    pub const fn bits(self) -> u32 {
+        match self {
+            Self::F32 => 32,
+            Self::Int8 => 8,
+        }
+    }
+
     /// Its name on the command line and in tables.
     pub const fn name(self) -> &'static str {
         match self {

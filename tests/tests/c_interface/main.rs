@@ -10,8 +10,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use nsrm_core::vision::{ObservationTask, RgbImage, Stamp};
-use nsrm_core::{RawScene, Scene};
-use nsrm_tabletop::TABLETOP;
+use nsrm_core::{Model, RawScene, Scene};
+use nsrm_tabletop::{TABLETOP, TABLETOP_INT8};
 use nsrm_tests::golden::{Golden, camera as golden_camera, fixed};
 use nsrm_tests::picture::{Picture, SIZE, camera, squares};
 use programs::{PACKAGE, compile, compile_with, library, library_without_std, run, said};
@@ -72,8 +72,13 @@ fn golden_scenes_and_sentences_give_the_same_bits_as_in_rust() {
     sentences.push("put the bleu block on the gren block".into());
     sentences.push("ü".repeat(2100));
 
-    let mut requests = Requests::default();
-    for sentence in &sentences {
+    for model in [&TABLETOP, &TABLETOP_INT8] {
+        same_bits(&golden, &scenes, &sentences, Requests::of(model));
+    }
+}
+
+fn same_bits(golden: &Golden, scenes: &[Scene], sentences: &[String], mut requests: Requests) {
+    for sentence in sentences {
         requests.parse(sentence);
     }
     for plan in golden.cases["plans"].as_array().expect("plans") {
@@ -82,7 +87,7 @@ fn golden_scenes_and_sentences_give_the_same_bits_as_in_rust() {
         requests.plan(scenes[number].raw(), sentence);
     }
     for raw in scenes.iter().map(Scene::raw) {
-        for sentence in &sentences {
+        for sentence in sentences {
             requests.plan(raw, sentence);
         }
     }
@@ -105,8 +110,13 @@ fn golden_scenes_and_sentences_give_the_same_bits_as_in_rust() {
 #[test]
 #[ignore = "builds a library; run by cargo verify"]
 fn scenes_from_images_give_the_same_bits_as_in_rust() {
+    for model in [&TABLETOP, &TABLETOP_INT8] {
+        same_scenes(model, Requests::of(model));
+    }
+}
+
+fn same_scenes(model: &Model<'_>, mut requests: Requests) {
     let picture = squares();
-    let mut requests = Requests::default();
     requests.observe(camera(), &picture);
     let mut outside = picture.clone();
     outside.detections[2].location[2] = 1.5;
@@ -124,7 +134,7 @@ fn scenes_from_images_give_the_same_bits_as_in_rust() {
 
     let image = RgbImage::new(&picture.pixels, SIZE[0], SIZE[1], 3 * SIZE[0] as usize).unwrap();
     let task = ObservationTask::new(
-        &TABLETOP,
+        model,
         image,
         camera(),
         &picture.detections,
@@ -219,6 +229,7 @@ fn installed_by_cmake_it_is_found_by_cmake_and_pkg_config() {
         "-B",
         &path("build"),
         &format!("-DNSRM_TARGET_DIR={target}"),
+        "-DNSRM_PRECISIONS=f32;int8",
         &format!("-DCMAKE_INSTALL_PREFIX={}", path("installed")),
         "-DCMAKE_INSTALL_LIBDIR=lib",
     ]);

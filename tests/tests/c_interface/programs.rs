@@ -16,9 +16,9 @@ const WARNINGS: [&str; 6] = [
     "-Werror",
 ];
 
-/// The folder with `libnsrm.a` as it is shipped.
+/// The folder with `libnsrm.a` as it is shipped, and with the built-in model in each precision.
 pub(crate) fn library() -> PathBuf {
-    build(&[])
+    build(&["--features=int8"])
 }
 
 /// The same without a standard library, as for a controller without an operating system.
@@ -26,7 +26,7 @@ pub(crate) fn library_without_std() -> PathBuf {
     let target = concat!(env!("CARGO_TARGET_TMPDIR"), "/c-without-std");
     build(&[
         "--no-default-features",
-        "--features=tabletop,vision",
+        "--features=tabletop,int8,vision",
         "--target-dir",
         target,
     ])

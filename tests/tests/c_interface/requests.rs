@@ -6,18 +6,18 @@ use std::process::{Command, Stdio};
 
 use nsrm_core::dsl::{Argument, Description, Property, RelationKind};
 use nsrm_core::language::{Correction, Parsed};
+use nsrm_core::nn::Precision;
 use nsrm_core::planner::{Grounding, Plan};
 use nsrm_core::refusal::Candidate;
 use nsrm_core::vision::{Detection, ObservationTask, RgbImage, Stamp};
-use nsrm_core::{Camera, Planner, Program, RawScene, Refusal, Scene};
-use nsrm_tabletop::TABLETOP;
+use nsrm_core::{Camera, Model, Planner, Program, RawScene, Refusal, Scene};
 use nsrm_tests::picture::{Picture, SIZE};
 
 use super::programs::{compile, said};
 
 /// What `core/c/tests/conformance.c` reads, and what it is expected to print.
-#[derive(Default)]
 pub(crate) struct Requests {
+    model: &'static Model<'static>,
     bytes: Vec<u8>,
     expected: String,
     /// How many sentences were planned, and how many refused.
@@ -25,13 +25,23 @@ pub(crate) struct Requests {
 }
 
 impl Requests {
+    /// None yet, of a model that is built in.
+    pub(crate) fn of(model: &'static Model<'static>) -> Self {
+        Self {
+            model,
+            bytes: Vec::new(),
+            expected: String::new(),
+            counts: [0; 2],
+        }
+    }
+
     pub(crate) fn plan(&mut self, raw: &RawScene, sentence: &str) {
         self.bytes.push(b'P');
         self.scene(raw);
         self.sentence(sentence);
-        match Scene::new(*raw, &TABLETOP) {
+        match Scene::new(*raw, self.model) {
             Ok(scene) => {
-                let planner = Planner::new(&TABLETOP);
+                let planner = Planner::new(self.model);
                 let plan = planner.plan(&scene, sentence);
                 self.planned(plan.as_ref(), sentence);
             }
@@ -43,7 +53,7 @@ impl Requests {
     pub(crate) fn parse(&mut self, sentence: &str) {
         self.bytes.push(b'S');
         self.sentence(sentence);
-        match Planner::new(&TABLETOP).parse(sentence) {
+        match Planner::new(self.model).parse(sentence) {
             Ok(parsed) => self.program(&parsed, parsed.program()),
             Err(refusal) => self.refused(&refusal, sentence),
         }
@@ -54,8 +64,8 @@ impl Requests {
         self.bytes.push(b'G');
         self.scene(raw);
         self.bytes.extend(first.to_le_bytes());
-        let planner = Planner::new(&TABLETOP);
-        let scene = Scene::new(*raw, &TABLETOP).expect("a scene in order");
+        let planner = Planner::new(self.model);
+        let scene = Scene::new(*raw, self.model).expect("a scene in order");
         let parsed = planner.parse(sentence).expect("a sentence in order");
         let mut task = planner.begin_grounding(&scene, &parsed, first as usize);
         let plan = loop {
@@ -89,11 +99,11 @@ impl Requests {
             sequence: 7,
             timestamp_ns: 9,
         };
-        let observed = ObservationTask::new(&TABLETOP, image, camera, &picture.detections, stamp)
+        let observed = ObservationTask::new(self.model, image, camera, &picture.detections, stamp)
             .and_then(ObservationTask::finish);
         match observed {
             Ok(scene) => {
-                self.line(&format!("scene {:016x} 7 9", TABLETOP.tag()));
+                self.line(&format!("scene {:016x} 7 9", self.model.tag()));
                 for object in scene.objects() {
                     let mut line = format!("object {}", object.id);
                     line += &bits(&object.location);
@@ -125,7 +135,7 @@ impl Requests {
                     line += &bits(&[confidence.split, confidence.reference_unique]);
                     self.line(&line);
                 }
-                self.line(&format!("explanation: {}", plan.explain(&TABLETOP)));
+                self.line(&format!("explanation: {}", plan.explain(self.model)));
             }
             Err(refusal) => {
                 self.counts[1] += 1;
@@ -153,9 +163,9 @@ impl Requests {
             ));
         }
         for correction in parsed.corrections() {
-            self.line(&corrected(correction));
+            self.line(&corrected(self.model, correction));
         }
-        self.line(&format!("notation: {}", program.notation(&TABLETOP)));
+        self.line(&format!("notation: {}", program.notation(self.model)));
     }
 
     fn refused(&mut self, refusal: &Refusal, sentence: &str) {
@@ -238,7 +248,7 @@ impl Requests {
         self.line(&format!("{line} detail {detail}"));
         self.line(&format!(
             "message: {}",
-            refusal.in_context(&TABLETOP, sentence)
+            refusal.in_context(self.model, sentence)
         ));
     }
 
@@ -283,7 +293,12 @@ impl Requests {
 
     /// Runs the program.
     pub(crate) fn check(&self) {
-        let program = compile("tests/conformance.c", &[]);
+        let precision = self.model.embeddings.precision();
+        let flags: &[&str] = match precision {
+            Precision::Int8 => &["-DMODEL=nsrm_tabletop_int8"],
+            _ => &[],
+        };
+        let program = compile("tests/conformance.c", flags);
         let mut process = Command::new(program)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -323,9 +338,9 @@ fn grounding(grounding: &Grounding) -> String {
     text
 }
 
-fn corrected(correction: &Correction) -> String {
+fn corrected(model: &Model<'_>, correction: &Correction) -> String {
     let span = correction.span();
-    let read_as = correction.read_as(&TABLETOP);
+    let read_as = correction.read_as(model);
     format!("corrected: {} {} {read_as}", span.start, span.end)
 }
 
