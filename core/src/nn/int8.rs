@@ -26,9 +26,7 @@ pub(super) struct Quantized<const LENGTH: usize> {
 impl<const LENGTH: usize> Quantized<LENGTH> {
     #[inline(always)]
     pub(super) fn new(vector: &[f32; LENGTH]) -> Self {
-        // Without their signs, numbers have the order of their bits; infinite ones and NaN are last.
-        let magnitudes = vector.iter().map(|x| x.to_bits() & 0x7fff_ffff);
-        let greatest = f32::from_bits(magnitudes.fold(0, u32::max));
+        let greatest = greatest(vector.iter().copied());
         // Infinite for zeros, and for what is as good as that.
         let per_one = GREATEST / greatest;
         let scale = if per_one.is_finite() {
@@ -43,14 +41,21 @@ impl<const LENGTH: usize> Quantized<LENGTH> {
     }
 }
 
+/// The greatest magnitude; infinite or NaN if one is not finite.
+#[inline(always)]
+fn greatest(numbers: impl Iterator<Item = f32>) -> f32 {
+    // Without their signs, numbers have the order of their bits; infinite ones and NaN are last.
+    let magnitudes = numbers.map(|x| x.to_bits() & 0x7fff_ffff);
+    f32::from_bits(magnitudes.fold(0, u32::max))
+}
+
 /// Rounds a row to whole numbers of at most 127; what 1 stands for, NaN if a weight is not finite.
 pub(crate) fn round_row<const LENGTH: usize>(
     row: &mut [i8; LENGTH],
     weights: impl Iterator<Item = f32> + Clone,
 ) -> f32 {
     const GREATEST: f32 = 127.0;
-    let magnitudes = weights.clone().map(|x| x.to_bits() & 0x7fff_ffff);
-    let greatest = f32::from_bits(magnitudes.fold(0, u32::max));
+    let greatest = greatest(weights.clone());
     let per_one = GREATEST / greatest;
     for (rounded, weight) in row.iter_mut().zip(weights) {
         // NaN, of zeros, is 0.
