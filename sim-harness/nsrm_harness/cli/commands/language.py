@@ -7,7 +7,11 @@ from pathlib import Path
 
 import click
 
-from nsrm_harness.cli.commands.options import seed_option
+from nsrm_harness.cli.commands.options import (
+    lists_option,
+    relations_option,
+    seed_option,
+)
 
 
 @click.command("language")
@@ -25,21 +29,8 @@ from nsrm_harness.cli.commands.options import seed_option
     multiple=True,
     help="Episode file with sentences and programs; may be repeated.",
 )
-@click.option(
-    "--relations",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help="Episode file, best with stacks, about which sentences with relations in descriptions are "
-    "said; may be repeated.",
-)
-@click.option(
-    "--sentences",
-    "lists",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help="List of other people's sentences, tab-separated: columns 'sentence' and 'expected', a "
-    "program as JSON or REFUSE; may be repeated.",
-)
+@relations_option
+@lists_option
 @click.option(
     "--near-misses",
     type=click.IntRange(0),

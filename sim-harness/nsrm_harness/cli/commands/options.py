@@ -80,6 +80,21 @@ domain_option = click.option(
 seed_option = click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="Random seed."
 )
+relations_option = click.option(
+    "--relations",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="Episode file, best with stacks, about which sentences with relations in descriptions are "
+    "said; may be repeated.",
+)
+lists_option = click.option(
+    "--sentences",
+    "lists",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    help="List of other people's sentences, tab-separated: columns 'sentence' and 'expected', a "
+    "program as JSON or REFUSE; may be repeated.",
+)
 model_option = click.option(
     "--model",
     "model_path",

@@ -7,7 +7,12 @@ from pathlib import Path
 
 import click
 
-from nsrm_harness.cli.commands.options import model_option, seed_option
+from nsrm_harness.cli.commands.options import (
+    lists_option,
+    model_option,
+    relations_option,
+    seed_option,
+)
 
 
 @click.command("quantised")
@@ -19,20 +24,8 @@ from nsrm_harness.cli.commands.options import model_option, seed_option
     required=True,
     help="Episode file, judged by the paper's metrics; may be repeated.",
 )
-@click.option(
-    "--relations",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help="Episode file about which sentences with relations in descriptions are said; may be "
-    "repeated.",
-)
-@click.option(
-    "--sentences",
-    "lists",
-    type=click.Path(path_type=Path),
-    multiple=True,
-    help="List of other people's sentences, as for 'language'; may be repeated.",
-)
+@relations_option
+@lists_option
 @click.option(
     "--near-misses",
     type=click.IntRange(1),
