@@ -304,6 +304,7 @@ pub(crate) fn model() -> Model<'static> {
         several: Several::new(),
         apart: Apart::new(),
         arrangements: Arrangements::new(),
+        table: Table::new(),
         spelling: Spelling::new(),
         lexicon: Box::leak(Box::new(
             lexicon.map(|(text, property)| LexiconEntry { text, property }),
@@ -374,6 +375,33 @@ pub(crate) fn related() -> Model<'static> {
     (model.words, model.embeddings) = separated(words);
     model.actions = Box::leak(Box::new(actions));
     model.language.forward = Cell::F32(Box::leak(Box::new(forward)));
+    model
+}
+
+/// [`related`] with a table: "desk", "off", "down from" and "down"; what stands there is sought to the right
+/// of other objects.
+pub(crate) fn with_table() -> Model<'static> {
+    let model = related();
+    let mut lexicon = model.lexicon.to_vec();
+    let desk = LexiconEntry {
+        text: "desk",
+        property: Property::Table,
+    };
+    lexicon.push(desk);
+    lexicon.sort_by_key(|entry| entry.text);
+    let table = Table {
+        action: 0,
+        sides: &[1],
+        off: &["down from", "near", "off"],
+        standing: "above",
+        order: "on the",
+        down: &["down"],
+        relation: "on",
+    };
+    let ends = Arrangements::new().with_ends(&["then"]);
+    let model = model.with_lexicon(lexicon.leak()).with_table(table);
+    let model = model.with_arrangements(ends);
+    assert_eq!(model.check(), Ok(()));
     model
 }
 

@@ -16,9 +16,11 @@
 mod builder;
 mod check;
 mod embeddings;
+mod table;
 
 pub use check::ModelFault;
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
+pub use table::{MAX_SIDES, Table};
 
 use crate::camera::Camera;
 use crate::dsl::Property;
@@ -77,8 +79,8 @@ pub struct Model<'a> {
     pub words: &'a [Word<'a>],
     /// Of the token for a group of concept words, `[[X]]` in the paper, then of [`Model::words`].
     pub embeddings: Embeddings<'a>,
-    /// Words that name a concept (the paper's only lexicon), or say which one of several objects is
-    /// meant or that several are; sorted by text.
+    /// Words that name a concept (the paper's only lexicon) or the table, or say which one of several
+    /// objects is meant or that several are; sorted by text.
     pub lexicon: &'a [LexiconEntry<'a>],
     /// Words that may stand for what the step before moved; sorted by word.
     pub pronouns: &'a [Pronoun],
@@ -88,6 +90,8 @@ pub struct Model<'a> {
     pub apart: Apart<'a>,
     /// How towers and rows are said.
     pub arrangements: Arrangements<'a>,
+    /// The table as a place.
+    pub table: Table<'a>,
     /// What unknown words are read as.
     pub spelling: Spelling<'a>,
     /// Attribute types with their operators, in the domain's order (Table I).
@@ -282,7 +286,8 @@ pub struct Heard<'a> {
     pub read_as: &'a str,
 }
 
-/// A word that names a concept, or says which one of several objects is meant or that several are.
+/// A word that names a concept or the table, or says which one of several objects is meant or that
+/// several are.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct LexiconEntry<'a> {

@@ -36,7 +36,7 @@ pub enum Refusal {
         limit: u8,
     },
     /// Two adjacent values of one attribute, such as two colours, or two extremes, such as "leftmost
-    /// topmost".
+    /// topmost"; or a table that is described, "the red table".
     ConflictingValues {
         /// The description's place in the sentence.
         span: Span,
@@ -88,6 +88,14 @@ pub enum Refusal {
     /// Several objects, "all red blocks", are described where a single one is needed: only what is moved
     /// may be several, and not what is the nearest or the farthest.
     SeveralReferences {
+        /// Which step.
+        step: u8,
+        /// The description's place in the sentence.
+        span: Span,
+    },
+    /// The table is moved, described, or something is put beside it: it is only what objects are put on,
+    /// or stand on.
+    OnlyOnTable {
         /// Which step.
         step: u8,
         /// The description's place in the sentence.
@@ -165,6 +173,20 @@ pub enum Refusal {
         /// Which step.
         step: u8,
         /// Id of the object.
+        object: u32,
+    },
+    /// What is to be put on the table stands there already.
+    AlreadyOnTable {
+        /// Which step.
+        step: u8,
+        /// Id of the object.
+        object: u32,
+    },
+    /// No place beside the objects on the table is free, in sight, and inside the work space.
+    NoRoomOnTable {
+        /// Which step.
+        step: u8,
+        /// Id of the object to move.
         object: u32,
     },
     /// A network's result is infinite or NaN.
@@ -403,6 +425,9 @@ kinds! {
     Self::UnclearPronoun { .. } => "unclear_pronoun",
     Self::SeveralReferences { .. } => "several_references",
     Self::OtherNumber { .. } => "other_number",
+    Self::OnlyOnTable { .. } => "only_on_table",
+    Self::AlreadyOnTable { .. } => "already_on_table",
+    Self::NoRoomOnTable { .. } => "no_room_on_table",
 }
 
 impl core::error::Error for Refusal {}

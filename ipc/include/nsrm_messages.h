@@ -217,7 +217,7 @@ typedef struct nsrm_step_message {
     /** Id of the object to move; 0 if the step is not grounded, and then all fields below are
      *  0. */
     uint32_t object_id;
-    /** Id of the reference. */
+    /** Id of the reference; of the table, that of the object beside which there is room. */
     uint32_t reference_id;
     /** How well the object fits its description, a cosine. */
     float object_score;
@@ -332,7 +332,7 @@ typedef struct nsrm_sub_goal {
     uint32_t action;
     /** Id of the object to move. */
     uint32_t object_id;
-    /** Id of the reference object. */
+    /** Id of the reference object; of the table, of the object beside which there is room. */
     uint32_t reference_id;
     /** Product of the step's probabilities, 0 to 1. */
     float confidence;
@@ -566,7 +566,10 @@ enum nsrm_reason {
     NSRM_REASON_UNCLEAR_PRONOUN = 40,
     NSRM_REASON_SEVERAL_REFERENCES = 41,
     NSRM_REASON_OTHER_NUMBER = 42,
-    NSRM_REASON_OTHER = 43,
+    NSRM_REASON_ONLY_ON_TABLE = 43,
+    NSRM_REASON_ALREADY_ON_TABLE = 44,
+    NSRM_REASON_NO_ROOM_ON_TABLE = 45,
+    NSRM_REASON_OTHER = 46,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

@@ -127,6 +127,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
             "several",
             "apart",
             "arrangements",
+            "table",
             "spelling",
         )
     ]
@@ -198,6 +199,11 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
             "'across': no steps 'across'",
         ),
         (lambda w: w["arrangements"].pop("between"), "arrangements.between"),
+        (lambda w: w["table"].update(order="pat it"), "table: 'pat' is not a word of the grammar"),
+        (lambda w: w["table"]["words"].append("red"), r"table\.words: 'red' already names"),
+        (lambda w: w["table"]["words"].append("put"), "'put' names the table"),
+        (lambda w: w["table"]["down"].append(""), "table: expected words that mean it"),
+        (lambda w: w["table"].pop("off"), r"table\.off"),
         (lambda w: w["rules"].pop("several"), r"everyday\.rules\.several: is missing"),
     ],
 )

@@ -220,7 +220,8 @@ class PlannedStep:
     @property
     def object_id(self) -> int: ...
     @property
-    def reference_id(self) -> int: ...
+    def reference_id(self) -> int:
+        """The reference; of the table, the object beside which there is room."""
     @property
     def object_anchor_ids(self) -> list[int]:
         """The objects that its description relates it to: its own anchor, then the anchor's."""

@@ -142,6 +142,7 @@ fn step_details(refusal: &Refusal, sentence: &str) -> Option<Value> {
         } => json!({"step": step, "words": words(*span, sentence), "references": references}),
         Refusal::SameReference { step, span }
         | Refusal::SeveralReferences { step, span }
+        | Refusal::OnlyOnTable { step, span }
         | Refusal::UnclearPronoun { step, span } => {
             json!({"step": step, "words": words(*span, sentence)})
         }
@@ -218,7 +219,11 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
             "candidates": candidates.listed().iter().map(candidate).collect::<Vec<Value>>(),
             "count": candidates.count(),
         }),
-        Refusal::SameObject { step, object } => json!({"step": step, "object_id": object}),
+        Refusal::SameObject { step, object }
+        | Refusal::AlreadyOnTable { step, object }
+        | Refusal::NoRoomOnTable { step, object } => {
+            json!({"step": step, "object_id": object})
+        }
         Refusal::OutsideTrainingView {
             step,
             argument,
@@ -266,7 +271,7 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
 
 /// A description: the names of its concepts, `["small", "red"]`; with an extreme or of several objects
 /// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `all`, `both` and, in plans,
-/// `each`; with relations `{"concepts": ["red"], "relation": {"name":
+/// `each`; the table `{"concepts": [], "which": "table"}`; with relations `{"concepts": ["red"], "relation": {"name":
 /// "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {
     let relations = description.relations();

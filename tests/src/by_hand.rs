@@ -18,8 +18,8 @@ use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Embeddings,
     HAZARD_INPUT, Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED,
     Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Thresholds, VIEW_EMBEDDING, View,
-    ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Table, Thresholds, VIEW_EMBEDDING,
+    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense, Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::scene::ObservedObject;
@@ -65,6 +65,8 @@ pub struct Parts {
     pub lexicon: Vec<LexiconEntry<'static>>,
     /// See [`Model::pronouns`].
     pub pronouns: Vec<Pronoun>,
+    /// See [`Model::table`]; none.
+    pub table: Table<'static>,
     /// See [`Model::attributes`].
     pub attributes: Vec<Attribute<'static>>,
     /// See [`Model::concepts`].
@@ -106,6 +108,7 @@ impl Parts {
             embeddings: embeddings(),
             lexicon: Vec::new(),
             pronouns: Vec::new(),
+            table: Table::new(),
             attributes: vec![
                 attribute("color", View::Color, 0),
                 attribute("size", View::Brightness, 3),
@@ -195,6 +198,19 @@ impl Parts {
         place.expect("a word of the model")
     }
 
+    /// Adds a table, "desk", on which the action `beside` finds a place.
+    pub fn add_table(&mut self) {
+        let desk = LexiconEntry::new().with_text("desk");
+        self.lexicon.push(desk.with_property(Property::Table));
+        self.lexicon.sort_by_key(|entry| entry.text);
+        self.table = Table::new()
+            .with_action(0)
+            .with_sides(&[1])
+            .with_standing("on")
+            .with_order("on the")
+            .with_relation("on the");
+    }
+
     /// Removes a word that is no pronoun.
     ///
     /// # Panics
@@ -240,6 +256,7 @@ impl Parts {
             .with_embeddings(Embeddings::F32(&self.embeddings))
             .with_lexicon(&self.lexicon)
             .with_pronouns(&self.pronouns)
+            .with_table(self.table)
             .with_attributes(&self.attributes)
             .with_concepts(&self.concepts)
             .with_actions(&self.actions)

@@ -8,7 +8,7 @@ use nsrm_core::language::Span;
 use nsrm_core::refusal::{Candidate, Decision, LengthUnit, Quantity};
 use nsrm_core::{MAX_FILTERS, MAX_RELATIONS, MAX_SENTENCE_BYTES, MAX_STEPS, MAX_TOKENS};
 use nsrm_core::{Planner, RawScene, Refusal, Scene};
-use nsrm_tests::by_hand::{Block, Parts, block, raw_scene, scene};
+use nsrm_tests::by_hand::{Block, EDGES_M, Parts, block, raw_scene, scene};
 
 /// One case: sentence, objects, fault and expected refusal.
 struct Case {
@@ -264,6 +264,17 @@ fn doubt_cases() -> Vec<Case> {
 
 fn object_cases() -> Vec<Case> {
     vec![
+        Case {
+            spoil: Parts::add_table,
+            ..said(
+                "put the desk on the blue block",
+                |refusal| {
+                    let span = span(8, 12);
+                    *refusal == Refusal::OnlyOnTable { step: 0, span }
+                },
+                "\"desk\" can only be what objects are put on, or stand on",
+            )
+        },
         said(
             "put the green block on the blue block",
             |refusal| {
@@ -299,6 +310,28 @@ fn object_cases() -> Vec<Case> {
             },
             "the object \"both blue\" means 2 objects, but fits 1",
         ),
+        Case {
+            spoil: Parts::add_table,
+            ..said(
+                "put the small red block on the desk",
+                |refusal| *refusal == Refusal::AlreadyOnTable { step: 0, object: 1 },
+                "object 1 stands on the table already",
+            )
+        },
+        Case {
+            spoil: |parts| {
+                parts.add_table();
+                // Above the table.
+                parts.header.work_space.min[2] = 0.1;
+            },
+            // As if the first block stood on another one.
+            disturb: |scene| scene.objects[0].location[4] -= EDGES_M[2],
+            ..said(
+                "put the small red block on the desk",
+                |refusal| *refusal == Refusal::NoRoomOnTable { step: 0, object: 1 },
+                "no free place on the table is in sight for object 1",
+            )
+        },
         said(
             "put the blue block on the red block",
             |refusal| {

@@ -1,5 +1,7 @@
 //! The domain in the model file, and its checks.
 
+mod rewriting;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
@@ -7,6 +9,9 @@ use nsrm_core::language::word_hash;
 use serde::Deserialize;
 
 use crate::error::ModelError;
+
+use rewriting::{Apart, Table};
+pub(crate) use rewriting::{ArrangedStep, Arrangements};
 
 /// Keys of a relation of everyday wording that name rules.
 const RULE_NAMES: [&str; 4] = ["rule", "state", "related", "undescribed"];
@@ -53,6 +58,9 @@ pub struct Domain {
     /// How towers and rows are said.
     #[serde(default)]
     pub arrangements: Arrangements,
+    /// The table as a place.
+    #[serde(default)]
+    pub table: Option<Table>,
     /// What unknown words are read as.
     #[serde(default)]
     pub spelling: Spelling,
@@ -72,74 +80,6 @@ pub struct Several {
     pub between: Vec<String>,
     /// Words in the plural, each with its singular: "blocks", "them".
     pub plurals: BTreeMap<String, String>,
-}
-
-/// What may stand between values of one object that are said apart; without it, nothing may.
-#[derive(Debug, Clone, Default, Deserialize)]
-pub struct Apart {
-    /// Directly between values.
-    pub between: Vec<String>,
-    /// Between an object and another of its values.
-    pub phrases: Vec<String>,
-}
-
-/// How towers and rows are said, "build a tower of red, green and blue"; without it, they cannot be said.
-#[derive(Debug, Clone, Default, Deserialize)]
-pub struct Arrangements {
-    /// Words between the objects of a list.
-    pub between: BTreeSet<String>,
-    /// Words before which a list ends.
-    pub ends: BTreeSet<String>,
-    /// What is read between two steps.
-    pub next: String,
-    /// What is meant, by name.
-    pub steps: BTreeMap<String, ArrangedStep>,
-    /// What is said.
-    pub patterns: Vec<Pattern>,
-}
-
-/// As what the steps of an arrangement are read.
-#[derive(Debug, Clone, Deserialize)]
-pub struct ArrangedStep {
-    /// What is read before the object that is moved.
-    pub order: String,
-    /// What is read between it and the one before it.
-    pub relation: String,
-    /// Whether the list begins with the last object.
-    #[serde(default)]
-    pub reversed: bool,
-}
-
-/// What may stand before and behind the objects of a list.
-#[derive(Debug, Clone, Deserialize)]
-pub struct Pattern {
-    /// Before it.
-    pub openings: Vec<String>,
-    /// Behind it, or an empty text for nothing, each with what is then meant.
-    pub closings: BTreeMap<String, String>,
-}
-
-impl Arrangements {
-    /// Each opening with the index of its pattern, sorted by text.
-    pub(crate) fn openings(&self) -> Vec<(&str, usize)> {
-        let each = self.patterns.iter().enumerate();
-        let each = each
-            .flat_map(|(index, pattern)| pattern.openings.iter().map(move |text| (&**text, index)));
-        let mut openings: Vec<_> = each.collect();
-        openings.sort_unstable();
-        openings
-    }
-
-    /// Each closing with the index of its pattern and the name of what is meant.
-    pub(crate) fn closings(&self) -> impl Iterator<Item = (&str, usize, &str)> + Clone {
-        let each = self.patterns.iter().enumerate();
-        each.flat_map(|(index, pattern)| {
-            pattern
-                .closings
-                .iter()
-                .map(move |(text, meant)| (&**text, index, &**meant))
-        })
-    }
 }
 
 /// How people say commands: rules whose alternatives contain words and `{rules}`.
@@ -265,13 +205,13 @@ impl Domain {
             "Largest" => Some(Extreme::Largest),
             "Smallest" => Some(Extreme::Smallest),
             _ => {
-                let index = self.action.iter().position(|action| action.name == name)?;
+                let index = self.action_index(name)?;
                 u8::try_from(index).ok().map(Extreme::Action)
             }
         }
     }
 
-    /// Each word that says which of several objects is meant, or that several are.
+    /// Each word that says which of several objects is meant, that several are, or that it is the table.
     pub(crate) fn choices(&self) -> impl Iterator<Item = (&str, Property)> + Clone {
         let Several {
             all, every, both, ..
@@ -287,10 +227,13 @@ impl Domain {
         });
         let extremes = self.extremes();
         let extremes = extremes.map(|(word, extreme)| (word, Property::Extreme(extreme)));
-        extremes.chain(quantifiers)
+        let table = self.table.iter().flat_map(|table| &table.words);
+        let table = table.map(|word| (word.as_str(), Property::Table));
+        extremes.chain(quantifiers).chain(table)
     }
 
-    /// The words that stand together for a group token: of concepts, of extremes, and for several.
+    /// The words that stand together for a group token: of concepts, of extremes, for several, and for
+    /// the table.
     fn group_words(&self) -> impl Iterator<Item = &str> + Clone {
         let concepts = self.lexicon().map(|(word, _)| word);
         concepts.chain(self.choices().map(|(word, _)| word))
@@ -360,6 +303,7 @@ impl Domain {
                 self.check_pronouns()?;
                 self.check_several()?;
                 self.check_arrangements()?;
+                self.check_table()?;
                 self.check_spelling()
             }
         }
@@ -399,43 +343,6 @@ impl Domain {
         }
         match plurals.keys().find(|word| !readable(word)) {
             Some(word) => Err(ModelError::UnreadableWord { word: word.clone() }),
-            None => Ok(()),
-        }
-    }
-
-    /// Checks that towers and rows, and values that stand apart, are said in words that can be read, and
-    /// read as those of the domain.
-    fn check_arrangements(&self) -> Result<(), ModelError> {
-        let words = self.words();
-        let said = &self.arrangements;
-        at_most("arrangements", MAX_NAMES, said.steps.len())?;
-        at_most("patterns of arrangements", MAX_NAMES, said.patterns.len())?;
-        let read_as = said
-            .steps
-            .values()
-            .flat_map(|step| [&step.order, &step.relation]);
-        let next = (!said.steps.is_empty()).then_some(&said.next);
-        let mut read_as = read_as.chain(next).flat_map(|text| text.split(' '));
-        if let Some(word) = read_as.find(|word| !words.contains(*word)) {
-            return Err(ModelError::Arrangement { word: word.into() });
-        }
-        if let Some((.., name)) = said
-            .closings()
-            .find(|(.., name)| !said.steps.contains_key(*name))
-        {
-            return Err(ModelError::ArrangedSteps { name: name.into() });
-        }
-        let openings = said.openings();
-        let closings = said.closings().filter(|(text, ..)| !text.is_empty());
-        let texts = closings.map(|(text, ..)| text);
-        let texts = texts.chain(openings.iter().map(|(text, _)| *text));
-        let apart = self.apart.between.iter().chain(&self.apart.phrases);
-        let mut words = texts
-            .chain(apart.map(String::as_str))
-            .flat_map(|text| text.split(' '))
-            .chain(said.between.iter().chain(&said.ends).map(String::as_str));
-        match words.find(|word| !readable(word)) {
-            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
             None => Ok(()),
         }
     }

@@ -28,7 +28,7 @@ use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
     Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
     Heard, Language, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several,
-    Simulator, Spelling, Superlative, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
+    Simulator, Spelling, Superlative, Table, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
 #[allow(unused_imports)] // Those of the model's precision are used.

@@ -126,6 +126,24 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// The table names an action that is not there.
+    #[error("domain: table: no action {name:?}; name some of the domain")]
+    TableAction {
+        /// Its name.
+        name: String,
+    },
+    /// By its height, the highest object on the table may stand on the lowest one.
+    #[error(
+        "domain: table: the highest object is at least three times as high as the lowest, so that what stands on \
+         the table cannot be told; leave the table out"
+    )]
+    TableHeight,
+    /// The table is read as something that is not a word of the domain.
+    #[error("domain: table: {word:?} is not a word of the domain; name one that is")]
+    Table {
+        /// The word.
+        word: String,
+    },
     /// A concept of the size attribute has no edge lengths, or one that is not positive and
     /// finite.
     #[error(fmt = edges)]

@@ -1,9 +1,11 @@
 //! A model that owns its parameters and texts.
 
+use std::collections::BTreeSet;
+
 use nsrm_core::model::{
     Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
     Heard, Language, LexiconEntry, MERGED, Model, Opening, Plural, Pronoun, Several, Simulator,
-    Spelling, VIEW_EMBEDDING, View, ViewEncoder, Vision, Word,
+    Spelling, Table, VIEW_EMBEDDING, View, ViewEncoder, Vision, Word,
 };
 use nsrm_core::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, Precision};
 use safetensors::SafeTensors;
@@ -49,6 +51,7 @@ struct Parts<'a> {
     plurals: Vec<Plural<'a>>,
     apart: [Vec<&'a str>; 2],
     arrangements: ArrangementParts<'a>,
+    table: TableParts<'a>,
     heard: Vec<Heard<'a>>,
     other_words: Vec<u16>,
     attributes: Vec<Attribute<'a>>,
@@ -69,6 +72,18 @@ struct ArrangementParts<'a> {
     arrangements: Vec<Arrangement<'a>>,
     openings: Vec<Opening<'a>>,
     closings: Vec<Closing<'a>>,
+}
+
+/// What core reads as slices of [`Table`].
+#[derive(Default)]
+struct TableParts<'a> {
+    action: u8,
+    sides: Vec<u8>,
+    off: Vec<&'a str>,
+    standing: &'a str,
+    order: &'a str,
+    down: Vec<&'a str>,
+    relation: &'a str,
 }
 
 self_cell!(
@@ -165,6 +180,7 @@ impl OwnedModel {
                     .with_phrases(&parts.apart[1]),
             )
             .with_arrangements(parts.arrangements.lent())
+            .with_table(parts.table.lent())
             .with_spelling(
                 Spelling::new()
                     .with_heard(&parts.heard)
@@ -249,6 +265,7 @@ impl<'a> Parts<'a> {
             apart: [&domain.apart.between, &domain.apart.phrases]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             arrangements: ArrangementParts::new(&domain.arrangements)?,
+            table: TableParts::new(domain)?,
             heard: domain
                 .spelling
                 .heard
@@ -419,6 +436,45 @@ impl<'a> ArrangementParts<'a> {
             .with_openings(&self.openings)
             .with_closings(&self.closings)
     }
+}
+
+impl<'a> TableParts<'a> {
+    fn new(domain: &'a Domain) -> Result<Self, ModelError> {
+        let Some(table) = &domain.table else {
+            return Ok(Self::default());
+        };
+        let action = |name: &String| {
+            let found = domain.action_index(name);
+            let found = found.ok_or_else(|| ModelError::TableAction { name: name.clone() })?;
+            index("actions", found)
+        };
+        Ok(Self {
+            action: action(&table.action)?,
+            sides: table.sides.iter().map(action).collect::<Result<_, _>>()?,
+            off: sorted(&table.off),
+            standing: &table.standing,
+            order: &table.order,
+            down: sorted(&table.down),
+            relation: &table.relation,
+        })
+    }
+
+    fn lent(&self) -> Table<'_> {
+        Table::new()
+            .with_action(self.action)
+            .with_sides(&self.sides)
+            .with_off(&self.off)
+            .with_standing(self.standing)
+            .with_order(self.order)
+            .with_down(&self.down)
+            .with_relation(self.relation)
+    }
+}
+
+/// Texts in their order, each once.
+fn sorted(texts: &[String]) -> Vec<&str> {
+    let texts: BTreeSet<&str> = texts.iter().map(String::as_str).collect();
+    texts.into_iter().collect()
 }
 
 /// The name of the extreme in an action's direction.

@@ -97,6 +97,21 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                 ),
             ),
             (
+                "table",
+                Node::record(
+                    "Table",
+                    [
+                        ("action", model.table.action.describe()),
+                        ("sides", Node::Reference("TABLE_SIDES")),
+                        ("off", Node::Reference("TABLE_OFF")),
+                        ("standing", model.table.standing.describe()),
+                        ("order", model.table.order.describe()),
+                        ("down", Node::Reference("TABLE_DOWN")),
+                        ("relation", model.table.relation.describe()),
+                    ],
+                ),
+            ),
+            (
                 "spelling",
                 Node::record(
                     "Spelling",
@@ -213,6 +228,9 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "Closing<'static>",
             model.arrangements.closings,
         ),
+        table("TABLE_SIDES", "table.sides", "u8", model.table.sides),
+        table("TABLE_OFF", "table.off", "&str", model.table.off),
+        table("TABLE_DOWN", "table.down", "&str", model.table.down),
         table(
             "HEARD",
             "spelling.heard",

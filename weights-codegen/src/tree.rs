@@ -111,6 +111,7 @@ impl Describe for Property {
                 Self::Quantifier(quantifier) => {
                     format!("Property::Quantifier(Quantifier::{quantifier:?})")
                 }
+                Self::Table => "Property::Table".into(),
             },
             bytes: size_of::<Property>(),
         }

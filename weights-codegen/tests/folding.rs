@@ -74,6 +74,14 @@ fn names_stand_with_their_parameters() {
     let closings = said.closings.iter();
     let closings = closings.map(|closing| (closing.text, closing.pattern, closing.arrangement));
     assert!(closings.eq([("", 0, 1), ("downwards", 0, 0), ("up", 1, 1)]));
+    let table = model.table;
+    assert_eq!((table.action, table.sides), (0, &[1][..]));
+    assert_eq!(table.off, ["down from", "off"]);
+    assert_eq!(table.down, ["down"]);
+    assert_eq!(
+        [table.standing, table.order, table.relation],
+        ["onto", "then shift the", "onto the"]
+    );
     let heard = model.spelling.heard.iter();
     let heard = heard.map(|heard| (heard.text, heard.read_as));
     assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));

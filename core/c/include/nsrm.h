@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 41209
+#define NSRM_MAX_POLLS 47369
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64
@@ -61,6 +61,9 @@
  * replaced by one of these for each object.
  */
 #define NSRM_EACH 514
+
+/** `which`: the table, and no object. */
+#define TABLE 515
 
 /** Bytes of a task. */
 #define NSRM_TASK_BYTES 14912
@@ -110,7 +113,7 @@ typedef int32_t nsrm_status_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-/** Whether a word names a value, an extreme or a number of objects. */
+/** Whether a word names a value, an extreme, a number of objects or the table. */
 enum nsrm_property_kind_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
@@ -122,6 +125,8 @@ enum nsrm_property_kind_t
     NSRM_PROPERTY_EXTREME = 1,
     /** That several are meant, "all". */
     NSRM_PROPERTY_QUANTIFIER = 2,
+    /** That it is the table, and no object. */
+    NSRM_PROPERTY_TABLE = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -207,6 +212,12 @@ enum nsrm_refusal_kind_t
      * `limit` objects expected, `fitting`.
      */
     NSRM_REFUSAL_OTHER_NUMBER = 26,
+    /** The table is moved, described, or something is put beside it: `step`, `span`. */
+    NSRM_REFUSAL_ONLY_ON_TABLE = 27,
+    /** What is to be put on the table stands there already: `step`, `object`. */
+    NSRM_REFUSAL_ALREADY_ON_TABLE = 28,
+    /** No place on the table is free, in sight and inside the work space: `step`, `object`. */
+    NSRM_REFUSAL_NO_ROOM_ON_TABLE = 29,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -427,7 +438,7 @@ typedef struct nsrm_sub_goal_t {
     uint32_t action;
     /** The object to move. */
     struct nsrm_grounding_t object;
-    /** The reference. */
+    /** The reference; of the table, the object beside which there is room. */
     struct nsrm_grounding_t reference;
     /** Where the object's centre is to be: world frame, metres. */
     float position[3];
@@ -463,7 +474,8 @@ typedef struct nsrm_filters_t {
     /**
      * Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
      * `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
-     * that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`.
+     * that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`. The
+     * table, `NSRM_TABLE`, has no values: it is only a reference, or what an object stands on.
      */
     uint32_t which;
 } nsrm_filters_t;

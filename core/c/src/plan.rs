@@ -51,7 +51,7 @@ pub struct SubGoal {
     pub action: u32,
     /// The object to move.
     pub object: Grounding,
-    /// The reference.
+    /// The reference; of the table, the object beside which there is room.
     pub reference: Grounding,
     /// Where the object's centre is to be: world frame, metres.
     pub position: [f32; 3],

@@ -32,6 +32,9 @@ pub const BOTH: u32 = 513;
 /// replaced by one of these for each object.
 pub const EACH: u32 = 514;
 
+/// `which`: the table, and no object.
+pub const TABLE: u32 = 515;
+
 const _: () = {
     use dsl::{Extreme, Property, Quantifier};
     assert!(Property::Extreme(Extreme::Largest).which_number() == LARGEST);
@@ -40,9 +43,10 @@ const _: () = {
     assert!(Property::Quantifier(Quantifier::All).which_number() == ALL);
     assert!(Property::Quantifier(Quantifier::Both).which_number() == BOTH);
     assert!(Property::Quantifier(Quantifier::Each).which_number() == EACH);
+    assert!(Property::Table.which_number() == TABLE);
 };
 
-/// Whether a word names a value, an extreme or a number of objects.
+/// Whether a word names a value, an extreme, a number of objects or the table.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PropertyKind {
@@ -52,6 +56,8 @@ pub enum PropertyKind {
     Extreme = 1,
     /// That several are meant, "all".
     Quantifier = 2,
+    /// That it is the table, and no object.
+    Table = 3,
 }
 
 /// What a word says of an object.
@@ -74,7 +80,8 @@ pub struct Filters {
     pub concepts: [u8; MAX_FILTERS],
     /// Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
     /// `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
-    /// that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`.
+    /// that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`. The
+    /// table, `NSRM_TABLE`, has no values: it is only a reference, or what an object stands on.
     pub which: u32,
 }
 
@@ -176,6 +183,7 @@ impl From<dsl::Property> for Property {
             dsl::Property::Concept(concept) => (PropertyKind::Concept, concept.into()),
             dsl::Property::Extreme(_) => (PropertyKind::Extreme, property.which_number()),
             dsl::Property::Quantifier(_) => (PropertyKind::Quantifier, property.which_number()),
+            dsl::Property::Table => (PropertyKind::Table, property.which_number()),
         };
         Self {
             kind: kind as u32,

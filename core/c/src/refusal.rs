@@ -71,6 +71,12 @@ pub enum RefusalKind {
     /// Another number of objects fits a description than it says: `step`, `argument`, `description`,
     /// `limit` objects expected, `fitting`.
     OtherNumber = 26,
+    /// The table is moved, described, or something is put beside it: `step`, `span`.
+    OnlyOnTable = 27,
+    /// What is to be put on the table stands there already: `step`, `object`.
+    AlreadyOnTable = 28,
+    /// No place on the table is free, in sight and inside the work space: `step`, `object`.
+    NoRoomOnTable = 29,
 }
 
 /// An object that fits a description.
@@ -219,6 +225,7 @@ impl From<&CoreRefusal> for Refusal {
             }
             CoreRefusal::SameReference { step, span }
             | CoreRefusal::SeveralReferences { step, span }
+            | CoreRefusal::OnlyOnTable { step, span }
             | CoreRefusal::UnclearPronoun { step, span } => {
                 (told.step, told.span) = (step.into(), span.into());
             }
@@ -248,7 +255,9 @@ impl From<&CoreRefusal> for Refusal {
                 told.fitting = candidates.count() as u32;
                 told.list(candidates.listed().iter().copied());
             }
-            CoreRefusal::SameObject { step, object } => {
+            CoreRefusal::SameObject { step, object }
+            | CoreRefusal::AlreadyOnTable { step, object }
+            | CoreRefusal::NoRoomOnTable { step, object } => {
                 (told.step, told.object) = (step.into(), object);
             }
             CoreRefusal::NotFinite { step, quantity } => {
@@ -289,7 +298,7 @@ mod tests {
             let line = format!("NSRM_REFUSAL_{} = {number},", kind.to_uppercase());
             assert!(header.contains(&line), "{line}");
         }
-        let last = RefusalKind::OtherNumber as usize;
+        let last = RefusalKind::NoRoomOnTable as usize;
         assert_eq!(last, CoreRefusal::KINDS.len());
     }
 

@@ -15,21 +15,25 @@ pub enum Property {
     Extreme(Extreme),
     /// That several objects are meant, "all".
     Quantifier(Quantifier),
+    /// That it is the table, on which objects stand, and no object.
+    Table,
 }
 
 impl Property {
-    /// The name of the concept or of the extreme; `"?"` for an invalid index.
+    /// The name of the concept or of the extreme, `"?"` for an invalid index; `all`, `both`, `each` or
+    /// `table`.
     pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
         match self {
             Self::Concept(concept) => concept_name(model, concept),
             Self::Extreme(extreme) => extreme.name(model),
             Self::Quantifier(quantifier) => quantifier.name(),
+            Self::Table => "table",
         }
     }
 
     /// Which of the objects that pass the filters, as a number in messages and in C: 1 for the
-    /// largest, 2 for the smallest, 3 plus the index of an action; and for several, 512 for all, 513
-    /// for both, 514 for each. 0 is left for none; a concept has none.
+    /// largest, 2 for the smallest, 3 plus the index of an action; for several, 512 for all, 513
+    /// for both, 514 for each; and 515 for the table. 0 is left for none; a concept has none.
     pub const fn which_number(self) -> u32 {
         match self {
             Self::Concept(_) => 0,
@@ -39,6 +43,7 @@ impl Property {
             Self::Quantifier(Quantifier::All) => QUANTIFIED,
             Self::Quantifier(Quantifier::Both) => QUANTIFIED + 1,
             Self::Quantifier(Quantifier::Each) => QUANTIFIED + 2,
+            Self::Table => QUANTIFIED + 3,
         }
     }
 
@@ -51,6 +56,7 @@ impl Property {
             QUANTIFIED => Self::Quantifier(Quantifier::All),
             513 => Self::Quantifier(Quantifier::Both),
             514 => Self::Quantifier(Quantifier::Each),
+            515 => Self::Table,
             _ => Self::Extreme(Extreme::Action(u8::try_from(number - 3).ok()?)),
         })
     }
@@ -153,7 +159,7 @@ impl Filters {
     pub fn add(&mut self, property: Property) -> Result<(), Property> {
         match property {
             Property::Concept(concept) => self.push(concept).map_err(Property::Concept),
-            Property::Extreme(_) | Property::Quantifier(_) => {
+            Property::Extreme(_) | Property::Quantifier(_) | Property::Table => {
                 self.choice = Some(property);
                 Ok(())
             }
@@ -187,8 +193,8 @@ impl Filters {
             .unwrap_or_default()
     }
 
-    /// Which of the objects that pass is meant, or that several are: no concept; `None` if the words
-    /// leave that open.
+    /// Which of the objects that pass is meant, that several are, or that it is the table: no concept;
+    /// `None` if the words leave that open.
     pub const fn choice(&self) -> Option<Property> {
         self.choice
     }
@@ -207,6 +213,11 @@ impl Filters {
             Some(Property::Quantifier(quantifier)) => Some(quantifier),
             _ => None,
         }
+    }
+
+    /// Whether they mean the table, and no object.
+    pub const fn is_table(&self) -> bool {
+        matches!(self.choice, Some(Property::Table))
     }
 
     /// The same of each of several objects.
@@ -480,11 +491,12 @@ mod tests {
             Property::Quantifier(Quantifier::All),
             Property::Quantifier(Quantifier::Both),
             Property::Quantifier(Quantifier::Each),
+            Property::Table,
         ] {
             let number = property.which_number();
             assert_eq!(Property::of_which_number(number), Some(property));
         }
-        for number in [0, 259, 511, 515, u32::MAX] {
+        for number in [0, 259, 511, 516, u32::MAX] {
             assert_eq!(Property::of_which_number(number), None);
         }
         assert_eq!(Property::Concept(1).which_number(), 0);

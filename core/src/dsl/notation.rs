@@ -79,6 +79,9 @@ impl fmt::Display for DescriptionWords<'_> {
     }
 }
 
+/// The table, which is no object of the scene.
+const TABLE: &str = "Table()";
+
 pub(super) struct StepNotation<'a> {
     pub(super) step: &'a Step,
     pub(super) model: &'a Model<'a>,
@@ -86,12 +89,23 @@ pub(super) struct StepNotation<'a> {
 
 impl StepNotation<'_> {
     fn unique(&self, description: &Description, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if description.filters().is_table() {
+            return f.write_str(TABLE);
+        }
         let mut open = self.open(description.filters(), f)?;
         for relation in description.relations() {
             write!(f, "Relate({}, ", relation.kind.name(self.model))?;
+            if relation.to.is_table() {
+                return self.close(TABLE, open + 1, f);
+            }
             open += 1 + self.open(&relation.to, f)?;
         }
-        f.write_str("Scene()")?;
+        self.close("Scene()", open, f)
+    }
+
+    /// Writes the innermost term and so many closing brackets.
+    fn close(&self, term: &str, open: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(term)?;
         for _ in 0..open {
             f.write_str(")")?;
         }

@@ -8,7 +8,8 @@ use crate::planner::{Grounding, Plan};
 impl Plan {
     /// A sentence that says what one step does and why: `Step 1: move the small
     /// green object (id 3, score 0.98) to the right of the lego green object
-    /// (id 1, score 0.99); confidence 0.97.` Nothing for a step that isn't there.
+    /// (id 1, score 0.99); confidence 0.97.` Nothing for a step that isn't there. What is put on the
+    /// table is said to be put beside the object next to which there is room.
     ///
     /// * `model`: the one that the plan was made with
     /// * `step`: counted from 0, as in the whole sentence
@@ -92,6 +93,9 @@ impl StepExplanation<'_> {
     }
 
     fn noun(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if filters.is_table() {
+            return f.write_str("the table");
+        }
         let is_each = filters.quantifier().is_some() && filters.concepts().is_empty();
         if filters.is_empty() || is_each {
             f.write_str("the object")
@@ -111,7 +115,12 @@ impl fmt::Display for StepExplanation<'_> {
         write!(f, "Step {}: move ", self.step.saturating_add(1))?;
         self.object(&understood.object, &planned.object, f)?;
         write!(f, " {phrase} ")?;
-        self.object(&understood.reference, &planned.reference, f)?;
+        if understood.reference.filters().is_table() {
+            let phrase = action_phrase(self.model, planned.action);
+            write!(f, "the table, {phrase} object {}", planned.reference.object)?;
+        } else {
+            self.object(&understood.reference, &planned.reference, f)?;
+        }
         write!(f, "; confidence {:.2}.", planned.confidence.joint())
     }
 }

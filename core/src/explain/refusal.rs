@@ -125,6 +125,7 @@ impl fmt::Display for Message<'_> {
             | Refusal::IncompleteStep { .. }
             | Refusal::SameReference { .. }
             | Refusal::SeveralReferences { .. }
+            | Refusal::OnlyOnTable { .. }
             | Refusal::UnclearPronoun { .. }
             | Refusal::UnclearWords { .. }
             | Refusal::Unsure { .. } => self.step(f),
@@ -139,6 +140,8 @@ impl fmt::Display for Message<'_> {
             Refusal::NoSuchObject { .. }
             | Refusal::Ambiguous { .. }
             | Refusal::OtherNumber { .. }
+            | Refusal::AlreadyOnTable { .. }
+            | Refusal::NoRoomOnTable { .. }
             | Refusal::SameObject { .. }
             | Refusal::OutsideTrainingView { .. }
             | Refusal::OutsideWorkSpace { .. }
@@ -259,6 +262,12 @@ impl Message<'_> {
                 number(*step),
                 self.quoted(*span)
             ),
+            Refusal::OnlyOnTable { step, span } => write!(
+                f,
+                "step {}: {} can only be what objects are put on, or stand on; describe an object instead",
+                number(*step),
+                self.quoted(*span)
+            ),
             Refusal::UnclearPronoun { step, span } => write!(
                 f,
                 "step {}: it is not clear which object {} means; describe the object instead",
@@ -358,6 +367,17 @@ impl Message<'_> {
                 f,
                 "step {}: both descriptions fit object {object}, which cannot be moved \
                  in relation to itself",
+                number(*step)
+            ),
+            Refusal::AlreadyOnTable { step, object } => write!(
+                f,
+                "step {}: object {object} stands on the table already; describe another one",
+                number(*step)
+            ),
+            Refusal::NoRoomOnTable { step, object } => write!(
+                f,
+                "step {}: no free place on the table is in sight for object {object}; say beside which \
+                 object to put it",
                 number(*step)
             ),
             Refusal::OutsideTrainingView {

@@ -9,7 +9,7 @@ use heapless::Vec;
 
 use super::phrases::{PhraseMatcher, parts};
 use super::tokens::push;
-use super::words::{find, letters, word};
+use super::words::{find, letters};
 use super::{Span, Token, TokenKind, Tokens};
 use crate::capacity::MAX_STEPS;
 use crate::model::{Arrangement, Closing, Model};
@@ -228,14 +228,6 @@ impl<'a> PhraseMatcher<'_, 'a> {
                 (kind, _) => kind,
             };
             push(tokens, kind, token.span)?;
-        }
-        Ok(())
-    }
-
-    fn write_words(&self, words: &str, span: Span, tokens: &mut Tokens) -> Result<(), Refusal> {
-        for text in parts(words) {
-            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
-            push(tokens, TokenKind::Word(index), span)?;
         }
         Ok(())
     }

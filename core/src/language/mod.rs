@@ -11,6 +11,7 @@ mod arrangements;
 mod decoders;
 mod encoder;
 mod nearest;
+mod off_table;
 mod parsed;
 mod phrases;
 mod pronouns;

@@ -101,7 +101,7 @@ impl Parsed {
 
     /// Replaces a step that moves several objects by one for each, in this order: the first one is
     /// moved in relation to the step's reference, and each of the others in relation to the one before
-    /// it, "all red blocks on the blue one" one on the other. False, and without a use, if these are too
+    /// it, "all red blocks on the blue one" one on the other, unless that is the table. False, and without a use, if these are too
     /// many steps.
     ///
     /// * `ids`: those of the objects, at least one
@@ -127,7 +127,11 @@ impl Parsed {
                 };
                 fits &= self.add(moved, decisions, id);
                 // What was decided once is not doubted twice.
-                next = (one, decisions.certain());
+                let reference = match symbols.reference.filters().is_table() {
+                    true => symbols.reference,
+                    false => one,
+                };
+                next = (reference, decisions.certain());
             }
         }
         fits

@@ -1,8 +1,10 @@
 //! The texts that a model lists, found among the tokens of a sentence.
 
-use super::words::{find, letters};
-use super::{Token, TokenKind};
+use super::tokens::{Tokens, push};
+use super::words::{find, letters, word};
+use super::{Span, Token, TokenKind};
 use crate::model::Model;
+use crate::refusal::Refusal;
 
 /// Compares the tokens of a sentence with texts: words in lower case with one space in between.
 #[derive(Clone, Copy)]
@@ -65,6 +67,20 @@ impl<'a> PhraseMatcher<'_, 'a> {
             // None stands before a list.
             TokenKind::Group(_) | TokenKind::Pronoun => true,
         }
+    }
+
+    /// Appends words of the model; none for an empty text.
+    pub(super) fn write_words(
+        &self,
+        words: &str,
+        span: Span,
+        tokens: &mut Tokens,
+    ) -> Result<(), Refusal> {
+        for text in parts(words).filter(|text| !text.is_empty()) {
+            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
+            push(tokens, TokenKind::Word(index), span)?;
+        }
+        Ok(())
     }
 
     fn known(&self, index: u16) -> &'a str {

@@ -91,7 +91,8 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// where it is followed so.
 ///
 /// Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
-/// to that of "the small red block"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, once
+/// to that of "the small red block"; the table ([`crate::model::Table`]) is named where it is meant, "take the
+/// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, once
 /// the whole sentence is read; where they may mean something else, the sentence has two readings.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
@@ -168,8 +169,7 @@ impl Reader {
         }
     }
 
-    /// Reads the next word of the sentence, or then looks for an arrangement at the next token; false if
-    /// none is left.
+    /// Reads the next word of the sentence, or then does a piece of rewriting; false if nothing is left.
     ///
     /// Cost: one pass over the word and the white space before it, and one binary search in the
     /// lexicon and the words. For a word that is not found there, a few comparisons with each letter
@@ -410,6 +410,9 @@ pub(super) fn push(tokens: &mut Tokens, kind: TokenKind, span: Span) -> Result<(
 
 /// What a group says that excludes a further property.
 fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Option<Property> {
+    if filters.is_table() {
+        return filters.choice();
+    }
     match property {
         Property::Concept(concept) => {
             let attribute_of = |concept: u8| {
@@ -423,6 +426,12 @@ fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Opti
         }
         Property::Extreme(_) | Property::Quantifier(_) => {
             filters.choice().filter(|other| *other != property)
+        }
+        // The table is described by no other word.
+        Property::Table => {
+            let first = filters.concepts().first();
+            let first = first.map(|concept| Property::Concept(*concept));
+            first.or(filters.choice())
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{
     Concept, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION,
     Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
     OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Thresholds,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Table, Thresholds,
     VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
@@ -56,6 +56,7 @@ builder! {
         several, with_several: Several<'a> = Several::UNSET;
         apart, with_apart: Apart<'a> = Apart::UNSET;
         arrangements, with_arrangements: Arrangements<'a> = Arrangements::UNSET;
+        table, with_table: Table<'a> = Table::UNSET;
         spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
@@ -133,6 +134,15 @@ builder! {
         text, with_text: &'a str = "";
         pattern, with_pattern: u8 = NOWHERE;
         arrangement, with_arrangement: u8 = NOWHERE;
+    }
+    ['a] Table<'a> {
+        action, with_action: u8 = NOWHERE;
+        sides, with_sides: &'a [u8] = &[];
+        off, with_off: &'a [&'a str] = &[];
+        standing, with_standing: &'a str = "";
+        order, with_order: &'a str = "";
+        down, with_down: &'a [&'a str] = &[];
+        relation, with_relation: &'a str = "";
     }
     ['a] Spelling<'a> {
         heard, with_heard: &'a [Heard<'a>] = &[];

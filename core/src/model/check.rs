@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-use super::{Model, WorkSpace};
+use super::{MAX_SIDES, Model, Table, WorkSpace};
 use crate::camera::CameraError;
 use crate::dsl::{Extreme, Property, Quantifier};
 use crate::nn::is_unit;
@@ -58,6 +58,18 @@ pub enum ModelFault<'a> {
     /// A word that an arrangement is read as is none of the model's; the word.
     #[error("word \"{0}\", as which an arrangement is read, isn't there")]
     ArrangementWord(&'a str),
+    /// The table names an action that isn't there, or too many.
+    #[error("the table names an action that isn't there, or more than {MAX_SIDES} sides")]
+    TableAction,
+    /// By its height, the highest object on the table may stand on the lowest one.
+    #[error("the highest object on the table is as high as one that stands on the lowest")]
+    TableHeight,
+    /// What means the table is not sorted and unique; the text out of order.
+    #[error("\"{0}\", which means the table, is out of order or repeated")]
+    TableText(&'a str),
+    /// A word that is read of the table is none of the model's; the word.
+    #[error("word \"{0}\", which is read of the table, isn't there")]
+    TableWord(&'a str),
     /// Words that are heard as others are not sorted and unique, or known themselves; the word.
     #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
     HeardOrder(&'a str),
@@ -207,6 +219,7 @@ impl<'a> Model<'a> {
                 }
                 Property::Extreme(_) => true,
                 Property::Quantifier(quantifier) => quantifier != Quantifier::Each,
+                Property::Table => self.table.is_place(),
             };
             if !is_there {
                 return Err(ModelFault::LexiconProperty(entry.text));
@@ -219,6 +232,7 @@ impl<'a> Model<'a> {
         self.check_pronouns()?;
         self.check_several()?;
         self.check_arrangements()?;
+        self.check_table()?;
         self.check_spelling()
     }
 
@@ -278,17 +292,55 @@ impl<'a> Model<'a> {
         let read_as = said.arrangements.iter();
         let read_as = read_as.flat_map(|each| [each.order, each.relation]);
         let next = (!said.openings.is_empty()).then_some(said.next);
-        let mut read_as = read_as.chain(next).flat_map(|text| text.split(' '));
-        let is_word = |text: &str| self.words.iter().any(|word| word.text == text);
-        match read_as.find(|text| !is_word(text)) {
+        match self.first_unknown(read_as.chain(next)) {
             Some(text) => Err(ModelFault::ArrangementWord(text)),
             None => Ok(()),
         }
     }
 
+    fn check_table(&self) -> Result<(), ModelFault<'a>> {
+        let Table {
+            action,
+            sides,
+            off,
+            standing,
+            order,
+            down,
+            relation,
+        } = self.table;
+        if sides.is_empty() {
+            return Ok(());
+        }
+        let is_action = |index: &u8| usize::from(*index) < self.actions.len();
+        if sides.len() > MAX_SIDES || !sides.iter().chain([&action]).all(is_action) {
+            return Err(ModelFault::TableAction);
+        }
+        for texts in [off, down] {
+            let mut pairs = texts.windows(2);
+            if let Some([_, text]) = pairs.find(|pair| !pair.is_sorted_by(|a, b| a < b)) {
+                return Err(ModelFault::TableText(text));
+            }
+        }
+        if self.on_table_below_m().is_none() {
+            return Err(ModelFault::TableHeight);
+        }
+        match self.first_unknown([standing, order, relation].into_iter()) {
+            Some(text) => Err(ModelFault::TableWord(text)),
+            None => Ok(()),
+        }
+    }
+
+    /// The first word of these texts that is none of the model's.
+    fn first_unknown(&self, mut texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+        let is_word = |text: &str| self.words.iter().any(|word| word.text == text);
+        texts.find_map(|text| text.split(' ').find(|text| !is_word(text)))
+    }
+
     /// Whether the words of every sentence are read as they stand.
     pub(crate) const fn has_no_rewriting(&self) -> bool {
-        self.arrangements.openings.is_empty() && self.apart.phrases.is_empty()
+        self.arrangements.openings.is_empty()
+            && self.apart.phrases.is_empty()
+            && !self.table.is_place()
     }
 
     fn is_known(&self, text: &str) -> bool {

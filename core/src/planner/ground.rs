@@ -4,6 +4,7 @@ use core::task::Poll;
 use nalgebra::{Isometry3, Translation3};
 
 use super::resolve::{Resolver, Within};
+use super::room::{Beside, Room};
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 use crate::action::simulate;
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
@@ -18,7 +19,8 @@ use crate::viewpoint::Viewpoint;
 
 /// Grounds a parsed sentence in a scene (sections IV-C and IV-D), from any step on, so that the
 /// rest of a program can be planned again in each observed scene. Each [`GroundingTask::poll`] does
-/// one of: the calibration check, one object's score, one choice of an object, or one action. All
+/// one of: the calibration check, one object's score, one choice of an object, one place on the
+/// table, or one action. All
 /// scratch memory is in here.
 ///
 /// A step that moves several objects is replaced by one for each of them before it is grounded.
@@ -32,6 +34,7 @@ pub struct GroundingTask<'m, S> {
     /// Where the objects are after the steps so far, as the training's camera would see them.
     locations: [[f32; LOCATION]; MAX_OBJECTS],
     resolver: Resolver,
+    room: Room,
     plan: Plan,
     stage: Stage,
 }
@@ -57,13 +60,19 @@ enum Stage {
         step: usize,
         object: Option<Grounding>,
     },
-    /// The objects to move are sought.
+    /// The objects to move are sought; without a reference, they are put on the table.
     Several {
         step: usize,
-        reference: Grounding,
+        reference: Option<Grounding>,
+    },
+    /// A free place on the table is sought.
+    Room {
+        step: usize,
+        object: Grounding,
     },
     Act {
         step: usize,
+        action: u8,
         object: Grounding,
         reference: Grounding,
     },
@@ -88,6 +97,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             viewpoint,
             locations,
             resolver: Resolver::new(&Description::new()),
+            room: Room::new(),
             stage: Stage::Done(checked.err()),
         };
         if checked.is_ok() {
@@ -152,6 +162,9 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 let Some(object) = self.resolve(step, Argument::Object)? else {
                     return Ok(stage);
                 };
+                if self.symbols(step)?.reference.filters().is_table() {
+                    return self.begin_room(step, object);
+                }
                 self.seek(step, Argument::Reference)?;
                 let object = Some(object);
                 Ok(Stage::Reference { step, object })
@@ -162,6 +175,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 };
                 let Some(object) = object else {
                     self.seek(step, Argument::Object)?;
+                    let reference = Some(reference);
                     return Ok(Stage::Several { step, reference });
                 };
                 if reference.index == object.index {
@@ -172,13 +186,15 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 }
                 Ok(Stage::Act {
                     step,
+                    action: self.symbols(step)?.action,
                     object,
                     reference,
                 })
             }
             Stage::Several { step, reference } => {
                 let (resolver, description, within) = self.resolving(step, Argument::Object)?;
-                let Some(ids) = resolver.poll_several(description, &within, &reference)? else {
+                let found = resolver.poll_several(description, &within, reference.as_ref())?;
+                let Some(ids) = found else {
                     return Ok(stage);
                 };
                 if !self.plan.expand(step, &ids) {
@@ -187,12 +203,28 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 }
                 self.begin_step(step)
             }
+            Stage::Room { step, object } => {
+                let mut room = self.room;
+                let (_, _, within) = self.resolving(step, Argument::Reference)?;
+                let beside = room.poll(object.index.into(), &within)?;
+                self.room = room;
+                Ok(match beside {
+                    Some(Beside { action, neighbour }) => Stage::Act {
+                        step,
+                        action,
+                        object,
+                        reference: neighbour,
+                    },
+                    None => stage,
+                })
+            }
             Stage::Act {
                 step,
+                action,
                 object,
                 reference,
             } => {
-                self.act(step, object, reference)?;
+                self.act(step, action, object, reference)?;
                 self.begin_step(step.saturating_add(1))
             }
             Stage::Done(refusal) => Ok(Stage::Done(refusal)),
@@ -213,11 +245,29 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             return Ok(Stage::Done(self.doubt()));
         };
         if let Some(Quantifier::All | Quantifier::Both) = symbols.object.filters().quantifier() {
+            if symbols.reference.filters().is_table() {
+                self.seek(step, Argument::Object)?;
+                let reference = None;
+                return Ok(Stage::Several { step, reference });
+            }
             self.seek(step, Argument::Reference)?;
             return Ok(Stage::Reference { step, object: None });
         }
         self.seek(step, Argument::Object)?;
         Ok(Stage::Object { step })
+    }
+
+    /// The object is to be put on the table.
+    fn begin_room(&mut self, step: usize, object: Grounding) -> Result<Stage, Refusal> {
+        let (_, _, within) = self.resolving(step, Argument::Reference)?;
+        if within.is_on_table(object.index.into()) {
+            return Err(Refusal::AlreadyOnTable {
+                step: step as u8,
+                object: object.object,
+            });
+        }
+        self.room = Room::new();
+        Ok(Stage::Room { step, object })
     }
 
     /// Why the finished plan is refused, if it is.
@@ -264,12 +314,17 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
     }
 
     /// Predicts where the object will be, and moves it there for the following steps.
-    fn act(&mut self, step: usize, object: Grounding, reference: Grounding) -> Result<(), Refusal> {
+    fn act(
+        &mut self,
+        step: usize,
+        action: u8,
+        object: Grounding,
+        reference: Grounding,
+    ) -> Result<(), Refusal> {
         let not_finite = |quantity| Refusal::NotFinite {
             step: step as u8,
             quantity,
         };
-        let action = self.symbols(step)?.action;
         let parameters = self
             .model
             .actions

@@ -7,6 +7,7 @@
 mod ground;
 mod plan;
 mod resolve;
+mod room;
 mod superlative;
 mod task;
 #[cfg(test)]
@@ -27,8 +28,8 @@ use crate::capacity::{
 };
 use crate::language::{Parsed, ParsingTask, SUPERLATIVES};
 use crate::model::{
-    ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, Model,
-    OPERATOR_HIDDEN, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, VIEW_EMBEDDING, WORD,
+    ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, MAX_SIDES,
+    Model, OPERATOR_HIDDEN, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, VIEW_EMBEDDING, WORD,
 };
 use crate::refusal::Refusal;
 use crate::scene::Scene;
@@ -92,13 +93,15 @@ pub const UNIT_SIZES: usize = 64;
 /// words and what is rewritten, and for each way to split it tokens through splitter and encoder, and for each step its
 /// begin, three decoders and the role of each group; the scene against the calibration, which takes another for each cause that
 /// may explain what disagrees; and for each step two descriptions, each with all that it relates to
-/// over all objects and a choice, and the action, twice if it moves several objects.
+/// over all objects and a choice, or each place on the table, and the action, twice if it moves several
+/// objects.
 pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
     + Cause::ALL.len()
     + 2 * MAX_STEPS * GROUNDING_POLLS
     + 3;
-const READING_POLLS: usize = (MAX_FILTERS + 5) * MAX_TOKENS + 4 + MAX_STEPS * (4 + MAX_GROUPS);
-const GROUNDING_POLLS: usize = 2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + 1;
+const READING_POLLS: usize = (MAX_FILTERS + 6) * MAX_TOKENS + 4 + MAX_STEPS * (4 + MAX_GROUPS);
+const GROUNDING_POLLS: usize =
+    2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + MAX_SIDES * MAX_OBJECTS + 1 + 1;
 
 /// Plans with one model. Holds only a reference to the model.
 ///

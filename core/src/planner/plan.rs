@@ -114,11 +114,11 @@ impl Confidence {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PlannedStep {
-    /// Index into [`crate::Model::actions`].
+    /// Index into [`crate::Model::actions`]. For the table, the action that gives the place there.
     pub action: u8,
     /// The object that is moved.
     pub object: Grounding,
-    /// The reference object.
+    /// The reference object. For the table, the object that the place is beside.
     pub reference: Grounding,
     /// Where the moved object will be observed: box corners x1, y1, x2, y2 as fractions of the
     /// image, mean depth in metres. May lie outside the image.

@@ -46,8 +46,14 @@ pub(super) struct Within<'a> {
 impl Resolver {
     /// Nothing scored yet.
     pub(super) fn new(description: &Description) -> Self {
+        let relations = description.relations();
+        // The table is no object that is sought.
+        let sought = match relations.split_last() {
+            Some((innermost, others)) if innermost.to.is_table() => others,
+            _ => relations,
+        };
         Self {
-            level: description.relations().len(),
+            level: sought.len(),
             anchor: None,
             scores: Scores::new(),
             volumes: [0.0; MAX_OBJECTS],
@@ -86,12 +92,13 @@ impl Resolver {
     /// the highest to the lowest, so that none carries one that is moved later.
     ///
     /// * `description`: the one that it was made for
-    /// * `reference`: what they are moved in relation to, which is none of them
+    /// * `reference`: what they are moved in relation to, which is none of them; `None` for the table, on
+    ///   which none of them stands
     pub(super) fn poll_several(
         &mut self,
         description: &Description,
         within: &Within<'_>,
-        reference: &Grounding,
+        reference: Option<&Grounding>,
     ) -> Result<Option<Vec<u32, MAX_OBJECTS, u8>>, Refusal> {
         if self.level > 0 {
             // Its relation is to a single object.
@@ -105,13 +112,19 @@ impl Resolver {
         let mut unclear = Candidates::default();
         // Heights and ids, the highest first.
         let mut found: Vec<(f32, u32), MAX_OBJECTS, u8> = Vec::new();
+        let mut on_table = None;
         let objects = within.scene.objects().iter().zip(within.locations);
         let scores = self.scores.values().iter().zip(seen_in_part(within));
         for (index, ((object, location), (&score, is_partial))) in objects.zip(scores).enumerate() {
-            if index == usize::from(reference.index) {
-                continue;
-            }
             let fits = score >= threshold;
+            match reference {
+                Some(reference) if index == usize::from(reference.index) => continue,
+                None if within.is_on_table(index) => {
+                    on_table = on_table.or(fits.then_some(object.id));
+                    continue;
+                }
+                _ => {}
+            }
             let related = self.relation(description, within, index)?;
             let is_vague = fits && related.is_some_and(|related| related < RELATION_CLEAR);
             if is_vague || (is_partial && !description.concepts().is_empty()) {
@@ -131,6 +144,10 @@ impl Resolver {
                 // As many places as a scene has objects.
                 let _ = found.push(lower);
             }
+        }
+        if let Some(object) = on_table.filter(|_| found.is_empty()) {
+            let step = within.step as u8;
+            return Err(Refusal::AlreadyOnTable { step, object });
         }
         if found.is_empty() {
             let best = self.best(within);
@@ -191,15 +208,21 @@ impl Resolver {
         Ok(related.map_or(filtered, |related| filtered.min(related)))
     }
 
-    /// How clearly an object is in the relation to the anchor, which never is; `None` without a
-    /// relation, and for a superlative, which compares those that fit.
+    /// How clearly an object is in the relation to the anchor, which never is, or to the table; `None`
+    /// without a relation, and for a superlative, which compares those that fit.
     fn relation(
         &self,
         sought: &Description,
         within: &Within<'_>,
         index: usize,
     ) -> Result<Option<f32>, Refusal> {
-        let Some((relation, anchor)) = sought.relations().first().zip(self.anchor) else {
+        let Some(relation) = sought.relations().first() else {
+            return Ok(None);
+        };
+        if relation.to.is_table() {
+            return Ok(Some(if within.is_on_table(index) { 1.0 } else { -1.0 }));
+        }
+        let Some(anchor) = self.anchor else {
             return Ok(None);
         };
         let anchor = usize::from(anchor.index);
@@ -294,6 +317,17 @@ impl Within<'_> {
         self.viewpoint
             .training()
             .locate(self.model.camera, location)
+    }
+
+    /// Whether an object of the scene stands on the table.
+    pub(super) fn is_on_table(&self, index: usize) -> bool {
+        let place = self
+            .locations
+            .get(index)
+            .map(|location| self.place(location));
+        place
+            .zip(self.model.on_table_below_m())
+            .is_some_and(|(place, below_m)| place.z < below_m)
     }
 
     pub(super) const fn not_finite(&self) -> Refusal {

@@ -18,7 +18,7 @@ const PARTIAL_OFF_M: f32 = 0.015;
 /// How far apart the centres of two objects are at most along the table if one stands on the other, and
 /// how much higher that one is at least, metres: half an edge of the paper's larger blocks, farther out
 /// nothing rests, and half of what its smaller blocks are higher by on each other.
-const ON_TOP_M: (f32, f32) = (0.03, 0.02);
+pub(super) const ON_TOP_M: (f32, f32) = (0.03, 0.02);
 
 /// What the objects that fit are compared by.
 #[derive(Debug, Clone, Copy)]
@@ -198,7 +198,7 @@ fn mark_partial(are_partial: &mut [bool], locations: &[[f32; LOCATION]], within:
 }
 
 /// Whether a nearer object hides much of it.
-fn is_hidden(object: &[f32; LOCATION], objects: &[[f32; LOCATION]]) -> bool {
+pub(super) fn is_hidden(object: &[f32; LOCATION], objects: &[[f32; LOCATION]]) -> bool {
     let [left, top, right, bottom, depth_m] = *object;
     let area = (right - left) * (bottom - top);
     objects.iter().any(|&[x1, y1, x2, y2, other_m]| {

@@ -1,6 +1,7 @@
 mod extremes;
 mod relations;
 mod several;
+mod table;
 
 use core::task::Poll;
 use std::string::{String, ToString};

@@ -294,9 +294,11 @@ impl<'m> Job<'m> {
             Err(refusal) => return Err(Failure::Refused(refusal)),
         }
         self.next = self.plan.steps().first().copied();
-        self.reference = self
-            .next
-            .and_then(|next| self.view(&scene, limits).see(next.reference.object));
+        let next = self.plan.numbered().next();
+        // What is put on the table stays there, whatever it stands beside.
+        self.reference = next
+            .filter(|(_, understood, _)| !understood.reference.filters().is_table())
+            .and_then(|(.., next)| self.view(&scene, limits).see(next.reference.object));
         if too_old(taken_ns, limits, now_ns).is_some() {
             // Too old by now: grounding takes time.
             self.look_to_ground(taken_ns, since_ns);

@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 43] = [
+pub const REASONS: [&str; 46] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -96,6 +96,9 @@ pub const REASONS: [&str; 43] = [
     "unclear_pronoun",
     "several_references",
     "other_number",
+    "only_on_table",
+    "already_on_table",
+    "no_room_on_table",
     OTHER,
 ];
 

@@ -57,7 +57,7 @@ message! {
         /// Id of the object to move; 0 if the step is not grounded, and then all fields below are
         /// 0.
         pub object_id: u32,
-        /// Id of the reference.
+        /// Id of the reference; of the table, that of the object beside which there is room.
         pub reference_id: u32,
         /// How well the object fits its description, a cosine.
         pub object_score: f32,

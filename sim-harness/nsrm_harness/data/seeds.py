@@ -53,6 +53,7 @@ STREAMS = {
     "several": 87,
     "arranged": 88,
     "apart": 89,
+    "on_table": 90,
 }
 
 

@@ -22,8 +22,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
-from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES
-from nsrm_harness.domain.rewriting import Apart, Arrangements
+from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE
+from nsrm_harness.domain.rewriting import Apart, Arrangements, Table
 from nsrm_harness.domain.wording import (
     Alternatives,
     Commands,
@@ -269,6 +269,7 @@ class Domain:
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     apart: Annotated[Apart | None, Field(default=None), BeforeValidator(_not_null)]
     arrangements: Annotated[Arrangements | None, Field(default=None), BeforeValidator(_not_null)]
+    table: Annotated[Table | None, Field(default=None), BeforeValidator(_not_null)]
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
     spelling: Annotated[SpellingWords | None, Field(default=None), BeforeValidator(_not_null)]
@@ -309,10 +310,18 @@ class Domain:
         """The words for several objects that are moved, by what they mean in programs."""
         return self.several.quantifiers() if self.several is not None else {}
 
+    def table_words(self) -> dict[str, tuple[str, ...]]:
+        """The words for the table, by its name in programs."""
+        return {TABLE: self.table.words} if self.table is not None else {}
+
     def group_words(self) -> set[str]:
-        """The words for which a group token stands: those of concepts, of extremes, and for several
-        objects."""
-        choices = (*self.extremes.values(), *self.quantifier_words().values())
+        """The words for which a group token stands: those of concepts, of extremes, for several
+        objects, and for the table."""
+        choices = (
+            *self.extremes.values(),
+            *self.quantifier_words().values(),
+            *self.table_words().values(),
+        )
         return {*self.lexicon(), *(word for words in choices for word in words)}
 
     def vocabulary(self) -> list[str]:

@@ -25,9 +25,9 @@ from nsrm_harness.domain.domain import (
     Domain,
     EverydayWords,
 )
-from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, Program, Relation, Step
+from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
-from nsrm_harness.domain.rewriting import expanded
+from nsrm_harness.domain.rewriting import expanded, with_sides
 
 #: The wording of the paper's domain.
 EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
@@ -56,9 +56,17 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes, pronouns, several, apart, arrangements = (
+    synonyms, extremes, pronouns, several, apart, arrangements, table = (
         _taken_out(words, name, path)
-        for name in ("synonyms", "extremes", "pronouns", "several", "apart", "arrangements")
+        for name in (
+            "synonyms",
+            "extremes",
+            "pronouns",
+            "several",
+            "apart",
+            "arrangements",
+            "table",
+        )
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -80,6 +88,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["apart"] = apart
     if arrangements := expanded(arrangements, names, words["rules"], str(path)):
         document["arrangements"] = arrangements
+    if table := with_sides(table, names):
+        document["table"] = table
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
@@ -209,6 +219,12 @@ class Speaker:
             # As values, so that no description follows: "that red" is one.
             yield (self._pronoun(is_owner=name == "possessor"),)
             return
+        if said.which == TABLE:
+            if name == "possessor":
+                raise _CannotBeSaidError
+            yield self._choose(("the", "the", "the", "this"))
+            yield self._table()
+            return
         rule = _description_rule(name, said)
         texts, own = self._words.rules[rule], ()
         if rule in RELATING_RULES:
@@ -243,6 +259,11 @@ class Speaker:
         if word in several.every or not {*between} <= {*several.between}:
             between = ()
         return replace(description, quantifier=(word, *between))
+
+    def _table(self) -> tuple[str, ...]:
+        if self._domain.table is None:
+            raise _CannotBeSaidError
+        return (self._choose(self._domain.table.words),)
 
     def _noun(self, description: _Said) -> str:
         """A noun for several objects: in the singular behind "every"."""

@@ -18,6 +18,8 @@ SIZE_EXTREMES = ("Largest", "Smallest")
 #: What says that several objects are moved, in place of an extreme: all that fit, and both of two.
 #: Once it is grounded, such a step is one for each of them.
 ALL, BOTH, EACH = "all", "both", "each"
+#: What says that the table is meant, and no object: as the reference of a step, and of a relation.
+TABLE = "table"
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Relation:
     name: str
     #: Names of the concepts that describe the other object.
     to: tuple[str, ...]
-    #: Which of several such objects: the name of an extreme, "leftmost" or "largest".
+    #: Which of several such objects: the name of an extreme, "leftmost" or "largest"; or `TABLE`.
     which: str | None = None
 
 
@@ -53,7 +55,7 @@ class Step:
     #: Which of several objects that fit is to be moved: the name of an extreme, "leftmost", or
     #: `ALL`, `BOTH` or `EACH` of them.
     object_which: str | None = None
-    #: Which of several is the reference.
+    #: Which of several is the reference, or `TABLE`.
     reference_which: str | None = None
 
     def as_json(self) -> dict[str, Any]:

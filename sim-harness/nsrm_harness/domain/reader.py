@@ -36,6 +36,8 @@ MAX_CONCEPTS = 255
 
 #: Largest number of steps of a program, a capacity of the core.
 MAX_STEPS = 8
+#: Largest number of sides by which a free place on the table is found, a capacity of the core.
+MAX_SIDES = 8
 #: Rules with an alternative for each step.
 COUNTING = ("number", "numbered", "ordinal")
 #: What is filled in from the program, and the rules that it uses.
@@ -108,7 +110,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
-    for check in (_words, _held_out, _pronouns, _several, _apart, _arrangements, _spelling):
+    for check in (_words, _held_out, _pronouns, _several, _apart, _arrangements, _table, _spelling):
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -182,6 +184,7 @@ def _words(domain: Domain) -> Faults:
         (f"several.{name}", f"several objects, {name!r}", words)
         for name, words in domain.quantifier_words().items()
     ]
+    named += [("table.words", "the table", words) for words in domain.table_words().values()]
     seen: dict[str, str] = {}
     for key, what, words in named:
         for word in words:
@@ -331,6 +334,33 @@ def _arrangements(domain: Domain) -> Faults:
         for closing, meant in pattern.closings.items():
             if meant not in said.steps:
                 yield "arrangements.patterns", f"{closing!r}: no steps {meant!r}"
+
+
+def _table(domain: Domain) -> Faults:
+    """What is said of the table is read as words of the grammar, and as actions that are there."""
+    table = domain.table
+    if table is None:
+        return
+    names = [action.name for action in domain.actions]
+    for name in (table.action, *table.sides):
+        if name not in names:
+            yield "table", f"no action {name!r}; expected some of {', '.join(names)}"
+    if not 0 < len(table.sides) <= MAX_SIDES:
+        yield "table.sides", f"expected 1 to {MAX_SIDES}, got {len(table.sides)}"
+    heights_m = [value.edges_m[2] for value in domain.concepts if value.edges_m is not None]
+    if 0.5 * max(heights_m) >= 1.5 * min(heights_m):
+        yield (
+            "table",
+            "the highest block is at least three times as high as the lowest, so that what stands "
+            "on the table cannot be told: leave the table out",
+        )
+    known = domain.other_words()
+    for text in table.read_as():
+        for word in text.split(" "):
+            if word not in known:
+                yield "table", f"{word!r} is not a word of the grammar"
+    if not all((*table.off, *table.down)):
+        yield "table", "expected words that mean it: remove the empty string"
 
 
 def _spelling(domain: Domain) -> Faults:

@@ -1,5 +1,5 @@
-"""What the core rewrites before it reads a sentence: values that stand apart, which it joins, and
-towers and rows, which it reads as their steps.
+"""What the core rewrites before it reads a sentence: values that stand apart, which it joins, the
+table where it is meant and not named, and towers and rows, which it reads as their steps.
 
 The parser is not taught them.
 """
@@ -7,13 +7,13 @@ The parser is not taught them.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS
-from nsrm_harness.domain.wording import Identifier, Phrase
+from nsrm_harness.domain.wording import ConceptWords, Identifier, Phrase
 
 _RULE = re.compile(r"\{([a-z_]+)\}")
 
@@ -80,6 +80,42 @@ class Arrangements:
         """The texts that are read in place of what is said."""
         steps = self.steps.values()
         return (self.next, *(text for step in steps for text in (step.order, step.relation)))
+
+
+@dataclass(frozen=True)
+class Table:
+    """The table as a place."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Words for it.
+    words: ConceptWords
+    #: The action that is said of it: "put the red block on the table".
+    action: Identifier
+    #: Those by which a free place is found, beside an object on the table.
+    sides: tuple[Identifier, ...]
+    #: What stands between an object and the one that it is taken off,
+    off: tuple[Phrase, ...]
+    #: what is read instead,
+    standing: Phrase
+    #: and what before the table behind it, if nothing else says where to.
+    order: Phrase
+    #: What means the table if nothing else says where to,
+    down: tuple[Phrase, ...]
+    #: and what is read before the table behind it.
+    relation: Phrase
+
+    def read_as(self) -> tuple[str, ...]:
+        """The texts that are read in place of what is said."""
+        return self.standing, self.order, self.relation
+
+
+def with_sides(table: Mapping[str, Any], actions: Collection[str]) -> dict[str, Any] | None:
+    """The table of a wording file with the sides that the domain has; nothing without any, or
+    without the action."""
+    sides = [name for name in table.get("sides", ()) if name in actions]
+    is_place = sides and table.get("action") in actions
+    return {**table, "sides": sides} if is_place else None
 
 
 def expanded(

@@ -11,6 +11,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same programs with several objects that are moved in one of their steps, "all red blocks", and
   with several references, which nobody can put anything on;
 * the episodes' programs with values that stand apart, and with two of one type (`data.apart`);
+* what is put on the table or stands on it, and such that nobody can do (`data.on_table`);
 * towers and rows, several steps in a few words, and such that mean none (`data.arranged`);
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
@@ -36,6 +37,7 @@ from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.mixed import MixedPrograms
 from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.on_table import TableSentences
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.several import with_several
@@ -79,6 +81,8 @@ MIXED_STEPS, MIXED_COUNT = (1, 2, 3, 5), 1000
 """Numbers of steps of programs that mix all kinds of descriptions, and how many of each."""
 ARRANGED_COUNT = 2000
 """How many towers and rows, and how many that mean none."""
+TABLE_COUNT = 2000
+"""How many sentences about the table, and how many that mean nothing."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -146,6 +150,11 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             count(name, understand(model, sentences))
             for name, sentences in say_arranged(domain, seed).items()
         ]
+    if domain.table is not None:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_on_table(domain, seed).items()
+        ]
     if domain.pronouns:
         rows += [
             count(name, understand(model, sentences))
@@ -199,6 +208,16 @@ def say_arranged(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "towers and rows": [sentences.draw() for _ in range(ARRANGED_COUNT)],
         "no towers and rows": [(sentences.near_miss(), None) for _ in range(ARRANGED_COUNT)],
+    }
+
+
+def say_on_table(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`TABLE_COUNT` sentences about the table, and as many that mean nothing, by the name of their
+    set."""
+    sentences = TableSentences(domain, generator(seed, "on_table", 0))
+    return {
+        "on the table": [sentences.draw() for _ in range(TABLE_COUNT)],
+        "not on the table": [(sentences.near_miss(), None) for _ in range(TABLE_COUNT)],
     }
 
 

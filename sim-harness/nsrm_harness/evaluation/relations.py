@@ -4,8 +4,8 @@ are understood and grounded, through the core.
 They are about episodes of one step, and best about scenes in which blocks stand on each other. A
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
-must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost", and
-several blocks, "all red ones", are counted apart.
+must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost",
+several blocks, "all red ones", and what is put on the table are counted apart.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ from nsrm_harness.domain.program import SUPERLATIVES, Program
 from nsrm_harness.evaluation.language import Counted, count, say, understand
 from nsrm_harness.evaluation.metrics import check_domain, domain_of
 from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
+from nsrm_harness.evaluation.on_table import PutOnTable, put_on_table
 
 Programs = Callable[[Domain, Truth, np.random.Generator, int], list[Program]]
 """So many random programs of an episode."""
@@ -95,6 +96,10 @@ def measure_relations(
             for title, chosen in _several(domain, judge, seed).items():
                 words = _words(domain, chosen, seed)
                 rows.append(_grounded(model, demonstrations, title, chosen, words, quiet))
+        if domain.table is not None:
+            for title, put in put_on_table(domain, judge).items():
+                words = _words(domain, put, seed)
+                rows.append(_grounded(model, demonstrations, title, put, words, quiet))
         return rows
 
 
@@ -132,7 +137,7 @@ def _programs(
     return told, misleading
 
 
-def _words(domain: Domain, told: Sequence[Said], seed: int) -> list[str]:
+def _words(domain: Domain, told: Sequence[Said | PutOnTable], seed: int) -> list[str]:
     """A sentence for each program."""
     return [
         " ".join(Speaker(domain, generator(seed, "told", number)).sentence(each.program))
@@ -144,7 +149,7 @@ def _grounded(
     model: nsrm.Model,
     demonstrations: Demonstrations,
     name: str,
-    told: Sequence[Said],
+    told: Sequence[Said | PutOnTable],
     sentences: Sequence[str],
     quiet: bool,
 ) -> Counted:

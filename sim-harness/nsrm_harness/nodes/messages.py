@@ -52,6 +52,9 @@ REASONS = (
     "unclear_pronoun",
     "several_references",
     "other_number",
+    "only_on_table",
+    "already_on_table",
+    "no_room_on_table",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""
@@ -471,7 +474,7 @@ class StepMessage(ctypes.Structure):
         # Id of the object to move; 0 if the step is not grounded, and then all fields below are
         # 0.
         ("object_id", ctypes.c_uint32),
-        # Id of the reference.
+        # Id of the reference; of the table, that of the object beside which there is room.
         ("reference_id", ctypes.c_uint32),
         # How well the object fits its description, a cosine.
         ("object_score", ctypes.c_float),
@@ -606,7 +609,7 @@ class SubGoal(ctypes.Structure):
         ("action", ctypes.c_uint32),
         # Id of the object to move.
         ("object_id", ctypes.c_uint32),
-        # Id of the reference object.
+        # Id of the reference object; of the table, of the object beside which there is room.
         ("reference_id", ctypes.c_uint32),
         # Product of the step's probabilities, 0 to 1.
         ("confidence", ctypes.c_float),

@@ -33,6 +33,7 @@ PARTS = {
         "pronouns",
         "several",
         "arrangements",
+        "table",
     ),
     "action simulator": ("simulator", "camera"),
 }

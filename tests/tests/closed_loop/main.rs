@@ -11,7 +11,7 @@ mod world;
 use nsrm_core::{Refusal, SceneError};
 use nsrm_ipc::executive::{Command, Event, Failure, Limits, Mode, SceneFault};
 use nsrm_ipc::message::{Outcome, SceneMessage};
-use nsrm_tests::by_hand::{DEPTH_M, Parts, block, raw_scene};
+use nsrm_tests::by_hand::{DEPTH_M, EDGES_M, Parts, block, raw_scene};
 use nsrm_tests::world::{BLOCKS, SENTENCE};
 
 use crate::world::{IN_THE_WAY, MS, TWO_STEPS_DONE, World, unsuccessful};
@@ -232,6 +232,32 @@ fn what_is_moved_first_is_told_and_changes_nothing_else() {
     // After the command's end it is ignored.
     world.say(&command, Outcome::Clearing);
     assert_eq!(world.executive.poll(world.now_ns), Event::Waiting);
+}
+
+/// The blue block, beside which the red one was put on the table, is pushed meanwhile: nothing is wrong.
+#[test]
+fn what_is_put_on_the_table_may_lose_what_it_stands_beside() {
+    let mut parts = Parts::new();
+    parts.add_table();
+    let model = parts.model();
+    assert_eq!(model.check(), Ok(()));
+    let mut world = World::new(&model, Limits::default());
+    let blue = world.scene.objects[1].location;
+    let [left, top, right, bottom, depth_m] = blue;
+    let wider = 0.1 * (right - left);
+    // On the blue block, nearer to the camera.
+    let lifted = depth_m - EDGES_M[2];
+    world.scene.objects[0].location = [left - wider, top, right + wider, bottom, lifted];
+    world.ask("put the red block on the desk", Mode::ClosedLoop);
+    let result = world.run_with(|world, _| {
+        let pushed = &mut world.scene.objects[1].location;
+        pushed[0] += 0.05;
+        pushed[2] += 0.05;
+    });
+    assert_eq!(result, Ok(()), "{:?}", world.log);
+    assert_eq!(world.commands.len(), 1, "{:?}", world.log);
+    let planned = &world.commands[0].planned;
+    assert_eq!((planned.object.object, planned.action), (1, 1));
 }
 
 /// The red block falls while the green one is put onto it: both are put back.

@@ -33,8 +33,9 @@ pub(crate) const WORDS: [&str; 9] = [
     ",", "beside", "jar", "near", "onto", "shift", "the", "then", "to",
 ];
 /// Its lexicon, sorted.
-pub(crate) const LEXICON: [(&str, Property); 12] = [
+pub(crate) const LEXICON: [(&str, Property); 13] = [
     ("amber", Property::Concept(0)),
+    ("bench", Property::Table),
     ("big", Property::Concept(3)),
     ("both", Property::Quantifier(Quantifier::Both)),
     ("every", Property::Quantifier(Quantifier::All)),
@@ -117,6 +118,16 @@ pub(crate) fn domain() -> Value {
                 {"openings": ["pile", "a pile of"], "closings": {"": "up", "downwards": "down"}},
                 {"openings": ["heap"], "closings": {"up": "up"}},
             ],
+        },
+        "table": {
+            "words": ["bench"],
+            "action": "Stack",
+            "sides": ["Flank"],
+            "off": ["off", "down from"],
+            "standing": "onto",
+            "order": "then shift the",
+            "down": ["down"],
+            "relation": "onto the",
         },
         "spelling": {
             "heard": {"steal": "teal", "bare": "beside"},

@@ -229,6 +229,43 @@ fn arrangements_that_mean_nothing() {
 }
 
 #[test]
+fn a_table_that_is_no_place() {
+    let spoils: [(SpoilDomain, &[&str]); 8] = [
+        (|table| table["words"] = json!([]), &["words for the table"]),
+        (|table| table["sides"] = json!([]), &["sides of the table"]),
+        (
+            |table| table["sides"] = json!(vec!["Flank"; 9]),
+            &["sides of the table", "8"],
+        ),
+        (
+            |table| table["sides"] = json!(["Above"]),
+            &["table", "no action \"Above\""],
+        ),
+        (
+            |table| table["action"] = json!("Above"),
+            &["table", "no action \"Above\""],
+        ),
+        (
+            |table| table["order"] = json!("put it"),
+            &["table", "\"put\" is not a word of the"],
+        ),
+        (
+            |table| table["off"] = json!(["Off"]),
+            &["no sentence can contain"],
+        ),
+        (|table| table["words"] = json!(["then"]), &["\"then\""]),
+    ];
+    for (spoil, texts) in spoils {
+        refused_domain(|domain| spoil(&mut domain["table"]), texts);
+    }
+    let error = refused_domain(
+        |domain| domain["attribute"][1]["values"][0]["edges_m"] = json!([0.08, 0.06, 0.1]),
+        &["table", "three times as high"],
+    );
+    assert_eq!(error, ModelError::TableHeight);
+}
+
+#[test]
 fn pronouns_that_are_no_words() {
     let spoils: [(&str, SpoilDomain); 3] = [
         ("that", |domain| domain["pronouns"]["that"] = json!("")),

@@ -5,7 +5,7 @@ use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
 use crate::dsl::{Argument, Description, Filters, RelationKind, Step};
 use crate::language::pronouns::antecedent;
 use crate::language::{GroupRole, Span, StepDecisions, choose_action, choose_group, choose_role};
-use crate::model::INSTRUCTION;
+use crate::model::{INSTRUCTION, Model};
 use crate::nn::{Choice, Dense};
 use crate::refusal::{Decision, Quantity, Refusal};
 
@@ -118,6 +118,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             // It is refused if the words make sense to the end.
             self.unclear.get_or_insert((step as u8, pronoun.span));
         }
+        check_table(
+            self.model,
+            action.index,
+            [&description, &reference_description],
+            step,
+            [span, reference_span],
+        )?;
         check_single(
             &description,
             &reference_description,
@@ -228,6 +235,54 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         })?;
         Ok((description, span))
     }
+}
+
+/// Refuses a step in which the table is anything but what the object is put on, or what an object
+/// stands on.
+///
+/// * `descriptions`: of the object and of the reference
+/// * `spans`: their places
+fn check_table(
+    model: &Model<'_>,
+    action: usize,
+    descriptions: [&Description; ARGUMENTS],
+    step: usize,
+    spans: [Span; ARGUMENTS],
+) -> Result<(), Refusal> {
+    let puts_on = usize::from(model.table.action);
+    let is_misused = |index: usize, description: &Description| {
+        let mut relations = description.relations().iter().rev();
+        let is_innermost_on = relations
+            .next()
+            .is_none_or(|innermost| !innermost.to.is_table() || innermost.kind == on(model));
+        let is_place = index > 0 && action == puts_on && description.relations().is_empty();
+        (description.filters().is_table() && !is_place)
+            || !is_innermost_on
+            || relations.any(|relation| relation.to.is_table())
+    };
+    let [object, reference] = descriptions;
+    // "Take it off the table" says where it is, and not where to.
+    let is_there = matches!(object.relations(), [relation] if relation.to.is_table());
+    if is_there && reference.filters().is_table() {
+        let [span, _] = spans;
+        return Err(Refusal::OnlyOnTable {
+            step: step as u8,
+            span,
+        });
+    }
+    let mut described = descriptions.into_iter().enumerate().zip(spans);
+    match described.find(|((index, description), _)| is_misused(*index, description)) {
+        Some((_, span)) => Err(Refusal::OnlyOnTable {
+            step: step as u8,
+            span,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// How an object is related to the table that it stands on.
+const fn on(model: &Model<'_>) -> RelationKind {
+    RelationKind::Action(model.table.action)
 }
 
 /// Refuses a step in which several objects are meant other than those to be moved, or of which one is

@@ -13,6 +13,10 @@ pub(super) enum Rewriting {
     Apart {
         from: usize,
     },
+    /// For what means the table.
+    Table {
+        from: usize,
+    },
     /// For towers and rows.
     Arrangements {
         from: usize,
@@ -25,7 +29,7 @@ pub(super) enum Rewriting {
 }
 
 impl Reader {
-    /// Joins values that stand apart, replaces arrangements, then joins values that stand beside each other:
+    /// Joins values that stand apart, names the table where it is meant, replaces arrangements, then joins values that stand beside each other:
     /// a piece of it. False if all tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
@@ -34,6 +38,7 @@ impl Reader {
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
             Rewriting::Apart { from } => self.join(said, from, false)?,
+            Rewriting::Table { from } => self.name_table(said, from)?,
             Rewriting::Arrangements { from } => self.arrange(said, from)?,
             Rewriting::Beside { from } => self.join(said, from, true)?,
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
@@ -55,8 +60,7 @@ impl Reader {
         let joint = groups.find_map(|at| said.joint(&self.tokens, at, directly));
         let Some(joint) = joint else {
             self.rewriting = match directly {
-                false if said.has_list(&self.tokens) => Rewriting::Arrangements { from: 0 },
-                false => Rewriting::Beside { from: 0 },
+                false => Rewriting::Table { from: 0 },
                 true => Rewriting::Done,
             };
             return Ok(());
@@ -68,6 +72,26 @@ impl Reader {
         self.rewriting = match directly {
             false => Rewriting::Apart { from },
             true => Rewriting::Beside { from },
+        };
+        Ok(())
+    }
+
+    /// Names the table at the next words that mean it, if there are any. Where this is one known word, the
+    /// sentence has two readings.
+    fn name_table(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        let implied = places.find_map(|at| Some((at, said.implied_table(&self.tokens, at)?)));
+        self.rewriting = match implied {
+            None if said.has_list(&self.tokens) => Rewriting::Arrangements { from: 0 },
+            None => Rewriting::Beside { from: 0 },
+            Some((at, implied)) => {
+                let mut from = at.saturating_add(1);
+                let is_sure = !PhraseMatcher::may_be_read(&self.tokens, &implied);
+                if is_sure || self.choose(2) == Some(1) {
+                    (self.tokens, from) = said.with_table(&self.tokens, &implied)?;
+                }
+                Rewriting::Table { from }
+            }
         };
         Ok(())
     }

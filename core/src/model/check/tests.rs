@@ -1,8 +1,8 @@
 use super::*;
 use crate::fixture;
 use crate::model::{
-    Arrangement, Arrangements, Closing, Concept, Embeddings, Heard, LexiconEntry, Opening, Plural,
-    Pronoun, Several, Spelling, Word, WordEmbeddings,
+    Arrangement, Arrangements, Closing, Concept, Embeddings, Heard, LexiconEntry, MAX_SIDES,
+    Opening, Plural, Pronoun, Several, Spelling, Table, Word, WordEmbeddings,
 };
 
 #[test]
@@ -275,4 +275,41 @@ fn the_bounds_of_the_work_space_are_inside() {
     assert!(!space.contains(&[0.5, 0.5001, 0.3]));
     assert!(!space.contains(&[0.5, 0.0, -0.0001]));
     assert!(!space.contains(&[0.5, f32::NAN, 0.3]));
+}
+
+#[test]
+fn each_fault_of_a_table_is_named() {
+    let model = fixture::with_table();
+    let check = |change: fn(&mut Table<'static>)| {
+        let mut table = model.table;
+        change(&mut table);
+        model.with_table(table).check()
+    };
+    assert_eq!(check(|_| ()), Ok(()));
+    let faults: [(fn(&mut Table<'static>), ModelFault<'_>); 6] = [
+        (|table| table.action = 2, ModelFault::TableAction),
+        (|table| table.sides = &[2], ModelFault::TableAction),
+        (
+            |table| table.sides = &[1; MAX_SIDES + 1],
+            ModelFault::TableAction,
+        ),
+        (
+            |table| table.off = &["off", "down from"],
+            ModelFault::TableText("down from"),
+        ),
+        (|table| table.order = "put  on", ModelFault::TableWord("")),
+        // A word of the lexicon then means what is not there.
+        (
+            |table| table.sides = &[],
+            ModelFault::LexiconProperty("desk"),
+        ),
+    ];
+    for (change, fault) in faults {
+        assert_eq!(check(change), Err(fault));
+    }
+    let mut concepts = model.concepts.to_vec();
+    // Three times as high as the lowest.
+    concepts[2].edges_m = Some([0.1, 0.1, 3.0 * fixture::EDGE_M]);
+    let model = model.with_concepts(&concepts);
+    assert_eq!(model.check(), Err(ModelFault::TableHeight));
 }

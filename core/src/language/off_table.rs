@@ -1,0 +1,247 @@
+//! The table where it is not named: "take the red block off the blue one", "put it down".
+//!
+//! The words are replaced by those that name it, "take the red block that is on the blue one and put it on
+//! the [table]", which the network reads and judges as if they had been said. Nothing is learned here: the
+//! model lists what is said and how it is read ([`crate::model::Table`]).
+
+use core::ops::Range;
+
+use super::phrases::{PhraseMatcher, parts};
+use super::pronouns::pronoun;
+use super::tokens::{Tokens, push};
+use super::{Span, Token, TokenKind};
+use crate::dsl::{Filters, Property};
+use crate::refusal::Refusal;
+
+/// What means the table, and how it is read.
+pub(super) struct Implied<'a> {
+    /// The words that mean it.
+    said: Range<usize>,
+    /// The words in their place: empty for none, `None` if they stay.
+    instead: Option<&'a str>,
+    /// Index of the token before which the table is read, with the words before it; `None` if another
+    /// place is named.
+    place: Option<(usize, &'a str)>,
+}
+
+impl<'a> PhraseMatcher<'_, 'a> {
+    /// What means the table and begins at a token.
+    pub(super) fn implied_table(&self, tokens: &[Token], at: usize) -> Option<Implied<'a>> {
+        let table = self.model.table;
+        let rest = tokens.get(at..).filter(|_| table.is_place())?;
+        let first = rest.first().filter(|token| !token.is_group())?;
+        let longest = |texts: &[&str]| {
+            let from = texts.partition_point(|text| self.is_behind(first, text));
+            let texts = texts.get(from..).unwrap_or_default().iter();
+            let texts =
+                texts.take_while(|text| self.is(first, parts(text).next().unwrap_or_default()));
+            texts.filter_map(|text| self.begins_with(rest, text)).max()
+        };
+        let (off, down) = (longest(table.off), longest(table.down));
+        let said = at..at.checked_add(off.or(down)?)?;
+        let ends = |token: &Token| self.is_one_of(self.model.arrangements.ends, token);
+        let behind = tokens.get(said.end..)?;
+        let clause = behind.iter().position(ends).unwrap_or(behind.len());
+        let clause = behind.get(..clause)?;
+        let before = tokens
+            .get(..at)?
+            .iter()
+            .rev()
+            .take_while(|token| !ends(token));
+        let moved = before.clone().filter(|token| token.is_group()).count();
+        let is_pronoun = |token: &Token| self.is_pronoun(token);
+        let others = clause.iter().filter(|token| token.is_group()).count();
+        // The table is read before ", please" and "and".
+        let last = clause.iter().rposition(Token::is_group).unwrap_or(0);
+        let mut rest = clause.iter().skip(last);
+        let separator = rest.position(|token| self.ends_clause(token));
+        let length = separator.map_or(clause.len(), |separator| last.saturating_add(separator));
+        let end = said.end.checked_add(length)?;
+        let goes_on = self.goes_on(behind.get(length..).unwrap_or_default());
+        let is_moved = moved == 1 || before.clone().any(is_pronoun);
+        if off.is_some() {
+            let instead = match (moved, others) {
+                (1, 1) => table.standing,
+                (_, 0) if said.len() == 1 && is_moved => "",
+                _ => return None,
+            };
+            let place = (!goes_on).then_some((end, table.order));
+            return Some(Implied {
+                said,
+                instead: Some(instead),
+                place,
+            });
+        }
+        let at = match (is_moved, others) {
+            (true, 0) => said.end,
+            (false, 1) => end,
+            _ => return None,
+        };
+        let words = tokens.get(said.clone())?;
+        let is_unknown = words.iter().any(|token| token.kind == TokenKind::Unknown);
+        (!goes_on).then_some(Implied {
+            said,
+            instead: is_unknown.then_some(""),
+            place: Some((at, table.relation)),
+        })
+    }
+
+    /// The tokens as they are read, and the index behind what was replaced.
+    pub(super) fn with_table(
+        &self,
+        tokens: &[Token],
+        implied: &Implied<'a>,
+    ) -> Result<(Tokens, usize), Refusal> {
+        let Implied {
+            said,
+            instead,
+            place,
+        } = implied;
+        let (mut read, mut behind) = (Tokens::new(), 0);
+        let words = tokens.get(said.clone()).unwrap_or_default();
+        let first = words.first().ok_or(Refusal::InvalidModel)?;
+        let span = Span {
+            start: first.span.start,
+            end: words.last().unwrap_or(first).span.end,
+        };
+        for index in 0..=tokens.len() {
+            if let Some(instead) = instead.filter(|_| index == said.start) {
+                self.write_words(instead, span, &mut read)?;
+            }
+            if let Some((_, words)) = place.filter(|(at, _)| *at == index) {
+                let mut table = Filters::new();
+                // It has room.
+                let _ = table.add(Property::Table);
+                self.write_words(words, span, &mut read)?;
+                push(&mut read, TokenKind::Group(table), span)?;
+            }
+            if index == said.end {
+                behind = read.len();
+            }
+            if let Some(token) = tokens.get(index)
+                && (instead.is_none() || !said.contains(&index))
+            {
+                push(&mut read, token.kind, token.span)?;
+            }
+        }
+        Ok((read, behind))
+    }
+
+    /// Whether what means the table may mean something else: a single word that is known.
+    pub(super) fn may_be_read(tokens: &[Token], implied: &Implied<'_>) -> bool {
+        let words = tokens.get(implied.said.clone()).unwrap_or_default();
+        matches!(words, [word] if word.kind != TokenKind::Unknown)
+    }
+
+    /// Whether a token stands between two clauses: as it ends a list, or separates what is listed.
+    fn ends_clause(&self, token: &Token) -> bool {
+        let lists = self.model.arrangements;
+        self.is_one_of(lists.ends, token) || self.is_one_of(lists.between, token)
+    }
+
+    /// Whether these tokens say what is done with what was described before, "and put it on the blue one",
+    /// unlike "after that, put that red block on …".
+    fn goes_on(&self, tokens: &[Token]) -> bool {
+        let group = tokens.iter().position(|token| token.filters().is_some());
+        let end = group.map_or(tokens.len(), |group| group.saturating_add(1));
+        let before = tokens.get(..end).unwrap_or_default();
+        before.windows(2).any(|pair| match pair {
+            [pronoun, next] => {
+                self.is_pronoun(pronoun) && !next.is_group() && !self.ends_clause(next)
+            }
+            _ => false,
+        })
+    }
+
+    fn is_pronoun(&self, token: &Token) -> bool {
+        match token.kind {
+            TokenKind::Pronoun => true,
+            TokenKind::Word(index) => pronoun(self.model, index).is_some(),
+            _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::fixture::{self, parse};
+    use crate::refusal::Refusal;
+
+    #[test]
+    fn the_table_is_read_where_it_is_meant() {
+        let model = fixture::with_table();
+        for (sentence, read_as) in [
+            ("put red off green", "put red above green on the desk"),
+            ("put red down from green", "put red above green on the desk"),
+            ("put red off", "put red on the desk"),
+            ("put red down", "put red on the desk"),
+            (
+                "put red down then put lego on small",
+                "put red on the desk then put lego on small",
+            ),
+            ("put down the red", "put the red on the desk"),
+            (
+                "put red off green then put lego on small",
+                "put red above green on the desk then put lego on small",
+            ),
+            (
+                "put lego on small then put red down",
+                "put lego on small then put red on the desk",
+            ),
+            // All words are known: it is read so if nothing else makes sense.
+            (
+                "put red near green then put lego on small",
+                "put red near green then put lego on small",
+            ),
+        ] {
+            assert_eq!(
+                parse(&model, sentence),
+                parse(&model, read_as),
+                "{sentence}"
+            );
+        }
+    }
+
+    #[test]
+    fn elsewhere_the_words_are_unknown() {
+        for sentence in [
+            "put red on green off",
+            "put off",
+            // As in "get off the red block".
+            "put off red",
+            "put red down from",
+            "put red down on green",
+            "put red on green down",
+            "off red on green",
+        ] {
+            let refusal = parse(&fixture::with_table(), sentence).unwrap_err();
+            assert!(
+                matches!(refusal, Refusal::UnknownWord { .. }),
+                "{sentence}: {refusal:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn objects_are_only_put_on_the_table_or_stand_on_it() {
+        for sentence in [
+            "put red right desk",
+            "put desk on red",
+            "put red on desk beside green",
+            "put red beside desk on green",
+            "put red above green beside desk on lego",
+            "put red on green closest desk",
+            "put red above desk on desk",
+        ] {
+            let refusal = parse(&fixture::with_table(), sentence).unwrap_err();
+            assert!(
+                matches!(refusal, Refusal::OnlyOnTable { .. }),
+                "{sentence}: {refusal:?}"
+            );
+        }
+        for sentence in ["put red on green desk", "put red on the rightmost desk"] {
+            let refusal = parse(&fixture::with_table(), sentence).unwrap_err();
+            assert_eq!(refusal.kind(), "conflicting_values", "{sentence}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! A free place on the table: beside an object that stands there, where one of the model's actions puts
+//! things. So the learned simulator says where it is, as of any other sub-goal.
+
+use nalgebra::Point3;
+
+use super::Grounding;
+use super::resolve::Within;
+use super::superlative::{ON_TOP_M, is_hidden, seen_in_part};
+use crate::action::simulate;
+use crate::grounding::Chosen;
+use crate::refusal::Refusal;
+
+/// The least distance of a free place from any other object, as a share of its distance from the one
+/// that it is beside. That is of two objects side by side; of two whose corners meet, the bases are farther
+/// apart.
+const CLEAR: f32 = 1.15;
+
+/// Tries the places beside each object, and keeps the nearest free one, beside one that is seen whole if there
+/// is any. Each [`Room::poll`] tries one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room {
+    /// How many places were tried.
+    tried: usize,
+    best: Option<Free>,
+}
+
+/// A free place.
+#[derive(Debug, Clone, Copy)]
+struct Free {
+    beside: Beside,
+    /// Whether what it is beside is seen in part only, and so where it is only roughly.
+    is_rough: bool,
+    /// Square of its distance from where the object stands, square metres.
+    off_m2: f32,
+}
+
+/// A place beside an object of the scene.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Beside {
+    /// The action that puts things there: index in the model.
+    pub(super) action: u8,
+    /// That object.
+    pub(super) neighbour: Grounding,
+}
+
+impl Room {
+    /// Nothing tried yet.
+    pub(super) const fn new() -> Self {
+        Self {
+            tried: 0,
+            best: None,
+        }
+    }
+
+    /// Tries the next place; the best free one once all were tried.
+    ///
+    /// * `object`: index of the object to be put there
+    ///
+    /// Cost: an action, the place of each object three times, and each compared four times with all others.
+    #[inline(never)]
+    pub(super) fn poll(
+        &mut self,
+        object: usize,
+        within: &Within<'_>,
+    ) -> Result<Option<Beside>, Refusal> {
+        let sides = within.model.table.sides;
+        let objects = within.scene.objects();
+        // At least one side: the model was checked.
+        let neighbour = self.tried.checked_div(sides.len());
+        let neighbour = neighbour.ok_or(Refusal::InvalidModel)?;
+        let side = self.tried.checked_rem(sides.len());
+        let side = side.and_then(|side| sides.get(side));
+        let (Some(beside), Some(&action)) = (objects.get(neighbour), side) else {
+            let id = objects.get(object).map_or(0, |object| object.id);
+            let best = self.best.ok_or(Refusal::NoRoomOnTable {
+                step: within.step as u8,
+                object: id,
+            })?;
+            return Ok(Some(best.beside));
+        };
+        self.tried = self.tried.saturating_add(1);
+        if neighbour != object
+            && within.is_on_table(neighbour)
+            && let Some(off_m2) = free(object, neighbour, action, within)?
+        {
+            let is_rough = seen_in_part(within).get(neighbour).copied();
+            let is_rough = is_rough.unwrap_or(true);
+            let is_worse = |other: Free| (other.is_rough, other.off_m2) <= (is_rough, off_m2);
+            if self.best.is_some_and(is_worse) {
+                return Ok(None);
+            }
+            let certain = Chosen {
+                index: neighbour,
+                score: 1.0,
+                probability: 1.0,
+            };
+            self.best = Some(Free {
+                beside: Beside {
+                    action,
+                    neighbour: Grounding::new(beside.id, neighbour as u8, &certain),
+                },
+                is_rough,
+                off_m2,
+            });
+        }
+        Ok(None)
+    }
+}
+
+/// The square of the distance between an object and where an action would put it beside another one, if
+/// that place is on the table, inside the work space, in sight, and free.
+fn free(
+    object: usize,
+    neighbour: usize,
+    action: u8,
+    within: &Within<'_>,
+) -> Result<Option<f32>, Refusal> {
+    let Within {
+        model, viewpoint, ..
+    } = within;
+    // Always there: the model was checked, and both are objects of the scene.
+    let action = model.actions.get(usize::from(action));
+    let action = action.ok_or(Refusal::InvalidModel)?;
+    let location = |index: usize| within.locations.get(index).ok_or(Refusal::InvalidModel);
+    let (from, beside) = (location(object)?, location(neighbour)?);
+    if !viewpoint.contains(beside) {
+        return Ok(None);
+    }
+    let put = simulate(model.simulator, action, from, beside);
+    let place = within.place(&put);
+    let is_on_table = model
+        .on_table_below_m()
+        .is_some_and(|below_m| place.z < below_m);
+    let is_inside = model.header.work_space.contains(&place.into());
+    if !is_on_table || !is_inside || !viewpoint.contains(&put) {
+        return Ok(None);
+    }
+    let others = within.locations.get(..within.scene.objects().len());
+    let others = others.unwrap_or_default();
+    let beside = within.place(beside);
+    let least_m2 = CLEAR * CLEAR * aside_m2(&place, &beside);
+    let (on_top_m, _) = ON_TOP_M;
+    let mut apart = others.iter().enumerate();
+    let is_free = apart.all(|(index, other)| {
+        let other = within.place(other);
+        // What it is beside may carry others.
+        let is_beside = aside_m2(&beside, &other) < on_top_m * on_top_m;
+        index == object || is_beside || aside_m2(&place, &other) >= least_m2
+    });
+    // What stands behind a nearer object might not be seen.
+    if !is_free || is_hidden(&put, others) {
+        return Ok(None);
+    }
+    Ok(Some(aside_m2(&place, &within.place(from))))
+}
+
+/// The square of the distance of two points along the table, square metres.
+fn aside_m2(one: &Point3<f32>, other: &Point3<f32>) -> f32 {
+    let [x, y, _]: [f32; 3] = (one - other).into();
+    x * x + y * y
+}

@@ -1,0 +1,154 @@
+"""Says what is put on the table, or stands on it: "put the red block on the table", "take it off
+the blue one"; and near misses, which mean nothing that can be done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from nsrm_harness.data.ground_truth import Truth
+from nsrm_harness.data.programs import Descriptions, unique_descriptions
+from nsrm_harness.domain import Domain
+from nsrm_harness.domain.everyday import Speaker
+from nsrm_harness.domain.program import ALL, TABLE, Program, Relation, Step
+from nsrm_harness.domain.rewriting import Table
+from nsrm_harness.simulation.blocks import block_from_attributes
+
+#: Share of sentences with a further step.
+FOLLOWED = 0.3
+#: How the place of the object of a step is said without naming the table.
+DOWN = ("{do} {moved} down", "{do} down {moved}", "{taken} {joining} {do} it down")
+#: What is said of the table that it is not: a place beside it, or a part of it.
+OTHER_PLACES = (
+    "under", "below", "behind", "beside", "next to", "near", "left of", "to the right of",
+    "in front of", "on the edge of", "on the left side of", "in the middle of", "at the corner of",
+    "across", "off",
+)  # fmt: skip
+
+Values = tuple[str, ...]
+_T = TypeVar("_T")
+
+
+class TableSentences:
+    """Draws sentences of one domain. They are about no scene."""
+
+    def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
+        if domain.table is None:
+            raise ValueError("the domain's wording has no table")
+        self._domain = domain
+        self._table: Table = domain.table
+        self._speaker = Speaker(domain, rng)
+        self._rng = rng
+
+    def draw(self) -> tuple[str, Program]:
+        """A sentence and the program that it means."""
+        words, program = self._command()
+        if self._rng.random() < FOLLOWED:
+            further = self._step()
+            lead = self._choose([", then", "and then", ". then", ". after that ,"])
+            words = [*words, lead, *self._speaker.words("{order}", further)]
+            program = (*program, further)
+        return " ".join(" ".join(words).split()), program
+
+    def _command(self) -> tuple[list[str], Program]:
+        """The words of a first step about the table, and what they mean."""
+        moved, reference, third = (self._values() for _ in range(3))
+        on = self._table.action
+        on_table = (Relation(on, (), TABLE),)
+        on_reference = (Relation(on, reference),)
+        put = Step(on, moved, (), reference_which=TABLE)
+        taken = Step(on, moved, (), on_reference, reference_which=TABLE)
+        before = self._speaker.words("{before}")
+        kind = int(self._rng.integers(7))
+        if kind == 0:
+            return self._speaker.step(put, 0), (put,)
+        if kind == 1:
+            every = Step(on, moved, (), reference_which=TABLE, object_which=ALL)
+            return self._speaker.step(every, 0), (every,)
+        if kind == 2:
+            step = self._step()
+            relations = [(on_table, ()), ((), on_table)][int(self._rng.integers(2))]
+            step = Step(step.action, step.object, step.reference, *relations)
+            return self._speaker.step(step, 0), (step,)
+        if kind == 3:
+            said = self._speaker.words(self._choose(DOWN), put)
+            return [*before, *said], (put,)
+        if kind == 4:
+            off = self._choose([text for text in self._table.off if " " not in text][:1])
+            return [*before, *self._speaker.words(f"{{taking}} {{moved}} {off}", put)], (put,)
+        words = [*before, *self._off(moved, reference)]
+        if kind == 5:
+            return words, (taken,)
+        step = Step(self._step().action, moved, third, on_reference)
+        goes_on = self._speaker.words("and {do} it {relation}", step)
+        return [*words, *goes_on], (step,)
+
+    def near_miss(self) -> str:
+        """A sentence of the same words that must be refused."""
+        moved, reference, third = (self._values() for _ in range(3))
+        one, other, further = (self._described(values) for values in (moved, reference, third))
+        table = ["the", self._choose(self._table.words)]
+        do = self._speaker.words("{do}")
+        off = self._choose(self._table.off).split()
+        words = self._choose(
+            [
+                [*do, *one, *self._choose(OTHER_PLACES).split(), *table],
+                [*do, *table, "on", *one],
+                [*do, *one, "on the", *reference[:1], *table[1:]],
+                [*do, *one, "on", *table, "to the left of", *other],
+                ["take", *one, *off, *table],
+                ["take", *one, "or", *other, *off, *further],
+                ["take", *one, *off, *other, "or", *further],
+                ["do not take", *one, *off, *other],
+                ["take", *one, "not", *off, *other],
+                ["why is", *one, *off, *other],
+                ["cut", *one, *off, *other],
+                ["is", *one, "on", *table],
+                ["do not", *do, *one, "down"],
+                [*do, *one, "upside down"],
+                ["bring", *one, "down to", *other],
+                ["turn", *one, "off"],
+                ["get", "off", *one],
+            ]
+        )
+        return " ".join(" ".join([*self._speaker.words("{before}"), *words]).split())
+
+    def _off(self, moved: Values, reference: Values) -> list[str]:
+        """What is taken off another block."""
+        taking = self._choose(["take", "take", "take", "get", "lift", "pick up", "grab"])
+        off = self._choose(self._table.off).split()
+        return [taking, *self._described(moved), *off, *self._described(reference)]
+
+    def _described(self, values: Values) -> list[str]:
+        return self._speaker.words("{moved}", Step(self._table.action, values, ()))
+
+    def _step(self) -> Step:
+        action = self._choose([action.name for action in self._domain.actions])
+        return Step(action, self._values(), self._values())
+
+    def _values(self) -> Values:
+        """One or two, of different types."""
+        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
+        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
+
+    def _choose(self, every: Sequence[_T]) -> _T:
+        return every[int(self._rng.integers(len(every)))]
+
+
+def table_programs(domain: Domain, truth: Truth) -> Iterator[tuple[Step, int, bool]]:
+    """For each block of an episode's initial scene that carries no other one: the step that puts it
+    on the table, its id, and whether it stands on another block, so that this can be done."""
+    if domain.table is None:
+        return
+    blocks = [block_from_attributes(domain, values) for values in truth.attributes]
+    places = np.array([pose.position for pose in truth.initial_poses])
+    for index, kinds in enumerate(unique_descriptions(domain, blocks, Descriptions(1, 2))):
+        aside = np.linalg.norm(places[:, :2] - places[index, :2], axis=1)
+        carries = bool(np.any((aside < 0.03) & (places[:, 2] > places[index, 2] + 0.02)))
+        stands_high = bool(places[index, 2] > truth.edges_m[index, 2])
+        if kinds and not carries:
+            values = next(iter(kinds.values()))
+            step = Step(domain.table.action, values, (), reference_which=TABLE)
+            yield step, index + 1, stands_high

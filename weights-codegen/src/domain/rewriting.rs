@@ -1,0 +1,179 @@
+//! What is read in place of other words: values that stand apart, the table where it is not named, and
+//! towers and rows.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nsrm_core::model::MAX_SIDES;
+use serde::Deserialize;
+
+use super::{Domain, MAX_NAMES, at_most, not_empty, readable};
+use crate::error::ModelError;
+
+/// What may stand between values of one object that are said apart; without it, nothing may.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Apart {
+    /// Directly between values.
+    pub between: Vec<String>,
+    /// Between an object and another of its values.
+    pub phrases: Vec<String>,
+}
+
+/// How towers and rows are said, "build a tower of red, green and blue"; without it, they cannot be said.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Arrangements {
+    /// Words between the objects of a list.
+    pub between: BTreeSet<String>,
+    /// Words before which a list ends.
+    pub ends: BTreeSet<String>,
+    /// What is read between two steps.
+    pub next: String,
+    /// What is meant, by name.
+    pub steps: BTreeMap<String, ArrangedStep>,
+    /// What is said.
+    pub patterns: Vec<Pattern>,
+}
+
+/// As what the steps of an arrangement are read.
+#[derive(Debug, Clone, Deserialize)]
+pub struct ArrangedStep {
+    /// What is read before the object that is moved.
+    pub order: String,
+    /// What is read between it and the one before it.
+    pub relation: String,
+    /// Whether the list begins with the last object.
+    #[serde(default)]
+    pub reversed: bool,
+}
+
+/// What may stand before and behind the objects of a list.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Pattern {
+    /// Before it.
+    pub openings: Vec<String>,
+    /// Behind it, or an empty text for nothing, each with what is then meant.
+    pub closings: BTreeMap<String, String>,
+}
+
+impl Arrangements {
+    /// Each opening with the index of its pattern, sorted by text.
+    pub(crate) fn openings(&self) -> Vec<(&str, usize)> {
+        let each = self.patterns.iter().enumerate();
+        let each = each
+            .flat_map(|(index, pattern)| pattern.openings.iter().map(move |text| (&**text, index)));
+        let mut openings: Vec<_> = each.collect();
+        openings.sort_unstable();
+        openings
+    }
+
+    /// Each closing with the index of its pattern and the name of what is meant.
+    pub(crate) fn closings(&self) -> impl Iterator<Item = (&str, usize, &str)> + Clone {
+        let each = self.patterns.iter().enumerate();
+        each.flat_map(|(index, pattern)| {
+            pattern
+                .closings
+                .iter()
+                .map(move |(text, meant)| (&**text, index, &**meant))
+        })
+    }
+}
+
+/// The table as a place; without it, nothing can be put there.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Table {
+    /// Words for it.
+    pub words: Vec<String>,
+    /// Name of the action that is said of it.
+    pub action: String,
+    /// Names of those that put an object on the table beside another one.
+    pub sides: Vec<String>,
+    /// What stands between an object and the one that it is taken off.
+    pub off: Vec<String>,
+    /// What is read instead.
+    pub standing: String,
+    /// What is then read before the table.
+    pub order: String,
+    /// What means the table if nothing else says where to.
+    pub down: Vec<String>,
+    /// What is then read before the table.
+    pub relation: String,
+}
+
+impl Domain {
+    /// Checks that towers and rows, and values that stand apart, are said in words that can be read, and
+    /// read as those of the domain.
+    pub(super) fn check_arrangements(&self) -> Result<(), ModelError> {
+        let words = self.words();
+        let said = &self.arrangements;
+        at_most("arrangements", MAX_NAMES, said.steps.len())?;
+        at_most("patterns of arrangements", MAX_NAMES, said.patterns.len())?;
+        let read_as = said
+            .steps
+            .values()
+            .flat_map(|step| [&step.order, &step.relation]);
+        let next = (!said.steps.is_empty()).then_some(&said.next);
+        let mut read_as = read_as.chain(next).flat_map(|text| text.split(' '));
+        if let Some(word) = read_as.find(|word| !words.contains(*word)) {
+            return Err(ModelError::Arrangement { word: word.into() });
+        }
+        if let Some((.., name)) = said
+            .closings()
+            .find(|(.., name)| !said.steps.contains_key(*name))
+        {
+            return Err(ModelError::ArrangedSteps { name: name.into() });
+        }
+        let openings = said.openings();
+        let closings = said.closings().filter(|(text, ..)| !text.is_empty());
+        let texts = closings.map(|(text, ..)| text);
+        let texts = texts.chain(openings.iter().map(|(text, _)| *text));
+        let apart = self.apart.between.iter().chain(&self.apart.phrases);
+        let mut words = texts
+            .chain(apart.map(String::as_str))
+            .flat_map(|text| text.split(' '))
+            .chain(said.between.iter().chain(&said.ends).map(String::as_str));
+        match words.find(|word| !readable(word)) {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that the table is said in words that can be read, and read as those of the domain, and that
+    /// its actions are there.
+    pub(super) fn check_table(&self) -> Result<(), ModelError> {
+        let Some(table) = &self.table else {
+            return Ok(());
+        };
+        not_empty("the list of words for the table", table.words.len())?;
+        not_empty("the list of sides of the table", table.sides.len())?;
+        at_most("sides of the table", MAX_SIDES, table.sides.len())?;
+        let mut actions = table.sides.iter().chain([&table.action]);
+        if let Some(name) = actions.find(|name| self.action_index(name).is_none()) {
+            return Err(ModelError::TableAction { name: name.clone() });
+        }
+        let heights = self.concepts().filter_map(|(_, value)| value.edges_m);
+        let heights = heights.map(|[_, _, height_m]| height_m);
+        let (lowest, highest) = (heights.clone().reduce(f32::min), heights.reduce(f32::max));
+        if lowest
+            .zip(highest)
+            .is_none_or(|(lowest, highest)| 0.5 * highest >= 1.5 * lowest)
+        {
+            return Err(ModelError::TableHeight);
+        }
+        let words = self.words();
+        let read_as = [&table.standing, &table.order, &table.relation];
+        let mut read_as = read_as.into_iter().flat_map(|text| text.split(' '));
+        if let Some(word) = read_as.find(|word| !words.contains(*word)) {
+            return Err(ModelError::Table { word: word.into() });
+        }
+        let said = table.off.iter().chain(&table.down);
+        let mut said = said.flat_map(|text| text.split(' '));
+        match said.find(|word| !readable(word)) {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+            None => Ok(()),
+        }
+    }
+
+    /// The index of an action.
+    pub(crate) fn action_index(&self, name: &str) -> Option<usize> {
+        self.action.iter().position(|action| action.name == name)
+    }
+}
