@@ -3,6 +3,7 @@ steps of training, the model file, static arrays, and the planner in `core`."""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 from dataclasses import dataclass, replace
@@ -200,16 +201,18 @@ def test_its_static_arrays_compile_with_core_and_understand_the_same(
         '[package]\nname = "workshop"\nversion = "0.0.0"\nedition = "2024"\n[workspace]\n'
         f'[dependencies]\nnsrm-core = {{ path = "{ROOT / "core"}", default-features = false }}\n'
         # As in our workspace, whose dependencies are then built already.
-        '[profile.dev]\ndebug = "line-tables-only"\n',
+        '[profile.dev]\ndebug = "line-tables-only"\n'
+        '[profile.dev.build-override]\ndebug = "line-tables-only"\n',
         encoding="utf-8",
     )
     shutil.copy(ROOT / "Cargo.lock", crate / "Cargo.lock")
     (crate / "src" / "main.rs").write_text(MAIN_RS, encoding="utf-8")
     written = str(crate / "src" / "workshop.rs")
-    _cargo(
-        *("run", "--quiet", "--package", "nsrm-codegen", "--", str(trained.model)),
-        *("--out", written, "--name", "WORKSHOP"),
-    )
+    # With a test of the generator, cargo builds the generator as it does for the other tests.
+    _cargo("test", "--quiet", "--locked", "--workspace", "--no-run", "--test=source")
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    generator = str(target / "debug" / "nsrm-codegen")
+    _run(generator, str(trained.model), "--out", written, "--name", "WORKSHOP")
 
     model = nsrm.Model.load(trained.model)
     with Demonstrations(trained.test) as demonstrations:
@@ -220,24 +223,21 @@ def test_its_static_arrays_compile_with_core_and_understand_the_same(
             expected.append(model.parse(sentence).notation.strip())
         except nsrm.Refused as refusal:
             expected.append(refusal.kind)
-    target = str(ROOT / "target")
     said = _cargo(
-        *(
-            "run",
-            "--quiet",
-            "--manifest-path",
-            str(crate / "Cargo.toml"),
-            "--target-dir",
-            target,
-        ),
+        *("run", "--quiet", "--manifest-path", str(crate / "Cargo.toml")),
+        *("--target-dir", str(target)),
         feed="\n".join(sentences),
     )
     assert [part.strip() for part in said.split("--\n")[:-1]] == expected
 
 
 def _cargo(*arguments: str, feed: str = "") -> str:
+    return _run("cargo", *arguments, feed=feed)
+
+
+def _run(*command: str, feed: str = "") -> str:
     ran = subprocess.run(
-        ["cargo", *arguments],
+        command,
         cwd=ROOT,
         input=feed,
         capture_output=True,
