@@ -175,7 +175,7 @@ def test_actions_and_objects_are_learned_from_the_outcome_alone(
     """
     data = make_toys(domain, 500, 1, 5, attributes=1).data
     config = TrainingConfig(
-        actions=StageConfig(epochs=25, learning_rate=3e-3, batch=32),
+        actions=StageConfig(epochs=14, learning_rate=3e-3, batch=32),
         selection=NONE,
         attributes=NONE,
         splitter=NONE,
