@@ -12,6 +12,10 @@ from nsrm_harness.learning.dataset import GROUPS_PER_STEP, Sentences
 from nsrm_harness.learning.explain import Explained
 from nsrm_harness.learning.structures import Structures, structures
 
+SMALL_BATCHES = ("nsrm_harness.learning.explain.CHUNK", 16)
+"""For `monkeypatch.setattr`. Batches are filled up: with a few dozen sentences, the trainer's are
+mostly filling."""
+
 
 def programs_of(
     found: Explained, sentences: Sentences, domain: Domain

@@ -16,7 +16,7 @@ import jax
 import nsrm
 import numpy as np
 import pytest
-from explained_programs import programs_of
+from explained_programs import SMALL_BATCHES, programs_of
 from harness_command import run
 
 from nsrm_harness import domain as domains
@@ -365,12 +365,15 @@ def test_half_of_the_everyday_sentences_about_one_step_are_told_as_a_later_one(
 
 
 @pytest.mark.slow
-def test_final_scenes_show_what_sentences_mean(episodes: Path) -> None:
+def test_final_scenes_show_what_sentences_mean(
+    episodes: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
     from nsrm_harness.learning.export import read_model
 
+    monkeypatch.setattr(*SMALL_BATCHES)
     file = read_model(PRETRAINED)
     # One sentence each: none has relations.
     found = tell(DOMAIN, episodes, count=1, near_misses=0, seed=1)
@@ -435,6 +438,10 @@ def test_a_model_is_taught_by_commands_that_can_be_interrupted(
     from nsrm_harness.learning.export import read_model
     from nsrm_harness.learning.wording import Lesson, WordingConfig, teach
 
+    monkeypatch.setattr(*SMALL_BATCHES)
+    # Each set is measured; figures need more sentences.
+    for name in ("MIXED_COUNT", "ARRANGED_COUNT"):
+        monkeypatch.setattr(language, name, 50)
     assert run("sentences", "--episodes", episodes, "--count", 4, "--near-misses", 300) == 0
     said = re.search(
         r"(\d+) sentences about 12 demonstrations, (\d+) near misses", capsys.readouterr().out

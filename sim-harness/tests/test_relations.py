@@ -8,7 +8,7 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from explained_programs import programs_of
+from explained_programs import SMALL_BATCHES, programs_of
 from one_step_episodes import ONE_STEP
 
 from nsrm_harness import domain as domains
@@ -364,11 +364,14 @@ def test_the_probability_of_an_explanation_is_that_of_its_programs() -> None:
 
 
 @pytest.mark.slow
-def test_final_scenes_show_which_relations_sentences_mean(episodes: Path) -> None:
+def test_final_scenes_show_which_relations_sentences_mean(
+    episodes: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
 
+    monkeypatch.setattr(*SMALL_BATCHES)
     meant: list[tuple[Step, int]] = []
     with GroundTruth(episodes) as judge:
         for number in range(len(judge)):
@@ -395,11 +398,14 @@ def test_final_scenes_show_which_relations_sentences_mean(episodes: Path) -> Non
 
 
 @pytest.mark.slow
-def test_one_step_that_may_be_two_is_not_explained(episodes: Path) -> None:
+def test_one_step_that_may_be_two_is_not_explained(
+    episodes: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from nsrm_harness.learning.config import TrainingConfig
     from nsrm_harness.learning.dataset import told, training_set
     from nsrm_harness.learning.explain import explain
 
+    monkeypatch.setattr(*SMALL_BATCHES)
     # The block is moved twice: the final scene shows only the second step.
     sentences: list[str] = []
     about: list[int] = []
