@@ -22,8 +22,10 @@ const PYTHON_SETTINGS: &str = "sim-harness/pyproject.toml";
 const PYTHON_PACKAGES: [&str; 2] = ["sim-harness", "std-shim/python"];
 
 /// XLA's older emitters: they compile a stage of training in a third of the time, and what they
-/// compile runs as fast.
-const QUICK_EMITTERS: &str = "--xla_cpu_use_fusion_emitters=false";
+/// compile runs as fast. In one piece: several, for threads that have other work here, cost a fifth
+/// more.
+const QUICK_EMITTERS: &str =
+    "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1";
 
 /// One check.
 pub(super) struct Check {
@@ -404,11 +406,12 @@ fn pytest(context: &Context, folder: &str) -> Result<Step> {
         "--rootdir=.",
         folder,
     ];
-    // What XLA compiles in one test serves the others, also in other processes.
+    // What XLA compiles in one test serves the others, also in other processes; of a training,
+    // hundreds of small pieces, too.
     let compiled = context.project().target().join("jax");
     Ok(Step::new(context.python()?, &arguments)
         .with("JAX_COMPILATION_CACHE_DIR", compiled)
-        .with("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+        .with("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
         .with("XLA_FLAGS", QUICK_EMITTERS)
         // Those that hang are aborted, and print where they were.
         .with("PYTHONFAULTHANDLER", "1")
