@@ -440,7 +440,7 @@ def test_a_model_is_taught_by_commands_that_can_be_interrupted(
 
     monkeypatch.setattr(*SMALL_BATCHES)
     # Each set is measured; figures need more sentences.
-    for name in ("MIXED_COUNT", "ARRANGED_COUNT"):
+    for name in ("MIXED_COUNT", "ARRANGED_COUNT", "TABLE_COUNT"):
         monkeypatch.setattr(language, name, 50)
     assert run("sentences", "--episodes", episodes, "--count", 4, "--near-misses", 300) == 0
     said = re.search(
