@@ -86,18 +86,19 @@ impl<'a> PhraseMatcher<'_, 'a> {
         })
     }
 
-    /// The tokens as they are read, and the index behind what was replaced.
-    pub(super) fn with_table(
+    /// Appends the tokens as they are read; the index behind what was replaced.
+    pub(super) fn write_table(
         &self,
         tokens: &[Token],
         implied: &Implied<'a>,
-    ) -> Result<(Tokens, usize), Refusal> {
+        read: &mut Tokens,
+    ) -> Result<usize, Refusal> {
         let Implied {
             said,
             instead,
             place,
         } = implied;
-        let (mut read, mut behind) = (Tokens::new(), 0);
+        let mut behind = 0;
         let words = tokens.get(said.clone()).unwrap_or_default();
         let first = words.first().ok_or(Refusal::InvalidModel)?;
         let span = Span {
@@ -106,14 +107,14 @@ impl<'a> PhraseMatcher<'_, 'a> {
         };
         for index in 0..=tokens.len() {
             if let Some(instead) = instead.filter(|_| index == said.start) {
-                self.write_words(instead, span, &mut read)?;
+                self.write_words(instead, span, read)?;
             }
             if let Some((_, words)) = place.filter(|(at, _)| *at == index) {
                 let mut table = Filters::new();
                 // It has room.
                 let _ = table.add(Property::Table);
-                self.write_words(words, span, &mut read)?;
-                push(&mut read, TokenKind::Group(table), span)?;
+                self.write_words(words, span, read)?;
+                push(read, TokenKind::Group(table), span)?;
             }
             if index == said.end {
                 behind = read.len();
@@ -121,10 +122,10 @@ impl<'a> PhraseMatcher<'_, 'a> {
             if let Some(token) = tokens.get(index)
                 && (instead.is_none() || !said.contains(&index))
             {
-                push(&mut read, token.kind, token.span)?;
+                push(read, token.kind, token.span)?;
             }
         }
-        Ok((read, behind))
+        Ok(behind)
     }
 
     /// Whether what means the table may mean something else: a single word that is known.

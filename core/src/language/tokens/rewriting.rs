@@ -78,6 +78,7 @@ impl Reader {
 
     /// Names the table at the next words that mean it, if there are any. Where this is one known word, the
     /// sentence has two readings.
+    #[inline(never)]
     fn name_table(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
         let mut places = from..self.tokens.len();
         let implied = places.find_map(|at| Some((at, said.implied_table(&self.tokens, at)?)));
@@ -88,7 +89,11 @@ impl Reader {
                 let mut from = at.saturating_add(1);
                 let is_sure = !PhraseMatcher::may_be_read(&self.tokens, &implied);
                 if is_sure || self.choose(2) == Some(1) {
-                    (self.tokens, from) = said.with_table(&self.tokens, &implied)?;
+                    let mut before = Tokens::new();
+                    // As many fit.
+                    let _ = before.extend_from_slice(&self.tokens);
+                    self.tokens.clear();
+                    from = said.write_table(&before, &implied, &mut self.tokens)?;
                 }
                 Rewriting::Table { from }
             }
