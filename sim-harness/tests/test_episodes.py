@@ -286,11 +286,13 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
         "paper/tables/concepts.py",
         "paper/tables/failures.py",
         "data/extremes.py",
+        "data/on_table.py",
         "data/relations.py",
         "data/several.py",
         "data/tell.py",
         "evaluation/language.py",
         "evaluation/metrics.py",
+        "evaluation/on_table.py",
         "evaluation/refusals/measure.py",
         "evaluation/relations.py",
     }

@@ -49,15 +49,31 @@ pub fn encode_in_place(model: &Model<'_>, crop: &mut Crop) -> [f32; OBJECT_EMBED
         return [f32::NAN; OBJECT_EMBEDDING];
     };
     let light = encode_brightness(vision.brightness, crop);
-    for value in crop.channels.as_flattened_mut().as_flattened_mut() {
-        *value -= COLOR_CENTRE;
-    }
-    let color = encode_view(vision.color, &crop.channels);
+    let color = encode_color(vision.color, crop);
     let mut embedding = [0.0; OBJECT_EMBEDDING];
     for (place, value) in embedding.iter_mut().zip(color.into_iter().chain(light)) {
         *place = value;
     }
     embedding
+}
+
+/// Replaces the embedding of the colour view by that of another crop, whose content is overwritten: of the
+/// part of an object that no other one covers.
+#[inline(never)]
+pub fn recolor(model: &Model<'_>, embedding: &mut [f32; OBJECT_EMBEDDING], crop: &mut Crop) {
+    if let Some(vision) = model.vision {
+        let color = encode_color(vision.color, crop);
+        for (place, value) in embedding.iter_mut().zip(color) {
+            *place = value;
+        }
+    }
+}
+
+fn encode_color(encoder: &ViewEncoder<'_, 3>, crop: &mut Crop) -> [f32; VIEW_EMBEDDING] {
+    for value in crop.channels.as_flattened_mut().as_flattened_mut() {
+        *value -= COLOR_CENTRE;
+    }
+    encode_view(encoder, &crop.channels)
 }
 
 #[inline(never)]

@@ -7,8 +7,10 @@ mod crop;
 mod encoder;
 mod observer;
 mod resample;
+mod uncovered;
 
 pub use concepts::{operate, similarity, volume};
 pub use crop::{Crop, ImageError, RgbImage};
-pub use encoder::{ENCODE_MULTIPLY_ADDS, encode, encode_in_place};
+pub use encoder::{ENCODE_MULTIPLY_ADDS, encode, encode_in_place, recolor};
 pub use observer::{Detection, ObservationTask, Stamp};
+pub use uncovered::uncovered;

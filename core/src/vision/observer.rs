@@ -1,7 +1,7 @@
-use super::{Crop, RgbImage, encode_in_place};
+use super::{Crop, RgbImage, encode_in_place, recolor, uncovered};
 use crate::camera::Camera;
 use crate::capacity::MAX_OBJECTS;
-use crate::model::{LOCATION, Model};
+use crate::model::{LOCATION, Model, OBJECT_EMBEDDING};
 use crate::scene::{ObservedObject, RawScene, Scene, SceneError};
 use core::task::Poll;
 
@@ -40,7 +40,8 @@ pub struct Stamp {
     pub timestamp_ns: u64,
 }
 
-/// Makes a scene from an image; each [`ObservationTask::poll`] encodes one crop. All state between
+/// Makes a scene from an image; each [`ObservationTask::poll`] encodes one crop. An object that a nearer one
+/// covers in part has two: its colour is told from what is [`uncovered`]. All state between
 /// calls is in here; one call needs about 16 KiB of stack.
 ///
 /// ```
@@ -69,6 +70,8 @@ pub struct ObservationTask<'a> {
     image: RgbImage<'a>,
     detections: &'a [Detection],
     crop: Crop,
+    /// What the next object looks like, if its colour is still to be told.
+    encoded: Option<[f32; OBJECT_EMBEDDING]>,
     scene: RawScene,
 }
 
@@ -105,11 +108,12 @@ impl<'a> ObservationTask<'a> {
             image,
             detections,
             crop: Crop::BLACK,
+            encoded: None,
             scene,
         })
     }
 
-    /// Encodes the next object's crop, or checks the whole scene when none is left. Once it is
+    /// Encodes the next crop, or checks the whole scene when none is left. Once it is
     /// done, every further call returns the same result.
     ///
     /// Cost: one crop and [`super::ENCODE_MULTIPLY_ADDS`], or one [`RawScene::check`].
@@ -123,7 +127,9 @@ impl<'a> ObservationTask<'a> {
         else {
             return self.checked();
         };
-        if let Err(fault) = self.crop.fill(&self.image, &visible) {
+        let part = uncovered(self.detections, index);
+        let bounds = part.filter(|_| self.encoded.is_some());
+        if let Err(fault) = self.crop.fill(&self.image, &bounds.unwrap_or(visible)) {
             return Poll::Ready(Err(SceneError::Object {
                 // Below MAX_OBJECTS.
                 index: index as u8,
@@ -131,10 +137,21 @@ impl<'a> ObservationTask<'a> {
                 fault,
             }));
         }
+        let embedding = match self.encoded.take() {
+            Some(mut encoded) => {
+                recolor(self.model, &mut encoded, &mut self.crop);
+                encoded
+            }
+            None => encode_in_place(self.model, &mut self.crop),
+        };
+        if part.is_some() && bounds.is_none() {
+            self.encoded = Some(embedding);
+            return Poll::Pending;
+        }
         let object = ObservedObject {
             id,
             location,
-            embedding: encode_in_place(self.model, &mut self.crop),
+            embedding,
         };
         // Never full: the number of detections was checked.
         let _ = self.scene.push(object);
@@ -204,6 +221,36 @@ mod tests {
             let crop = Crop::from_rgb(&image, &detection.visible).unwrap();
             assert_eq!(object.embedding, encode(&model, &crop));
         }
+    }
+
+    #[test]
+    fn the_colour_of_what_is_covered_is_told_from_the_rest() {
+        let model = fixture::model();
+        let mut pixels = std::vec![90; 400 * 200 * 3];
+        pixels[..400 * 100 * 3].fill(200);
+        let image = RgbImage::new(&pixels, 400, 200, 1200).unwrap();
+        let behind = Detection::whole(4, [0.25, 0.25, 0.5, 1.0, 0.8]);
+        let above = Detection::whole(9, [0.25, 0.0, 0.5, 0.5, 0.7]);
+        let camera = fixture::camera();
+        let detections = [behind, above];
+        let task = ObservationTask::new(&model, image, camera, &detections, Stamp::default());
+        let mut task = task.unwrap();
+        // Two crops of the first, one of the second.
+        for _ in 0..3 {
+            assert_eq!(task.poll(), Poll::Pending);
+        }
+        let Poll::Ready(Ok(scene)) = task.poll() else {
+            panic!("three crops were encoded");
+        };
+        let crop = |bounds| Crop::from_rgb(&image, &bounds).unwrap();
+        let mut expected = encode(&model, &crop(behind.visible));
+        recolor(&model, &mut expected, &mut crop([0.25, 0.5, 0.5, 1.0]));
+        let [first, second] = scene.objects() else {
+            panic!("{scene:?}");
+        };
+        assert_eq!((first.id, first.location), (4, behind.location));
+        assert_eq!(first.embedding, expected);
+        assert_eq!(second.embedding, encode(&model, &crop(above.visible)));
     }
 
     #[test]

@@ -14,10 +14,17 @@ use crate::arrays::{Image, Numbers, detections};
 use crate::camera::Camera;
 use crate::errors::argument;
 
+/// An object with its crop, and with that of the part that no nearer one covers.
+struct Seen {
+    detection: Detection,
+    crop: Crop,
+    uncovered: Option<Crop>,
+}
+
 /// Crops and locations of the objects in one image: what every model sees of it.
 #[pyclass(frozen, module = "nsrm")]
 pub(crate) struct Observed {
-    objects: Vec<(Detection, Crop)>,
+    objects: Vec<Seen>,
     camera: nsrm_core::Camera,
 }
 
@@ -36,13 +43,18 @@ impl Observed {
         let pixels = image.pixels()?;
         let detections = detections(ids, &boxes, &depths)?;
         let objects = py.detach(|| {
-            let objects = detections.into_iter().enumerate();
+            let objects = detections.iter().enumerate();
             objects
-                .map(|(row, detection)| {
-                    let [x1, y1, x2, y2, _] = detection.location;
-                    let crop = Crop::from_rgb(&pixels, &[x1, y1, x2, y2]);
-                    crop.map(|crop| (detection, crop))
-                        .map_err(|fault| (row, fault))
+                .map(|(row, &detection)| {
+                    let cut = |bounds: &[f32; 4]| {
+                        Crop::from_rgb(&pixels, bounds).map_err(|fault| (row, fault))
+                    };
+                    let part = vision::uncovered(&detections, row);
+                    Ok(Seen {
+                        detection,
+                        crop: cut(&detection.visible)?,
+                        uncovered: part.as_ref().map(cut).transpose()?,
+                    })
                 })
                 .collect::<Result<_, _>>()
         });
@@ -58,17 +70,25 @@ impl Observed {
     }
 
     fn __repr__(&self) -> String {
-        let ids: Vec<u32> = self.objects.iter().map(|(seen, _)| seen.id).collect();
+        let ids: Vec<u32> = (self.objects.iter())
+            .map(|seen| seen.detection.id)
+            .collect();
         format!("Observed(ids={ids:?})")
     }
 }
 
 impl Observed {
     fn plan(&self, model: &Model<'_>, sentence: &str) -> Result<Outcome, SceneError> {
-        let objects = self.objects.iter().map(|(seen, crop)| ObservedObject {
-            id: seen.id,
-            location: seen.location,
-            embedding: vision::encode(model, crop),
+        let objects = self.objects.iter().map(|seen| {
+            let mut embedding = vision::encode(model, &seen.crop);
+            if let Some(part) = &seen.uncovered {
+                vision::recolor(model, &mut embedding, &mut part.clone());
+            }
+            ObservedObject {
+                id: seen.detection.id,
+                location: seen.detection.location,
+                embedding,
+            }
         });
         let scene = checked_scene(model, self.camera, objects)?;
         Ok(Planner::new(model).plan(&scene, sentence))

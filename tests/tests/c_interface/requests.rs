@@ -191,6 +191,7 @@ impl Requests {
             }
             | Refusal::SameReference { step: n, span: at }
             | Refusal::SeveralReferences { step: n, span: at }
+            | Refusal::OnlyOnTable { step: n, span: at }
             | Refusal::UnclearPronoun { step: n, span: at }
             | Refusal::UnclearWords {
                 step: n, span: at, ..
@@ -219,6 +220,14 @@ impl Requests {
                 listed.extend(candidates.listed());
             }
             Refusal::SameObject {
+                step: n,
+                object: id,
+            }
+            | Refusal::AlreadyOnTable {
+                step: n,
+                object: id,
+            }
+            | Refusal::NoRoomOnTable {
                 step: n,
                 object: id,
             }

@@ -279,14 +279,15 @@ fn the_bounds_of_the_work_space_are_inside() {
 
 #[test]
 fn each_fault_of_a_table_is_named() {
+    type Change = fn(&mut Table<'static>);
     let model = fixture::with_table();
-    let check = |change: fn(&mut Table<'static>)| {
+    let check = |change: Change| {
         let mut table = model.table;
         change(&mut table);
         model.with_table(table).check()
     };
     assert_eq!(check(|_| ()), Ok(()));
-    let faults: [(fn(&mut Table<'static>), ModelFault<'_>); 6] = [
+    let faults: [(Change, ModelFault<'_>); 6] = [
         (|table| table.action = 2, ModelFault::TableAction),
         (|table| table.sides = &[2], ModelFault::TableAction),
         (
