@@ -29,7 +29,7 @@ from nsrm_harness.data.tell import never_shown, tell
 from nsrm_harness.data.told import Told, read_told, write_told
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.attachment import Attachments
-from nsrm_harness.domain.everyday import EVERYDAY, Recogniser, Speaker, with_everyday
+from nsrm_harness.domain.everyday import EVERYDAY, TABLES, Recogniser, Speaker, with_everyday
 from nsrm_harness.domain.program import SUPERLATIVES, Program, Relation, Step, canonical
 from nsrm_harness.domain.reader import COUNTING
 from nsrm_harness.domain.tokens import Tokenizer
@@ -120,16 +120,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
     edit(words)
     lines = [
         f"{table} = {json.dumps(words[table]).replace(':', ' =')}"
-        for table in (
-            "synonyms",
-            "extremes",
-            "pronouns",
-            "several",
-            "apart",
-            "arrangements",
-            "table",
-            "spelling",
-        )
+        for table in (*TABLES, "spelling")
     ]
     for table in ("relations", "rules"):
         lines.append(f"[{table}]")

@@ -101,8 +101,8 @@ impl Parsed {
 
     /// Replaces a step that moves several objects by one for each, in this order: the first one is
     /// moved in relation to the step's reference, and each of the others in relation to the one before
-    /// it, "all red blocks on the blue one" one on the other, unless that is the table. False, and without a use, if these are too
-    /// many steps.
+    /// it, "all red blocks on the blue one" one on the other. On the table, each has a place of its own.
+    /// False, and without a use, if these are too many steps.
     ///
     /// * `ids`: those of the objects, at least one
     pub(crate) fn expand(&mut self, step: usize, ids: &[u32]) -> bool {

@@ -20,8 +20,7 @@ use crate::viewpoint::Viewpoint;
 /// Grounds a parsed sentence in a scene (sections IV-C and IV-D), from any step on, so that the
 /// rest of a program can be planned again in each observed scene. Each [`GroundingTask::poll`] does
 /// one of: the calibration check, one object's score, one choice of an object, one place on the
-/// table, or one action. All
-/// scratch memory is in here.
+/// table, or one action. All scratch memory is in here.
 ///
 /// A step that moves several objects is replaced by one for each of them before it is grounded.
 ///

@@ -47,6 +47,8 @@ _SENTENCE = {
 }
 #: In place of the concepts of a description: it is said by a pronoun.
 PRONOUN = "[[it]]"
+#: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
+TABLES = ("synonyms", "extremes", "pronouns", "several", "apart", "arrangements", "table")
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
 
@@ -57,16 +59,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
     synonyms, extremes, pronouns, several, apart, arrangements, table = (
-        _taken_out(words, name, path)
-        for name in (
-            "synonyms",
-            "extremes",
-            "pronouns",
-            "several",
-            "apart",
-            "arrangements",
-            "table",
-        )
+        _taken_out(words, name, path) for name in TABLES
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():

@@ -29,8 +29,8 @@ pub(super) enum Rewriting {
 }
 
 impl Reader {
-    /// Joins values that stand apart, names the table where it is meant, replaces arrangements, then joins values that stand beside each other:
-    /// a piece of it. False if all tokens have been looked at, and none is unknown.
+    /// Joins values that stand apart, names the table where it is meant, replaces arrangements, then joins
+    /// values that stand beside each other: a piece of it. False if all tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
             return Ok(false);
