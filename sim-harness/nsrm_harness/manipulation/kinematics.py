@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 import pinocchio as untyped
 from numpy.typing import NDArray
+from scipy.linalg import lapack as untyped_lapack
 
 from nsrm_harness.geometry import panda
 from nsrm_harness.geometry.pose import Pose
 
-# Pinocchio creates its names at import; a type checker cannot know them.
+# Pinocchio creates its names at import; a type checker cannot know them, nor those of LAPACK.
 pinocchio: Any = untyped
+lapack: Any = untyped_lapack
 
 Joints = NDArray[np.float64]
 """Angles of the arm's seven joints `[7]`, radians."""
@@ -47,7 +49,7 @@ REMEMBERED = 1 << 14
 """Size of the cache, in solutions: a plan asks for the same ones again for each rotation after
 which the block looks the same, for a smaller finger clearance, and after a regrasp. 12 MB."""
 _DAMPED = DAMPING**2 * np.eye(6)
-_IDENTITY = np.eye(panda.JOINTS)
+_LOCAL = pinocchio.ReferenceFrame.LOCAL
 _LOWEST_RAD = panda.LOWEST_RAD + LIMIT_MARGIN_RAD
 _HIGHEST_RAD = panda.HIGHEST_RAD - LIMIT_MARGIN_RAD
 
@@ -98,7 +100,7 @@ class Kinematics:
         a series of initial guesses that begins with `near`. None if there is none. The array is
         read-only, because it is cached and shared between callers.
 
-        Cost: 0.4 ms for a reachable pose, 10 to 40 ms where joint limits rule it out, microseconds
+        Cost: 0.2 ms for a reachable pose, 5 to 20 ms where joint limits rule it out, microseconds
         beyond the stretched arm and for cached poses.
         """
         return self._remembered(hand, near.astype(np.float64).tobytes())
@@ -118,31 +120,50 @@ class Kinematics:
         """Damped least squares (Levenberg-Marquardt), clamped to the limits. The hand's pose has
         priority; in its null space, the elbow comes as close to the ready pose as possible."""
         found = None
-        joints = np.clip(joints, _LOWEST_RAD, _HIGHEST_RAD)
+        joints = _within_limits(joints)
         for number in range(MAX_ROUNDS):
             pinocchio.forwardKinematics(self._model, self._data, joints)
             at = pinocchio.updateFramePlacement(self._model, self._data, self._hand)
             # In the hand's frame: metres, then radians.
             error = pinocchio.log6(at.actInv(goal)).vector
             jacobian = pinocchio.computeFrameJacobian(
-                self._model, self._data, joints, self._hand, pinocchio.ReferenceFrame.LOCAL
+                self._model, self._data, joints, self._hand, _LOCAL
             )
-            damped = jacobian @ jacobian.T + _DAMPED
-            inverse = jacobian.T @ np.linalg.inv(damped)
-            # Null-space projector: moves the elbow, but not the hand.
-            free = _IDENTITY - inverse @ jacobian
-            ease = free @ (panda.READY_RAD - joints)
+            x, y, z, i, j, k = error.tolist()
+            is_there = math.hypot(x, y, z) < POSITION_M and math.hypot(i, j, k) < ANGLE_RAD
             eases = number < EASED_ROUNDS
-            is_there = np.linalg.norm(error[:3]) < POSITION_M
-            is_there &= np.linalg.norm(error[3:]) < ANGLE_RAD
             if is_there:
                 found = joints
-                if not eases or float(np.abs(ease).max()) < AT_EASE_RAD:
+                if not eases:
                     break
-            turn = inverse @ error + (EASE * ease if eases else 0.0)
-            turn *= min(1.0, MAX_TURN_RAD / max(float(np.abs(turn).max()), 1e-12))
-            joints = np.clip(joints + turn, _LOWEST_RAD, _HIGHEST_RAD)
+            to_ready = panda.READY_RAD - joints
+            # Solved for at once: what moves the hand to its goal, and what would move it as the
+            # elbow's way to its ready pose does.
+            wanted = np.empty((6, 2), order="F")
+            wanted[:, 0], wanted[:, 1] = error, jacobian @ to_ready
+            _, solved, _ = lapack.dposv(jacobian @ jacobian.T + _DAMPED, wanted)
+            turn, with_elbow = (jacobian.T @ solved).T
+            if eases:
+                # In the null space: it moves the elbow, but not the hand.
+                ease = to_ready - with_elbow
+                if is_there and _greatest(ease) < AT_EASE_RAD:
+                    break
+                turn = turn + EASE * ease
+            greatest = _greatest(turn)
+            if greatest > MAX_TURN_RAD:
+                turn = turn * (MAX_TURN_RAD / greatest)
+            joints = _within_limits(joints + turn)
         return found
+
+
+def _within_limits(joints: Joints) -> Joints:
+    # Numpy's clip takes twice as long for so few numbers.
+    return np.minimum(np.maximum(joints, _LOWEST_RAD), _HIGHEST_RAD)
+
+
+def _greatest(turn: Joints) -> float:
+    """The largest rotation of any joint."""
+    return max(map(abs, turn.tolist()))
 
 
 class _Reach:

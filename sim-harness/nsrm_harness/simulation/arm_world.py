@@ -84,8 +84,6 @@ class ArmWorld(World):
 
     def contacts(self, *block_ids: int) -> set[Contact]:
         """Current contacts of the arm and of these blocks."""
-        names: dict[int, Touching] = {body: number for number, body in self._bodies.items()}
-        names[self._table] = TABLE
         points = [
             *self._arm.contact_points(),
             *(
@@ -96,12 +94,19 @@ class ArmWorld(World):
                 )
             ),
         ]
+        # Two bodies touch at several points: each pair is named once.
+        pairs = {
+            (one, link, other, other_link)
+            for _, one, other, link, other_link, *_, force_n, _, _, _, _ in points
+            if force_n > 0
+        }
+        names: dict[int, Touching] = {body: number for number, body in self._bodies.items()}
+        names[self._table] = TABLE
         found = set()
-        for _, one, other, link, other_link, *_, force_n, _, _, _, _ in points:
-            if force_n > 0:
-                pair = (
-                    names.get(one) or self._arm.link_name(link),
-                    names.get(other) or self._arm.link_name(other_link),
-                )
-                found.add(Contact(*sorted(pair, key=called)))
+        for one, link, other, other_link in pairs:
+            pair = (
+                names.get(one) or self._arm.link_name(link),
+                names.get(other) or self._arm.link_name(other_link),
+            )
+            found.add(Contact(*sorted(pair, key=called)))
         return found
