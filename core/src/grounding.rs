@@ -34,7 +34,7 @@ pub enum ScoreError {
 /// How well an object passes a description's filters over `Scene()`: the smallest cosine; 1 without
 /// filters.
 ///
-/// Cost: one [`vision::similarity`] for each concept, at most `MAX_FILTERS`.
+/// Cost: one [`vision::similarity`] for each concept, at most `MAX_FILTERS`, and to the others of its type.
 ///
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
@@ -61,16 +61,56 @@ pub fn score(
     embedding: &[f32; OBJECT_EMBEDDING],
     filters: &Filters,
 ) -> Result<f32, ScoreError> {
-    let mut score = 1.0_f32;
+    Ok(filter(model, embedding, filters)?.score)
+}
+
+/// How an object passes filters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Filtered {
+    /// The smallest cosine.
+    pub(crate) score: f32,
+    /// The size that it should have.
+    pub(crate) size: Option<u8>,
+    /// The smallest cosine to all other concepts.
+    pub(crate) besides_size: f32,
+    /// Whether these are colours.
+    pub(crate) are_colors: bool,
+    /// Whether it shows another colour than it should have.
+    pub(crate) is_other_color: bool,
+}
+
+/// [`score`], apart by what a concept says.
+///
+/// Cost: as of [`score`], and 16 multiply-adds and a division for each concept of the filters' types.
+pub(crate) fn filter(
+    model: &Model<'_>,
+    embedding: &[f32; OBJECT_EMBEDDING],
+    filters: &Filters,
+) -> Result<Filtered, ScoreError> {
+    let mut filtered = Filtered {
+        score: 1.0,
+        size: None,
+        besides_size: 1.0,
+        are_colors: true,
+        is_other_color: false,
+    };
     for &concept in filters.concepts() {
-        let cosine =
-            vision::similarity(model, embedding, concept).ok_or(ScoreError::UnknownConcept)?;
+        let found = vision::similarity_or_other(model, embedding, concept);
+        let (cosine, is_other) = found.ok_or(ScoreError::UnknownConcept)?;
         if !cosine.is_finite() {
             return Err(ScoreError::NotFinite);
         }
-        score = score.min(cosine);
+        filtered.score = filtered.score.min(cosine);
+        if vision::is_size(model, concept) {
+            filtered.size = Some(concept);
+            continue;
+        }
+        let is_color = vision::is_color(model, concept);
+        filtered.besides_size = filtered.besides_size.min(cosine);
+        filtered.are_colors &= is_color;
+        filtered.is_other_color |= is_other && is_color;
     }
-    Ok(score)
+    Ok(filtered)
 }
 
 /// The scores of a scene's objects, in the scene's order.

@@ -27,6 +27,7 @@ mod tests;
 mod verdict;
 
 pub use cause::Cause;
+pub(crate) use resting::{APART_PX, sizes, widths_m};
 
 use crate::model::Model;
 use crate::scene::Scene;

@@ -17,7 +17,7 @@ const HIGHER: f32 = 0.25;
 /// apart.
 const ASIDE: f32 = 0.75;
 /// Pixels between two boxes that don't overlap.
-const APART_PX: f32 = 2.0;
+pub(crate) const APART_PX: f32 = 2.0;
 
 /// Where the objects of a scene are, and what each rests on.
 #[derive(Debug, Clone)]
@@ -139,14 +139,13 @@ impl Seen {
         let mut likeliest: Option<Rest> = None;
         for [x, y, z] in sizes(model) {
             let height_m = base_m + 0.5 * z;
-            let narrow_m = x.min(y);
-            let wide_m = WIDEST * length_m(x, y);
+            let (least_m, greatest_m) = widths_m([x, y, z]);
             let rest = Rest {
                 height_m,
                 top_m: base_m + z,
                 is_on_table: support.is_none(),
-                fits: NARROWEST * narrow_m <= self.width_m && self.width_m <= wide_m,
-                narrow_m,
+                fits: least_m <= self.width_m && self.width_m <= greatest_m,
+                narrow_m: x.min(y),
                 off_m: self.height_m() - height_m,
             };
             if likeliest.is_none_or(|before| self.prefers(&rest, &before)) {
@@ -191,8 +190,13 @@ impl Bounds {
     }
 }
 
+/// How wide an upright object with these edges looks from anywhere, at least and at most, metres.
+pub(crate) fn widths_m([x, y, _]: [f32; 3]) -> (f32, f32) {
+    (NARROWEST * x.min(y), WIDEST * length_m(x, y))
+}
+
 /// Edge lengths of the domain's objects, metres.
-pub(super) fn sizes(model: &Model<'_>) -> impl Iterator<Item = [f32; 3]> {
+pub(crate) fn sizes(model: &Model<'_>) -> impl Iterator<Item = [f32; 3]> {
     model.concepts.iter().filter_map(|concept| concept.edges_m)
 }
 

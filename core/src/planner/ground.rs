@@ -305,6 +305,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             scene: self.scene.borrow(),
             viewpoint: &self.viewpoint,
             locations: &self.locations,
+            has_moved: !self.plan.steps().is_empty(),
             step,
             argument,
             each: self.plan.parsed().each(step, argument),

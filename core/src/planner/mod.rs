@@ -8,6 +8,7 @@ mod ground;
 mod plan;
 mod resolve;
 mod room;
+mod sight;
 mod superlative;
 mod task;
 #[cfg(test)]
@@ -56,22 +57,22 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         3 * (WORD + ENCODER_HIDDEN) * ENCODER_HIDDEN + (ENCODER_HIDDEN + 1) * ACCEPTABILITY_HIDDEN,
         // One argument decoder.
         (INSTRUCTION + MAX_GROUPS) * INSTRUCTION,
-        // One object's score: filters, its volume, and a relation with its three places and their
-        // angle.
+        // One object's score: filters, with all values of their types, its volume, a relation with its
+        // three places and their angle, and how it is seen, with the places of all objects twice.
         MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT)
             + (VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN
-            + (UNIT_SIZES + 1) * (CONCEPT + 3)
+            + (MAX_FILTERS + 1) * (UNIT_VALUES + 1) * (CONCEPT + 3)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
-            + 3 * (3 * (LOCATION + 1) + 3),
-        // Superlatives, of a relation and an extreme: for each an action, the places of all objects
-        // three times and their distances or how far they lie in a direction, and each object
-        // compared four times with all others.
-        2 * (MAX_OBJECTS * (4 * 3 * (LOCATION + 1) + 12 + 8 * MAX_OBJECTS)
+            + 3 * (3 * (LOCATION + 1) + 3)
+            + 2 * MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 4 * 9 + 16),
+        // Superlatives, of a relation and an extreme: for each an action, and the place of each object
+        // and of the anchor, with their distance or how far it lies in a direction.
+        2 * (MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 12)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN),
         // One action.
         (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
         // All objects' places, each compared with all others and with all sizes.
-        MAX_OBJECTS * (3 * (LOCATION + 1) + 2 * 9 + 4 * MAX_OBJECTS + 4 * UNIT_SIZES),
+        MAX_OBJECTS * (3 * (LOCATION + 1) + 2 * 9 + 4 * MAX_OBJECTS + 4 * UNIT_VALUES),
     ];
     // One group's role: two for each relation, of actions and superlatives.
     let mut most = 2 * (UNIT_ACTIONS + SUPERLATIVES) * INSTRUCTION;
@@ -86,8 +87,8 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
 /// multiply-adds for each, the relation decoder 192, and as much for each superlative.
 pub const UNIT_ACTIONS: usize = 64;
 
-/// Sizes of objects up to which [`UNIT_MULTIPLY_ADDS`] holds.
-pub const UNIT_SIZES: usize = 64;
+/// Values of an attribute type, such as sizes, up to which [`UNIT_MULTIPLY_ADDS`] holds.
+pub const UNIT_VALUES: usize = 64;
 
 /// The most calls of [`PlanningTask::poll`] until it is done: for each reading of the sentence
 /// words and what is rewritten, and for each way to split it tokens through splitter and encoder, and for each step its

@@ -2,10 +2,11 @@ use heapless::Vec;
 use nalgebra::Point3;
 
 use super::Grounding;
-use super::superlative::{Superlative, seen_in_part};
+use super::sight::{Fit, Sight};
+use super::superlative::Superlative;
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description, Extreme, Quantifier, RelationKind};
-use crate::grounding::{ScoreError, Scores, score};
+use crate::dsl::{Argument, Description, Extreme, Quantifier, Relation, RelationKind};
+use crate::grounding::{ScoreError, Scores, filter};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
 use crate::relation::{RELATION_CLEAR, relate};
@@ -25,8 +26,28 @@ pub(super) struct Resolver {
     /// What the link inside refers to.
     anchor: Option<Grounding>,
     scores: Scores,
-    /// Of the objects that have a score, if they are compared by size.
-    volumes: [f32; MAX_OBJECTS],
+    /// What else is known of the objects that have a score.
+    judged: [Judged; MAX_OBJECTS],
+}
+
+/// What is known of an object, beside its score.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Judged {
+    /// Whether it is what is sought.
+    pub(super) fit: Fit,
+    /// Whether its place is less certain.
+    pub(super) is_rough: bool,
+    /// If objects are compared by size: NaN if it's not known.
+    pub(super) volume: f32,
+}
+
+impl Judged {
+    /// Nothing known.
+    const UNKNOWN: Self = Self {
+        fit: Fit::No,
+        is_rough: false,
+        volume: f32::NAN,
+    };
 }
 
 /// What a description is resolved in.
@@ -37,6 +58,8 @@ pub(super) struct Within<'a> {
     pub(super) viewpoint: &'a Viewpoint<'a>,
     /// Where the objects are after the steps so far, as the training's camera would see them.
     pub(super) locations: &'a [[f32; LOCATION]; MAX_OBJECTS],
+    /// Whether they moved anything.
+    pub(super) has_moved: bool,
     pub(super) step: usize,
     pub(super) argument: Argument,
     /// The id of the only object that may be meant, of several that are moved.
@@ -56,7 +79,7 @@ impl Resolver {
             level: sought.len(),
             anchor: None,
             scores: Scores::new(),
-            volumes: [0.0; MAX_OBJECTS],
+            judged: [Judged::UNKNOWN; MAX_OBJECTS],
         }
     }
 
@@ -83,7 +106,7 @@ impl Resolver {
             level,
             anchor: Some(found),
             scores: Scores::new(),
-            volumes: [0.0; MAX_OBJECTS],
+            judged: [Judged::UNKNOWN; MAX_OBJECTS],
         };
         Ok(None)
     }
@@ -108,14 +131,13 @@ impl Resolver {
             return Ok(None);
         }
         let threshold = within.model.header.thresholds.match_score;
-        // What others hide in part may look like anything.
         let mut unclear = Candidates::default();
         // Heights and ids, the highest first.
         let mut found: Vec<(f32, u32), MAX_OBJECTS, u8> = Vec::new();
         let mut on_table = None;
         let objects = within.scene.objects().iter().zip(within.locations);
-        let scores = self.scores.values().iter().zip(seen_in_part(within));
-        for (index, ((object, location), (&score, is_partial))) in objects.zip(scores).enumerate() {
+        let scores = self.scores.values().iter().zip(self.judged);
+        for (index, ((object, location), (&score, judged))) in objects.zip(scores).enumerate() {
             let fits = score >= threshold;
             match reference {
                 Some(reference) if index == usize::from(reference.index) => continue,
@@ -127,7 +149,7 @@ impl Resolver {
             }
             let related = self.relation(description, within, index)?;
             let is_vague = fits && related.is_some_and(|related| related < RELATION_CLEAR);
-            if is_vague || (is_partial && !description.concepts().is_empty()) {
+            if is_vague || judged.fit == Fit::Maybe {
                 unclear.add(Candidate {
                     object: object.id,
                     score,
@@ -175,37 +197,89 @@ impl Resolver {
 
     /// Scores the next object; false if none is left.
     fn score_next(&mut self, sought: &Description, within: &Within<'_>) -> Result<bool, Refusal> {
-        let Some(object) = within.scene.objects().get(self.scores.values().len()) else {
+        let index = self.scores.values().len();
+        let Some(object) = within.scene.objects().get(index) else {
             return Ok(false);
         };
-        let score = self.score(sought, within, object)?;
-        if let Some(Extreme::Largest | Extreme::Smallest) = sought.filters().which()
-            && let Some(place) = self.volumes.get_mut(self.scores.values().len())
-        {
-            *place = vision::volume(within.model, &object.embedding);
+        let (score, judged) = self.judge(sought, within, index, object)?;
+        if let Some(place) = self.judged.get_mut(index) {
+            *place = judged;
         }
         // As many places as a scene has objects.
         let _ = self.scores.push(score);
         Ok(true)
     }
 
-    /// How well the next object fits.
-    fn score(
+    /// How well the next object fits, and what else is known of it.
+    ///
+    /// Of what is seen in part only, the rest tells the colour and its width the size, or nothing does.
+    fn judge(
         &self,
         sought: &Description,
         within: &Within<'_>,
+        index: usize,
         object: &ObservedObject,
-    ) -> Result<f32, Refusal> {
-        let filtered = score(within.model, &object.embedding, sought.filters());
+    ) -> Result<(f32, Judged), Refusal> {
+        let filtered = filter(within.model, &object.embedding, sought.filters());
         let filtered = filtered.map_err(|error| match error {
             ScoreError::UnknownConcept => Refusal::InvalidModel,
             ScoreError::NotFinite => within.not_finite(),
         })?;
+        let description = sought.filters();
+        let is_compared = description.choice().is_some()
+            || !matches!(
+                sought.relations().first(),
+                None | Some(Relation {
+                    kind: RelationKind::Action(_),
+                    ..
+                })
+            );
+        // Else nothing depends on it.
+        let sight = if is_compared || filtered.size.is_some() {
+            Sight::of(index, within)
+        } else {
+            Sight::WHOLE
+        };
+        let size = filtered.size.filter(|_| sight.is_partial);
+        let has_size = size.map(|size| sight.has_size(size, within.model));
+        let mut score = match has_size {
+            Some(Fit::No) => -1.0,
+            Some(Fit::Yes) => filtered.besides_size,
+            Some(Fit::Maybe) | None => filtered.score,
+        };
         if within.each.is_some_and(|each| object.id != each) {
-            return Ok(-1.0);
+            score = -1.0;
+        } else if let Some(related) = self.relation(sought, within, index)? {
+            score = score.min(related);
         }
-        let related = self.relation(sought, within, self.scores.values().len())?;
-        Ok(related.map_or(filtered, |related| filtered.min(related)))
+        let seems_to = score >= within.model.header.thresholds.match_score;
+        let is_all_told =
+            sight.is_color_told && filtered.are_colors && has_size != Some(Fit::Maybe);
+        let is_clear = !sight.is_partial
+            || sought.concepts().is_empty()
+            || has_size == Some(Fit::No)
+            || (sight.is_color_told && filtered.is_other_color)
+            || (seems_to && is_all_told);
+        let fit = match (is_clear, seems_to) {
+            (true, true) => Fit::Yes,
+            (true, false) => Fit::No,
+            (false, _) => Fit::Maybe,
+        };
+        let volume = match description.which() {
+            Some(Extreme::Largest | Extreme::Smallest) if sight.is_partial => {
+                sight.volume(within.model)
+            }
+            Some(Extreme::Largest | Extreme::Smallest) => {
+                vision::volume(within.model, &object.embedding)
+            }
+            _ => f32::NAN,
+        };
+        let judged = Judged {
+            fit,
+            is_rough: sight.is_rough,
+            volume,
+        };
+        Ok((score, judged))
     }
 
     /// How clearly an object is in the relation to the anchor, which never is, or to the table; `None`
@@ -261,7 +335,7 @@ impl Resolver {
         let which = sought.filters().which().map(Superlative::Extreme);
         let mut is_clear = true;
         for superlative in related.into_iter().chain(which) {
-            is_clear &= superlative.compare(self.scores.values_mut(), &self.volumes, within)?;
+            is_clear &= superlative.compare(self.scores.values_mut(), &self.judged, within)?;
         }
         Ok(is_clear)
     }

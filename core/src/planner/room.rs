@@ -5,7 +5,7 @@ use nalgebra::Point3;
 
 use super::Grounding;
 use super::resolve::Within;
-use super::superlative::{ON_TOP_M, is_hidden, seen_in_part};
+use super::sight::{HIDDEN, ON_TOP_M, Sight, is_hidden};
 use crate::action::simulate;
 use crate::grounding::Chosen;
 use crate::refusal::Refusal;
@@ -83,8 +83,7 @@ impl Room {
             && within.is_on_table(neighbour)
             && let Some(off_m2) = free(object, neighbour, action, within)?
         {
-            let is_rough = seen_in_part(within).get(neighbour).copied();
-            let is_rough = is_rough.unwrap_or(true);
+            let Sight { is_rough, .. } = Sight::of(neighbour, within);
             let is_worse = |other: Free| (other.is_rough, other.off_m2) <= (is_rough, off_m2);
             if self.best.is_some_and(is_worse) {
                 return Ok(None);
@@ -148,7 +147,7 @@ fn free(
         index == object || is_beside || aside_m2(&place, &other) >= least_m2
     });
     // What stands behind a nearer object might not be seen.
-    if !is_free || is_hidden(&put, others) {
+    if !is_free || is_hidden(&put, others.iter().copied(), HIDDEN) {
         return Ok(None);
     }
     Ok(Some(aside_m2(&place, &within.place(from))))

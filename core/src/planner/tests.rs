@@ -1,6 +1,7 @@
 mod extremes;
 mod relations;
 mod several;
+mod sight;
 mod table;
 
 use core::task::Poll;

@@ -1,4 +1,4 @@
-use crate::model::{Attribute, CONCEPT, Model, OBJECT_EMBEDDING, VIEW_EMBEDDING, View};
+use crate::model::{Attribute, CONCEPT, Concept, Model, OBJECT_EMBEDDING, VIEW_EMBEDDING, View};
 use crate::nn::{dot, relu_all};
 
 /// The smallest length by which a vector is divided, as in training.
@@ -64,6 +64,49 @@ fn length(vector: &[f32; CONCEPT]) -> f32 {
     } else {
         length
     }
+}
+
+/// [`similarity`] to a concept, and whether the object shows another one of its type: that fits by the model's
+/// threshold for matches, and this one does not.
+///
+/// Cost: one [`operate`], a root, and 16 multiply-adds and a division for each concept of the type.
+pub(crate) fn similarity_or_other(
+    model: &Model<'_>,
+    embedding: &[f32; OBJECT_EMBEDDING],
+    concept: u8,
+) -> Option<(f32, bool)> {
+    let concept = model.concepts.get(usize::from(concept))?;
+    let attribute = model.attributes.get(usize::from(concept.attribute))?;
+    let vector = operate(attribute, embedding);
+    let length = length(&vector);
+    let own = dot(&vector, &concept.embedding) / length;
+    let threshold = model.header.thresholds.match_score;
+    let mut others = model.concepts.iter();
+    let shows_other = own < threshold
+        && others.any(|other| {
+            other.attribute == concept.attribute
+                && dot(&vector, &other.embedding) >= threshold * length
+        });
+    Some((own, shows_other))
+}
+
+/// Whether a concept is a size.
+pub(crate) fn is_size(model: &Model<'_>, concept: u8) -> bool {
+    let concept = model.concepts.get(usize::from(concept));
+    concept.is_some_and(|concept| concept.edges_m.is_some())
+}
+
+/// Whether a concept is a colour, which an object shows as well if others hide a part of it: what the colour
+/// view tells, but no size.
+pub(crate) fn is_color(model: &Model<'_>, concept: u8) -> bool {
+    let Some(concept) = model.concepts.get(usize::from(concept)) else {
+        return false;
+    };
+    let is_size =
+        |other: &Concept<'_>| other.attribute == concept.attribute && other.edges_m.is_some();
+    let attribute = model.attributes.get(usize::from(concept.attribute));
+    attribute.is_some_and(|attribute| attribute.view == View::Color)
+        && !model.concepts.iter().any(is_size)
 }
 
 /// The volume of the size that an object shows most clearly, cubic metres; NaN if no size fits it,

@@ -9,8 +9,10 @@ mod observer;
 mod resample;
 mod uncovered;
 
+pub(crate) use concepts::{is_color, is_size, similarity_or_other};
 pub use concepts::{operate, similarity, volume};
 pub use crop::{Crop, ImageError, RgbImage};
 pub use encoder::{ENCODE_MULTIPLY_ADDS, encode, encode_in_place, recolor};
 pub use observer::{Detection, ObservationTask, Stamp};
+pub(crate) use uncovered::left_of_box;
 pub use uncovered::uncovered;

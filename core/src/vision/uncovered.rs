@@ -5,6 +5,7 @@
 //! object alone, and its colour. Its size is told by its whole outline.
 
 use super::Detection;
+use crate::model::LOCATION;
 
 /// The least share of an object's visible box from which its colour is told, and the greatest one: if no more
 /// is covered, the whole crop never told another colour.
@@ -27,18 +28,36 @@ const SHARES: (f32, f32) = (0.1, 0.85);
 /// ```
 pub fn uncovered(detections: &[Detection], index: usize) -> Option<[f32; 4]> {
     let object = detections.get(index)?;
-    let [.., depth_m] = object.location;
-    let mut left = object.visible;
-    for other in detections {
-        let [.., other_m] = other.location;
-        if other_m < depth_m {
-            left = without(left, other.visible);
-        }
-    }
+    let placed = |detection: &Detection| (detection.visible, depth_m(&detection.location));
+    let left = left_of(&placed(object), detections.iter().map(placed));
     let (least, greatest) = SHARES;
     let whole = area(&object.visible);
     let is_part = least * whole <= area(&left) && area(&left) <= greatest * whole;
     is_part.then_some(left)
+}
+
+/// The largest part of an object's box that was found to be free of nearer ones, and its share in the box.
+pub(crate) fn left_of_box(
+    object: &[f32; LOCATION],
+    others: impl Iterator<Item = [f32; LOCATION]>,
+) -> ([f32; 4], f32) {
+    let placed = |[x1, y1, x2, y2, depth_m]: [f32; LOCATION]| ([x1, y1, x2, y2], depth_m);
+    let own = placed(*object);
+    let left = left_of(&own, others.map(placed));
+    (left, area(&left) / area(&own.0))
+}
+
+/// The largest part of a box that was found to be free of nearer ones.
+fn left_of(
+    &(whole, depth_m): &([f32; 4], f32),
+    boxes: impl Iterator<Item = ([f32; 4], f32)>,
+) -> [f32; 4] {
+    let nearer = boxes.filter(|(_, other_m)| *other_m < depth_m);
+    nearer.fold(whole, |left, (other, _)| without(left, other))
+}
+
+const fn depth_m(&[.., depth_m]: &[f32; LOCATION]) -> f32 {
+    depth_m
 }
 
 /// The largest part of a box, as high or as wide as it, that another one does not overlap.
