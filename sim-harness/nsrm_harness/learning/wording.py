@@ -34,6 +34,7 @@ from nsrm_harness.geometry.camera import Camera
 from nsrm_harness.learning import calibrate, curves
 from nsrm_harness.learning.checkpoint import Checkpoints, TrainingProgress
 from nsrm_harness.learning.config import StageConfig, TrainingConfig
+from nsrm_harness.learning.counting import with_later_words
 from nsrm_harness.learning.dataset import (
     GROUPS_PER_STEP,
     TrainingSet,
@@ -407,10 +408,12 @@ def fitted(
     config: WordingConfig,
     record: Mapping[str, Any],
 ) -> ModelFile:
-    """The model file, with the certainty of actions fitted to told validation demonstrations.
+    """The model file, which also counts steps that no demonstration has, with the certainty of
+    actions fitted to told validation demonstrations.
 
     `record`: how it was taught, beside the lesson and its configuration
     """
+    model = with_later_words(model, lesson.domain)
     certainty = calibrate.certainty_of(*plain_actions(model, validation, config))
     model = calibrate.with_certainty(model, certainty)
     training = {
