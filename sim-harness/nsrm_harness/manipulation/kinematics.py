@@ -35,6 +35,12 @@ AT_EASE_RAD = 1e-4
 EASED_ROUNDS = MAX_ROUNDS // 2
 """After this many iterations, the elbow's preference is dropped in favour of the hand's pose: near
 a joint limit the two work against each other, and the hand would never arrive."""
+STALLED_ROUNDS = 10
+NEARER = 0.9
+"""From then on, the iteration ends unless, within so many rounds, the hand gets nearer by this
+factor: of 505 descents, none that arrived was slower, and the others stood still."""
+LEVER_M = 0.2
+"""By how far an error in angle counts as one in position, metres a radian."""
 LIMIT_MARGIN_RAD = 1e-3
 """Distance kept from the maker's limits: the motion along a line deviates from the joints found
 here by as much (`paths.MAX_OFF_RAD`), and must not exceed the limits either."""
@@ -120,6 +126,7 @@ class Kinematics:
         """Damped least squares (Levenberg-Marquardt), clamped to the limits. The hand's pose has
         priority; in its null space, the elbow comes as close to the ready pose as possible."""
         found = None
+        least_m, nearer = math.inf, EASED_ROUNDS
         joints = _within_limits(joints)
         for number in range(MAX_ROUNDS):
             pinocchio.forwardKinematics(self._model, self._data, joints)
@@ -130,11 +137,17 @@ class Kinematics:
                 self._model, self._data, joints, self._hand, _LOCAL
             )
             x, y, z, i, j, k = error.tolist()
-            is_there = math.hypot(x, y, z) < POSITION_M and math.hypot(i, j, k) < ANGLE_RAD
+            off_m, turned_rad = math.hypot(x, y, z), math.hypot(i, j, k)
+            is_there = off_m < POSITION_M and turned_rad < ANGLE_RAD
             eases = number < EASED_ROUNDS
             if is_there:
                 found = joints
                 if not eases:
+                    break
+            elif not eases:
+                if off_m + LEVER_M * turned_rad < NEARER * least_m:
+                    least_m, nearer = off_m + LEVER_M * turned_rad, number
+                elif number - nearer >= STALLED_ROUNDS:
                     break
             to_ready = panda.READY_RAD - joints
             # Solved for at once: what moves the hand to its goal, and what would move it as the
