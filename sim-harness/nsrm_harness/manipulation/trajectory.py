@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cache
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -97,6 +98,28 @@ class Backwards:
         return Moments(moments.joints, -moments.speeds, moments.accelerations)
 
 
+class _Fitting(NamedTuple):
+    """What fits polynomials to joints at equal distances along a path, as matrices: they are the
+    same for every path of so many joints."""
+
+    coefficients: NDArray[np.floating]
+    """From the joints to the coefficients of Chebyshev polynomials, by least squares,"""
+    values: NDArray[np.floating]
+    """from these to the joints,"""
+    derivatives: Sequence[NDArray[np.floating]]
+    """and to those of the derivatives by the position along the path, which is from 0 to 1: half of
+    Chebyshev's range."""
+
+
+@cache
+def _fitting(count: int) -> _Fitting:
+    degree = min(DEGREE, count - 1)
+    values = chebyshev.chebvander(np.linspace(-1.0, 1.0, count), degree)
+    terms = np.eye(degree + 1)
+    derivatives = [chebyshev.chebder(terms, order, scl=2) for order in (1, 2, 3)]
+    return _Fitting(np.linalg.pinv(values), values, derivatives)
+
+
 class Along:
     """A smooth motion through joints that lie densely along a path, such as those for a straight
     line of the hand: it passes through the first and the last of them, and close to the others.
@@ -107,16 +130,14 @@ class Along:
     def __init__(self, joints: Sequence[Joints], pace: float = 1.0) -> None:
         self.begin, self.end = joints[0], joints[-1]
         self._joints, self._pace = joints, pace
-        places = np.linspace(-1.0, 1.0, len(joints))
-        path = chebyshev.chebfit(places, np.array(joints), min(DEGREE, len(joints) - 1))
+        fitting = _fitting(len(joints))
+        path = fitting.coefficients @ np.array(joints)
         # The preceding motion ends at the first of them, and the next one begins at the last: no
         # joint may jump.
-        off = np.array(joints) - chebyshev.chebval(places, path).T
+        off = np.array(joints) - fitting.values @ path
         path[:2] += (off[-1] + off[0]) / 2, (off[-1] - off[0]) / 2
-        self.off_rad = float(np.abs(np.array(joints) - chebyshev.chebval(places, path).T).max())
-        # Derivatives by the position along the path, from 0 to 1, which is half of Chebyshev's
-        # range.
-        self._turns = [path] + [chebyshev.chebder(path, order, scl=2) for order in (1, 2, 3)]
+        self.off_rad = float(np.abs(np.array(joints) - fitting.values @ path).max())
+        self._turns = [path] + [each @ path for each in fitting.derivatives]
         self._timed = self._slowest(pace)
 
     @property
@@ -132,10 +153,11 @@ class Along:
         """The same path in reverse."""
         return Along(self._joints[::-1], self._pace)
 
-    def _at_places(self, places: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    def _at_places(self, places: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
         """The joints and their derivatives `[n, 7]` at these positions along the path."""
-        values = (chebyshev.chebval(2 * places - 1, turn) for turn in self._turns)
-        return [np.asarray(value, np.float64).T for value in values]
+        path, *_ = self._turns
+        polynomials = chebyshev.chebvander(2 * places - 1, len(path) - 1)
+        return [np.asarray(polynomials[:, : len(turn)] @ turn) for turn in self._turns]
 
     def _slowest(self, pace: float) -> Timed:
         """Timing along the path, so slow that no joint exceeds its limits anywhere."""
