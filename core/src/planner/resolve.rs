@@ -225,8 +225,8 @@ impl Resolver {
             ScoreError::UnknownConcept => Refusal::InvalidModel,
             ScoreError::NotFinite => within.not_finite(),
         })?;
-        let description = sought.filters();
-        let is_compared = description.choice().is_some()
+        let filters = sought.filters();
+        let is_compared = filters.choice().is_some()
             || !matches!(
                 sought.relations().first(),
                 None | Some(Relation {
@@ -265,7 +265,7 @@ impl Resolver {
             (true, false) => Fit::No,
             (false, _) => Fit::Maybe,
         };
-        let volume = match description.which() {
+        let volume = match filters.which() {
             Some(Extreme::Largest | Extreme::Smallest) if sight.is_partial => {
                 sight.volume(within.model)
             }
