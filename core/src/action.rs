@@ -1,7 +1,7 @@
 //! The action simulator (section IV-D, Table II last row): where the moved object will be observed
 //! after an action.
 
-use crate::model::{Action, LOCATION, Simulator};
+use crate::model::{Action, COMPOSED, CompoundKind, LOCATION, Model, Simulator};
 use crate::nn::{add_products, tanh_all};
 
 /// The location of the moved object after `action`:
@@ -54,6 +54,34 @@ pub fn simulate(
         depth: reference.depth + depth,
     }
     .to_corners()
+}
+
+/// [`simulate`] for an action, or for one after the other of a compound's: in front and to the left is what
+/// is in front of the place to the left. `None` for an index that is none of them, and for a compound of
+/// the kind [`CompoundKind::Any`], which leads to no single place.
+///
+/// * `action`: as of [`crate::dsl::Step::action`]
+///
+/// Cost: up to two [`simulate`].
+pub fn simulate_any(
+    model: &Model<'_>,
+    action: u8,
+    object: &[f32; LOCATION],
+    reference: &[f32; LOCATION],
+) -> Option<[f32; LOCATION]> {
+    let known = |index: u8| model.actions.get(usize::from(index));
+    if let Some(action) = known(action) {
+        return Some(simulate(model.simulator, action, object, reference));
+    }
+    let compound = model.compound(action)?;
+    if compound.kind != CompoundKind::All {
+        return None;
+    }
+    let mut place = *reference;
+    for &part in compound.parts.iter().take(COMPOSED) {
+        place = simulate(model.simulator, known(part)?, object, &place);
+    }
+    Some(place)
 }
 
 /// A location as input of the simulator's network.

@@ -320,6 +320,7 @@ pub(crate) fn model() -> Model<'static> {
             concept("small", 1, SMALL),
         ])),
         actions: actions(),
+        compounds: Compounds::new(),
         language: language(),
         vision: Some(Vision {
             color: Box::leak(Box::new(view_encoder())),
@@ -401,6 +402,42 @@ pub(crate) fn with_table() -> Model<'static> {
     let ends = Arrangements::new().with_ends(&["then"]);
     let model = model.with_lexicon(lexicon.leak()).with_table(table);
     let model = model.with_arrangements(ends);
+    assert_eq!(model.check(), Ok(()));
+    model
+}
+
+/// [`with_table`] with compounds: "by", "close to" and the known word "past" put to the right, or where "on" does, and
+/// "diagonally" does both; "by the" and "what is by" are relations.
+pub(crate) fn with_compounds() -> Model<'static> {
+    let model = with_table();
+    let of = |name, kind, read| Compound {
+        name,
+        phrase: name,
+        kind,
+        parts: &[1, 0],
+        read,
+    };
+    let compounds = [
+        of("NextTo", CompoundKind::Any, "right"),
+        of("RightOn", CompoundKind::All, "the right"),
+        of("IsNextTo", CompoundKind::Any, "beside"),
+        of("StandsFor", CompoundKind::All, "past"),
+    ];
+    let said = [
+        ("by", 0),
+        ("by the", 2),
+        ("close to", 0),
+        ("diagonally", 1),
+        ("past", 0),
+        ("what is by", 3),
+    ];
+    let said = said.map(|(text, compound)| CompoundText { text, compound });
+    let compounds = Compounds::new()
+        .with_compounds(Box::leak(Box::new(compounds)))
+        .with_said(Box::leak(Box::new(said)))
+        .with_first_words(&["by", "close", "diagonally", "past", "what"])
+        .with_sides(&["leftwards", "perhaps"]);
+    let model = model.with_compounds(compounds);
     assert_eq!(model.check(), Ok(()));
     model
 }

@@ -15,10 +15,12 @@
 
 mod builder;
 mod check;
+mod compound;
 mod embeddings;
 mod table;
 
 pub use check::ModelFault;
+pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use table::{MAX_SIDES, Table};
 
@@ -100,6 +102,8 @@ pub struct Model<'a> {
     pub concepts: &'a [Concept<'a>],
     /// Actions, in the domain's order.
     pub actions: &'a [Action<'a>],
+    /// Actions that are made of these.
+    pub compounds: Compounds<'a>,
     /// Sentence encoder, decoders and splitter (section IV-B).
     pub language: Language<'a>,
     /// Crop encoder (section IV-C); without it, scenes must come from elsewhere.

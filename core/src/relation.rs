@@ -11,6 +11,13 @@
 //! it. Nothing is trained for it: the learned simulator knows what each action brings about, and the
 //! actions of another domain are relations at once. How far away the object is does not matter.
 //!
+//! By compounds of actions: "in front and to the left of" is where both put things, one after the other, and
+//! "next to" is what lies near in whatever direction:
+//!
+//! * `Relate(any, y)` → for each object `i` that is level with `y`, from 1 where `|x_i − y|` is
+//!   at most `1.25·d` down to −1 where it is `1.75·d`, with the distance `d = |p − y|` of where the first of the
+//!   actions would put it; −1 for all others.
+//!
 //! By superlatives, "nearest to" and "farthest from", which compare:
 //!
 //! * `Relate(Nearest, y)` → of the objects that fit all filters, except `y`, those with
@@ -30,8 +37,8 @@
 
 use nalgebra::Point3;
 
-use crate::action::simulate;
-use crate::model::{Action, LOCATION, Model};
+use crate::action::{simulate, simulate_any};
+use crate::model::{Action, Compound, CompoundKind, LOCATION, Model};
 use crate::nn::dot;
 use crate::viewpoint::Viewpoint;
 
@@ -47,6 +54,14 @@ pub const CLEARLY_FARTHER_M: f32 = 0.02;
 
 /// The least ratio of two volumes at which the larger one is clearly larger.
 pub const CLEARLY_LARGER: f32 = 1.2;
+
+/// Ratios of the distance to an anchor, and that at which an action would put an object beside it, up to which
+/// the object is next to the anchor, and from which on it is not.
+pub const NEXT_TO: [f32; 2] = [1.25, 1.75];
+
+/// The greatest share of the height in the distance of objects that are next to each other: the sine of
+/// 30°, less than halfway to one that stands on the other.
+pub const LEVEL: f32 = 0.5;
 
 /// A shorter vector has no direction, metres.
 const LEAST_LENGTH_M: f32 = 1e-6;
@@ -87,10 +102,21 @@ pub fn relate(
     anchor: &[f32; LOCATION],
 ) -> Option<f32> {
     let put = simulate(model.simulator, action, object, anchor);
+    towards(model, viewpoint, object, &put, anchor)
+}
+
+/// The cosine between the directions from an anchor to an object, and to where it would be put.
+fn towards(
+    model: &Model<'_>,
+    viewpoint: &Viewpoint<'_>,
+    object: &[f32; LOCATION],
+    put: &[f32; LOCATION],
+    anchor: &[f32; LOCATION],
+) -> Option<f32> {
     // An angle is the same in the camera's frame and in the world's.
     let centre = |location| centre(model, viewpoint, location);
     let origin = centre(anchor);
-    let would_be: [f32; 3] = (centre(&put) - origin).into();
+    let would_be: [f32; 3] = (centre(put) - origin).into();
     let is: [f32; 3] = (centre(object) - origin).into();
     let lengths = [would_be, is].map(|vector| length(&vector));
     if !lengths.iter().all(|length| length.is_finite()) {
@@ -103,6 +129,51 @@ pub fn relate(
     // One after the other: their product may overflow.
     let cosine = dot(&would_be.map(|x| x / would_be_m), &is.map(|x| x / is_m));
     cosine.is_finite().then_some(cosine)
+}
+
+/// [`relate`] for an action or a compound; `None` also for an index that is none of them.
+///
+/// Cost: two [`simulate`], three deprojections and two square roots.
+pub fn relate_any(
+    model: &Model<'_>,
+    viewpoint: &Viewpoint<'_>,
+    action: u8,
+    object: &[f32; LOCATION],
+    anchor: &[f32; LOCATION],
+) -> Option<f32> {
+    let is_any = |compound: &&Compound<'_>| compound.kind == CompoundKind::Any;
+    if let Some(compound) = model.compound(action).filter(is_any) {
+        let put = simulate_any(model, *compound.parts.first()?, object, anchor)?;
+        return near(model, viewpoint, object, &put, anchor);
+    }
+    let put = simulate_any(model, action, object, anchor)?;
+    towards(model, viewpoint, object, &put, anchor)
+}
+
+/// How clearly an object is next to an anchor; `None` if a number is not finite.
+///
+/// * `put`: where an action would put it there
+fn near(
+    model: &Model<'_>,
+    viewpoint: &Viewpoint<'_>,
+    object: &[f32; LOCATION],
+    put: &[f32; LOCATION],
+    anchor: &[f32; LOCATION],
+) -> Option<f32> {
+    let place = |location| viewpoint.training().locate(model.camera, location);
+    let origin = place(anchor);
+    let [x, y, z]: [f32; 3] = (place(object) - origin).into();
+    let [is_m, would_be_m] =
+        [[x, y, z], (place(put) - origin).into()].map(|vector| length(&vector));
+    if !is_m.is_finite() || !would_be_m.is_finite() {
+        return None;
+    }
+    let [full, none] = NEXT_TO;
+    if would_be_m < LEAST_LENGTH_M || libm::fabsf(z) > LEVEL * is_m {
+        return Some(-1.0);
+    }
+    let share = (is_m / would_be_m - full) / (none - full);
+    Some((1.0 - 2.0 * share).clamp(-1.0, 1.0))
 }
 
 /// The direction in which an action puts things: from an object to where the action would put it with
@@ -256,5 +327,53 @@ mod tests {
             };
             assert_eq!(to_the_middle(&model, 1, 0.75, 0.5), None, "{broken}");
         }
+    }
+
+    #[test]
+    fn next_to_is_near_and_level_whatever_the_direction() {
+        let model = fixture::with_compounds();
+        let viewpoint = Viewpoint::new(&model, &fixture::camera());
+        // Of the fixture's, the first puts things 0.0625 m to the right.
+        let any = model.actions.len() as u8;
+        let near = |x: f32, y: f32, raised_m: f32| {
+            let mut object = at(x, y);
+            object[4] -= raised_m;
+            relate_any(&model, &viewpoint, any, &object, &at(0.5, 0.5)).unwrap()
+        };
+        for (x, y, expected) in [
+            (0.625, 0.5, 1.0),
+            (0.5, 0.4, 1.0),
+            (0.3125, 0.5, 0.0),
+            (0.5, 0.75, -1.0),
+        ] {
+            let got = near(x, y, 0.0);
+            assert!((got - expected).abs() < 1e-4, "({x}, {y}): {got}");
+        }
+        // On it, and on what stands next to it.
+        assert_eq!(near(0.5, 0.5, 0.06), -1.0);
+        assert_eq!(near(0.6, 0.5, 0.06), -1.0);
+        let broken = [f32::MAX; LOCATION];
+        assert_eq!(
+            relate_any(&model, &viewpoint, any, &broken, &at(0.5, 0.5)),
+            None
+        );
+    }
+
+    #[test]
+    fn of_two_actions_it_is_the_cosine_to_where_both_put_it() {
+        let model = fixture::with_compounds();
+        let viewpoint = Viewpoint::new(&model, &fixture::camera());
+        let both = model.actions.len() as u8 + 1;
+        let related = |x, y| relate_any(&model, &viewpoint, both, &at(x, y), &at(0.5, 0.5));
+        // An eighth to the right, and a sixteenth up.
+        let on_the_way = related(0.75, 0.375).unwrap();
+        assert!((on_the_way - 1.0).abs() < 1e-4, "{on_the_way}");
+        let only_right = related(0.75, 0.5).unwrap();
+        assert!((only_right - 0.894_427).abs() < 1e-4, "{only_right}");
+        // As each action by itself, and no other index.
+        let [one, other] = [1, both + 3]
+            .map(|action| relate_any(&model, &viewpoint, action, &at(0.75, 0.5), &at(0.5, 0.5)));
+        assert_eq!(one, right_of_the_middle(0.75, 0.5));
+        assert_eq!(other, None);
     }
 }

@@ -195,6 +195,31 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         (lambda w: w["table"]["words"].append("put"), "'put' names the table"),
         (lambda w: w["table"]["down"].append(""), "table: expected words that mean it"),
         (lambda w: w["table"].pop("off"), r"table\.off"),
+        (
+            lambda w: w["compounds"]["made"][0].update(read="pat"),
+            r"compounds\.made\.MoveNextTo: 'pat' is not a word of the grammar",
+        ),
+        (
+            lambda w: w["compounds"]["made"][0].update(all=["MoveRight", "MoveLeft"]),
+            "MoveNextTo: expected either any or all",
+        ),
+        (
+            lambda w: w["compounds"]["made"][0].update(name="MoveOn"),
+            "MoveOn: the name is that of an action",
+        ),
+        (
+            lambda w: w["compounds"]["made"][0]["said"].append(""),
+            "MoveNextTo.said: '' is empty",
+        ),
+        (
+            lambda w: w["compounds"]["made"][0]["said"].append("{heap}"),
+            "no rule 'heap'; add it to compounds.rules",
+        ),
+        (lambda w: w["compounds"]["sides"].append(""), "compounds.sides: expected words"),
+        (
+            lambda w: w["compounds"]["made"].append({**w["compounds"]["made"][0], "name": "Nigh"}),
+            "Nigh.said: 'adjacent to' is empty, or said of MoveNextTo",
+        ),
         (lambda w: w["rules"].pop("several"), r"everyday\.rules\.several: is missing"),
     ],
 )

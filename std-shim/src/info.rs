@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use nsrm_codegen::{hexadecimal, memory_report};
 use nsrm_core::dsl::{Extreme, Property, RelationKind};
-use nsrm_core::model::{self, LOCATION, Model};
+use nsrm_core::model::{self, CompoundKind, LOCATION, Model};
 use nsrm_core::planner::{MAX_POLLS, PLAN_BYTES, SCENE_BYTES, TASK_BYTES, UNIT_MULTIPLY_ADDS};
 use nsrm_core::{
     Camera, MAX_CORRECTIONS, MAX_FILTERS, MAX_GROUPS, MAX_OBJECTS, MAX_READINGS, MAX_RELATIONS,
@@ -73,6 +73,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "precision": model.embeddings.precision().name(),
         "attributes": attributes(&model),
         "actions": model.actions.iter().map(|action| action.name).collect::<Vec<_>>(),
+        "compounds": compounds(&model),
         "relations": relations(&model),
         "extremes": extremes(&model),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
@@ -102,6 +103,27 @@ pub fn info_json(any: &AnyModel) -> Value {
         "training": about["training"],
         "metrics": about["metrics"],
     })
+}
+
+/// Actions that are made of others, with all that means them.
+fn compounds(model: &Model<'_>) -> Vec<Value> {
+    let made = (0_u8..).zip(model.compounds.compounds);
+    made.map(|(index, compound)| {
+        let parts = compound.parts.iter();
+        let parts = parts.filter_map(|part| model.action_name(*part));
+        let said = model.compounds.said.iter();
+        let said = said.filter(|said| said.compound == index);
+        json!({
+            "name": compound.name,
+            "is": match compound.kind {
+                CompoundKind::All => "all",
+                _ => "any",
+            },
+            "of": parts.collect::<Vec<_>>(),
+            "said": said.map(|said| said.text).collect::<Vec<_>>(),
+        })
+    })
+    .collect()
 }
 
 fn camera(camera: &Camera) -> Value {
@@ -197,10 +219,13 @@ pub fn info_text(any: &AnyModel) -> String {
     }
     let actions: Vec<&str> = model.actions.iter().map(|action| action.name).collect();
     line("actions", actions.join(", "));
+    let made = model.compounds.compounds.iter().map(|made| made.name);
+    let made: Vec<&str> = made.collect();
     let or_none = |names: Vec<&str>| match &*names {
         [] => "none".to_owned(),
         names => names.join(", "),
     };
+    line("made of them", or_none(made));
     line("relations", or_none(relations(&model)));
     line("extremes", or_none(extremes(&model)));
     line("pronouns", or_none(pronouns(&model)));

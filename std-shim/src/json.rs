@@ -315,10 +315,9 @@ pub fn names<'a>(model: &Model<'a>, filters: &Filters) -> Vec<&'a str> {
         .collect()
 }
 
-/// The name of an action; `"?"` if the model has no such index.
+/// The name of an action or a compound; `"?"` if the model has no such index.
 pub fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
-    let action = model.actions.get(usize::from(action));
-    action.map_or("?", |action| action.name)
+    model.action_name(action).unwrap_or("?")
 }
 
 /// The `f64` whose shortest notation is that of `value`, so that 0.1 stays 0.1.

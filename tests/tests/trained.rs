@@ -10,7 +10,7 @@ use nsrm_core::{Planner, Refusal};
 use nsrm_tabletop::TABLETOP;
 
 /// Sentences with the object that each step moves.
-const EXECUTED: [(&str, &[u32]); 5] = [
+const EXECUTED: [(&str, &[u32]); 7] = [
     ("put the red block on the magenta block", &[4]),
     (
         "put the small red block to the left of the magenta block",
@@ -22,11 +22,16 @@ const EXECUTED: [(&str, &[u32]); 5] = [
         &[4, 3],
     ),
     ("put the yellow block to the right of the green one", &[3]),
+    ("put the red block next to the magenta block", &[4]),
+    (
+        "put the yellow block in front and to the right of the green one",
+        &[3],
+    ),
 ];
 
-/// Sentences with relations, extremes, several objects, pronouns, values that stand apart, towers and
-/// rows, and their programs.
-const PARSED: [(&str, &str); 23] = [
+/// Sentences with relations, compounds, extremes, several objects, pronouns, values that stand apart, towers
+/// and rows, and their programs.
+const PARSED: [(&str, &str); 28] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -66,6 +71,28 @@ const PARSED: [(&str, &str); 23] = [
         "put the block furthest from the yellow one on the green one",
         "Action(MoveOn, Unique(Relate(Farthest, Unique(Filter(yellow, Scene())))), \
          Unique(Filter(green, Scene())))",
+    ),
+    (
+        "put the red block next to the blue one",
+        "Action(MoveNextTo, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "move the cube right beside the yellow one onto the red one, please",
+        "Action(MoveOn, Unique(Relate(MoveNextTo, Unique(Filter(yellow, Scene())))), \
+         Unique(Filter(red, Scene())))",
+    ),
+    (
+        "put the red block next to the blue one, on its left",
+        "Action(MoveLeft, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "Take the red block and put it in front and to the left of the blue one.",
+        "Action(MoveFrontLeft, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "put the red one on the blue one, then the green one diagonally to the back right of the red one",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
+         Action(MoveBehindRight, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
     ),
     (
         "put the leftmost red block on the biggest one",
@@ -153,10 +180,15 @@ const NOT_ARRANGED: [&str; 9] = [
 ];
 
 /// All of known words.
-const REFUSED: [&str; 27] = [
+const REFUSED: [&str; 31] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
+    // Next to what, or on which side?
+    "put the red block next to",
+    "put the red block next to the blue one and the green one",
+    "put the red block next to the blue one, on its left and its right",
+    "put the red block next to the red, blue block, on its left",
     // Nearest to what? And no places.
     "put the nearest red block on the magenta block",
     "put the red block on the closest green block",

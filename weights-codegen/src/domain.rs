@@ -1,5 +1,6 @@
 //! The domain in the model file, and its checks.
 
+mod compounds;
 mod rewriting;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,6 +11,8 @@ use serde::Deserialize;
 
 use crate::error::ModelError;
 
+pub(crate) use compounds::Compound;
+use compounds::Compounds;
 use rewriting::{Apart, Table};
 pub(crate) use rewriting::{ArrangedStep, Arrangements};
 
@@ -61,6 +64,9 @@ pub struct Domain {
     /// The table as a place.
     #[serde(default)]
     pub table: Option<Table>,
+    /// Actions that are made of others.
+    #[serde(default)]
+    pub compounds: Compounds,
     /// What unknown words are read as.
     #[serde(default)]
     pub spelling: Spelling,
@@ -268,9 +274,14 @@ impl Domain {
         at_most("attribute types", MAX_NAMES, self.attribute.len())?;
         at_most("concepts", MAX_NAMES, self.concepts().count())?;
         at_most("actions", MAX_NAMES, self.action.len())?;
+        let made = self.compounds.made.len();
+        let actions = self.action.len().saturating_add(made);
+        at_most("actions with compounds", MAX_NAMES, actions)?;
         unique("attribute type", self.attribute.iter().map(|a| &*a.name))?;
         unique("concept", self.concepts().map(|(_, value)| &*value.name))?;
-        unique("action", self.action.iter().map(|a| &*a.name))?;
+        let actions = self.action.iter().map(|action| &*action.name);
+        let made = self.compounds.made.iter().map(|compound| &*compound.name);
+        unique("action", actions.chain(made))?;
         for (name, words) in &self.extremes {
             not_empty(&format!("the list of words of {name:?}"), words.len())?;
             if self.extreme(name).is_none() {
@@ -304,6 +315,7 @@ impl Domain {
                 self.check_several()?;
                 self.check_arrangements()?;
                 self.check_table()?;
+                self.check_compounds()?;
                 self.check_spelling()
             }
         }

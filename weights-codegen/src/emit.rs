@@ -26,10 +26,14 @@ use nsrm_core::Camera;
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
-    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
-    Heard, Language, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Several,
-    Simulator, Spelling, Superlative, Table, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
+    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Compound, CompoundText,
+    Compounds, Concept, Embeddings, Header, Heard, Language, LexiconEntry, Model, Opening,
+    PixelToCamera, Plural, Pronoun, Several, Simulator, Spelling, Superlative, Table, Thresholds,
+    View, ViewEncoder, Vision, Word, WorkSpace,
 };
+#[rustfmt::skip]
+#[allow(unused_imports)] // Not every domain has compounds.
+use nsrm_core::model::CompoundKind;
 #[rustfmt::skip]
 #[allow(unused_imports)] // Those of the model's precision are used.
 use nsrm_core::model::{Int8WordEmbeddings, WordEmbeddings};

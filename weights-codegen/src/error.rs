@@ -3,6 +3,7 @@
 use core::fmt;
 
 use nsrm_core::camera::CameraError;
+use nsrm_core::model::COMPOSED;
 use thiserror::Error;
 
 /// Why a model file is refused: one variant for each malformation.
@@ -135,12 +136,36 @@ pub enum ModelError {
     /// By its height, the highest object on the table may stand on the lowest one.
     #[error(
         "domain: table: the highest object is at least three times as high as the lowest, so that what stands on \
-         the table cannot be told; leave the table out"
+         the table cannot be told; leave out the table, and what is any of several actions"
     )]
     TableHeight,
     /// The table is read as something that is not a word of the domain.
     #[error("domain: table: {word:?} is not a word of the domain; name one that is")]
     Table {
+        /// The word.
+        word: String,
+    },
+    /// A compound has both `any` and `all`, or `all` of another number of actions.
+    #[error(
+        "domain: compounds: {name:?} must have `any` with some actions or `all` of {COMPOSED}, and not both"
+    )]
+    CompoundParts {
+        /// Its name.
+        name: String,
+    },
+    /// A compound names an action that is not there.
+    #[error("domain: compounds: {name:?}: no action {action:?}; name some of the domain")]
+    CompoundAction {
+        /// Its name.
+        name: String,
+        /// The name of the action.
+        action: String,
+    },
+    /// A compound is read as something that is not a word of the domain.
+    #[error("domain: compounds: {name:?}: {word:?} is not a word of the domain; name one that is")]
+    CompoundWord {
+        /// Its name.
+        name: String,
         /// The word.
         word: String,
     },

@@ -1,11 +1,11 @@
 //! A model that owns its parameters and texts.
 
-use std::collections::BTreeSet;
+mod rewriting;
 
 use nsrm_core::model::{
-    Action, Apart, Arrangement, Arrangements, Attribute, Closing, Concept, Embeddings, Header,
-    Heard, Language, LexiconEntry, MERGED, Model, Opening, Plural, Pronoun, Several, Simulator,
-    Spelling, Table, VIEW_EMBEDDING, View, ViewEncoder, Vision, Word,
+    Action, Apart, Attribute, Concept, Embeddings, Header, Heard, Language, LexiconEntry, MERGED,
+    Model, Plural, Pronoun, Several, Simulator, Spelling, VIEW_EMBEDDING, View, ViewEncoder,
+    Vision, Word,
 };
 use nsrm_core::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, Precision};
 use safetensors::SafeTensors;
@@ -19,6 +19,7 @@ use crate::hash;
 use crate::metadata::{self, Metadata};
 use crate::rounded::Rounded;
 use crate::tensors::Tensors;
+use rewriting::{ArrangementParts, CompoundParts, TableParts};
 
 /// A model read from a safetensors file, checked and folded.
 ///
@@ -35,6 +36,8 @@ pub struct OwnedModel {
 struct Owner {
     domain: Domain,
     vocabulary: Vec<String>,
+    /// The actions of which each compound is made.
+    compound_parts: Vec<Vec<u8>>,
     folded: Folded,
     /// With a precision of eight bits.
     rounded: Option<Box<Rounded>>,
@@ -52,6 +55,7 @@ struct Parts<'a> {
     apart: [Vec<&'a str>; 2],
     arrangements: ArrangementParts<'a>,
     table: TableParts<'a>,
+    compounds: CompoundParts<'a>,
     heard: Vec<Heard<'a>>,
     other_words: Vec<u16>,
     attributes: Vec<Attribute<'a>>,
@@ -62,28 +66,6 @@ struct Parts<'a> {
     simulator: Simulator<'a>,
     folded: &'a Folded,
     rounded: Option<&'a Rounded>,
-}
-
-/// What core reads as slices of [`Arrangements`].
-struct ArrangementParts<'a> {
-    between: Vec<&'a str>,
-    ends: Vec<&'a str>,
-    next: &'a str,
-    arrangements: Vec<Arrangement<'a>>,
-    openings: Vec<Opening<'a>>,
-    closings: Vec<Closing<'a>>,
-}
-
-/// What core reads as slices of [`Table`].
-#[derive(Default)]
-struct TableParts<'a> {
-    action: u8,
-    sides: Vec<u8>,
-    off: Vec<&'a str>,
-    standing: &'a str,
-    order: &'a str,
-    down: Vec<&'a str>,
-    relation: &'a str,
 }
 
 self_cell!(
@@ -134,6 +116,7 @@ impl OwnedModel {
         } = metadata;
         let rounded = (precision == Precision::Int8).then(|| Box::new(Rounded::of(&folded)));
         let owner = Owner {
+            compound_parts: domain.compound_parts()?,
             domain,
             vocabulary,
             folded,
@@ -189,6 +172,7 @@ impl OwnedModel {
             .with_attributes(&parts.attributes)
             .with_concepts(&parts.concepts)
             .with_actions(&parts.actions)
+            .with_compounds(parts.compounds.lent())
             .with_language(parts.language())
             .with_vision(
                 Vision::new()
@@ -266,6 +250,7 @@ impl<'a> Parts<'a> {
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             arrangements: ArrangementParts::new(&domain.arrangements)?,
             table: TableParts::new(domain)?,
+            compounds: CompoundParts::new(domain, &owner.compound_parts)?,
             heard: domain
                 .spelling
                 .heard
@@ -395,86 +380,6 @@ fn view<'a, const CHANNELS: usize>(
             .with_merge(*view.merge)
             .with_dense(dense(&view.dense, rounded)),
     )
-}
-
-impl<'a> ArrangementParts<'a> {
-    fn new(said: &'a domain::Arrangements) -> Result<Self, ModelError> {
-        let opening = |(text, pattern)| {
-            let pattern = index("patterns of arrangements", pattern)?;
-            Ok(Opening::new().with_text(text).with_pattern(pattern))
-        };
-        let closing = |(text, pattern, meant): (&'a str, usize, &str)| {
-            let pattern = index("patterns of arrangements", pattern)?;
-            let found = said.steps.keys().position(|name| name == meant);
-            let found = found.ok_or_else(|| ModelError::ArrangedSteps { name: meant.into() })?;
-            let closing = Closing::new().with_text(text).with_pattern(pattern);
-            Ok(closing.with_arrangement(index("arrangements", found)?))
-        };
-        let arrangement = |steps: &'a domain::ArrangedStep| {
-            Arrangement::new()
-                .with_order(&steps.order)
-                .with_relation(&steps.relation)
-                .with_is_reversed(steps.reversed)
-        };
-        let (openings, closings) = (said.openings().into_iter(), said.closings());
-        Ok(Self {
-            between: said.between.iter().map(String::as_str).collect(),
-            ends: said.ends.iter().map(String::as_str).collect(),
-            next: &said.next,
-            arrangements: said.steps.values().map(arrangement).collect(),
-            openings: openings.map(opening).collect::<Result<_, ModelError>>()?,
-            closings: closings.map(closing).collect::<Result<_, ModelError>>()?,
-        })
-    }
-
-    fn lent(&self) -> Arrangements<'_> {
-        Arrangements::new()
-            .with_between(&self.between)
-            .with_ends(&self.ends)
-            .with_next(self.next)
-            .with_arrangements(&self.arrangements)
-            .with_openings(&self.openings)
-            .with_closings(&self.closings)
-    }
-}
-
-impl<'a> TableParts<'a> {
-    fn new(domain: &'a Domain) -> Result<Self, ModelError> {
-        let Some(table) = &domain.table else {
-            return Ok(Self::default());
-        };
-        let action = |name: &String| {
-            let found = domain.action_index(name);
-            let found = found.ok_or_else(|| ModelError::TableAction { name: name.clone() })?;
-            index("actions", found)
-        };
-        Ok(Self {
-            action: action(&table.action)?,
-            sides: table.sides.iter().map(action).collect::<Result<_, _>>()?,
-            off: sorted(&table.off),
-            standing: &table.standing,
-            order: &table.order,
-            down: sorted(&table.down),
-            relation: &table.relation,
-        })
-    }
-
-    fn lent(&self) -> Table<'_> {
-        Table::new()
-            .with_action(self.action)
-            .with_sides(&self.sides)
-            .with_off(&self.off)
-            .with_standing(self.standing)
-            .with_order(self.order)
-            .with_down(&self.down)
-            .with_relation(self.relation)
-    }
-}
-
-/// Texts in their order, each once.
-fn sorted(texts: &[String]) -> Vec<&str> {
-    let texts: BTreeSet<&str> = texts.iter().map(String::as_str).collect();
-    texts.into_iter().collect()
 }
 
 /// The name of the extreme in an action's direction.

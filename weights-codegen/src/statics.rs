@@ -2,10 +2,10 @@
 
 use nsrm_core::Camera;
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Concept, Embeddings, Header,
-    Heard, Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun,
-    SPLITTER_HIDDEN, Simulator, Superlative, Thresholds, ViewEncoder, Word, WordEmbeddings,
-    WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Compound, CompoundText, Concept,
+    Embeddings, Header, Heard, Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera,
+    Plural, Pronoun, SPLITTER_HIDDEN, Simulator, Superlative, Thresholds, ViewEncoder, Word,
+    WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense};
 
@@ -47,6 +47,8 @@ describe! {
         name, phrase, extreme, decoder, decoder_bias, relation_decoder, relation_bias,
         simulator_bias,
     }
+    Compound<'_> { name, phrase, kind, parts, read }
+    CompoundText<'_> { text, compound }
     Superlative { decoder, bias }
     PixelToCamera { weight }
 }
@@ -124,6 +126,18 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
             ("attributes", Node::Reference("ATTRIBUTES")),
             ("concepts", Node::Reference("CONCEPTS")),
             ("actions", Node::Reference("ACTIONS")),
+            (
+                "compounds",
+                Node::record(
+                    "Compounds",
+                    [
+                        ("compounds", Node::Reference("COMPOUNDS")),
+                        ("said", Node::Reference("COMPOUND_TEXTS")),
+                        ("first_words", Node::Reference("FIRST_WORDS")),
+                        ("sides", Node::Reference("SIDES")),
+                    ],
+                ),
+            ),
             (
                 "language",
                 Node::record(
@@ -251,6 +265,25 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         ),
         table("CONCEPTS", "concepts", "Concept<'static>", model.concepts),
         table("ACTIONS", "actions", "Action<'static>", model.actions),
+        table(
+            "COMPOUNDS",
+            "compounds.compounds",
+            "Compound<'static>",
+            model.compounds.compounds,
+        ),
+        table(
+            "COMPOUND_TEXTS",
+            "compounds.said",
+            "CompoundText<'static>",
+            model.compounds.said,
+        ),
+        table(
+            "FIRST_WORDS",
+            "compounds.first_words",
+            "&str",
+            model.compounds.first_words,
+        ),
+        table("SIDES", "compounds.sides", "&str", model.compounds.sides),
         cell_static("FORWARD", "language.forward", &language.forward),
         cell_static("BACKWARD", "language.backward", &language.backward),
         dense_static(

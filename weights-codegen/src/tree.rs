@@ -2,7 +2,7 @@
 //! prints and [`crate::report`] counts.
 
 use nsrm_core::dsl::Property;
-use nsrm_core::model::View;
+use nsrm_core::model::{CompoundKind, View};
 
 /// A value of the static model.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,6 +98,25 @@ impl Describe for View {
         Node::Scalar {
             text: format!("View::{self:?}"),
             bytes: size_of::<View>(),
+        }
+    }
+}
+
+impl Describe for CompoundKind {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("CompoundKind::{self:?}"),
+            bytes: size_of::<Self>(),
+        }
+    }
+}
+
+/// A few indices.
+impl Describe for &[u8] {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("&{self:?}"),
+            bytes: size_of::<Self>() + self.len(),
         }
     }
 }

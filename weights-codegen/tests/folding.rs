@@ -4,7 +4,7 @@
 mod common;
 
 use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, RELATIONS, WORDS};
-use nsrm_core::model::View;
+use nsrm_core::model::{CompoundKind, View};
 use nsrm_core::nn::{Cell, Dense, Precision};
 
 /// Rounding of a sum in `f64` to `f32`, values below 10.
@@ -82,6 +82,17 @@ fn names_stand_with_their_parameters() {
         [table.standing, table.order, table.relation],
         ["onto", "then shift the", "onto the"]
     );
+    let made = model.compounds.compounds.iter();
+    let made = made.map(|one| (one.name, one.phrase, one.kind, one.parts, one.read));
+    assert!(made.eq([
+        ("Nearby", "nearby", CompoundKind::Any, &[1][..], "near to"),
+        ("Both", "both", CompoundKind::All, &[1, 0], "beside"),
+    ]));
+    assert_eq!(model.compounds.first_words, ["beside", "by", "close"]);
+    assert_eq!(model.compounds.sides, ["beyond", "leftwards"]);
+    let said = model.compounds.said.iter();
+    let said = said.map(|said| (said.text, said.compound));
+    assert!(said.eq([("beside and onto", 1), ("by", 0), ("close to", 0)]));
     let heard = model.spelling.heard.iter();
     let heard = heard.map(|heard| (heard.text, heard.read_as));
     assert!(heard.eq([("bare", "beside"), ("steal", "teal")]));

@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 47369
+#define NSRM_MAX_POLLS 51465
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64
@@ -281,7 +281,10 @@ typedef struct nsrm_camera_t {
 typedef struct nsrm_model_info_t {
     /** `sizeof(nsrm_model_info_t)`; set it before the call. */
     uint32_t size;
-    /** How many actions it knows: indices of `nsrm_action_name`. */
+    /**
+     * How many actions it knows: indices of `nsrm_action_name`, which also names those behind them, made of
+     * others.
+     */
     uint32_t actions;
     /** How many attribute values it knows: indices of `nsrm_concept_name`. */
     uint32_t concepts;
@@ -640,7 +643,8 @@ nsrm_status_t nsrm_model_check(const struct nsrm_model_t *model);
 nsrm_status_t nsrm_model_info(const struct nsrm_model_t *model, struct nsrm_model_info_t *info);
 
 /**
- * The name of an action: `MoveOn`. The text lives as long as the model.
+ * The name of an action: `MoveOn`; from `actions` on, of the actions that are made of others:
+ * `MoveNextTo`. The text lives as long as the model.
  *
  * Safety:
  * The pointers are valid or null.

@@ -66,7 +66,8 @@ pub(crate) unsafe fn model(handle: *const ModelHandle) -> Result<&'static Model<
 pub struct ModelInfo {
     /// `sizeof(nsrm_model_info_t)`; set it before the call.
     pub size: u32,
-    /// How many actions it knows: indices of `nsrm_action_name`.
+    /// How many actions it knows: indices of `nsrm_action_name`, which also names those behind them, made of
+    /// others.
     pub actions: u32,
     /// How many attribute values it knows: indices of `nsrm_concept_name`.
     pub concepts: u32,
@@ -140,7 +141,8 @@ pub unsafe extern "C" fn nsrm_model_info(
     })
 }
 
-/// The name of an action: `MoveOn`. The text lives as long as the model.
+/// The name of an action: `MoveOn`; from `actions` on, of the actions that are made of others:
+/// `MoveNextTo`. The text lives as long as the model.
 ///
 /// # Safety
 /// The pointers are valid or null.
@@ -153,8 +155,8 @@ pub unsafe extern "C" fn nsrm_action_name(
     // SAFETY: the caller's promise.
     unsafe {
         named(model, name, |model| {
-            let index = usize::try_from(index).ok()?;
-            model.actions.get(index).map(|action| action.name)
+            let index = u8::try_from(index).ok()?;
+            model.action_name(index)
         })
     }
 }

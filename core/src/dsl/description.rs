@@ -253,7 +253,8 @@ impl Filters {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RelationKind {
     /// It is in the state that an action brings about: "left of" is where `MoveLeft` puts things.
-    /// Index into [`Model::actions`].
+    /// Index into [`Model::actions`], or behind these into
+    /// [`Compounds::compounds`](crate::model::Compounds::compounds).
     Action(u8),
     /// Of the objects that fit the filters, it is clearly the nearest to the anchor.
     Nearest,

@@ -53,7 +53,7 @@ impl fmt::Display for Argument {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Step {
-    /// Index into [`Model::actions`].
+    /// Index into [`Model::actions`], or behind these into [`Compounds::compounds`](crate::model::Compounds::compounds).
     pub action: u8,
     /// The object to move.
     pub object: Description,

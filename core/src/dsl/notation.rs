@@ -13,10 +13,9 @@ pub(super) fn concept_name<'a>(model: &Model<'a>, concept: u8) -> &'a str {
         .map_or("?", |concept| concept.name)
 }
 
-/// The name of an action in the domain file; "?" for an invalid index.
+/// The name of an action or a compound in the domain file; "?" for an invalid index.
 pub(super) fn action_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
-    let action = model.actions.get(usize::from(action));
-    action.map_or("?", |action| action.name)
+    model.action_name(action).unwrap_or("?")
 }
 
 /// An action's word for what lies farthest in its direction; "?" for an invalid index and for an
@@ -26,10 +25,14 @@ pub(super) fn extreme_name<'a>(model: &Model<'a>, action: u8) -> &'a str {
     action.and_then(|action| action.extreme).unwrap_or("?")
 }
 
-/// How a person says an action; "?" for an invalid index.
+/// How a person says an action or a compound; "?" for an invalid index.
 pub(crate) fn action_phrase<'a>(model: &Model<'a>, action: u8) -> &'a str {
-    let action = model.actions.get(usize::from(action));
-    action.map_or("?", |action| action.phrase)
+    match model.actions.get(usize::from(action)) {
+        Some(action) => action.phrase,
+        None => model
+            .compound(action)
+            .map_or("?", |compound| compound.phrase),
+    }
 }
 
 pub(super) struct FilterWords<'a> {

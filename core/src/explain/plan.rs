@@ -9,7 +9,8 @@ impl Plan {
     /// A sentence that says what one step does and why: `Step 1: move the small
     /// green object (id 3, score 0.98) to the right of the lego green object
     /// (id 1, score 0.99); confidence 0.97.` Nothing for a step that isn't there. What is put on the
-    /// table is said to be put beside the object next to which there is room.
+    /// table is said to be put beside the object next to which there is room, and what is put next to an object
+    /// on which side of it.
     ///
     /// * `model`: the one that the plan was made with
     /// * `step`: counted from 0, as in the whole sentence
@@ -120,6 +121,9 @@ impl fmt::Display for StepExplanation<'_> {
             write!(f, "the table, {phrase} object {}", planned.reference.object)?;
         } else {
             self.object(&understood.reference, &planned.reference, f)?;
+            if planned.action != understood.action {
+                write!(f, ", {} it", action_phrase(self.model, planned.action))?;
+            }
         }
         write!(f, "; confidence {:.2}.", planned.confidence.joint())
     }

@@ -376,8 +376,8 @@ impl Message<'_> {
             ),
             Refusal::NoRoomOnTable { step, object } => write!(
                 f,
-                "step {}: no free place on the table is in sight for object {object}; say beside which \
-                 object to put it",
+                "step {}: no free place on the table is in sight for object {object}; say on which side of \
+                 which object to put it",
                 number(*step)
             ),
             Refusal::OutsideTrainingView {

@@ -8,6 +8,7 @@
 mod acceptability;
 mod apart;
 mod arrangements;
+mod compounds;
 mod decoders;
 mod encoder;
 mod nearest;

@@ -19,7 +19,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let text = match token.kind {
             TokenKind::Word(index) => self.known(index),
             TokenKind::Unknown => self.text(token),
-            TokenKind::Group(_) | TokenKind::Pronoun => return false,
+            TokenKind::Group(_) | TokenKind::Pronoun | TokenKind::Compound { .. } => return false,
         };
         find(words, text, |word| word).is_some()
     }
@@ -55,7 +55,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
             TokenKind::Word(index) => self.known(index) == text,
             // "Each" in "each other" is read as a group.
             TokenKind::Unknown | TokenKind::Group(_) => letters(self.text(token)).eq(text.chars()),
-            TokenKind::Pronoun => false,
+            TokenKind::Pronoun | TokenKind::Compound { .. } => false,
         }
     }
 
@@ -65,7 +65,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
             TokenKind::Word(index) => text < self.known(index),
             TokenKind::Unknown => text.chars().lt(letters(self.text(token))),
             // None stands before a list.
-            TokenKind::Group(_) | TokenKind::Pronoun => true,
+            TokenKind::Group(_) | TokenKind::Pronoun | TokenKind::Compound { .. } => true,
         }
     }
 

@@ -36,6 +36,15 @@ impl GroupRole {
         }
     }
 
+    /// The action or compound by which the group is related to another object, if it is.
+    pub(super) const fn action(self) -> Option<u8> {
+        match self {
+            Self::Restricts(RelationKind::Action(action))
+            | Self::StandsFor(RelationKind::Action(action)) => Some(action),
+            _ => None,
+        }
+    }
+
     /// Whether it begins the description of an object of the step.
     const fn is_head(self) -> bool {
         !matches!(self, Self::Restricts(_))
@@ -124,6 +133,19 @@ impl Roles {
     /// The probability that all are right.
     pub(super) const fn probability(&self) -> f32 {
         self.probability
+    }
+
+    /// How many groups are in a relation that this holds of.
+    pub(super) fn related_by(&self, holds: impl Fn(u8) -> bool) -> usize {
+        let roles = self.roles.iter();
+        roles
+            .filter(|role| role.action().is_some_and(&holds))
+            .count()
+    }
+
+    /// The role of a group.
+    pub(super) fn get(&self, group: usize) -> Option<GroupRole> {
+        self.roles.get(group).copied()
     }
 
     /// The groups that begin a description.

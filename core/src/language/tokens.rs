@@ -25,6 +25,13 @@ pub enum TokenKind {
     Pronoun,
     /// An unknown word, which only what is said of a tower or a row may have.
     Unknown,
+    /// The last of the words that are read where a compound was said.
+    Compound {
+        /// That word: index into [`Model::words`].
+        word: u16,
+        /// Index as of [`Model::compound`].
+        compound: u8,
+    },
 }
 
 /// A token with its place in the sentence.
@@ -46,7 +53,9 @@ impl Token {
     /// Its index in [`Model::embeddings`]; `None` for an unknown word.
     pub const fn embedding(&self) -> Option<usize> {
         match self.kind {
-            TokenKind::Word(index) => Some((index as usize).saturating_add(1)),
+            TokenKind::Word(word) | TokenKind::Compound { word, .. } => {
+                Some((word as usize).saturating_add(1))
+            }
             TokenKind::Group(_) | TokenKind::Pronoun => Some(0),
             TokenKind::Unknown => None,
         }
@@ -92,8 +101,8 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 ///
 /// Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
 /// to that of "the small red block"; the table ([`crate::model::Table`]) is named where it is meant, "take the
-/// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, once
-/// the whole sentence is read; where they may mean something else, the sentence has two readings.
+/// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, and
+/// those of a compound ([`crate::model::Compound`]) by those of its first action, once the whole sentence is read; where they may mean something else, the sentence has two readings.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
@@ -128,6 +137,8 @@ pub struct Reader {
     rewriting: Rewriting,
     /// Whether groups that stand apart are joined in this reading.
     joins: Option<bool>,
+    /// Whether known words that mean a compound are replaced in this reading.
+    compounds: Option<bool>,
 }
 
 impl Reader {
@@ -166,6 +177,7 @@ impl Reader {
             readings: 1,
             rewriting: Rewriting::Apart { from: 0 },
             joins: None,
+            compounds: None,
         }
     }
 

@@ -3,11 +3,12 @@
 
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
-    Concept, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION,
-    Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
-    OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Table, Thresholds,
-    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    Compound, CompoundKind, CompoundText, Compounds, Concept, ENCODER_HIDDEN, Embeddings,
+    HAZARD_INPUT, Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry,
+    MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural,
+    Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling,
+    Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::Property;
@@ -61,6 +62,7 @@ builder! {
         attributes, with_attributes: &'a [Attribute<'a>] = &[];
         concepts, with_concepts: &'a [Concept<'a>] = &[];
         actions, with_actions: &'a [Action<'a>] = &[];
+        compounds, with_compounds: Compounds<'a> = Compounds::UNSET;
         language, with_language: Language<'a> = Language::UNSET;
         vision, with_vision: Vision<'a> as Some = None;
         simulator, with_simulator: &'a Simulator<'a> = &Simulator::UNSET;
@@ -188,6 +190,23 @@ builder! {
             [[UNSET; INSTRUCTION]; 2];
         relation_bias, with_relation_bias: [f32; 2] = [UNSET; 2];
         simulator_bias, with_simulator_bias: [f32; SIMULATOR_HIDDEN] = [UNSET; SIMULATOR_HIDDEN];
+    }
+    ['a] Compounds<'a> {
+        compounds, with_compounds: &'a [Compound<'a>] = &[];
+        said, with_said: &'a [CompoundText<'a>] = &[];
+        first_words, with_first_words: &'a [&'a str] = &[];
+        sides, with_sides: &'a [&'a str] = &[];
+    }
+    ['a] CompoundText<'a> {
+        text, with_text: &'a str = "";
+        compound, with_compound: u8 = NOWHERE;
+    }
+    ['a] Compound<'a> {
+        name, with_name: &'a str = "";
+        phrase, with_phrase: &'a str = "";
+        kind, with_kind: CompoundKind = CompoundKind::Any;
+        parts, with_parts: &'a [u8] = &[];
+        read, with_read: &'a str = "";
     }
     [] Superlative {
         decoder, with_decoder: [[f32; INSTRUCTION]; 2] = [[UNSET; INSTRUCTION]; 2];

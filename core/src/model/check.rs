@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-use super::{MAX_SIDES, Model, Table, WorkSpace};
+use super::{COMPOSED, Compound, CompoundKind, MAX_SIDES, Model, Table, WorkSpace};
 use crate::camera::CameraError;
 use crate::dsl::{Extreme, Property, Quantifier};
 use crate::nn::is_unit;
@@ -70,6 +70,21 @@ pub enum ModelFault<'a> {
     /// A word that is read of the table is none of the model's; the word.
     #[error("word \"{0}\", which is read of the table, isn't there")]
     TableWord(&'a str),
+    /// A compound is made of actions that aren't there, of none, or of another number; its name.
+    #[error(
+        "compound {0} names an action that isn't there, none, more than {MAX_SIDES}, or, of the kind \
+         `All`, other than {COMPOSED}"
+    )]
+    CompoundParts(&'a str),
+    /// What means a compound, or names a side, is empty, not sorted and unique, or means one that isn't there;
+    /// the text.
+    #[error(
+        "\"{0}\", which means a compound or a side, is empty, out of order, repeated or of none"
+    )]
+    CompoundText(&'a str),
+    /// A word that is read of a compound is none of the model's; the word.
+    #[error("word \"{0}\", which is read of a compound, isn't there")]
+    CompoundWord(&'a str),
     /// Words that are heard as others are not sorted and unique, or known themselves; the word.
     #[error("word \"{0}\", which is heard as another, is out of order, repeated or known")]
     HeardOrder(&'a str),
@@ -181,7 +196,11 @@ impl<'a> Model<'a> {
             ("lexicon words", self.lexicon.len(), usize::MAX),
             ("attributes", self.attributes.len(), MAX_INDEXED),
             ("concepts", self.concepts.len(), MAX_INDEXED),
-            ("actions", self.actions.len(), MAX_INDEXED),
+            (
+                "actions",
+                self.actions.len(),
+                MAX_INDEXED.saturating_sub(self.compounds.compounds.len()),
+            ),
         ];
         for (name, length, limit) in lists {
             if length == 0 {
@@ -233,6 +252,7 @@ impl<'a> Model<'a> {
         self.check_several()?;
         self.check_arrangements()?;
         self.check_table()?;
+        self.check_compounds()?;
         self.check_spelling()
     }
 
@@ -330,6 +350,52 @@ impl<'a> Model<'a> {
         }
     }
 
+    fn check_compounds(&self) -> Result<(), ModelFault<'a>> {
+        for compound in self.compounds.compounds {
+            let Compound {
+                name, kind, parts, ..
+            } = *compound;
+            let mut known = parts.iter();
+            let are_known = known.all(|index| usize::from(*index) < self.actions.len());
+            let is_made = match kind {
+                CompoundKind::Any => !parts.is_empty() && parts.len() <= MAX_SIDES,
+                CompoundKind::All => parts.len() == COMPOSED,
+            };
+            if !are_known || !is_made {
+                return Err(ModelFault::CompoundParts(name));
+            }
+            if let Some(text) = self.first_unknown([compound.read].into_iter()) {
+                return Err(ModelFault::CompoundWord(text));
+            }
+        }
+        let mut before = "";
+        for said in self.compounds.said {
+            let is_there = usize::from(said.compound) < self.compounds.compounds.len();
+            let first = said.text.split(' ').next().unwrap_or_default();
+            let begins = self.compounds.first_words.contains(&first);
+            if said.text <= before || !is_there || !begins {
+                return Err(ModelFault::CompoundText(said.text));
+            }
+            before = said.text;
+        }
+        for words in [self.compounds.first_words, self.compounds.sides] {
+            let mut pairs = words.windows(2);
+            if let Some([_, word]) = pairs.find(|pair| !pair.is_sorted_by(|a, b| a < b)) {
+                return Err(ModelFault::CompoundText(word));
+            }
+        }
+        // Whether a free place is on the table is told by its height.
+        let mut kinds = self
+            .compounds
+            .compounds
+            .iter()
+            .map(|compound| compound.kind);
+        if kinds.any(|kind| kind == CompoundKind::Any) && self.on_table_below_m().is_none() {
+            return Err(ModelFault::TableHeight);
+        }
+        Ok(())
+    }
+
     /// The first word of these texts that is none of the model's.
     fn first_unknown(&self, mut texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
         let is_word = |text: &str| self.words.iter().any(|word| word.text == text);
@@ -341,6 +407,7 @@ impl<'a> Model<'a> {
         self.arrangements.openings.is_empty()
             && self.apart.phrases.is_empty()
             && !self.table.is_place()
+            && self.compounds.said.is_empty()
     }
 
     fn is_known(&self, text: &str) -> bool {

@@ -6,13 +6,13 @@ use nalgebra::{Isometry3, Translation3};
 use super::resolve::{Resolver, Within};
 use super::room::{Beside, Room};
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
-use crate::action::simulate;
+use crate::action::simulate_any;
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
 use crate::camera::rotation;
 use crate::capacity::{MAX_OBJECTS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Quantifier, Step};
 use crate::language::{Parsed, StepDecisions};
-use crate::model::{LOCATION, Model};
+use crate::model::{CompoundKind, LOCATION, Model};
 use crate::refusal::{Quantity, Refusal};
 use crate::scene::Scene;
 use crate::viewpoint::Viewpoint;
@@ -64,7 +64,7 @@ enum Stage {
         step: usize,
         reference: Option<Grounding>,
     },
-    /// A free place on the table is sought.
+    /// A free place on the table is sought: anywhere, or beside the reference.
     Room {
         step: usize,
         object: Grounding,
@@ -96,7 +96,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             viewpoint,
             locations,
             resolver: Resolver::new(&Description::new()),
-            room: Room::new(),
+            room: Room::anywhere(),
             stage: Stage::Done(checked.err()),
         };
         if checked.is_ok() {
@@ -183,9 +183,15 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                         object: object.object,
                     });
                 }
+                let action = self.symbols(step)?.action;
+                let compound = self.model.compound(action);
+                if compound.is_some_and(|compound| compound.kind == CompoundKind::Any) {
+                    self.room = Room::beside(reference, action);
+                    return Ok(Stage::Room { step, object });
+                }
                 Ok(Stage::Act {
                     step,
-                    action: self.symbols(step)?.action,
+                    action,
                     object,
                     reference,
                 })
@@ -265,7 +271,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 object: object.object,
             });
         }
-        self.room = Room::new();
+        self.room = Room::anywhere();
         Ok(Stage::Room { step, object })
     }
 
@@ -325,11 +331,6 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             step: step as u8,
             quantity,
         };
-        let parameters = self
-            .model
-            .actions
-            .get(usize::from(action))
-            .ok_or(Refusal::InvalidModel)?;
         let [from, to] = [object, reference].map(|grounding| {
             // Always there: the index is that of an object of the scene.
             self.locations.get(usize::from(grounding.index)).copied()
@@ -347,7 +348,9 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 });
             }
         }
-        let location = simulate(self.model.simulator, parameters, &from, &to);
+        let location = simulate_any(self.model, action, &from, &to);
+        // Always there: an action, or a compound that leads to one place.
+        let location = location.ok_or(Refusal::InvalidModel)?;
         if !location.iter().all(|number| number.is_finite()) {
             return Err(not_finite(Quantity::Location));
         }

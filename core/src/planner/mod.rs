@@ -29,8 +29,9 @@ use crate::capacity::{
 };
 use crate::language::{Parsed, ParsingTask, SUPERLATIVES};
 use crate::model::{
-    ACCEPTABILITY_HIDDEN, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION, MAX_SIDES,
-    Model, OPERATOR_HIDDEN, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, VIEW_EMBEDDING, WORD,
+    ACCEPTABILITY_HIDDEN, COMPOSED, CONCEPT, ENCODER_HIDDEN, HAZARD_INPUT, INSTRUCTION, LOCATION,
+    MAX_SIDES, Model, OPERATOR_HIDDEN, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD,
+    VIEW_EMBEDDING, WORD,
 };
 use crate::refusal::Refusal;
 use crate::scene::Scene;
@@ -57,20 +58,20 @@ pub const UNIT_MULTIPLY_ADDS: usize = {
         3 * (WORD + ENCODER_HIDDEN) * ENCODER_HIDDEN + (ENCODER_HIDDEN + 1) * ACCEPTABILITY_HIDDEN,
         // One argument decoder.
         (INSTRUCTION + MAX_GROUPS) * INSTRUCTION,
-        // One object's score: filters, with all values of their types, its volume, a relation with its
-        // three places and their angle, and how it is seen, with the places of all objects twice.
+        // One object's score: filters, with all values of their types, its volume, a relation by up to two
+        // actions with its three places and their angle, and how it is seen, with the places of all objects twice.
         MAX_FILTERS * ((VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN + 2 * CONCEPT)
             + (VIEW_EMBEDDING + CONCEPT) * OPERATOR_HIDDEN
             + (MAX_FILTERS + 1) * (UNIT_VALUES + 1) * (CONCEPT + 3)
-            + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
+            + COMPOSED * (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN
             + 3 * (3 * (LOCATION + 1) + 3)
             + 2 * MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 4 * 9 + 16),
         // Superlatives, of a relation and an extreme: for each an action, and the place of each object
         // and of the anchor, with their distance or how far it lies in a direction.
         2 * (MAX_OBJECTS * (2 * 3 * (LOCATION + 1) + 12)
             + (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN),
-        // One action.
-        (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
+        // One action, or a compound of them.
+        COMPOSED * (3 * LOCATION + SIMULATOR_HIDDEN) * SIMULATOR_HIDDEN,
         // All objects' places, each compared with all others and with all sizes.
         MAX_OBJECTS * (3 * (LOCATION + 1) + 2 * 9 + 4 * MAX_OBJECTS + 4 * UNIT_VALUES),
     ];
@@ -100,7 +101,7 @@ pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
     + Cause::ALL.len()
     + 2 * MAX_STEPS * GROUNDING_POLLS
     + 3;
-const READING_POLLS: usize = (MAX_FILTERS + 6) * MAX_TOKENS + 4 + MAX_STEPS * (4 + MAX_GROUPS);
+const READING_POLLS: usize = (MAX_FILTERS + 7) * MAX_TOKENS + 4 + MAX_STEPS * (4 + MAX_GROUPS);
 const GROUNDING_POLLS: usize =
     2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + MAX_SIDES * MAX_OBJECTS + 1 + 1;
 

@@ -9,7 +9,7 @@ use crate::dsl::{Argument, Description, Extreme, Quantifier, Relation, RelationK
 use crate::grounding::{ScoreError, Scores, filter};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
-use crate::relation::{RELATION_CLEAR, relate};
+use crate::relation::{RELATION_CLEAR, relate_any};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
 use crate::vision;
@@ -306,21 +306,14 @@ impl Resolver {
         let RelationKind::Action(action) = relation.kind else {
             return Ok(None);
         };
-        let action = within.model.actions.get(usize::from(action));
         // Always there: both are objects of the scene.
         let (object, anchor) = within
             .locations
             .get(index)
             .zip(within.locations.get(anchor))
             .ok_or(Refusal::InvalidModel)?;
-        let cosine = relate(
-            within.model,
-            within.viewpoint,
-            action.ok_or(Refusal::InvalidModel)?,
-            object,
-            anchor,
-        );
-        cosine.map(Some).ok_or(within.not_finite())
+        let related = relate_any(within.model, within.viewpoint, action, object, anchor);
+        related.map(Some).ok_or(within.not_finite())
     }
 
     /// Of a superlative, leaves those objects that may be meant: of the relation first, "the leftmost

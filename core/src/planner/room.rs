@@ -1,5 +1,5 @@
-//! A free place on the table: beside an object that stands there, where one of the model's actions puts
-//! things. So the learned simulator says where it is, as of any other sub-goal.
+//! A free place on the table: beside an object that stands there, or beside the one that a sentence names,
+//! where one of several actions of the model puts things. So the learned simulator says where it is, as of any other sub-goal.
 
 use nalgebra::Point3;
 
@@ -15,10 +15,12 @@ use crate::refusal::Refusal;
 /// one, keeps two apart side by side; where corners may meet, two larger blocks of 60 mm need 85 mm.
 const CLEAR: f32 = 1.15;
 
-/// Tries the places beside each object, and keeps the nearest free one, beside one that is seen whole if there
-/// is any. Each [`Room::poll`] tries one.
+/// Tries the places beside each object or a single one, and keeps the nearest free one, beside one that is
+/// seen whole if there is any. Each [`Room::poll`] tries one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Room {
+    /// The only object beside which a place is sought, and the compound that says where.
+    only: Option<(Grounding, u8)>,
     /// How many places were tried.
     tried: usize,
     best: Option<Free>,
@@ -44,9 +46,21 @@ pub(super) struct Beside {
 }
 
 impl Room {
-    /// Nothing tried yet.
-    pub(super) const fn new() -> Self {
+    /// Nothing tried yet, beside any object.
+    pub(super) const fn anywhere() -> Self {
+        Self::sought(None)
+    }
+
+    /// Nothing tried yet, beside one object.
+    ///
+    /// * `compound`: as of [`crate::Model::compound`]
+    pub(super) const fn beside(object: Grounding, compound: u8) -> Self {
+        Self::sought(Some((object, compound)))
+    }
+
+    const fn sought(only: Option<(Grounding, u8)>) -> Self {
         Self {
+            only,
             tried: 0,
             best: None,
         }
@@ -63,14 +77,26 @@ impl Room {
         object: usize,
         within: &Within<'_>,
     ) -> Result<Option<Beside>, Refusal> {
-        let sides = within.model.table.sides;
         let objects = within.scene.objects();
+        let (sides, neighbour) = match self.only {
+            None => (within.model.table.sides, None),
+            Some((neighbour, compound)) => {
+                let compound = within.model.compound(compound);
+                let compound = compound.ok_or(Refusal::InvalidModel)?;
+                (compound.parts, Some(neighbour))
+            }
+        };
         // At least one side: the model was checked.
-        let neighbour = self.tried.checked_div(sides.len());
-        let neighbour = neighbour.ok_or(Refusal::InvalidModel)?;
+        let round = self.tried.checked_div(sides.len());
+        let round = round.ok_or(Refusal::InvalidModel)?;
+        let index = match neighbour {
+            None => round,
+            Some(neighbour) if round == 0 => neighbour.index.into(),
+            Some(_) => objects.len(),
+        };
         let side = self.tried.checked_rem(sides.len());
         let side = side.and_then(|side| sides.get(side));
-        let (Some(beside), Some(&action)) = (objects.get(neighbour), side) else {
+        let (Some(beside), Some(&action)) = (objects.get(index), side) else {
             let id = objects.get(object).map_or(0, |object| object.id);
             let best = self.best.ok_or(Refusal::NoRoomOnTable {
                 step: within.step as u8,
@@ -79,24 +105,25 @@ impl Room {
             return Ok(Some(best.beside));
         };
         self.tried = self.tried.saturating_add(1);
-        if neighbour != object
-            && within.is_on_table(neighbour)
-            && let Some(off_m2) = free(object, neighbour, action, within)?
+        if index != object
+            && within.is_on_table(index)
+            && let Some(off_m2) = free(object, index, action, within)?
         {
-            let Sight { is_rough, .. } = Sight::of(neighbour, within);
+            let Sight { is_rough, .. } = Sight::of(index, within);
             let is_worse = |other: Free| (other.is_rough, other.off_m2) <= (is_rough, off_m2);
             if self.best.is_some_and(is_worse) {
                 return Ok(None);
             }
             let certain = Chosen {
-                index: neighbour,
+                index,
                 score: 1.0,
                 probability: 1.0,
             };
+            let any = Grounding::new(beside.id, index as u8, &certain);
             self.best = Some(Free {
                 beside: Beside {
                     action,
-                    neighbour: Grounding::new(beside.id, neighbour as u8, &certain),
+                    neighbour: neighbour.unwrap_or(any),
                 },
                 is_rough,
                 off_m2,

@@ -1,3 +1,4 @@
+mod compounds;
 mod extremes;
 mod relations;
 mod several;

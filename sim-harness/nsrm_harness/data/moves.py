@@ -83,10 +83,16 @@ class Arrangement:
         if not on and self.base[move.reference] is not None:
             return False
         goal = target(move, self.blocks, self.poses)
+        return self.has_room(move.moved, move.reference, goal, space)
+
+    def has_room(
+        self, moved: int, reference: int, goal: Pose, space: Space = PLACEMENT_SPACE
+    ) -> bool:
+        """Whether a target lies in `space` and is clear of all other blocks."""
         return space.contains(goal.position) and all(
-            self._clear(self.blocks[move.moved], goal, other)
+            self._clear(self.blocks[moved], goal, other)
             for other in range(len(self.blocks))
-            if other not in (move.moved, move.reference)
+            if other not in (moved, reference)
         )
 
     def after(self, move: Move) -> Arrangement:

@@ -30,6 +30,7 @@ from nsrm_harness.data.near_miss_texts import (
 )
 from nsrm_harness.data.plain_wording import plain_words
 from nsrm_harness.domain import GROUP_TOKEN, Domain
+from nsrm_harness.domain.compounds import means_compound
 from nsrm_harness.domain.everyday import MAX_STEPS, Recogniser, Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Command, Grammar
 from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step
@@ -166,8 +167,11 @@ class NearMisses:
                 words = self._unshown()
             else:
                 words = self._changed()
-            if words is not None:
-                return NearMiss(" ".join(self._described(words)), is_untimely)
+            if words is None:
+                continue
+            sentence = " ".join(self._described(words))
+            if not means_compound(self._domain, sentence):
+                return NearMiss(sentence, is_untimely)
 
     def _changed(self) -> list[str] | None:
         """A step that is none; None if it is one after all, or would be refused anyway."""

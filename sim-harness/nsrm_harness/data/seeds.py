@@ -54,6 +54,7 @@ STREAMS = {
     "arranged": 88,
     "apart": 89,
     "on_table": 90,
+    "compounds": 91,
 }
 
 

@@ -22,6 +22,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
+from nsrm_harness.domain.compounds import Compound, Compounds
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE
 from nsrm_harness.domain.rewriting import Apart, Arrangements, Table
 from nsrm_harness.domain.wording import (
@@ -206,7 +207,7 @@ class EverydayWords:
     def own_texts(self, name: str, rule: str) -> Texts:
         """The further alternatives that a relation has of one of `RELATING_RULES`. There
         ``{reference}`` is the other object."""
-        return self.rules.get(self.relations[name].get(rule, ""), ())
+        return self.rules.get(self.relations.get(name, {}).get(rule, ""), ())
 
     def states(self) -> dict[str, Mapping[str, Phrase]]:
         """The relations that descriptions may have."""
@@ -270,6 +271,8 @@ class Domain:
     apart: Annotated[Apart | None, Field(default=None), BeforeValidator(_not_null)]
     arrangements: Annotated[Arrangements | None, Field(default=None), BeforeValidator(_not_null)]
     table: Annotated[Table | None, Field(default=None), BeforeValidator(_not_null)]
+    #: Actions that are made of others.
+    compounds: Annotated[Compounds | None, Field(default=None), BeforeValidator(_not_null)]
     held_out: Annotated[HeldOut | None, Field(default=None), BeforeValidator(_not_null)]
     everyday: Annotated[EverydayWords | None, Field(default=None), BeforeValidator(_not_null)]
     spelling: Annotated[SpellingWords | None, Field(default=None), BeforeValidator(_not_null)]
@@ -292,6 +295,11 @@ class Domain:
     def action(self, name: str) -> Action:
         """The action with this name; ``KeyError`` if there is none."""
         return _named(self.actions, name)
+
+    def compound(self, name: str) -> Compound | None:
+        """The compound with this name; nothing for an action."""
+        made = self.compounds.made if self.compounds is not None else ()
+        return next((each for each in made if each.name == name), None)
 
     def lexicon(self) -> dict[str, int]:
         """Words that name a concept, sorted, each with the concept's index."""

@@ -18,6 +18,7 @@ import numpy as np
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
+from nsrm_harness.domain.compounds import Compound, compounds_of
 from nsrm_harness.domain.domain import (
     GROUP_TOKEN,
     RELATING_RULES,
@@ -48,7 +49,9 @@ _SENTENCE = {
 #: In place of the concepts of a description: it is said by a pronoun.
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
-TABLES = ("synonyms", "extremes", "pronouns", "several", "apart", "arrangements", "table")
+TABLES = (
+    "synonyms", "extremes", "pronouns", "several", "apart", "arrangements", "table", "compounds",
+)  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
 
@@ -58,7 +61,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes, pronouns, several, apart, arrangements, table = (
+    synonyms, extremes, pronouns, several, apart, arrangements, table, compounds = (
         _taken_out(words, name, path) for name in TABLES
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
@@ -83,6 +86,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["arrangements"] = arrangements
     if table := with_sides(table, names):
         document["table"] = table
+    if compounds := compounds_of(compounds, names, str(path)):
+        document["compounds"] = compounds
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
@@ -189,10 +194,17 @@ class Speaker:
                 yield self._values(context.saying)
             elif name == "nouns":
                 yield self._noun(context.saying)
+            elif name == "relation" and (compound := self._compound(context.action)):
+                yield from self._expanded(f"{self._choose(compound.said)} {{reference}}", context)
             elif name == "relation":
                 relation = self._words.relations[context.action or self._any_action()]
                 filled = self._choose(self._words.rules[relation["rule"]])
                 yield from self._expanded(filled_in(filled, relation), context)
+            elif name == "relating" and (
+                compound := self._compound(context.saying.relations[0].name)
+            ):
+                said = f"{self._choose(compound.said)} {{reference}}"
+                yield from self._expanded(said, context.of_anchor())
             elif name == "relating":
                 state = self._words.relations[context.saying.relations[0].name]
                 filled = self._choose(self._words.rules[state["state"]])
@@ -274,6 +286,9 @@ class Speaker:
         if not fitting:
             raise _CannotBeSaidError
         return self._choose(fitting)
+
+    def _compound(self, name: str | None) -> Compound | None:
+        return None if name is None else self._domain.compound(name)
 
     def _any_action(self) -> str:
         return self._choose(list(self._words.placements()))

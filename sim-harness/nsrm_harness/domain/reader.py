@@ -13,6 +13,7 @@ from typing import Any
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.json_text import json_text
 from nsrm_harness.common.toml_file import checked, read_toml, refusal
+from nsrm_harness.domain.compounds import COMPOSED
 from nsrm_harness.domain.domain import (
     NEEDED_RULES,
     RELATING_RULES,
@@ -110,7 +111,10 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
-    for check in (_words, _held_out, _pronouns, _several, _apart, _arrangements, _table, _spelling):
+    for check in (
+        _words, _held_out, _pronouns, _several, _apart, _arrangements, _table, _compounds,
+        _spelling,
+    ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
     return domain
@@ -347,8 +351,7 @@ def _table(domain: Domain) -> Faults:
             yield "table", f"no action {name!r}; expected some of {', '.join(names)}"
     if not 0 < len(table.sides) <= MAX_SIDES:
         yield "table.sides", f"expected 1 to {MAX_SIDES}, got {len(table.sides)}"
-    heights_m = [value.edges_m[2] for value in domain.concepts if value.edges_m is not None]
-    if 0.5 * max(heights_m) >= 1.5 * min(heights_m):
+    if not _tells_what_is_on_table(domain):
         yield (
             "table",
             "the highest block is at least three times as high as the lowest, so that what stands "
@@ -361,6 +364,51 @@ def _table(domain: Domain) -> Faults:
                 yield "table", f"{word!r} is not a word of the grammar"
     if not all((*table.off, *table.down)):
         yield "table", "expected words that mean it: remove the empty string"
+
+
+def _tells_what_is_on_table(domain: Domain) -> bool:
+    """Whether the highest block on the table is lower than the lowest one on another."""
+    heights_m = [value.edges_m[2] for value in domain.concepts if value.edges_m is not None]
+    return 0.5 * max(heights_m) < 1.5 * min(heights_m)
+
+
+def _compounds(domain: Domain) -> Faults:
+    """Compounds are made of actions that are there, and said in texts of their own, which are read
+    as words of the grammar."""
+    if domain.compounds is None:
+        return
+    if not all(domain.compounds.sides):
+        yield "compounds.sides", "expected words for sides: remove the empty string"
+    names = [action.name for action in domain.actions]
+    known = domain.other_words()
+    seen: dict[str, str] = dict.fromkeys(names, "an action")
+    for compound in domain.compounds.made:
+        key = f"compounds.made.{compound.name}"
+        if compound.name in seen:
+            yield key, f"the name is that of {seen[compound.name]}"
+        seen[compound.name] = "another compound"
+        for name in (*compound.any, *compound.all):
+            if name not in names:
+                yield key, f"no action {name!r}; expected some of {', '.join(names)}"
+        if bool(compound.any) == bool(compound.all):
+            yield key, "expected either any or all"
+        if compound.all and len(compound.all) != COMPOSED:
+            yield f"{key}.all", f"expected {COMPOSED}, got {len(compound.all)}"
+        if len(compound.any) > MAX_SIDES:
+            yield f"{key}.any", f"expected at most {MAX_SIDES}, got {len(compound.any)}"
+        if compound.any and not _tells_what_is_on_table(domain):
+            yield (
+                key,
+                "the highest block is at least three times as high as the lowest, so that what "
+                "stands on the table cannot be told: leave out what is any of several actions",
+            )
+        for word in compound.read.split(" "):
+            if word not in known:
+                yield key, f"{word!r} is not a word of the grammar"
+        for text in compound.said:
+            if not text or text in seen:
+                yield f"{key}.said", f"{text!r} is empty, or said of {seen.get(text, 'nothing')}"
+            seen[text] = compound.name
 
 
 def _spelling(domain: Domain) -> Faults:

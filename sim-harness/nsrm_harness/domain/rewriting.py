@@ -131,7 +131,7 @@ def expanded(
     ends = {
         end.split(" ")[0]
         for text in table.get("ends", ())
-        for end in _expanded(text, rules, source)
+        for end in every_text(text, rules, (source, "arrangements"))
     }
     steps = {
         name: step for name, step in table.get("steps", {}).items() if step.get("action") in actions
@@ -141,13 +141,13 @@ def expanded(
         closings = {
             closing: meant
             for text, meant in pattern.get("closings", {}).items()
-            for closing in _expanded(text, rules, source)
+            for closing in every_text(text, rules, (source, "arrangements"))
             if meant in steps or meant not in table.get("steps", {})
         }
         openings = [
             opening
             for text in pattern.get("openings", ())
-            for opening in _expanded(text, rules, source)
+            for opening in every_text(text, rules, (source, "arrangements"))
         ]
         if closings:
             patterns.append({"openings": sorted({*openings}), "closings": closings})
@@ -156,22 +156,26 @@ def expanded(
     )
 
 
-def _expanded(text: str, rules: Mapping[str, list[str]], source: str) -> list[str]:
-    """All texts that one with names of rules stands for."""
+def every_text(text: str, rules: Mapping[str, list[str]], table: tuple[str, str]) -> list[str]:
+    """All texts that one with names of rules stands for.
+
+    `table`: file and name of the table that it is in, for errors
+    """
     found = _RULE.search(text)
     if found is None:
         return [text]
     name = found.group(1)
     if name not in rules:
-        raise DomainError(f"{source}: arrangements: no rule {name!r}; add it to arrangements.rules")
+        file, of = table
+        raise DomainError(f"{file}: {of}: no rule {name!r}; add it to {of}.rules")
     # Without the rule, so that none contains itself.
     others = {other: texts for other, texts in rules.items() if other != name}
     chosen = [
-        each for alternative in rules[name] for each in _expanded(alternative, others, source)
+        each for alternative in rules[name] for each in every_text(alternative, others, table)
     ]
     before, behind = text[: found.start()], text[found.end() :]
     return [
         f"{before}{alternative}{rest}"
         for alternative in chosen
-        for rest in _expanded(behind, rules, source)
+        for rest in every_text(behind, rules, table)
     ]

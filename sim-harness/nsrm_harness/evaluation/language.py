@@ -12,6 +12,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
   with several references, which nobody can put anything on;
 * the episodes' programs with values that stand apart, and with two of one type (`data.apart`);
 * what is put on the table or stands on it, and such that nobody can do (`data.on_table`);
+* compounds of actions, "next to", and such that mean nothing (`data.compounds`);
 * towers and rows, several steps in a few words, and such that mean none (`data.arranged`);
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
@@ -33,6 +34,7 @@ import nsrm
 
 from nsrm_harness.data.apart import ApartSentences
 from nsrm_harness.data.arranged import ArrangedSentences
+from nsrm_harness.data.compounds import CompoundSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.mixed import MixedPrograms
@@ -83,6 +85,8 @@ ARRANGED_COUNT = 2000
 """How many towers and rows, and how many that mean none."""
 TABLE_COUNT = 2000
 """How many sentences about the table, and how many that mean nothing."""
+COMPOUND_COUNT = 2000
+"""How many sentences with compounds of actions, and how many that mean nothing."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -155,6 +159,11 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             count(name, understand(model, sentences))
             for name, sentences in say_on_table(domain, seed).items()
         ]
+    if domain.compounds is not None:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_compounds(domain, seed).items()
+        ]
     if domain.pronouns:
         rows += [
             count(name, understand(model, sentences))
@@ -218,6 +227,16 @@ def say_on_table(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "on the table": [sentences.draw() for _ in range(TABLE_COUNT)],
         "not on the table": [(sentences.near_miss(), None) for _ in range(TABLE_COUNT)],
+    }
+
+
+def say_compounds(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`COMPOUND_COUNT` sentences with compounds, and as many that mean nothing, by the name of
+    their set."""
+    sentences = CompoundSentences(domain, generator(seed, "compounds", 0))
+    return {
+        "next to and diagonally": [sentences.draw() for _ in range(COMPOUND_COUNT)],
+        "not next to": [(sentences.near_miss(), None) for _ in range(COMPOUND_COUNT)],
     }
 
 

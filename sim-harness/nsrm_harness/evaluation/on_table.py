@@ -21,6 +21,23 @@ from nsrm_harness.domain.program import Program
 OFF_M = 0.01
 
 
+def is_clear(
+    place: NDArray[np.float64],
+    block: int,
+    places_m: NDArray[np.float64],
+    edges_m: NDArray[np.float64],
+) -> bool:
+    """Whether the base of a block at a place is apart from that of every other block.
+
+    * `block`: its index
+    * `places_m`, `edges_m`: centres and edges of all blocks, ``[n, 3]``, metres
+    """
+    others = np.arange(len(edges_m)) != block
+    apart_m = np.abs(places_m[others, :2] - place[:2])
+    touching_m = 0.5 * (edges_m[others, :2] + edges_m[block, :2])
+    return bool(np.all(np.any(apart_m > touching_m, axis=1)))
+
+
 @dataclass(frozen=True, eq=False)
 class PutOnTable:
     """A sentence that puts a block of an episode on the table."""
@@ -38,12 +55,9 @@ class PutOnTable:
         if self.block is None or [step.object_id for step in plan.steps] != [self.block]:
             return False
         place = np.array(plan.steps[0].position)
-        edges = self.edges_m[self.block - 1]
-        others = np.arange(len(self.edges_m)) != self.block - 1
-        apart_m = np.abs(self.places_m[others, :2] - place[:2])
-        touching_m = 0.5 * (self.edges_m[others, :2] + edges[:2])
-        is_clear = bool(np.all(np.any(apart_m > touching_m, axis=1)))
-        return is_clear and bool(abs(place[2] - 0.5 * edges[2]) < OFF_M)
+        height_m = 0.5 * self.edges_m[self.block - 1, 2]
+        is_there = bool(abs(place[2] - height_m) < OFF_M)
+        return is_there and is_clear(place, self.block - 1, self.places_m, self.edges_m)
 
 
 def put_on_table(domain: Domain, judge: GroundTruth) -> dict[str, list[PutOnTable]]:

@@ -5,7 +5,8 @@ They are about episodes of one step, and best about scenes in which blocks stand
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
 must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost",
-several blocks, "all red ones", and what is put on the table are counted apart.
+several blocks, "all red ones", what is put on the table, and what next to another block or
+diagonally from it, are counted apart.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from nsrm_harness.data.tell import (
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import SUPERLATIVES, Program
+from nsrm_harness.evaluation.compounds import PutBeside, put_beside
 from nsrm_harness.evaluation.language import Counted, count, say, understand
 from nsrm_harness.evaluation.metrics import check_domain, domain_of
 from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
@@ -60,6 +62,10 @@ class Said:
             return False
         references = [step.reference_id for step in plan.steps]
         return references == [self.blocks[1], *moved[:-1]]
+
+
+Sentence = Said | PutOnTable | PutBeside
+"""A sentence about an episode."""
 
 
 def measure_relations(
@@ -100,6 +106,10 @@ def measure_relations(
             for title, put in put_on_table(domain, judge).items():
                 words = _words(domain, put, seed)
                 rows.append(_grounded(model, demonstrations, title, put, words, quiet))
+        if domain.compounds is not None:
+            for title, beside in put_beside(domain, judge, seed).items():
+                words = _words(domain, beside, seed)
+                rows.append(_grounded(model, demonstrations, title, beside, words, quiet))
         return rows
 
 
@@ -137,7 +147,7 @@ def _programs(
     return told, misleading
 
 
-def _words(domain: Domain, told: Sequence[Said | PutOnTable], seed: int) -> list[str]:
+def _words(domain: Domain, told: Sequence[Sentence], seed: int) -> list[str]:
     """A sentence for each program."""
     return [
         " ".join(Speaker(domain, generator(seed, "told", number)).sentence(each.program))
@@ -149,7 +159,7 @@ def _grounded(
     model: nsrm.Model,
     demonstrations: Demonstrations,
     name: str,
-    told: Sequence[Said | PutOnTable],
+    told: Sequence[Sentence],
     sentences: Sequence[str],
     quiet: bool,
 ) -> Counted:

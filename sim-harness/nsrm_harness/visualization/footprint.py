@@ -32,8 +32,10 @@ PARTS = {
         "lexicon",
         "pronouns",
         "several",
+        "apart",
         "arrangements",
         "table",
+        "compounds",
     ),
     "action simulator": ("simulator", "camera"),
 }

@@ -128,7 +128,9 @@ impl Bench<'_> {
 
 /// A meaning that no plan can have would count as a mistake of the model.
 fn check(meant: &Meant, model: &Model<'_>, scene: &Scene) -> Result<(), LineProblem> {
-    let names: Vec<&str> = model.actions.iter().map(|action| action.name).collect();
+    let names: Vec<&str> = (0..=u8::MAX)
+        .map_while(|index| model.action_name(index))
+        .collect();
     if !names.contains(&meant.action.as_str()) {
         return Err(LineProblem::Action {
             action: meant.action.clone(),
@@ -147,10 +149,14 @@ fn check(meant: &Meant, model: &Model<'_>, scene: &Scene) -> Result<(), LineProb
 fn means(model: &Model<'_>, plan: &Plan, meant: Option<&[Meant]>) -> bool {
     let Some(meant) = meant else { return false };
     meant.len() == plan.steps().len()
-        && meant.iter().zip(plan.steps()).all(|(meant, planned)| {
-            let action = model.actions.get(usize::from(planned.action));
-            action.is_some_and(|action| action.name == meant.action)
-                && planned.object.object == meant.object_id
-                && planned.reference.object == meant.reference_id
-        })
+        && meant
+            .iter()
+            .zip(plan.numbered())
+            .all(|(meant, (_, understood, planned))| {
+                // "Next to" is planned as the action that puts the object there.
+                let mut actions = [understood.action, planned.action].into_iter();
+                actions.any(|action| model.action_name(action) == Some(&meant.action))
+                    && planned.object.object == meant.object_id
+                    && planned.reference.object == meant.reference_id
+            })
 }

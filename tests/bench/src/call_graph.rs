@@ -136,7 +136,9 @@ impl Function {
                 self.stack += number.trim_end_matches("]!").parse::<u64>()?;
             }
             "blx" | "bx" if operands != "lr" => self.indirect += 1,
-            "ldr.w" | "ldr" | "mov" if operands.starts_with("pc,") => self.indirect += 1,
+            // Not `mov pc`: that is how a `match` jumps into a table of branches of its own function, which stand
+            // behind it; pointers are called by `blx`, and at the end of a function by `bx`.
+            "ldr.w" | "ldr" if operands.starts_with("pc,") => self.indirect += 1,
             _ => self.branch(operation, operands, own),
         }
         Ok(())
@@ -192,6 +194,7 @@ firmware:     file format elf32-littlearm
 00000200 <inner>:
      200:\tstr.w\tr8, [sp, #-4]!
      204:\tsub\tsp, #24
+     205:\tmov\tpc, r3
      206:\tb.w\t300 <leaf>
 
 00000300 <leaf>:

@@ -149,13 +149,7 @@ impl Domain {
         if let Some(name) = actions.find(|name| self.action_index(name).is_none()) {
             return Err(ModelError::TableAction { name: name.clone() });
         }
-        let heights = self.concepts().filter_map(|(_, value)| value.edges_m);
-        let heights = heights.map(|[_, _, height_m]| height_m);
-        let (lowest, highest) = (heights.clone().reduce(f32::min), heights.reduce(f32::max));
-        if lowest
-            .zip(highest)
-            .is_none_or(|(lowest, highest)| 0.5 * highest >= 1.5 * lowest)
-        {
+        if !self.tells_what_is_on_table() {
             return Err(ModelError::TableHeight);
         }
         let words = self.words();
@@ -170,6 +164,16 @@ impl Domain {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
             None => Ok(()),
         }
+    }
+
+    /// Whether the highest object on the table is lower than the lowest one that stands on another.
+    pub(super) fn tells_what_is_on_table(&self) -> bool {
+        let heights = self.concepts().filter_map(|(_, value)| value.edges_m);
+        let heights = heights.map(|[_, _, height_m]| height_m);
+        let (lowest, highest) = (heights.clone().reduce(f32::min), heights.reduce(f32::max));
+        lowest
+            .zip(highest)
+            .is_some_and(|(lowest, highest)| 0.5 * highest < 1.5 * lowest)
     }
 
     /// The index of an action.

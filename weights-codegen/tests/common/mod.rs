@@ -129,6 +129,16 @@ pub(crate) fn domain() -> Value {
             "down": ["down"],
             "relation": "onto the",
         },
+        "compounds": {"sides": ["leftwards", "beyond"], "made": [
+            {
+                "name": "Nearby", "phrase": "nearby", "any": ["Flank"], "read": "near to",
+                "said": ["close to", "by"],
+            },
+            {
+                "name": "Both", "phrase": "both", "all": ["Flank", "Stack"], "read": "beside",
+                "said": ["beside and onto"],
+            },
+        ]},
         "spelling": {
             "heard": {"steal": "teal", "bare": "beside"},
             "other_words": ["plumb", "jam", "teak"],

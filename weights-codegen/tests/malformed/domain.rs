@@ -266,6 +266,57 @@ fn a_table_that_is_no_place() {
 }
 
 #[test]
+fn compounds_that_are_made_of_nothing() {
+    let spoils: [(SpoilDomain, &[&str]); 8] = [
+        (|one| one["any"] = json!([]), &["actions of \"Nearby\""]),
+        (
+            |one| one["any"] = json!(vec!["Flank"; 9]),
+            &["actions of a compound", "8"],
+        ),
+        (
+            |one| one["any"] = json!(["Above"]),
+            &["\"Nearby\"", "no action \"Above\""],
+        ),
+        (
+            |one| one["all"] = json!(["Flank", "Stack"]),
+            &["\"Nearby\"", "not both"],
+        ),
+        (
+            |one| (one["any"], one["all"]) = (json!([]), json!(["Flank"])),
+            &["\"Nearby\"", "`all` of 2"],
+        ),
+        (
+            |one| one["read"] = json!("near by"),
+            &["\"Nearby\"", "\"by\" is not a word of the"],
+        ),
+        (
+            |one| one["said"] = json!(["By"]),
+            &["no sentence can contain"],
+        ),
+        (|one| one["name"] = json!("Stack"), &["action", "\"Stack\""]),
+    ];
+    for (spoil, texts) in spoils {
+        refused_domain(|domain| spoil(&mut domain["compounds"]["made"][0]), texts);
+    }
+    refused_domain(
+        |domain| domain["compounds"]["sides"] = json!(["On the left"]),
+        &["no sentence can contain"],
+    );
+    refused_domain(
+        |domain| domain["compounds"]["made"][1]["said"] = json!(["by"]),
+        &["text of a compound", "\"by\""],
+    );
+    let error = refused_domain(
+        |domain| {
+            domain["table"] = json!(null);
+            domain["attribute"][1]["values"][0]["edges_m"] = json!([0.08, 0.06, 0.1]);
+        },
+        &["three times as high"],
+    );
+    assert_eq!(error, ModelError::TableHeight);
+}
+
+#[test]
 fn pronouns_that_are_no_words() {
     let spoils: [(&str, SpoilDomain); 3] = [
         ("that", |domain| domain["pronouns"]["that"] = json!("")),

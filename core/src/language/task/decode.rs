@@ -3,8 +3,11 @@
 use super::{Decided, ParsingTask, Stage, not_finite};
 use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
 use crate::dsl::{Argument, Description, Filters, RelationKind, Step};
+use crate::language::compounds::before_group;
 use crate::language::pronouns::antecedent;
-use crate::language::{GroupRole, Span, StepDecisions, choose_action, choose_group, choose_role};
+use crate::language::{
+    GroupRole, Span, StepDecisions, Token, TokenKind, choose_action, choose_group, choose_role,
+};
 use crate::model::{INSTRUCTION, Model};
 use crate::nn::{Choice, Dense};
 use crate::refusal::{Decision, Quantity, Refusal};
@@ -24,8 +27,9 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         let choice = choose_role(self.model, state, group == 0);
         let Decided { index, probability } = self.decide(step, Decision::Relation, choice)?;
         let role = GroupRole::of(index, self.model.actions.len());
-        self.roles
-            .push(role.ok_or(Refusal::InvalidModel)?, probability);
+        let role = role.ok_or(Refusal::InvalidModel)?;
+        let role = self.compounded(step, group, role, action.index)?;
+        self.roles.push(role, probability);
         if self.roles.count() < self.encoder.groups().len() {
             return Ok(Stage::Role { step, action });
         }
@@ -118,9 +122,10 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             // It is refused if the words make sense to the end.
             self.unclear.get_or_insert((step as u8, pronoun.span));
         }
+        let chosen = self.compound_action(step, action.index, reference.index)?;
         check_table(
             self.model,
-            action.index,
+            chosen,
             [&description, &reference_description],
             step,
             [span, reference_span],
@@ -143,7 +148,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             reference: reference.probability,
         };
         let symbols = Step {
-            action: u8::try_from(action.index).map_err(|_| Refusal::InvalidModel)?,
+            action: chosen,
             object: description,
             reference: reference_description,
         };
@@ -191,6 +196,88 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             probability,
             threshold,
         })
+    }
+
+    /// The tokens of a step.
+    fn tokens(&self, step: usize) -> &[Token] {
+        let tokens = self.reader.tokens().get(self.segments.tokens(step));
+        tokens.unwrap_or_default()
+    }
+
+    /// A group's role, with the compound that was said in place of its relation: "the block next to the blue
+    /// one". In "… the one next to the blue one", the compound may as well be the step's action; where the
+    /// network takes its words for both, the step is refused.
+    fn compounded(
+        &self,
+        step: usize,
+        group: usize,
+        role: GroupRole,
+        action: usize,
+    ) -> Result<GroupRole, Refusal> {
+        let said = before_group(self.tokens(step), group);
+        let (Some(related), Some(compound)) = (role.action(), said.clone().last()) else {
+            return Ok(role);
+        };
+        let read = self.model.read_action(compound);
+        if read != Some(related) {
+            return Ok(role);
+        }
+        let kind = RelationKind::Action(compound);
+        match role {
+            GroupRole::StandsFor(_) if said.count() < ARGUMENTS => {
+                if read.map(usize::from) == Some(action) {
+                    return Err(self.unclear_compound(step));
+                }
+                Ok(GroupRole::StandsFor(kind))
+            }
+            GroupRole::StandsFor(_) => Ok(GroupRole::StandsFor(kind)),
+            _ => Ok(GroupRole::Restricts(kind)),
+        }
+    }
+
+    /// A step's action, or the compound that was said before the reference in its place. Each compound of
+    /// the step must be this one, or a relation of a group.
+    ///
+    /// * `reference`: which of the heads it is
+    fn compound_action(&self, step: usize, action: usize, reference: usize) -> Result<u8, Refusal> {
+        let action = u8::try_from(action).map_err(|_| Refusal::InvalidModel)?;
+        let tokens = self.tokens(step);
+        let is_compound = |token: &&Token| matches!(token.kind, TokenKind::Compound { .. });
+        let said = tokens.iter().filter(is_compound).count();
+        if said == 0 {
+            return Ok(action);
+        }
+        let is_one = |action: u8| self.model.compound(action).is_some();
+        let group = self.roles.chain(reference).ok_or(Refusal::InvalidModel)?;
+        let related = self.roles.related_by(is_one);
+        let role = self.roles.get(group.start).and_then(GroupRole::action);
+        let own = role.is_some_and(is_one);
+        let mut before = before_group(tokens, group.start);
+        let meant = match (before.next(), own) {
+            // The relation that stands for the reference is the last one.
+            (Some(_), true) if before.next().is_none() => None,
+            (Some(first), _) => Some(first),
+            (None, _) => None,
+        };
+        let meant = meant.filter(|compound| self.model.read_action(*compound) == Some(action));
+        if related.saturating_add(usize::from(meant.is_some())) < said {
+            return Err(self.unclear_compound(step));
+        }
+        Ok(meant.unwrap_or(action))
+    }
+
+    /// Refuses a step in which a compound stands where it means nothing.
+    fn unclear_compound(&self, step: usize) -> Refusal {
+        let tokens = self.tokens(step).iter();
+        let mut said = tokens.filter(|token| matches!(token.kind, TokenKind::Compound { .. }));
+        Refusal::UnclearWords {
+            step: step as u8,
+            span: said
+                .next()
+                .map_or(Span { start: 0, end: 0 }, |token| token.span),
+            probability: 0.0,
+            threshold: self.model.header.thresholds.decision,
+        }
     }
 
     /// Refuses a reading of a pronoun that is not meant; what the sentence lacks is told of the reading
@@ -244,12 +331,12 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
 /// * `spans`: their places
 fn check_table(
     model: &Model<'_>,
-    action: usize,
+    action: u8,
     descriptions: [&Description; ARGUMENTS],
     step: usize,
     spans: [Span; ARGUMENTS],
 ) -> Result<(), Refusal> {
-    let puts_on = usize::from(model.table.action);
+    let puts_on = model.table.action;
     let is_misused = |index: usize, description: &Description| {
         let mut relations = description.relations().iter().rev();
         let is_innermost_on = relations

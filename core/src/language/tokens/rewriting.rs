@@ -21,6 +21,10 @@ pub(super) enum Rewriting {
     Arrangements {
         from: usize,
     },
+    /// For compounds.
+    Compounds {
+        from: usize,
+    },
     /// For values directly beside each other.
     Beside {
         from: usize,
@@ -29,7 +33,7 @@ pub(super) enum Rewriting {
 }
 
 impl Reader {
-    /// Joins values that stand apart, names the table where it is meant, replaces arrangements, then joins
+    /// Joins values that stand apart, names the table where it is meant, replaces arrangements and compounds, then joins
     /// values that stand beside each other: a piece of it. False if all tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
@@ -40,6 +44,9 @@ impl Reader {
             Rewriting::Apart { from } => self.join(said, from, false)?,
             Rewriting::Table { from } => self.name_table(said, from)?,
             Rewriting::Arrangements { from } => self.arrange(said, from)?,
+            Rewriting::Compounds { from } => {
+                self.rewriting = self.replace_compound(said, from)?;
+            }
             Rewriting::Beside { from } => self.join(said, from, true)?,
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
         }
@@ -84,7 +91,7 @@ impl Reader {
         let implied = places.find_map(|at| Some((at, said.implied_table(&self.tokens, at)?)));
         self.rewriting = match implied {
             None if said.has_list(&self.tokens) => Rewriting::Arrangements { from: 0 },
-            None => Rewriting::Beside { from: 0 },
+            None => Rewriting::Compounds { from: 0 },
             Some((at, implied)) => {
                 let mut from = at.saturating_add(1);
                 let is_sure = !PhraseMatcher::may_be_read(&self.tokens, &implied);
@@ -105,7 +112,7 @@ impl Reader {
     fn arrange(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
         let rest = self.tokens.get(from..).unwrap_or_default();
         let next = if rest.is_empty() {
-            Rewriting::Beside { from: 0 }
+            Rewriting::Compounds { from: 0 }
         } else if said.arrangement(rest).is_some() {
             let from = self.replace(said, from)?;
             Rewriting::Arrangements { from }
@@ -115,6 +122,38 @@ impl Reader {
         };
         self.rewriting = next;
         Ok(())
+    }
+
+    /// Replaces the next words that mean a compound, if there are any, and tells what is next. Where all of them are known, the
+    /// sentence has two readings.
+    #[inline(never)]
+    fn replace_compound(
+        &mut self,
+        said: PhraseMatcher<'_, '_>,
+        from: usize,
+    ) -> Result<Rewriting, Refusal> {
+        let mut places = from..self.tokens.len();
+        let meant = places.find_map(|at| said.compound(&self.tokens, at));
+        let Some(meant) = meant else {
+            return Ok(Rewriting::Beside { from: 0 });
+        };
+        let mut from = meant.behind();
+        if meant.is_sure || self.chooses_compounds() {
+            (self.tokens, from) = said.with_compound(&self.tokens, &meant)?;
+        }
+        Ok(Rewriting::Compounds { from })
+    }
+
+    /// Whether known words that mean compounds are replaced in this reading: all or none.
+    fn chooses_compounds(&mut self) -> bool {
+        match self.compounds {
+            Some(compounds) => compounds,
+            None => {
+                let compounds = self.choose(2) == Some(1);
+                self.compounds = Some(compounds);
+                compounds
+            }
+        }
     }
 
     /// Whether groups join in this reading: all or none.

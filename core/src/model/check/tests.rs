@@ -1,8 +1,9 @@
 use super::*;
 use crate::fixture;
 use crate::model::{
-    Arrangement, Arrangements, Closing, Concept, Embeddings, Heard, LexiconEntry, MAX_SIDES,
-    Opening, Plural, Pronoun, Several, Spelling, Table, Word, WordEmbeddings,
+    Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Concept,
+    Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Plural, Pronoun, Several, Spelling, Table,
+    Word, WordEmbeddings,
 };
 
 #[test]
@@ -313,4 +314,84 @@ fn each_fault_of_a_table_is_named() {
     concepts[2].edges_m = Some([0.1, 0.1, 3.0 * fixture::EDGE_M]);
     let model = model.with_concepts(&concepts);
     assert_eq!(model.check(), Err(ModelFault::TableHeight));
+}
+
+#[test]
+fn each_fault_of_a_compound_is_named() {
+    type Change = fn(&mut Compounds<'static>);
+    let model = fixture::with_compounds();
+    let check = |change: Change| {
+        let mut compounds = model.compounds;
+        change(&mut compounds);
+        model.with_compounds(compounds).check()
+    };
+    const ANY: Compound<'static> = Compound::new()
+        .with_name("NextTo")
+        .with_parts(&[1])
+        .with_read("right");
+    const BY: CompoundText<'static> = CompoundText::new().with_text("by").with_compound(0);
+    assert_eq!(
+        check(|made| (made.compounds, made.said) = (&[ANY], &[BY])),
+        Ok(())
+    );
+    let faults: [(Change, ModelFault<'_>); 12] = [
+        (
+            |made| made.first_words = &["by", "what", "past"],
+            ModelFault::CompoundText("close to"),
+        ),
+        (
+            |made| (made.said, made.first_words) = (&[BY], &["by", "at"]),
+            ModelFault::CompoundText("at"),
+        ),
+        (
+            |made| made.compounds = &[const { ANY.with_parts(&[]) }; 5],
+            ModelFault::CompoundParts("NextTo"),
+        ),
+        (
+            |made| made.compounds = &[const { ANY.with_parts(&[2]) }; 5],
+            ModelFault::CompoundParts("NextTo"),
+        ),
+        (
+            |made| made.compounds = &[const { ANY.with_parts(&[1; MAX_SIDES + 1]) }; 5],
+            ModelFault::CompoundParts("NextTo"),
+        ),
+        (
+            |made| made.compounds = &[const { ANY.with_kind(CompoundKind::All) }; 5],
+            ModelFault::CompoundParts("NextTo"),
+        ),
+        (
+            |made| made.compounds = &[const { ANY.with_read("right of") }; 5],
+            ModelFault::CompoundWord("of"),
+        ),
+        (
+            |made| (made.compounds, made.said) = (&[ANY], &[const { BY.with_compound(1) }]),
+            ModelFault::CompoundText("by"),
+        ),
+        (
+            |made| (made.compounds, made.said) = (&[ANY], &[BY, BY]),
+            ModelFault::CompoundText("by"),
+        ),
+        (
+            |made| (made.compounds, made.said) = (&[ANY], &[const { BY.with_text("") }]),
+            ModelFault::CompoundText(""),
+        ),
+        (
+            |made| made.sides = &["right", "left"],
+            ModelFault::CompoundText("left"),
+        ),
+        (
+            |made| made.compounds = &[ANY; 256],
+            ModelFault::TooLong("actions"),
+        ),
+    ];
+    for (change, fault) in faults {
+        assert_eq!(check(change), Err(fault));
+    }
+    let mut concepts = model.concepts.to_vec();
+    // Three times as high as the lowest.
+    concepts[2].edges_m = Some([0.1, 0.1, 3.0 * fixture::EDGE_M]);
+    let related = fixture::related().with_concepts(&concepts);
+    assert_eq!(related.check(), Ok(()));
+    let high = related.with_compounds(model.compounds);
+    assert_eq!(high.check(), Err(ModelFault::TableHeight));
 }

@@ -12,7 +12,7 @@ fn green() -> ObservedObject {
 }
 
 /// The same object, on what stands below it.
-fn lifted(mut object: ObservedObject) -> ObservedObject {
+pub(super) fn lifted(mut object: ObservedObject) -> ObservedObject {
     let [.., depth_m] = &mut object.location;
     let nearer = *depth_m / (*depth_m - fixture::EDGE_M);
     *depth_m -= fixture::EDGE_M;
@@ -115,7 +115,7 @@ fn a_place_that_is_taken_hidden_or_outside_is_not_free() {
     assert_eq!(refused.kind(), "no_room_on_table");
     assert_eq!(
         refused.in_context(&model, "").to_string(),
-        "step 1: no free place on the table is in sight for object 2; say beside which object to put it"
+        "step 1: no free place on the table is in sight for object 2; say on which side of which object to put it"
     );
 }
 

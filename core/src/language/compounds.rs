@@ -1,0 +1,266 @@
+//! Actions that are made of others: "next to the blue block", "in front and to the left of it".
+//!
+//! The words are replaced by those of the first part, "to the right of", which the network reads and
+//! judges as if they had been said; the last of them is marked, and where it is read as the step's action
+//! or as a relation, the compound is meant. Nothing is learned here: the model lists what is said and how
+//! it is read ([`crate::model::Compound`]).
+
+use core::ops::Range;
+
+use super::phrases::{PhraseMatcher, parts};
+use super::tokens::{Tokens, push};
+use super::{Span, Token, TokenKind};
+use crate::model::{Compound, CompoundKind, CompoundText};
+use crate::refusal::Refusal;
+
+/// The words of a compound among the tokens.
+pub(super) struct Meant<'a> {
+    said: Range<usize>,
+    /// Index as of [`crate::Model::compound`].
+    index: u8,
+    compound: &'a Compound<'a>,
+    /// Whether they mean nothing else: one of them is unknown.
+    pub(super) is_sure: bool,
+}
+
+impl Meant<'_> {
+    /// Index of the token behind them.
+    pub(super) const fn behind(&self) -> usize {
+        self.said.end
+    }
+}
+
+impl<'a> PhraseMatcher<'_, 'a> {
+    /// What means a compound and begins at a token: of several, the one with the most words.
+    pub(super) fn compound(&self, tokens: &[Token], at: usize) -> Option<Meant<'a>> {
+        let rest = tokens.get(at..)?;
+        let first = rest.first()?;
+        if !self.is_one_of(self.model.compounds.first_words, first) {
+            return None;
+        }
+        let (length, text) = self.longest_compound(rest)?;
+        let index = usize::from(text.compound);
+        let said = at..at.checked_add(length)?;
+        let compound = self.model.compounds.compounds.get(index)?;
+        if compound.kind == CompoundKind::Any && self.names_side(tokens, &said) {
+            return None;
+        }
+        let mut words = tokens.get(said.clone())?.iter();
+        Some(Meant {
+            said,
+            index: u8::try_from(self.model.actions.len().checked_add(index)?).ok()?,
+            compound,
+            is_sure: words.any(|token| token.kind == TokenKind::Unknown),
+        })
+    }
+
+    /// The longest text of a compound with which these tokens begin, and how many it has.
+    fn longest_compound(&self, tokens: &[Token]) -> Option<(usize, &'a CompoundText<'a>)> {
+        let mut longest = None;
+        // Those that begin with the tokens so far are together.
+        let mut texts = self.model.compounds.said;
+        for (index, token) in tokens.iter().enumerate() {
+            let word = |said: &CompoundText<'a>| parts(said.text).nth(index).unwrap_or_default();
+            let from = texts.partition_point(|said| self.is_behind(token, word(said)));
+            texts = texts.get(from..)?;
+            let end = texts.partition_point(|said| self.is(token, word(said)));
+            texts = texts.get(..end)?;
+            let length = index.saturating_add(1);
+            // That which ends here stands first.
+            let Some(first) = texts.first() else {
+                return longest;
+            };
+            if parts(first.text).nth(length).is_none() {
+                longest = Some((length, first));
+            }
+        }
+        longest
+    }
+
+    /// Whether a side is named near these words: from the description before them to the first one behind that
+    /// is of another clause.
+    fn names_side(&self, tokens: &[Token], said: &Range<usize>) -> bool {
+        // Not to a pronoun: its word may be another one.
+        let describes = |token: &Token| token.filters().is_some();
+        let before = tokens.get(..said.start).unwrap_or_default().iter().rev();
+        let before = before.take_while(|token| !describes(token));
+        let (mut is_described, mut has_ended) = (false, false);
+        let behind = tokens.get(said.end..).unwrap_or_default().iter();
+        let behind = behind.take_while(|token| {
+            has_ended |= is_described && self.is_one_of(self.model.arrangements.ends, token);
+            is_described |= describes(token);
+            !(has_ended && describes(token))
+        });
+        let mut near = before.chain(behind);
+        near.any(|token| self.is_one_of(self.model.compounds.sides, token))
+    }
+
+    /// The tokens with these words replaced, and the index of the one behind.
+    pub(super) fn with_compound(
+        &self,
+        tokens: &[Token],
+        meant: &Meant<'a>,
+    ) -> Result<(Tokens, usize), Refusal> {
+        let Meant {
+            said,
+            index,
+            compound,
+            ..
+        } = meant;
+        let words = tokens.get(said.clone()).unwrap_or_default();
+        let (first, last) = words
+            .first()
+            .zip(words.last())
+            .ok_or(Refusal::InvalidModel)?;
+        let span = Span {
+            start: first.span.start,
+            end: last.span.end,
+        };
+        let mut read = Tokens::new();
+        // As many fit.
+        let _ = read.extend_from_slice(tokens.get(..said.start).unwrap_or_default());
+        self.write_words(compound.read, span, &mut read)?;
+        if let Some(token) = read.last_mut()
+            && let TokenKind::Word(word) = token.kind
+        {
+            token.kind = TokenKind::Compound {
+                word,
+                compound: *index,
+            };
+        }
+        let behind = read.len();
+        for token in tokens.get(said.end..).unwrap_or_default() {
+            push(&mut read, token.kind, token.span)?;
+        }
+        Ok((read, behind))
+    }
+}
+
+/// The compounds that were said before a step's group: since the group before it.
+///
+/// * `tokens`: those of the step
+/// * `group`: how many groups stand before it
+pub(super) fn before_group(tokens: &[Token], group: usize) -> impl Iterator<Item = u8> + Clone {
+    let mut passed = 0_usize;
+    let between = tokens.iter().map(move |token| {
+        if token.is_group() {
+            passed = passed.saturating_add(1);
+        }
+        (passed, token)
+    });
+    between.filter_map(move |(passed, token)| match token.kind {
+        TokenKind::Compound { compound, .. } if passed == group => Some(compound),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::string::String;
+
+    use crate::fixture::{self, parse};
+    use crate::model::CompoundText;
+
+    /// How a sentence is understood, with shorter names.
+    fn read(sentence: &str) -> String {
+        match parse(&fixture::with_compounds(), sentence) {
+            Ok(program) => program
+                .replace("Unique(Filter(", "(")
+                .replace(", Scene()))", ")"),
+            Err(refusal) => refusal.kind().into(),
+        }
+    }
+
+    #[test]
+    fn a_compound_is_the_action_or_the_relation_as_which_its_words_are_read() {
+        for (sentence, expected) in [
+            ("put red by green", "Action(NextTo, (red), (green))"),
+            ("put red close to green", "Action(NextTo, (red), (green))"),
+            (
+                "put red diagonally green",
+                "Action(RightOn, (red), (green))",
+            ),
+            // The longest text that fits.
+            (
+                "put red by the green on lego",
+                "Action(MoveOn, (red, Relate(IsNextTo, (green)))), (lego))",
+            ),
+            (
+                "put red on what is by lego",
+                "Action(MoveOn, (red), Unique(Relate(StandsFor, (lego))))",
+            ),
+            (
+                "put red by what is by lego",
+                "Action(NextTo, (red), Unique(Relate(StandsFor, (lego))))",
+            ),
+            (
+                "put red on green then put lego by red",
+                "Action(MoveOn, (red), (green))\nAction(NextTo, (lego), (red))",
+            ),
+        ] {
+            assert_eq!(read(sentence), expected, "{sentence}");
+        }
+    }
+
+    #[test]
+    fn where_all_words_are_known_both_readings_must_agree() {
+        // As such, it says nothing of what is done with the red one.
+        assert_eq!(read("put red past green"), "Action(NextTo, (red), (green))");
+        let mut model = fixture::with_compounds();
+        let said = [CompoundText {
+            text: "right",
+            compound: 0,
+        }];
+        model.compounds.said = &said;
+        model.compounds.first_words = &["right"];
+        let refusal = parse(&model, "put red right green").unwrap_err();
+        assert_eq!(refusal.kind(), "unclear_words");
+    }
+
+    #[test]
+    fn a_compound_that_is_neither_is_refused() {
+        for sentence in [
+            // Before the object to be moved.
+            "put by red on green",
+            "put by red right green",
+            // Of two, only one is the action.
+            "put red by by green",
+            "put red by green right",
+            "put red by past lego",
+        ] {
+            let kind = read(sentence);
+            assert!(
+                matches!(&*kind, "unclear_words" | "unsure"),
+                "{sentence}: {kind}"
+            );
+        }
+    }
+
+    #[test]
+    fn where_a_side_is_named_no_compound_is_meant() {
+        for sentence in [
+            "put red by green leftwards",
+            "put red leftwards by green",
+            "put red close to green the perhaps",
+            "put red close to the perhaps green",
+            "put red close to green beside lego perhaps",
+            "put red close to green , lego perhaps",
+        ] {
+            assert_eq!(read(sentence), "unknown_word", "{sentence}");
+        }
+        // In another step.
+        let two = read("put red by green then put lego on red the perhaps");
+        assert!(two.starts_with("Action(NextTo, (red), (green))\n"), "{two}");
+    }
+
+    #[test]
+    fn what_is_unknown_and_means_no_compound_stays_unknown() {
+        for sentence in ["put red close green", "put red on green close to"] {
+            let kind = read(sentence);
+            assert!(
+                matches!(&*kind, "unknown_word" | "unsure"),
+                "{sentence}: {kind}"
+            );
+        }
+    }
+}

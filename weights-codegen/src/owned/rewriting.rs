@@ -1,0 +1,156 @@
+//! What is read in place of other words: arrangements, the table and compounds.
+
+use std::collections::BTreeSet;
+
+use nsrm_core::model::{
+    Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Opening, Table,
+};
+
+use super::index;
+use crate::domain::{self, Domain};
+use crate::error::ModelError;
+
+/// What core reads as slices of [`Arrangements`].
+pub(super) struct ArrangementParts<'a> {
+    between: Vec<&'a str>,
+    ends: Vec<&'a str>,
+    next: &'a str,
+    arrangements: Vec<Arrangement<'a>>,
+    openings: Vec<Opening<'a>>,
+    closings: Vec<Closing<'a>>,
+}
+
+/// What core reads as slices of [`Table`].
+#[derive(Default)]
+pub(super) struct TableParts<'a> {
+    action: u8,
+    sides: Vec<u8>,
+    off: Vec<&'a str>,
+    standing: &'a str,
+    order: &'a str,
+    down: Vec<&'a str>,
+    relation: &'a str,
+}
+
+/// What core reads as slices of [`Compounds`].
+pub(super) struct CompoundParts<'a> {
+    compounds: Vec<Compound<'a>>,
+    said: Vec<CompoundText<'a>>,
+    first_words: Vec<&'a str>,
+    sides: Vec<&'a str>,
+}
+
+impl<'a> ArrangementParts<'a> {
+    pub(super) fn new(said: &'a domain::Arrangements) -> Result<Self, ModelError> {
+        let opening = |(text, pattern)| {
+            let pattern = index("patterns of arrangements", pattern)?;
+            Ok(Opening::new().with_text(text).with_pattern(pattern))
+        };
+        let closing = |(text, pattern, meant): (&'a str, usize, &str)| {
+            let pattern = index("patterns of arrangements", pattern)?;
+            let found = said.steps.keys().position(|name| name == meant);
+            let found = found.ok_or_else(|| ModelError::ArrangedSteps { name: meant.into() })?;
+            let closing = Closing::new().with_text(text).with_pattern(pattern);
+            Ok(closing.with_arrangement(index("arrangements", found)?))
+        };
+        let arrangement = |steps: &'a domain::ArrangedStep| {
+            Arrangement::new()
+                .with_order(&steps.order)
+                .with_relation(&steps.relation)
+                .with_is_reversed(steps.reversed)
+        };
+        let (openings, closings) = (said.openings().into_iter(), said.closings());
+        Ok(Self {
+            between: said.between.iter().map(String::as_str).collect(),
+            ends: said.ends.iter().map(String::as_str).collect(),
+            next: &said.next,
+            arrangements: said.steps.values().map(arrangement).collect(),
+            openings: openings.map(opening).collect::<Result<_, ModelError>>()?,
+            closings: closings.map(closing).collect::<Result<_, ModelError>>()?,
+        })
+    }
+
+    pub(super) fn lent(&self) -> Arrangements<'_> {
+        Arrangements::new()
+            .with_between(&self.between)
+            .with_ends(&self.ends)
+            .with_next(self.next)
+            .with_arrangements(&self.arrangements)
+            .with_openings(&self.openings)
+            .with_closings(&self.closings)
+    }
+}
+
+impl<'a> TableParts<'a> {
+    pub(super) fn new(domain: &'a Domain) -> Result<Self, ModelError> {
+        let Some(table) = &domain.table else {
+            return Ok(Self::default());
+        };
+        let action = |name: &String| {
+            let found = domain.action_index(name);
+            let found = found.ok_or_else(|| ModelError::TableAction { name: name.clone() })?;
+            index("actions", found)
+        };
+        Ok(Self {
+            action: action(&table.action)?,
+            sides: table.sides.iter().map(action).collect::<Result<_, _>>()?,
+            off: sorted(&table.off),
+            standing: &table.standing,
+            order: &table.order,
+            down: sorted(&table.down),
+            relation: &table.relation,
+        })
+    }
+
+    pub(super) fn lent(&self) -> Table<'_> {
+        Table::new()
+            .with_action(self.action)
+            .with_sides(&self.sides)
+            .with_off(&self.off)
+            .with_standing(self.standing)
+            .with_order(self.order)
+            .with_down(&self.down)
+            .with_relation(self.relation)
+    }
+}
+
+impl<'a> CompoundParts<'a> {
+    /// * `actions`: those of which each compound is made
+    pub(super) fn new(domain: &'a Domain, actions: &'a [Vec<u8>]) -> Result<Self, ModelError> {
+        let made = domain.compounds.made.iter().zip(actions);
+        let compound = |(compound, actions): (&'a domain::Compound, &'a Vec<u8>)| {
+            Compound::new()
+                .with_name(&compound.name)
+                .with_phrase(&compound.phrase)
+                .with_kind(compound.parts().0)
+                .with_parts(actions)
+                .with_read(&compound.read)
+        };
+        let said = |(text, compound)| {
+            let compound = index("compounds", compound)?;
+            Ok(CompoundText::new().with_text(text).with_compound(compound))
+        };
+        let texts = domain.compound_texts().into_iter();
+        let sides = domain.compounds.sides.iter();
+        Ok(Self {
+            compounds: made.map(compound).collect(),
+            said: texts.map(said).collect::<Result<_, ModelError>>()?,
+            first_words: domain.compound_first_words().into_iter().collect(),
+            sides: sides.map(String::as_str).collect(),
+        })
+    }
+
+    pub(super) fn lent(&self) -> Compounds<'_> {
+        Compounds::new()
+            .with_compounds(&self.compounds)
+            .with_said(&self.said)
+            .with_first_words(&self.first_words)
+            .with_sides(&self.sides)
+    }
+}
+
+/// Texts in their order, each once.
+fn sorted(texts: &[String]) -> Vec<&str> {
+    let texts: BTreeSet<&str> = texts.iter().map(String::as_str).collect();
+    texts.into_iter().collect()
+}
