@@ -29,9 +29,10 @@ from nsrm_harness.data.tell import never_shown, tell
 from nsrm_harness.data.told import Told, read_told, write_told
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.attachment import Attachments
-from nsrm_harness.domain.everyday import EVERYDAY, TABLES, Recogniser, Speaker, with_everyday
+from nsrm_harness.domain.everyday import EVERYDAY, TABLES, Speaker, with_everyday
 from nsrm_harness.domain.program import SUPERLATIVES, Program, Relation, Step, canonical
 from nsrm_harness.domain.reader import COUNTING
+from nsrm_harness.domain.recogniser import Recogniser
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation import language
 from nsrm_harness.evaluation.metrics import EvaluationError

@@ -13,8 +13,9 @@ from nsrm_harness.data.extremes import FARTHER_M, LARGER, SAME_M, ExtremeDescrip
 from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.relations import Described
 from nsrm_harness.data.tell import extreme_programs, misleading_extremes
-from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday
+from nsrm_harness.domain.everyday import Speaker, with_everyday
 from nsrm_harness.domain.program import Relation, Step, canonical
+from nsrm_harness.domain.recogniser import Recogniser
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.simulation.blocks import block_from_attributes
 

@@ -19,8 +19,9 @@ from nsrm_harness.data.relations import Described, RelatedDescriptions
 from nsrm_harness.data.tell import related_programs
 from nsrm_harness.domain import GROUP_TOKEN
 from nsrm_harness.domain.attachment import Attachments
-from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday, without_states
+from nsrm_harness.domain.everyday import Speaker, with_everyday, without_states
 from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step, canonical
+from nsrm_harness.domain.recogniser import Recogniser
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.learning.export import read_model
 from nsrm_harness.learning.model import MISSING, Heard, Parse

@@ -10,8 +10,9 @@ from nsrm_harness import domain as domains
 from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.several import MOST_MOVED, has_stack, several_programs, with_several
 from nsrm_harness.domain import GROUP_TOKEN
-from nsrm_harness.domain.everyday import Recogniser, Speaker, with_everyday
+from nsrm_harness.domain.everyday import Speaker, with_everyday
 from nsrm_harness.domain.program import ALL, BOTH, Relation, Step
+from nsrm_harness.domain.recogniser import Recogniser
 from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError
 
 DOMAIN = with_everyday(domains.load(domains.FOUR_SIDES))

@@ -10,13 +10,8 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from nsrm_harness.domain.domain import GROUP_TOKEN, Domain
-from nsrm_harness.domain.everyday import (
-    Recogniser,
-    everyday_of,
-    own_texts,
-    recognised_rules,
-    state_texts,
-)
+from nsrm_harness.domain.everyday import everyday_of, own_texts, state_texts
+from nsrm_harness.domain.recogniser import Recogniser, recognised_rules
 
 #: Names of the rules for chains of one and of two relations.
 LEVELS = ("one", "two")

@@ -1,7 +1,8 @@
-"""Everyday wording: generates commands as people say them, and recognises them.
+"""Everyday wording: generates commands as people say them.
 
 The rules are those of a domain's ``everyday`` table; ``everyday.toml`` describes them. They contain
-no recursion, so they have finitely many sentences, and every one of them is recognised.
+no recursion, so they have finitely many sentences, and every one of them is recognised
+(`recogniser`).
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from nsrm_harness.domain.domain import (
     EverydayWords,
 )
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE, Program, Relation, Step
-from nsrm_harness.domain.reader import COUNTING, MAX_STEPS, parse
+from nsrm_harness.domain.reader import COUNTING, parse
 from nsrm_harness.domain.rewriting import expanded, with_sides
 
 #: The wording of the paper's domain.
@@ -36,16 +37,6 @@ EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
 LISTED, STARTED = 0.08, 0.1
 
 _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
-#: How steps are joined, generously: what is recognised is not used as an example of nonsense.
-_SENTENCE = {
-    "#first": ("", "{starting}", "{#first_listed}"),
-    "#later": ("{next}", "{#later_listed}", ". {#later_listed}", ", {#later_listed}"),
-    "#told": tuple(
-        f"{{before}} {please} {{command}} {{after}} {end}".strip()
-        for please in ("", "{please}")
-        for end in ("", ".", ",")
-    ),
-}
 #: In place of the concepts of a description: it is said by a pronoun.
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
@@ -359,113 +350,6 @@ def _description_rule(name: str, said: _Said) -> str:
     return "related" if said.relations else "description"
 
 
-@dataclass(frozen=True)
-class Recogniser:
-    """Recognises the commands of a domain's everyday wording."""
-
-    _tries: Mapping[str, _Node] = field(repr=False)
-
-    @classmethod
-    def of(cls, domain: Domain, rules: Mapping[str, Sequence[str]] | None = None) -> Recogniser:
-        """The recogniser of a domain with everyday wording.
-
-        `rules`: replace those of the wording, or are added
-        """
-        every = {**recognised_rules(domain), **(rules or {})}
-        return cls({name: _trie(texts) for name, texts in every.items()})
-
-    def step(self, words: Sequence[str]) -> bool:
-        """Whether the words, with group tokens, are one step of a command: the first or a later
-        one."""
-        memo: dict[tuple[str, int], frozenset[int]] = {}
-        begun = self._through(("#first",), {0}, words, memo)
-        begun |= self._through(("#later",), {0}, words, memo)
-        return len(words) in self._through(("#told",), begun, words, memo)
-
-    def program(self, words: Sequence[str]) -> bool:
-        """Whether the words, with group tokens, are a command of one or more steps."""
-        memo: dict[tuple[str, int], frozenset[int]] = {}
-        reached = set(self._through(("#first", "#told"), {0}, words, memo))
-        while True:
-            if len(words) in reached:
-                return True
-            further = self._through(("#later", "#told"), reached, words, memo) - reached
-            if not further:
-                return False
-            reached |= further
-
-    def _through(
-        self,
-        rules: Sequence[str],
-        places: set[int],
-        words: Sequence[str],
-        memo: dict[tuple[str, int], frozenset[int]],
-    ) -> set[int]:
-        for rule in rules:
-            places = {end for place in places for end in self._ends(rule, place, words, memo)}
-        return places
-
-    def _ends(
-        self,
-        rule: str,
-        start: int,
-        words: Sequence[str],
-        memo: dict[tuple[str, int], frozenset[int]],
-    ) -> frozenset[int]:
-        """Where the rule may end if it begins at word `start`."""
-        found = memo.get((rule, start))
-        if found is None:
-            ends: set[int] = set()
-            left = [(self._tries[rule], start)]
-            while left:
-                node, place = left.pop()
-                if node.is_end:
-                    ends.add(place)
-                if place < len(words) and (behind := node.words.get(words[place])) is not None:
-                    left.append((behind, place + 1))
-                for name, behind in node.rules.items():
-                    left += [(behind, end) for end in self._ends(name, place, words, memo)]
-            found = memo[rule, start] = frozenset(ends)
-        return found
-
-
-@dataclass
-class _Node:
-    """The alternatives of a rule with the same beginning."""
-
-    words: dict[str, _Node] = field(default_factory=dict)
-    rules: dict[str, _Node] = field(default_factory=dict)
-    is_end: bool = False
-
-
-def recognised_rules(domain: Domain) -> dict[str, Sequence[str]]:
-    """The rules of commands, with group tokens for all values."""
-    words = everyday_of(domain)
-    described = ["{description}"]
-    if words.states():
-        described += [f"{{{rule}}}" for rule in RELATING_RULES]
-        described += [text for rule in RELATING_RULES for text in own_texts(words, rule)]
-    return {
-        **words.rules,
-        "relation": [
-            filled_in(text, relation)
-            for relation in words.placements().values()
-            for text in words.rules[relation["rule"]]
-        ],
-        "relating": state_texts(words),
-        "values": (GROUP_TOKEN,),
-        "moved": described,
-        "reference": described,
-        **_SENTENCE,
-        "#first_listed": [_counted(text, words, 0) for text in words.rules["listing"]],
-        "#later_listed": [
-            _counted(text, words, index)
-            for text in words.rules["listing"]
-            for index in range(1, MAX_STEPS)
-        ],
-    }
-
-
 def state_texts(words: EverydayWords) -> list[str]:
     """The alternatives by which descriptions relate objects."""
     return [
@@ -482,25 +366,6 @@ def own_texts(words: EverydayWords, rule: str) -> list[str]:
         for name, state in words.states().items()
         for text in words.own_texts(name, rule)
     ]
-
-
-def _trie(texts: Sequence[str]) -> _Node:
-    root = _Node()
-    for text in texts:
-        node = root
-        for word in text.split():
-            found = _FIELD.fullmatch(word)
-            if found is None:
-                node = node.words.setdefault(word, _Node())
-            else:
-                node = node.rules.setdefault(found.group(1), _Node())
-        node.is_end = True
-    return root
-
-
-def _counted(text: str, words: EverydayWords, index: int) -> str:
-    """An alternative with the words for the number of a step."""
-    return filled_in(text, {name: words.rules[name][index] for name in COUNTING})
 
 
 def everyday_of(domain: Domain) -> EverydayWords:

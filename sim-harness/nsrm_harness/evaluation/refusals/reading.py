@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Recogniser
+from nsrm_harness.domain.recogniser import Recogniser
 from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError, split
 
 

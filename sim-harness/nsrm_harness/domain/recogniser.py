@@ -1,0 +1,149 @@
+"""Recognises the commands of everyday wording: every sentence that its rules can make."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
+from nsrm_harness.domain.everyday import everyday_of, filled_in, own_texts, state_texts
+from nsrm_harness.domain.reader import COUNTING, MAX_STEPS
+
+_FIELD = re.compile(r"\{(#?[a-z_]+)\}")
+#: How steps are joined, generously: what is recognised is not used as an example of nonsense.
+_SENTENCE = {
+    "#first": ("", "{starting}", "{#first_listed}"),
+    "#later": ("{next}", "{#later_listed}", ". {#later_listed}", ", {#later_listed}"),
+    "#told": tuple(
+        f"{{before}} {please} {{command}} {{after}} {end}".strip()
+        for please in ("", "{please}")
+        for end in ("", ".", ",")
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Recogniser:
+    """Recognises the commands of a domain's everyday wording."""
+
+    _tries: Mapping[str, _Node] = field(repr=False)
+
+    @classmethod
+    def of(cls, domain: Domain, rules: Mapping[str, Sequence[str]] | None = None) -> Recogniser:
+        """The recogniser of a domain with everyday wording.
+
+        `rules`: replace those of the wording, or are added
+        """
+        every = {**recognised_rules(domain), **(rules or {})}
+        return cls({name: _trie(texts) for name, texts in every.items()})
+
+    def step(self, words: Sequence[str]) -> bool:
+        """Whether the words, with group tokens, are one step of a command: the first or a later
+        one."""
+        memo: dict[tuple[str, int], frozenset[int]] = {}
+        begun = self._through(("#first",), {0}, words, memo)
+        begun |= self._through(("#later",), {0}, words, memo)
+        return len(words) in self._through(("#told",), begun, words, memo)
+
+    def program(self, words: Sequence[str]) -> bool:
+        """Whether the words, with group tokens, are a command of one or more steps."""
+        memo: dict[tuple[str, int], frozenset[int]] = {}
+        reached = set(self._through(("#first", "#told"), {0}, words, memo))
+        while True:
+            if len(words) in reached:
+                return True
+            further = self._through(("#later", "#told"), reached, words, memo) - reached
+            if not further:
+                return False
+            reached |= further
+
+    def _through(
+        self,
+        rules: Sequence[str],
+        places: set[int],
+        words: Sequence[str],
+        memo: dict[tuple[str, int], frozenset[int]],
+    ) -> set[int]:
+        for rule in rules:
+            places = {end for place in places for end in self._ends(rule, place, words, memo)}
+        return places
+
+    def _ends(
+        self,
+        rule: str,
+        start: int,
+        words: Sequence[str],
+        memo: dict[tuple[str, int], frozenset[int]],
+    ) -> frozenset[int]:
+        """Where the rule may end if it begins at word `start`."""
+        found = memo.get((rule, start))
+        if found is None:
+            ends: set[int] = set()
+            left = [(self._tries[rule], start)]
+            while left:
+                node, place = left.pop()
+                if node.is_end:
+                    ends.add(place)
+                if place < len(words) and (behind := node.words.get(words[place])) is not None:
+                    left.append((behind, place + 1))
+                for name, behind in node.rules.items():
+                    left += [(behind, end) for end in self._ends(name, place, words, memo)]
+            found = memo[rule, start] = frozenset(ends)
+        return found
+
+
+@dataclass
+class _Node:
+    """The alternatives of a rule with the same beginning."""
+
+    words: dict[str, _Node] = field(default_factory=dict)
+    rules: dict[str, _Node] = field(default_factory=dict)
+    is_end: bool = False
+
+
+def recognised_rules(domain: Domain) -> dict[str, Sequence[str]]:
+    """The rules of commands, with group tokens for all values."""
+    words = everyday_of(domain)
+    described = ["{description}"]
+    if words.states():
+        described += [f"{{{rule}}}" for rule in RELATING_RULES]
+        described += [text for rule in RELATING_RULES for text in own_texts(words, rule)]
+    return {
+        **words.rules,
+        "relation": [
+            filled_in(text, relation)
+            for relation in words.placements().values()
+            for text in words.rules[relation["rule"]]
+        ],
+        "relating": state_texts(words),
+        "values": (GROUP_TOKEN,),
+        "moved": described,
+        "reference": described,
+        **_SENTENCE,
+        "#first_listed": [_counted(text, words, 0) for text in words.rules["listing"]],
+        "#later_listed": [
+            _counted(text, words, index)
+            for text in words.rules["listing"]
+            for index in range(1, MAX_STEPS)
+        ],
+    }
+
+
+def _trie(texts: Sequence[str]) -> _Node:
+    root = _Node()
+    for text in texts:
+        node = root
+        for word in text.split():
+            found = _FIELD.fullmatch(word)
+            if found is None:
+                node = node.words.setdefault(word, _Node())
+            else:
+                node = node.rules.setdefault(found.group(1), _Node())
+        node.is_end = True
+    return root
+
+
+def _counted(text: str, words: EverydayWords, index: int) -> str:
+    """An alternative with the words for the number of a step."""
+    return filled_in(text, {name: words.rules[name][index] for name in COUNTING})
