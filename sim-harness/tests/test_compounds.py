@@ -12,8 +12,9 @@ import pytest
 from nsrm_harness import domain as domains
 from nsrm_harness.data.compounds import CompoundSentences, compound_programs
 from nsrm_harness.data.ground_truth import Truth
-from nsrm_harness.domain.compounds import compounds_of, means_compound
+from nsrm_harness.domain.compounds import compounds_of
 from nsrm_harness.domain.everyday import with_everyday
+from nsrm_harness.domain.recogniser import means_compound
 from nsrm_harness.evaluation.compounds import PutBeside
 from nsrm_harness.geometry.pose import Pose
 
@@ -48,7 +49,7 @@ def test_a_domain_has_the_compounds_that_its_actions_make() -> None:
 
 def test_a_sentence_means_a_compound_if_it_names_no_side_besides() -> None:
     assert means_compound(DOMAIN, "put the red block right next to the blue one")
-    assert means_compound(DOMAIN, "put it to the left and in front of the blue one")
+    assert means_compound(DOMAIN, "To the left and in front of the blue, put the one on the right.")
     assert not means_compound(DOMAIN, "put the red block next to the blue one , on its left")
     assert not means_compound(DOMAIN, "put the red block on the blue one")
     assert not means_compound(replace(DOMAIN, compounds=None), "put red next to blue")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import nsrm
 import pytest
+
 from nsrm_harness import domain as domains
 from nsrm_harness.cli.main import commands
 from nsrm_harness.data.calibration import Calibration

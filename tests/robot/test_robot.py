@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from nsrm_harness.nodes.processes import ProcessGroup
 
 ROOT = Path(__file__).resolve().parents[2]

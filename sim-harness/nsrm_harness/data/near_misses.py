@@ -30,12 +30,11 @@ from nsrm_harness.data.near_miss_texts import (
 )
 from nsrm_harness.data.plain_wording import plain_words
 from nsrm_harness.domain import GROUP_TOKEN, Domain
-from nsrm_harness.domain.compounds import means_compound
 from nsrm_harness.domain.everyday import Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Command, Grammar
 from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step
 from nsrm_harness.domain.reader import MAX_STEPS
-from nsrm_harness.domain.recogniser import Recogniser
+from nsrm_harness.domain.recogniser import Recogniser, means_compound
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Share that is made from plain commands, in the grammar that a model is first trained on.

@@ -7,14 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS
 from nsrm_harness.domain.rewriting import every_text
 from nsrm_harness.domain.wording import Identifier, Phrase
-
-if TYPE_CHECKING:
-    from nsrm_harness.domain.domain import Domain
 
 #: Number of actions that are done one after the other, a capacity of the core.
 COMPOSED = 2
@@ -79,19 +76,6 @@ def compounds_of(
         if _can_be_made(compound, actions)
     ]
     return {"made": made, "sides": sorted(table.get("sides", ()))} if made else None
-
-
-def means_compound(domain: Domain, sentence: str) -> bool:
-    """Whether a sentence may mean a compound: it has the words of one, and names no side."""
-    if domain.compounds is None:
-        return False
-    spaced, sides = f" {sentence} ", {*domain.compounds.sides}
-    texts = (text for compound in domain.compounds.made for text in compound.said)
-    return any(
-        not sides & {*spaced.replace(f" {text} ", " ", 1).split()}
-        for text in texts
-        if f" {text} " in spaced
-    )
 
 
 def _can_be_made(compound: Mapping[str, Any], actions: Collection[str]) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
 from nsrm_harness.domain.everyday import everyday_of, filled_in, own_texts, state_texts
 from nsrm_harness.domain.reader import COUNTING, MAX_STEPS
+from nsrm_harness.domain.tokens import split
 
 _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
 #: How steps are joined, generously: what is recognised is not used as an example of nonsense.
@@ -100,6 +101,20 @@ class _Node:
     words: dict[str, _Node] = field(default_factory=dict)
     rules: dict[str, _Node] = field(default_factory=dict)
     is_end: bool = False
+
+
+def means_compound(domain: Domain, sentence: str) -> bool:
+    """Whether a sentence may mean a compound: it has the words of one, and of any of some actions
+    only if it names no side."""
+    if domain.compounds is None:
+        return False
+    spaced, sides = f" {' '.join(split(sentence))} ", {*domain.compounds.sides}
+    return any(
+        bool(compound.all) or not sides & {*spaced.replace(f" {text} ", " ", 1).split()}
+        for compound in domain.compounds.made
+        for text in compound.said
+        if f" {text} " in spaced
+    )
 
 
 def recognised_rules(domain: Domain) -> dict[str, Sequence[str]]:

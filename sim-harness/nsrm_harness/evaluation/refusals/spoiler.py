@@ -19,6 +19,7 @@ from nsrm_harness.domain import Domain
 from nsrm_harness.domain.grammar import Command, Grammar
 from nsrm_harness.domain.patterns import is_reserved
 from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.recogniser import means_compound
 from nsrm_harness.domain.spelling import one_edit
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation.refusals import topics
@@ -98,7 +99,11 @@ class Spoiler:
             for action in domain.actions
             for word in {word for phrase in action.phrases for word in phrase.split()}
         )
-        relations = [phrase for phrase in topics.RELATIONS if phrase not in phrases]
+        relations = [
+            phrase
+            for phrase in topics.RELATIONS
+            if phrase not in phrases and not means_compound(domain, phrase)
+        ]
         self._familiar = [p for p in relations if self._known.issuperset(p.split())]
         self._unfamiliar = [p for p in relations if p not in self._familiar]
         if topics.BETWEEN not in phrases:
