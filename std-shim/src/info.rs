@@ -225,7 +225,7 @@ pub fn info_text(any: &AnyModel) -> String {
         [] => "none".to_owned(),
         names => names.join(", "),
     };
-    line("made of them", or_none(made));
+    line("compounds", or_none(made));
     line("relations", or_none(relations(&model)));
     line("extremes", or_none(extremes(&model)));
     line("pronouns", or_none(pronouns(&model)));

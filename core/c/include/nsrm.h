@@ -281,10 +281,7 @@ typedef struct nsrm_camera_t {
 typedef struct nsrm_model_info_t {
     /** `sizeof(nsrm_model_info_t)`; set it before the call. */
     uint32_t size;
-    /**
-     * How many actions it knows: indices of `nsrm_action_name`, which also names those behind them, made of
-     * others.
-     */
+    /** How many actions it knows: indices of `nsrm_action_name`. */
     uint32_t actions;
     /** How many attribute values it knows: indices of `nsrm_concept_name`. */
     uint32_t concepts;
@@ -306,6 +303,11 @@ typedef struct nsrm_model_info_t {
     struct nsrm_camera_t training_camera;
     /** Bits of a weight of its large layers: 32, as trained, or 8. */
     uint32_t weight_bits;
+    /**
+     * How many further actions it knows that are made of others, "next to": indices of `nsrm_action_name`
+     * behind `actions`.
+     */
+    uint32_t compounds;
 } nsrm_model_info_t;
 
 /** UTF-8 text without a zero behind it. */
@@ -643,8 +645,8 @@ nsrm_status_t nsrm_model_check(const struct nsrm_model_t *model);
 nsrm_status_t nsrm_model_info(const struct nsrm_model_t *model, struct nsrm_model_info_t *info);
 
 /**
- * The name of an action: `MoveOn`; from `actions` on, of the actions that are made of others:
- * `MoveNextTo`. The text lives as long as the model.
+ * The name of an action: `MoveOn`; behind `actions`, of one that is made of others: `MoveNextTo`. The text
+ * lives as long as the model.
  *
  * Safety:
  * The pointers are valid or null.

@@ -66,8 +66,7 @@ pub(crate) unsafe fn model(handle: *const ModelHandle) -> Result<&'static Model<
 pub struct ModelInfo {
     /// `sizeof(nsrm_model_info_t)`; set it before the call.
     pub size: u32,
-    /// How many actions it knows: indices of `nsrm_action_name`, which also names those behind them, made of
-    /// others.
+    /// How many actions it knows: indices of `nsrm_action_name`.
     pub actions: u32,
     /// How many attribute values it knows: indices of `nsrm_concept_name`.
     pub concepts: u32,
@@ -89,6 +88,9 @@ pub struct ModelInfo {
     pub training_camera: Camera,
     /// Bits of a weight of its large layers: 32, as trained, or 8.
     pub weight_bits: u32,
+    /// How many further actions it knows that are made of others, "next to": indices of `nsrm_action_name`
+    /// behind `actions`.
+    pub compounds: u32,
 }
 
 // SAFETY: the first field is the size.
@@ -135,14 +137,15 @@ pub unsafe extern "C" fn nsrm_model_info(
             work_space_max: header.work_space.max,
             training_camera: header.training_camera.into(),
             weight_bits: model.embeddings.precision().bits(),
+            compounds: count(model.compounds.compounds.len())?,
         };
         // SAFETY: the caller's promise.
         unsafe { pointers::write_sized(info, told) }
     })
 }
 
-/// The name of an action: `MoveOn`; from `actions` on, of the actions that are made of others:
-/// `MoveNextTo`. The text lives as long as the model.
+/// The name of an action: `MoveOn`; behind `actions`, of one that is made of others: `MoveNextTo`. The text
+/// lives as long as the model.
 ///
 /// # Safety
 /// The pointers are valid or null.

@@ -111,7 +111,11 @@ static void sizes(void) {
     CHECK(nsrm_model_check(nsrm_tabletop_int8()) == NSRM_OK && info->tag == scene->model_tag);
     nsrm_text_t name;
     CHECK(nsrm_action_name(model, info->actions - 1, &name) == NSRM_OK && name.length > 0);
-    CHECK(nsrm_action_name(model, info->actions, &name) == NSRM_ERROR_INDEX);
+    const uint32_t known = info->actions + info->compounds;
+    CHECK(info->compounds > 0);
+    CHECK(nsrm_action_name(model, known - 1, &name) == NSRM_OK && name.length > 0);
+    CHECK(nsrm_action_name(model, known, &name) == NSRM_ERROR_INDEX);
+    CHECK(nsrm_action_name(model, UINT32_MAX, &name) == NSRM_ERROR_INDEX);
     CHECK(nsrm_concept_name(model, UINT32_MAX, &name) == NSRM_ERROR_INDEX);
     CHECK(nsrm_concept_name(model, 0, NULL) == NSRM_ERROR_NULL);
     free(info);
