@@ -102,7 +102,8 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
 /// to that of "the small red block"; the table ([`crate::model::Table`]) is named where it is meant, "take the
 /// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, and
-/// those of a compound ([`crate::model::Compound`]) by those of its first action, once the whole sentence is read; where they may mean something else, the sentence has two readings.
+/// those of a compound ([`crate::model::Compound`]) by those of its first action, once the whole sentence is
+/// read; where they may mean something else, the sentence has two readings.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.

@@ -114,8 +114,8 @@ impl Confidence {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PlannedStep {
-    /// Index into [`crate::Model::actions`], or behind these of a compound of the kind `All`. For the table, and
-    /// for a compound of the kind `Any`, the action that gives the place there.
+    /// Index into [`crate::Model::actions`]; behind these, that of a compound of two actions. For the table, and
+    /// for a compound of any of some actions, the one that gives the place there.
     pub action: u8,
     /// The object that is moved.
     pub object: Grounding,

@@ -124,8 +124,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Replaces the next words that mean a compound, if there are any, and tells what is next. Where all of them are known, the
-    /// sentence has two readings.
+    /// Replaces the next words that mean a compound, if there are any, and tells what is next. Where all of
+    /// them are known, the sentence has two readings.
     #[inline(never)]
     fn replace_compound(
         &mut self,
