@@ -68,11 +68,12 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 
 /// How clearly an object is in a relation to an anchor: the cosine between the directions in which
 /// it lies, and in which the action would put it. −1 if one of them has no length; `None` if a
-/// number is not finite.
+/// number is not finite, and for an index that is none. Next to the anchor, see the module.
 ///
+/// * `action`: of an action or a compound, as of [`crate::dsl::RelationKind::Action`]
 /// * `object`, `anchor`: locations as [`Viewpoint::to_training`] gives them
 ///
-/// Cost: one [`simulate`], three deprojections and two square roots.
+/// Cost: up to two [`simulate`], three deprojections and two square roots.
 ///
 /// ```
 /// # include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/observed/mod.rs"));
@@ -87,7 +88,7 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 /// let (one, other) = (seen(0), seen(1));
 /// let [left, right] = ["MoveLeft", "MoveRight"].map(|name| {
 ///     let mut actions = TABLETOP.actions.iter();
-///     let action = actions.find(|action| action.name == name).expect("an action");
+///     let action = actions.position(|action| action.name == name).expect("an action") as u8;
 ///     relate(&TABLETOP, &viewpoint, action, &one, &other).expect("finite")
 /// });
 /// assert!(left * right < 0.0); // it lies on one side
@@ -97,11 +98,16 @@ const LEAST_LENGTH_M: f32 = 1e-6;
 pub fn relate(
     model: &Model<'_>,
     viewpoint: &Viewpoint<'_>,
-    action: &Action<'_>,
+    action: u8,
     object: &[f32; LOCATION],
     anchor: &[f32; LOCATION],
 ) -> Option<f32> {
-    let put = simulate(model.simulator, action, object, anchor);
+    let is_any = |compound: &&Compound<'_>| compound.kind == CompoundKind::Any;
+    if let Some(compound) = model.compound(action).filter(is_any) {
+        let put = simulate_any(model, *compound.parts.first()?, object, anchor)?;
+        return near(model, viewpoint, object, &put, anchor);
+    }
+    let put = simulate_any(model, action, object, anchor)?;
     towards(model, viewpoint, object, &put, anchor)
 }
 
@@ -131,25 +137,6 @@ fn towards(
     cosine.is_finite().then_some(cosine)
 }
 
-/// [`relate`] for an action or a compound; `None` also for an index that is none of them.
-///
-/// Cost: two [`simulate`], three deprojections and two square roots.
-pub fn relate_any(
-    model: &Model<'_>,
-    viewpoint: &Viewpoint<'_>,
-    action: u8,
-    object: &[f32; LOCATION],
-    anchor: &[f32; LOCATION],
-) -> Option<f32> {
-    let is_any = |compound: &&Compound<'_>| compound.kind == CompoundKind::Any;
-    if let Some(compound) = model.compound(action).filter(is_any) {
-        let put = simulate_any(model, *compound.parts.first()?, object, anchor)?;
-        return near(model, viewpoint, object, &put, anchor);
-    }
-    let put = simulate_any(model, action, object, anchor)?;
-    towards(model, viewpoint, object, &put, anchor)
-}
-
 /// How clearly an object is next to an anchor; `None` if a number is not finite.
 ///
 /// * `put`: where an action would put it there
@@ -169,7 +156,7 @@ fn near(
         return None;
     }
     let [full, none] = NEXT_TO;
-    if would_be_m < LEAST_LENGTH_M || libm::fabsf(z) > LEVEL * is_m {
+    if would_be_m.min(is_m) < LEAST_LENGTH_M || libm::fabsf(z) > LEVEL * is_m {
         return Some(-1.0);
     }
     let share = (is_m / would_be_m - full) / (none - full);
@@ -241,9 +228,8 @@ mod tests {
     }
 
     /// Of an object at (`x`, `y`) to one in the middle of the image.
-    fn to_the_middle(model: &Model<'_>, action: usize, x: f32, y: f32) -> Option<f32> {
+    fn to_the_middle(model: &Model<'_>, action: u8, x: f32, y: f32) -> Option<f32> {
         let viewpoint = Viewpoint::new(model, &fixture::camera());
-        let action = &model.actions[action];
         relate(model, &viewpoint, action, &at(x, y), &at(0.5, 0.5))
     }
 
@@ -338,7 +324,7 @@ mod tests {
         let near = |x: f32, y: f32, raised_m: f32| {
             let mut object = at(x, y);
             object[4] -= raised_m;
-            relate_any(&model, &viewpoint, any, &object, &at(0.5, 0.5)).unwrap()
+            relate(&model, &viewpoint, any, &object, &at(0.5, 0.5)).unwrap()
         };
         for (x, y, expected) in [
             (0.625, 0.5, 1.0),
@@ -349,12 +335,13 @@ mod tests {
             let got = near(x, y, 0.0);
             assert!((got - expected).abs() < 1e-4, "({x}, {y}): {got}");
         }
-        // On it, and on what stands next to it.
+        // Itself, on it, and on what stands next to it.
+        assert_eq!(near(0.5, 0.5, 0.0), -1.0);
         assert_eq!(near(0.5, 0.5, 0.06), -1.0);
         assert_eq!(near(0.6, 0.5, 0.06), -1.0);
         let broken = [f32::MAX; LOCATION];
         assert_eq!(
-            relate_any(&model, &viewpoint, any, &broken, &at(0.5, 0.5)),
+            relate(&model, &viewpoint, any, &broken, &at(0.5, 0.5)),
             None
         );
     }
@@ -364,7 +351,7 @@ mod tests {
         let model = fixture::with_compounds();
         let viewpoint = Viewpoint::new(&model, &fixture::camera());
         let both = model.actions.len() as u8 + 1;
-        let related = |x, y| relate_any(&model, &viewpoint, both, &at(x, y), &at(0.5, 0.5));
+        let related = |x, y| relate(&model, &viewpoint, both, &at(x, y), &at(0.5, 0.5));
         // An eighth to the right, and a sixteenth up.
         let on_the_way = related(0.75, 0.375).unwrap();
         assert!((on_the_way - 1.0).abs() < 1e-4, "{on_the_way}");
@@ -372,7 +359,7 @@ mod tests {
         assert!((only_right - 0.894_427).abs() < 1e-4, "{only_right}");
         // As each action by itself, and no other index.
         let [one, other] = [1, both + 3]
-            .map(|action| relate_any(&model, &viewpoint, action, &at(0.75, 0.5), &at(0.5, 0.5)));
+            .map(|action| relate(&model, &viewpoint, action, &at(0.75, 0.5), &at(0.5, 0.5)));
         assert_eq!(one, right_of_the_middle(0.75, 0.5));
         assert_eq!(other, None);
     }

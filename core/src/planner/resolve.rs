@@ -9,7 +9,7 @@ use crate::dsl::{Argument, Description, Extreme, Quantifier, Relation, RelationK
 use crate::grounding::{ScoreError, Scores, filter};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
-use crate::relation::{RELATION_CLEAR, relate_any};
+use crate::relation::{RELATION_CLEAR, relate};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
 use crate::vision;
@@ -312,7 +312,7 @@ impl Resolver {
             .get(index)
             .zip(within.locations.get(anchor))
             .ok_or(Refusal::InvalidModel)?;
-        let related = relate_any(within.model, within.viewpoint, action, object, anchor);
+        let related = relate(within.model, within.viewpoint, action, object, anchor);
         related.map(Some).ok_or(within.not_finite())
     }
 

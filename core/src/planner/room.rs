@@ -1,5 +1,6 @@
 //! A free place on the table: beside an object that stands there, or beside the one that a sentence names,
-//! where one of several actions of the model puts things. So the learned simulator says where it is, as of any other sub-goal.
+//! where one of several actions of the model puts things. So the learned simulator says where it is, as of any
+//! other sub-goal.
 
 use nalgebra::Point3;
 

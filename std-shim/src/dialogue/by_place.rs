@@ -4,7 +4,6 @@
 use nsrm_core::Scene;
 use nsrm_core::dsl::{Description, Extreme, Filters, Property, Relation, RelationKind};
 use nsrm_core::grounding::score;
-use nsrm_core::model::Action;
 use nsrm_core::relation::{RELATION_CLEAR, relate};
 use nsrm_core::scene::ObservedObject;
 use nsrm_core::viewpoint::Viewpoint;
@@ -82,9 +81,9 @@ impl Context<'_> {
     /// The relations that only this one of the fitting objects is in, the clearest first.
     fn relations(&self, object: &ObservedObject, around: &Surroundings<'_>) -> Vec<Relation> {
         let mut relations = Vec::new();
-        for (index, action) in (0..).zip(self.model.actions) {
+        for (index, _) in (0..).zip(self.model.actions) {
             for &(anchor, to) in &around.anchors {
-                if let Some(cosine) = self.only_one(object, action, anchor, around) {
+                if let Some(cosine) = self.only_one(object, index, anchor, around) {
                     let kind = RelationKind::Action(index);
                     relations.push((cosine, Relation { kind, to }));
                 }
@@ -102,7 +101,7 @@ impl Context<'_> {
     fn only_one(
         &self,
         object: &ObservedObject,
-        action: &Action<'_>,
+        action: u8,
         anchor: &ObservedObject,
         around: &Surroundings<'_>,
     ) -> Option<f32> {
