@@ -18,8 +18,9 @@
 //! of every field ([`message::Message`]); the whole layout is in `layout.txt`,
 //! `include/nsrm_messages.h` and the harness's `messages.py`, which tests compare with the structs.
 //!
-//! Without the feature `processes` (on by default) the crate has only the messages and the
-//! executive and does not depend on iceoryx2: for a closed loop within one process.
+//! Without the feature `processes` (on by default) the crate has only the messages, what nodes make
+//! of them, and the executive, and does not depend on iceoryx2: for a closed loop within one
+//! process.
 
 #[cfg(feature = "processes")]
 pub mod bindings;
@@ -27,7 +28,6 @@ pub mod bindings;
 pub mod clock;
 pub mod executive;
 pub mod message;
-#[cfg(feature = "processes")]
 pub mod node;
 #[cfg(feature = "processes")]
 pub mod service;

@@ -11,11 +11,14 @@
 //! * [`plans`]: properties of every plan.
 
 pub mod by_hand;
+#[cfg(feature = "processes")]
 pub mod controller;
 pub mod counting;
 pub mod fuzz;
 pub mod golden;
+#[cfg(feature = "processes")]
 pub mod isolated_memory;
 pub mod picture;
 pub mod plans;
+#[cfg(feature = "processes")]
 pub mod world;

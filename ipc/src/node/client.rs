@@ -6,7 +6,8 @@ use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::prelude::*;
 use thiserror::Error;
 
-use super::heartbeats::{Heartbeats, Peer};
+use super::heartbeats::Heartbeats;
+use super::peer::Peer;
 use crate::clock::now_ns;
 use crate::executive::Mode;
 use crate::message::{PlanReply, PlanRequest, PlanRequestError, Role, State};

@@ -4,35 +4,18 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 
-use heapless::Vec;
-use nsrm_core::vision::{Detection, ImageError, ObservationTask, RgbImage, Stamp};
-use nsrm_core::{MAX_OBJECTS, Model, SceneError};
-use thiserror::Error;
+use nsrm_core::Model;
 use tracing::warn;
 
 use super::appearance_cache::AppearanceCache;
+use super::frame::see;
 use super::heartbeats::{HEARTBEAT_NS, Heartbeats};
 use crate::clock::{is_due, now_ns};
-use crate::message::{CameraFrame, CameraFrameError, DetectedBox, Role, SceneMessage, State};
+use crate::message::{DetectedBox, Role, SceneMessage, State};
 use crate::service::{CAMERA, Frames, Robot, Sender, ServiceError};
 
 /// The longest sleep when no frame arrives.
 const NAP: Duration = Duration::from_millis(20);
-
-/// Why a frame gives no scene.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[non_exhaustive]
-pub enum FrameFault {
-    /// Invalid frame.
-    #[error("{0}")]
-    Frame(CameraFrameError),
-    /// Invalid image.
-    #[error("{0}")]
-    Image(ImageError),
-    /// Invalid detections.
-    #[error("{0}")]
-    Scene(SceneError),
-}
 
 /// A robot's perception.
 #[derive(Debug)]
@@ -154,38 +137,6 @@ fn leave_out(scene: &mut SceneMessage, is_out: impl Fn(u32) -> bool) {
     }
     // At most as many as before.
     scene.count = kept as u32;
-}
-
-/// The scene in a frame.
-///
-/// * `image`: the bytes after the frame's header; only those of the crops are read
-pub fn see(
-    model: &Model<'_>,
-    header: &CameraFrame,
-    image: &[u8],
-) -> Result<SceneMessage, FrameFault> {
-    let frame = header.read(image).map_err(FrameFault::Frame)?;
-    let camera = frame.camera;
-    let stride = frame.rgb.len() / camera.height.max(1) as usize;
-    let image = RgbImage::new(frame.rgb, camera.width, camera.height, stride);
-    let image = image.map_err(FrameFault::Image)?;
-    let mut detections: Vec<Detection, MAX_OBJECTS> = Vec::new();
-    for found in frame.boxes {
-        // It has as many places as a frame has boxes.
-        let _ = detections.push(Detection {
-            id: found.id,
-            visible: found.visible,
-            location: found.location,
-        });
-    }
-    let stamp = Stamp {
-        sequence: header.sequence,
-        timestamp_ns: header.timestamp_ns,
-    };
-    ObservationTask::new(model, image, camera, &detections, stamp)
-        .and_then(ObservationTask::finish)
-        .map(|scene| SceneMessage::from(&scene))
-        .map_err(FrameFault::Scene)
 }
 
 #[cfg(test)]

@@ -8,7 +8,8 @@ use iceoryx2::prelude::*;
 use nsrm_core::Model;
 use tracing::{debug, info, warn};
 
-use super::heartbeats::{HEARTBEAT_NS, Heartbeats, Peer};
+use super::heartbeats::{HEARTBEAT_NS, Heartbeats};
+use super::peer::Peer;
 use crate::clock::{is_due, now_ns};
 use crate::executive::{Event, Executive, Failure, Limits, Sentence};
 use crate::message::{
