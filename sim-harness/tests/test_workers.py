@@ -21,7 +21,7 @@ def episodes(*options: str | Path) -> subprocess.CompletedProcess[str]:
     """``harness episodes`` in a process of its own: a cluster is forked off the one that starts it,
     and the tests' has JAX's threads."""
     command = [sys.executable, "-m", "nsrm_harness.cli", "episodes", "--split", "train"]
-    command += ["--count", "21", "--seed", "3", "--renderer", "pybullet", "--jobs", "2"]
+    command += ["--count", "11", "--seed", "3", "--renderer", "pybullet", "--jobs", "2"]
     return subprocess.run(
         [*command, *map(str, options)], capture_output=True, text=True, timeout=900, check=False
     )

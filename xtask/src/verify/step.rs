@@ -1,5 +1,6 @@
 //! One command of a check.
 
+use std::env;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
@@ -72,12 +73,17 @@ impl Step {
         self
     }
 
-    /// Builds with the workspace's profile, for packages that do not inherit it: their dependencies
-    /// are then built already.
+    /// Builds with the workspace's profile, or what the environment has in its place, for packages that
+    /// do not inherit it: their dependencies are then built already.
     pub(super) fn with_workspace_profile(self) -> Self {
-        let lines = "line-tables-only";
-        self.with("CARGO_PROFILE_DEV_DEBUG", lines)
-            .with("CARGO_PROFILE_DEV_BUILD_OVERRIDE_DEBUG", lines)
+        let names = [
+            "CARGO_PROFILE_DEV_DEBUG",
+            "CARGO_PROFILE_DEV_BUILD_OVERRIDE_DEBUG",
+        ];
+        names.into_iter().fold(self, |step, name| {
+            let lines = env::var_os(name).unwrap_or_else(|| "line-tables-only".into());
+            step.with(name, lines)
+        })
     }
 
     /// Sets an environment variable, in place of what it was set to before.
