@@ -7,10 +7,10 @@
 
 use core::ops::Range;
 
-use super::phrases::{PhraseMatcher, parts};
+use super::phrases::PhraseMatcher;
 use super::tokens::{Tokens, push};
 use super::{Span, Token, TokenKind};
-use crate::model::{Compound, CompoundKind, CompoundText};
+use crate::model::{Compound, CompoundKind};
 use crate::refusal::Refusal;
 
 /// The words of a compound among the tokens.
@@ -38,7 +38,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         if !self.is_one_of(self.model.compounds.first_words, first) {
             return None;
         }
-        let (length, text) = self.longest_compound(rest)?;
+        let (length, text) = self.longest(rest, self.model.compounds.said, |said| said.text)?;
         let index = usize::from(text.compound);
         let said = at..at.checked_add(length)?;
         let compound = self.model.compounds.compounds.get(index)?;
@@ -52,29 +52,6 @@ impl<'a> PhraseMatcher<'_, 'a> {
             compound,
             is_sure: words.any(|token| token.kind == TokenKind::Unknown),
         })
-    }
-
-    /// The longest text of a compound with which these tokens begin, and how many it has.
-    fn longest_compound(&self, tokens: &[Token]) -> Option<(usize, &'a CompoundText<'a>)> {
-        let mut longest = None;
-        // Those that begin with the tokens so far are together.
-        let mut texts = self.model.compounds.said;
-        for (index, token) in tokens.iter().enumerate() {
-            let word = |said: &CompoundText<'a>| parts(said.text).nth(index).unwrap_or_default();
-            let from = texts.partition_point(|said| self.is_behind(token, word(said)));
-            texts = texts.get(from..)?;
-            let end = texts.partition_point(|said| self.is(token, word(said)));
-            texts = texts.get(..end)?;
-            let length = index.saturating_add(1);
-            // That which ends here stands first.
-            let Some(first) = texts.first() else {
-                return longest;
-            };
-            if parts(first.text).nth(length).is_none() {
-                longest = Some((length, first));
-            }
-        }
-        longest
     }
 
     /// Whether a side is named near these words: from the description before them to the first one behind that

@@ -6,7 +6,7 @@
 
 use core::ops::Range;
 
-use super::phrases::{PhraseMatcher, parts};
+use super::phrases::PhraseMatcher;
 use super::pronouns::pronoun;
 use super::tokens::{Tokens, push};
 use super::{Span, Token, TokenKind};
@@ -29,13 +29,10 @@ impl<'a> PhraseMatcher<'_, 'a> {
     pub(super) fn implied_table(&self, tokens: &[Token], at: usize) -> Option<Implied<'a>> {
         let table = self.model.table;
         let rest = tokens.get(at..).filter(|_| table.is_place())?;
-        let first = rest.first().filter(|token| !token.is_group())?;
+        rest.first().filter(|token| !token.is_group())?;
         let longest = |texts: &[&str]| {
-            let from = texts.partition_point(|text| self.is_behind(first, text));
-            let texts = texts.get(from..).unwrap_or_default().iter();
-            let texts =
-                texts.take_while(|text| self.is(first, parts(text).next().unwrap_or_default()));
-            texts.filter_map(|text| self.begins_with(rest, text)).max()
+            let found = self.longest(rest, texts, |text| text);
+            found.map(|(length, _)| length)
         };
         let (off, down) = (longest(table.off), longest(table.down));
         let said = at..at.checked_add(off.or(down)?)?;

@@ -37,6 +37,38 @@ impl<'a> PhraseMatcher<'_, 'a> {
         Some(count)
     }
 
+    /// The longest of these texts, which are sorted, with which the tokens begin, and how many it has.
+    pub(super) fn longest<'t, T>(
+        &self,
+        tokens: &[Token],
+        texts: &'t [T],
+        text: fn(&T) -> &str,
+    ) -> Option<(usize, &'t T)> {
+        let first = tokens.first()?;
+        let from = texts.partition_point(|each| self.is_behind(first, text(each)));
+        let mut texts = texts.get(from..)?;
+        if !self.is(first, part(text(texts.first()?), 0)) {
+            return None;
+        }
+        let mut longest = None;
+        // Those that begin with the tokens so far are together.
+        for (index, token) in tokens.iter().enumerate() {
+            let from = texts.partition_point(|each| self.is_behind(token, part(text(each), index)));
+            texts = texts.get(from..)?;
+            let end = texts.partition_point(|each| self.is(token, part(text(each), index)));
+            texts = texts.get(..end)?;
+            let length = index.saturating_add(1);
+            // That which ends here stands first.
+            let Some(first) = texts.first() else {
+                return longest;
+            };
+            if parts(text(first)).nth(length).is_none() {
+                longest = Some((length, first));
+            }
+        }
+        longest
+    }
+
     /// How many tokens the text has, if these end with it.
     pub(super) fn ends_with(&self, tokens: &[Token], text: &str) -> Option<usize> {
         let end = text.bytes().rposition(|byte| byte == b' ');
@@ -91,6 +123,11 @@ impl<'a> PhraseMatcher<'_, 'a> {
     pub(super) fn text(&self, token: &Token) -> &str {
         token.span.of(self.sentence).unwrap_or_default()
     }
+}
+
+/// A word of a text with one space in between; empty behind the last.
+fn part(text: &str, index: usize) -> &str {
+    parts(text).nth(index).unwrap_or_default()
 }
 
 /// The words of a text with one space in between.
