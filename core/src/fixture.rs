@@ -303,6 +303,7 @@ pub(crate) fn model() -> Model<'static> {
         pronouns: &[],
         several: Several::new(),
         apart: Apart::new(),
+        ordinals: Ordinals::new(),
         arrangements: Arrangements::new(),
         table: Table::new(),
         spelling: Spelling::new(),
@@ -402,6 +403,50 @@ pub(crate) fn with_table() -> Model<'static> {
     let ends = Arrangements::new().with_ends(&["then"]);
     let model = model.with_lexicon(lexicon.leak()).with_table(table);
     let model = model.with_arrangements(ends);
+    assert_eq!(model.check(), Ok(()));
+    model
+}
+
+/// [`related`] that counts: "second" and the known word "perhaps" as 2, "third" as 3, "first" as 1; "from
+/// right" and "from the far right" from the right, "nearby right" as the first from there, and "from above" from
+/// the topmost.
+pub(crate) fn with_ordinals() -> Model<'static> {
+    use crate::dsl::Extreme::{Action, Largest};
+    let ranked = [
+        ("second rightmost", Action(1), 2),
+        ("third rightmost", Action(1), 3),
+        ("second topmost", Action(0), 2),
+        ("second largest", Largest, 2),
+    ];
+    let ranked = ranked.map(|(name, extreme, rank)| Ranked {
+        name,
+        extreme,
+        rank,
+    });
+    let counts = [("first", 1), ("perhaps", 2), ("second", 2), ("third", 3)];
+    let counts = counts.map(|(text, rank)| Count { text, rank });
+    let from = [
+        ("from above", Action(0), false),
+        ("from right", Action(1), false),
+        ("from the far right", Action(1), false),
+        ("nearby right", Action(1), true),
+        ("right", Action(1), false),
+    ];
+    let from = from.map(|(text, extreme, is_first)| CountedFrom {
+        text,
+        extreme,
+        is_first,
+    });
+    let ordinals = Ordinals::new()
+        .with_ranked(Box::leak(Box::new(ranked)))
+        .with_counts(Box::leak(Box::new(counts)))
+        .with_from(Box::leak(Box::new(from)))
+        .with_first_words(&["nearby"])
+        .with_articles(&["the"])
+        .with_nouns(&[",", "near"])
+        .with_unless(&["of"]);
+    let apart = Apart::new().with_phrases(&["whose is"]);
+    let model = related().with_ordinals(ordinals).with_apart(apart);
     assert_eq!(model.check(), Ok(()));
     model
 }

@@ -17,11 +17,13 @@ mod builder;
 mod check;
 mod compound;
 mod embeddings;
+mod ordinal;
 mod table;
 
 pub use check::ModelFault;
 pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
+pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use table::{MAX_SIDES, Table};
 
 use crate::camera::Camera;
@@ -90,6 +92,8 @@ pub struct Model<'a> {
     pub several: Several<'a>,
     /// What stands between values of one object.
     pub apart: Apart<'a>,
+    /// How is counted from one side.
+    pub ordinals: Ordinals<'a>,
     /// How towers and rows are said.
     pub arrangements: Arrangements<'a>,
     /// The table as a place.

@@ -221,6 +221,20 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
             lambda w: w["compounds"]["made"].append({**w["compounds"]["made"][0], "name": "Nigh"}),
             "Nigh.said: 'adjacent to' is empty, or said of MoveNextTo",
         ),
+        (
+            lambda w: w["ordinals"]["counts"].append(["third"]),
+            r"ordinals\.counts: expected one or more words for each number, none of them twice",
+        ),
+        (lambda w: w["ordinals"]["counts"].append([]), "expected one or more words"),
+        (
+            lambda w: w["ordinals"]["first"]["MoveLeft"].append("from left"),
+            "ordinals: 'from left' is in starts and in first",
+        ),
+        (lambda w: w["ordinals"]["unless"].append(""), "ordinals: expected words"),
+        (
+            lambda w: w["ordinals"]["starts"]["MoveOn"].append("from the {head}"),
+            "no rule 'head'; add it to ordinals.rules",
+        ),
         (lambda w: w["rules"].pop("several"), r"everyday\.rules\.several: is missing"),
     ],
 )

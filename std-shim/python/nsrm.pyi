@@ -163,7 +163,8 @@ class Related(TypedDict):
     concepts: list[str]
     """Its own values; none in "the block left of the yellow one"."""
     which: NotRequired[str]
-    """Which one of those that fit: that which lies farthest in a direction, ``leftmost``."""
+    """Which one of those that fit: that which lies farthest in a direction, ``leftmost``, or what
+    is counted from there, ``second leftmost``."""
     relation: NotRequired[Relation]
     """What it is related to."""
 

@@ -76,6 +76,7 @@ pub fn info_json(any: &AnyModel) -> Value {
         "compounds": compounds(&model),
         "relations": relations(&model),
         "extremes": extremes(&model),
+        "ordinals": ordinals(&model),
         "words": model.words.iter().map(|word| word.text).collect::<Vec<_>>(),
         "pronouns": pronouns(&model),
         "arrangements": arrangements(&model),
@@ -124,6 +125,20 @@ fn compounds(model: &Model<'_>) -> Vec<Value> {
         })
     })
     .collect()
+}
+
+/// What can be counted from the extremes.
+fn ordinals(model: &Model<'_>) -> Vec<Value> {
+    let ranked = model.ordinals.ranked.iter();
+    ranked
+        .map(|ranked| {
+            json!({
+                "name": ranked.name,
+                "extreme": ranked.extreme.name(model),
+                "rank": ranked.rank,
+            })
+        })
+        .collect()
 }
 
 fn camera(camera: &Camera) -> Value {
@@ -228,6 +243,11 @@ pub fn info_text(any: &AnyModel) -> String {
     line("compounds", or_none(made));
     line("relations", or_none(relations(&model)));
     line("extremes", or_none(extremes(&model)));
+    let ranked = model.ordinals.ranked.iter();
+    line(
+        "counted",
+        or_none(ranked.map(|ranked| ranked.name).collect()),
+    );
     line("pronouns", or_none(pronouns(&model)));
     let said = model.arrangements;
     let (before, behind) = (said.openings.len(), said.closings.len());

@@ -270,7 +270,7 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
 }
 
 /// A description: the names of its concepts, `["small", "red"]`; with an extreme or of several objects
-/// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `all`, `both` and, in plans,
+/// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `second leftmost`, `all`, `both` and, in plans,
 /// `each`; the table `{"concepts": [], "which": "table"}`; with relations `{"concepts": ["red"], "relation": {"name":
 /// "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {

@@ -10,7 +10,7 @@ use nsrm_core::{Planner, Refusal};
 use nsrm_tabletop::TABLETOP;
 
 /// Sentences with the object that each step moves.
-const EXECUTED: [(&str, &[u32]); 7] = [
+const EXECUTED: [(&str, &[u32]); 8] = [
     ("put the red block on the magenta block", &[4]),
     (
         "put the small red block to the left of the magenta block",
@@ -27,11 +27,15 @@ const EXECUTED: [(&str, &[u32]); 7] = [
         "put the yellow block in front and to the right of the green one",
         &[3],
     ),
+    (
+        "put the second block from the left on the rightmost one",
+        &[3],
+    ),
 ];
 
-/// Sentences with relations, compounds, extremes, several objects, pronouns, values that stand apart, towers
+/// Sentences with relations, compounds, extremes, ordinals, several objects, pronouns, values that stand apart, towers
 /// and rows, and their programs.
-const PARSED: [(&str, &str); 28] = [
+const PARSED: [(&str, &str); 31] = [
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -155,6 +159,20 @@ const PARSED: [(&str, &str); 28] = [
          Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
     ),
     (
+        "put the 2nd red block from the left on the third biggest one",
+        "Action(MoveOn, Unique(Extreme(MoveLeft, 2, Filter(red, Scene()))), \
+         Unique(Extreme(Largest, 3, Scene())))",
+    ),
+    (
+        "put the block that is second from the top to the right of the blue one on the far left",
+        "Action(MoveRight, Unique(Extreme(MoveOn, 2, Scene())), \
+         Unique(Extreme(MoveLeft, Filter(blue, Scene()))))",
+    ),
+    (
+        "take the second leftmost block and put it on the white one",
+        "Action(MoveOn, Unique(Extreme(MoveLeft, 2, Scene())), Unique(Filter(white, Scene())))",
+    ),
+    (
         "take the red block and put it on the blue one, then put it behind the white one",
         "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
          Action(MoveBehind, Unique(Filter(red, Scene())), Unique(Filter(white, Scene())))",
@@ -180,7 +198,7 @@ const NOT_ARRANGED: [&str; 9] = [
 ];
 
 /// All of known words.
-const REFUSED: [&str; 31] = [
+const REFUSED: [&str; 35] = [
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -194,8 +212,13 @@ const REFUSED: [&str; 31] = [
     "put the red block on the closest green block",
     "put the red block nearest to the magenta block",
     "put the red block away from the magenta block",
-    // An ordinal.
+    // Counted from where, and to where?
     "put the first red block on the magenta block",
+    "put the second red block on the magenta block from the left",
+    "put the second red block from the left of the blue one on the magenta block",
+    "put the second and the third block from the left on the magenta block",
+    "put the red block second from the left",
+    "put the second biggest block from the left on the magenta block",
     // Another order of time.
     "put the red block on the magenta block, first put the yellow block on the green block",
     // Two values of one attribute.
@@ -203,10 +226,9 @@ const REFUSED: [&str; 31] = [
     "put the red block on the magenta green block",
     "put the small lego block on the red block",
     "put the leftmost topmost block on the red block",
-    // Extremes as places, an ordinal, and two objects.
+    // Extremes as places, and two objects.
     "move the red block leftmost",
     "put the red block leftmost of the magenta block",
-    "put the second leftmost block on the red block",
     "put the leftmost and the rightmost block on the red one",
     // Several objects where one is needed, or as one.
     "put the red block on all blue blocks",

@@ -1,6 +1,7 @@
 //! The domain in the model file, and its checks.
 
 mod compounds;
+mod ordinals;
 mod rewriting;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,6 +14,8 @@ use crate::error::ModelError;
 
 pub(crate) use compounds::Compound;
 use compounds::Compounds;
+use ordinals::Ordinals;
+pub(crate) use ordinals::Ranked;
 use rewriting::{Apart, Table};
 pub(crate) use rewriting::{ArrangedStep, Arrangements};
 
@@ -58,6 +61,9 @@ pub struct Domain {
     /// What stands between values of one object.
     #[serde(default)]
     pub apart: Apart,
+    /// How is counted from one side.
+    #[serde(default)]
+    pub ordinals: Ordinals,
     /// How towers and rows are said.
     #[serde(default)]
     pub arrangements: Arrangements,
@@ -313,6 +319,7 @@ impl Domain {
             None => {
                 self.check_pronouns()?;
                 self.check_several()?;
+                self.check_ordinals()?;
                 self.check_arrangements()?;
                 self.check_table()?;
                 self.check_compounds()?;

@@ -27,9 +27,9 @@ use nsrm_core::dsl::{Extreme, Property, Quantifier};
 #[rustfmt::skip]
 use nsrm_core::model::{
     Action, Apart, Arrangement, Arrangements, Attribute, Closing, Compound, CompoundText,
-    Compounds, Concept, Embeddings, Header, Heard, Language, LexiconEntry, Model, Opening,
-    PixelToCamera, Plural, Pronoun, Several, Simulator, Spelling, Superlative, Table, Thresholds,
-    View, ViewEncoder, Vision, Word, WorkSpace,
+    Compounds, Concept, Count, CountedFrom, Embeddings, Header, Heard, Language, LexiconEntry,
+    Model, Opening, Ordinals, PixelToCamera, Plural, Pronoun, Ranked, Several, Simulator, Spelling,
+    Superlative, Table, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
 #[allow(unused_imports)] // Not every domain has compounds.

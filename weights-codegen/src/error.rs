@@ -127,6 +127,12 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// What is counted from is no extreme of the domain.
+    #[error("domain: ordinals: {name:?} has no words in extremes; name one that has")]
+    CountedFrom {
+        /// Its name.
+        name: String,
+    },
     /// The table names an action that is not there.
     #[error("domain: table: no action {name:?}; name some of the domain")]
     TableAction {

@@ -19,7 +19,7 @@ use crate::hash;
 use crate::metadata::{self, Metadata};
 use crate::rounded::Rounded;
 use crate::tensors::Tensors;
-use rewriting::{ArrangementParts, CompoundParts, TableParts};
+use rewriting::{ArrangementParts, CompoundParts, OrdinalParts, TableParts};
 
 /// A model read from a safetensors file, checked and folded.
 ///
@@ -38,6 +38,8 @@ struct Owner {
     vocabulary: Vec<String>,
     /// The actions of which each compound is made.
     compound_parts: Vec<Vec<u8>>,
+    /// What can be counted.
+    ranked: Vec<domain::Ranked>,
     folded: Folded,
     /// With a precision of eight bits.
     rounded: Option<Box<Rounded>>,
@@ -53,6 +55,7 @@ struct Parts<'a> {
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
     apart: [Vec<&'a str>; 2],
+    ordinals: OrdinalParts<'a>,
     arrangements: ArrangementParts<'a>,
     table: TableParts<'a>,
     compounds: CompoundParts<'a>,
@@ -117,6 +120,7 @@ impl OwnedModel {
         let rounded = (precision == Precision::Int8).then(|| Box::new(Rounded::of(&folded)));
         let owner = Owner {
             compound_parts: domain.compound_parts()?,
+            ranked: domain.ranked(),
             domain,
             vocabulary,
             folded,
@@ -162,6 +166,7 @@ impl OwnedModel {
                     .with_between(&parts.apart[0])
                     .with_phrases(&parts.apart[1]),
             )
+            .with_ordinals(parts.ordinals.lent())
             .with_arrangements(parts.arrangements.lent())
             .with_table(parts.table.lent())
             .with_spelling(
@@ -248,6 +253,7 @@ impl<'a> Parts<'a> {
                 .collect::<Result<_, ModelError>>()?,
             apart: [&domain.apart.between, &domain.apart.phrases]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
+            ordinals: OrdinalParts::new(domain, &owner.ranked)?,
             arrangements: ArrangementParts::new(&domain.arrangements)?,
             table: TableParts::new(domain)?,
             compounds: CompoundParts::new(domain, &owner.compound_parts)?,

@@ -3,9 +3,9 @@
 use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Compound, CompoundText, Concept,
-    Embeddings, Header, Heard, Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera,
-    Plural, Pronoun, SPLITTER_HIDDEN, Simulator, Superlative, Thresholds, ViewEncoder, Word,
-    WordEmbeddings, WorkSpace,
+    Count, CountedFrom, Embeddings, Header, Heard, Int8WordEmbeddings, LexiconEntry, Model,
+    Opening, PixelToCamera, Plural, Pronoun, Ranked, SPLITTER_HIDDEN, Simulator, Superlative,
+    Thresholds, ViewEncoder, Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense};
 
@@ -37,6 +37,9 @@ describe! {
     LexiconEntry<'_> { text, property }
     Pronoun { word, owner }
     Plural<'_> { text, word }
+    Ranked<'_> { name, extreme, rank }
+    Count<'_> { text, rank }
+    CountedFrom<'_> { text, extreme, is_first }
     Arrangement<'_> { order, relation, is_reversed }
     Opening<'_> { text, pattern }
     Closing<'_> { text, pattern, arrangement }
@@ -81,6 +84,21 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                     [
                         ("between", Node::Reference("APART_BETWEEN")),
                         ("phrases", Node::Reference("APART_PHRASES")),
+                    ],
+                ),
+            ),
+            (
+                "ordinals",
+                Node::record(
+                    "Ordinals",
+                    [
+                        ("ranked", Node::Reference("RANKED")),
+                        ("counts", Node::Reference("COUNTS")),
+                        ("from", Node::Reference("COUNTED_FROM")),
+                        ("first_words", Node::Reference("COUNTED_FIRST_WORDS")),
+                        ("articles", Node::Reference("COUNTED_ARTICLES")),
+                        ("nouns", Node::Reference("COUNTED_NOUNS")),
+                        ("unless", Node::Reference("NOT_COUNTED")),
                     ],
                 ),
             ),
@@ -211,6 +229,48 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             "apart.phrases",
             "&str",
             model.apart.phrases,
+        ),
+        table(
+            "RANKED",
+            "ordinals.ranked",
+            "Ranked<'static>",
+            model.ordinals.ranked,
+        ),
+        table(
+            "COUNTS",
+            "ordinals.counts",
+            "Count<'static>",
+            model.ordinals.counts,
+        ),
+        table(
+            "COUNTED_FROM",
+            "ordinals.from",
+            "CountedFrom<'static>",
+            model.ordinals.from,
+        ),
+        table(
+            "COUNTED_FIRST_WORDS",
+            "ordinals.first_words",
+            "&str",
+            model.ordinals.first_words,
+        ),
+        table(
+            "COUNTED_ARTICLES",
+            "ordinals.articles",
+            "&str",
+            model.ordinals.articles,
+        ),
+        table(
+            "COUNTED_NOUNS",
+            "ordinals.nouns",
+            "&str",
+            model.ordinals.nouns,
+        ),
+        table(
+            "NOT_COUNTED",
+            "ordinals.unless",
+            "&str",
+            model.ordinals.unless,
         ),
         table(
             "LIST_BETWEEN",

@@ -1,7 +1,7 @@
 //! A value as a tree of records, arrays and numbers: what [`crate::emit`]
 //! prints and [`crate::report`] counts.
 
-use nsrm_core::dsl::Property;
+use nsrm_core::dsl::{Extreme, Property};
 use nsrm_core::model::{CompoundKind, View};
 
 /// A value of the static model.
@@ -127,12 +127,22 @@ impl Describe for Property {
             text: match self {
                 Self::Concept(concept) => format!("Property::Concept({concept})"),
                 Self::Extreme(extreme) => format!("Property::Extreme(Extreme::{extreme:?})"),
+                Self::Ranked(index) => format!("Property::Ranked({index})"),
                 Self::Quantifier(quantifier) => {
                     format!("Property::Quantifier(Quantifier::{quantifier:?})")
                 }
                 Self::Table => "Property::Table".into(),
             },
             bytes: size_of::<Property>(),
+        }
+    }
+}
+
+impl Describe for Extreme {
+    fn describe(&self) -> Node {
+        Node::Scalar {
+            text: format!("Extreme::{self:?}"),
+            bytes: size_of::<Self>(),
         }
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, RELATIONS, WORDS};
+use nsrm_core::dsl::Extreme;
 use nsrm_core::model::{CompoundKind, View};
 use nsrm_core::nn::{Cell, Dense, Precision};
 
@@ -60,6 +61,27 @@ fn names_stand_with_their_parameters() {
     );
     assert_eq!(model.apart.between, ["and"]);
     assert_eq!(model.apart.phrases, ["whose finish is", "then"]);
+    let counted = model.ordinals;
+    let ranked = counted.ranked.iter();
+    let ranked = ranked.map(|ranked| (ranked.name, ranked.extreme, ranked.rank));
+    assert!(ranked.eq([
+        ("second outermost", Extreme::Action(1), 2),
+        ("second largest", Extreme::Largest, 2),
+    ]));
+    let counts = counted.counts.iter();
+    let counts = counts.map(|count| (count.text, count.rank));
+    assert!(counts.eq([("2nd", 2), ("first", 1), ("second", 2)]));
+    let from = counted.from.iter();
+    let from = from.map(|from| (from.text, from.extreme, from.is_first));
+    assert!(from.eq([
+        ("far out", Extreme::Action(1), true),
+        ("from outside", Extreme::Action(1), false),
+    ]));
+    assert_eq!(counted.first_words, ["far"]);
+    assert_eq!(
+        (counted.articles, counted.nouns, counted.unless),
+        (&["the"][..], &["box", "jar"][..], &["of"][..])
+    );
     let said = model.arrangements;
     assert_eq!(
         (said.between, said.ends, said.next),

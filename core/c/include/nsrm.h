@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 51465
+#define NSRM_MAX_POLLS 55561
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64
@@ -63,7 +63,13 @@
 #define NSRM_EACH 514
 
 /** `which`: the table, and no object. */
-#define TABLE 515
+#define NSRM_TABLE 515
+
+/**
+ * `which`: with an index of `nsrm_ranked_name` added, what is counted from such an object, "the second from the
+ * left".
+ */
+#define NSRM_RANKED 1024
 
 /** Bytes of a task. */
 #define NSRM_TASK_BYTES 14912
@@ -308,6 +314,8 @@ typedef struct nsrm_model_info_t {
      * behind `actions`.
      */
     uint32_t compounds;
+    /** What it can count, "the second from the left": indices of `nsrm_ranked_name`. */
+    uint32_t ranked;
 } nsrm_model_info_t;
 
 /** UTF-8 text without a zero behind it. */
@@ -479,8 +487,9 @@ typedef struct nsrm_filters_t {
     /**
      * Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
      * `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
-     * that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`. The
-     * table, `NSRM_TABLE`, has no values: it is only a reference, or what an object stands on.
+     * that of `MoveLeft`. `NSRM_RANKED` plus an index is what is counted from there. Several that are moved
+     * are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`. The table, `NSRM_TABLE`, has no values: it is only a
+     * reference, or what an object stands on.
      */
     uint32_t which;
 } nsrm_filters_t;
@@ -664,6 +673,16 @@ nsrm_status_t nsrm_action_name(const struct nsrm_model_t *model,
 nsrm_status_t nsrm_concept_name(const struct nsrm_model_t *model,
                                 uint32_t index,
                                 struct nsrm_text_t *name);
+
+/**
+ * The name of what is counted: `second leftmost`. The text lives as long as the model.
+ *
+ * Safety:
+ * The pointers are valid or null.
+ */
+nsrm_status_t nsrm_ranked_name(const struct nsrm_model_t *model,
+                               uint32_t index,
+                               struct nsrm_text_t *name);
 
 /**
  * Begins to make a scene from an image and what a detector has found in it; `nsrm_observe_poll` does

@@ -161,6 +161,12 @@ class Model {
         return nsrm_concept_name(model_, index, &name) == NSRM_OK ? view(name) : std::string_view{};
     }
 
+    /** The name of what is counted, "second leftmost"; empty if there is none with this index. */
+    std::string_view ranked(std::uint32_t index) const noexcept {
+        nsrm_text_t name{};
+        return nsrm_ranked_name(model_, index, &name) == NSRM_OK ? view(name) : std::string_view{};
+    }
+
   private:
     const nsrm_model_t *model_;
 };

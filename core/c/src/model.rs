@@ -91,6 +91,8 @@ pub struct ModelInfo {
     /// How many further actions it knows that are made of others, "next to": indices of `nsrm_action_name`
     /// behind `actions`.
     pub compounds: u32,
+    /// What it can count, "the second from the left": indices of `nsrm_ranked_name`.
+    pub ranked: u32,
 }
 
 // SAFETY: the first field is the size.
@@ -138,6 +140,7 @@ pub unsafe extern "C" fn nsrm_model_info(
             training_camera: header.training_camera.into(),
             weight_bits: model.embeddings.precision().bits(),
             compounds: count(model.compounds.compounds.len())?,
+            ranked: count(model.ordinals.ranked.len())?,
         };
         // SAFETY: the caller's promise.
         unsafe { pointers::write_sized(info, told) }
@@ -179,6 +182,25 @@ pub unsafe extern "C" fn nsrm_concept_name(
         named(model, name, |model| {
             let index = usize::try_from(index).ok()?;
             model.concepts.get(index).map(|concept| concept.name)
+        })
+    }
+}
+
+/// The name of what is counted: `second leftmost`. The text lives as long as the model.
+///
+/// # Safety
+/// The pointers are valid or null.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn nsrm_ranked_name(
+    model: *const ModelHandle,
+    index: u32,
+    name: *mut Text,
+) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe {
+        named(model, name, |model| {
+            let index = usize::try_from(index).ok()?;
+            model.ordinals.ranked.get(index).map(|ranked| ranked.name)
         })
     }
 }

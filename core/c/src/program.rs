@@ -35,6 +35,10 @@ pub const EACH: u32 = 514;
 /// `which`: the table, and no object.
 pub const TABLE: u32 = 515;
 
+/// `which`: with an index of `nsrm_ranked_name` added, what is counted from such an object, "the second from the
+/// left".
+pub const RANKED: u32 = 1024;
+
 const _: () = {
     use dsl::{Extreme, Property, Quantifier};
     assert!(Property::Extreme(Extreme::Largest).which_number() == LARGEST);
@@ -44,6 +48,7 @@ const _: () = {
     assert!(Property::Quantifier(Quantifier::Both).which_number() == BOTH);
     assert!(Property::Quantifier(Quantifier::Each).which_number() == EACH);
     assert!(Property::Table.which_number() == TABLE);
+    assert!(Property::Ranked(3).which_number() == RANKED + 3);
 };
 
 /// Whether a word names a value, an extreme, a number of objects or the table.
@@ -80,8 +85,9 @@ pub struct Filters {
     pub concepts: [u8; MAX_FILTERS],
     /// Which of the objects that have them: 0 if that is left open, `NSRM_LARGEST`, `NSRM_SMALLEST`, or
     /// `NSRM_FARTHEST_BY` plus the index of the action in whose direction it lies farthest; "leftmost" is
-    /// that of `MoveLeft`. Several that are moved are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`. The
-    /// table, `NSRM_TABLE`, has no values: it is only a reference, or what an object stands on.
+    /// that of `MoveLeft`. `NSRM_RANKED` plus an index is what is counted from there. Several that are moved
+    /// are `NSRM_ALL`, `NSRM_BOTH` or `NSRM_EACH`. The table, `NSRM_TABLE`, has no values: it is only a
+    /// reference, or what an object stands on.
     pub which: u32,
 }
 
@@ -181,7 +187,9 @@ impl From<dsl::Property> for Property {
     fn from(property: dsl::Property) -> Self {
         let (kind, value) = match property {
             dsl::Property::Concept(concept) => (PropertyKind::Concept, concept.into()),
-            dsl::Property::Extreme(_) => (PropertyKind::Extreme, property.which_number()),
+            dsl::Property::Extreme(_) | dsl::Property::Ranked(_) => {
+                (PropertyKind::Extreme, property.which_number())
+            }
             dsl::Property::Quantifier(_) => (PropertyKind::Quantifier, property.which_number()),
             dsl::Property::Table => (PropertyKind::Table, property.which_number()),
         };

@@ -116,6 +116,8 @@ static void sizes(void) {
     CHECK(nsrm_action_name(model, known - 1, &name) == NSRM_OK && name.length > 0);
     CHECK(nsrm_action_name(model, known, &name) == NSRM_ERROR_INDEX);
     CHECK(nsrm_action_name(model, UINT32_MAX, &name) == NSRM_ERROR_INDEX);
+    CHECK(nsrm_ranked_name(model, info->ranked - 1, &name) == NSRM_OK && name.length > 0);
+    CHECK(nsrm_ranked_name(model, info->ranked, &name) == NSRM_ERROR_INDEX);
     CHECK(nsrm_concept_name(model, UINT32_MAX, &name) == NSRM_ERROR_INDEX);
     CHECK(nsrm_concept_name(model, 0, NULL) == NSRM_ERROR_NULL);
     free(info);

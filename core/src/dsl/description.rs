@@ -13,6 +13,9 @@ pub enum Property {
     Concept(u8),
     /// Which one of several it is, "leftmost".
     Extreme(Extreme),
+    /// Which one of several it is, counted from an extreme, "second from the left": index into
+    /// [`Ordinals::ranked`](crate::model::Ordinals::ranked).
+    Ranked(u8),
     /// That several objects are meant, "all".
     Quantifier(Quantifier),
     /// That it is the table, on which objects stand, and no object.
@@ -20,12 +23,16 @@ pub enum Property {
 }
 
 impl Property {
-    /// The name of the concept or of the extreme, `"?"` for an invalid index; `all`, `both`, `each` or
-    /// `table`.
+    /// The name of the concept, of the extreme or of what is counted from it, `"?"` if the model has none;
+    /// `all`, `both`, `each` or `table`.
     pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
         match self {
             Self::Concept(concept) => concept_name(model, concept),
             Self::Extreme(extreme) => extreme.name(model),
+            Self::Ranked(index) => {
+                let named = model.ordinals.ranked.get(usize::from(index));
+                named.map_or("?", |named| named.name)
+            }
             Self::Quantifier(quantifier) => quantifier.name(),
             Self::Table => "table",
         }
@@ -33,13 +40,15 @@ impl Property {
 
     /// Which of the objects that pass the filters, as a number in messages and in C: 1 for the
     /// largest, 2 for the smallest, 3 plus the index of an action; for several, 512 for all, 513
-    /// for both, 514 for each; and 515 for the table. 0 is left for none; a concept has none.
+    /// for both, 514 for each; 515 for the table; and 1,024 plus the index of what is counted from an
+    /// extreme. 0 is left for none; a concept has none.
     pub const fn which_number(self) -> u32 {
         match self {
             Self::Concept(_) => 0,
             Self::Extreme(Extreme::Largest) => 1,
             Self::Extreme(Extreme::Smallest) => 2,
             Self::Extreme(Extreme::Action(action)) => 3 + action as u32,
+            Self::Ranked(index) => COUNTED + index as u32,
             Self::Quantifier(Quantifier::All) => QUANTIFIED,
             Self::Quantifier(Quantifier::Both) => QUANTIFIED + 1,
             Self::Quantifier(Quantifier::Each) => QUANTIFIED + 2,
@@ -57,6 +66,7 @@ impl Property {
             513 => Self::Quantifier(Quantifier::Both),
             514 => Self::Quantifier(Quantifier::Each),
             515 => Self::Table,
+            COUNTED.. => Self::Ranked(u8::try_from(number - COUNTED).ok()?),
             _ => Self::Extreme(Extreme::Action(u8::try_from(number - 3).ok()?)),
         })
     }
@@ -64,6 +74,9 @@ impl Property {
 
 /// Number of the first quantifier, behind those of all actions.
 const QUANTIFIED: u32 = 512;
+
+/// Number of what is counted from an extreme first.
+const COUNTED: u32 = 1024;
 
 /// How many of the objects that pass filters are meant, if not a single one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -159,7 +172,10 @@ impl Filters {
     pub fn add(&mut self, property: Property) -> Result<(), Property> {
         match property {
             Property::Concept(concept) => self.push(concept).map_err(Property::Concept),
-            Property::Extreme(_) | Property::Quantifier(_) | Property::Table => {
+            Property::Extreme(_)
+            | Property::Ranked(_)
+            | Property::Quantifier(_)
+            | Property::Table => {
                 self.choice = Some(property);
                 Ok(())
             }
@@ -199,12 +215,25 @@ impl Filters {
         self.choice
     }
 
-    /// Which of the objects that pass; `None` if the words leave that open.
-    pub const fn which(&self) -> Option<Extreme> {
-        match self.choice {
-            Some(Property::Extreme(extreme)) => Some(extreme),
+    /// Which of the objects that pass, as an extreme and the number counted from there, 1 for the extreme
+    /// itself; `None` if the words leave that open, and for an index that the model hasn't.
+    pub fn which(&self, model: &Model<'_>) -> Option<(Extreme, u8)> {
+        match self.choice? {
+            Property::Extreme(extreme) => Some((extreme, 1)),
+            Property::Ranked(index) => {
+                let ranked = model.ordinals.ranked.get(usize::from(index))?;
+                Some((ranked.extreme, ranked.rank))
+            }
             _ => None,
         }
+    }
+
+    /// Whether the object is told by comparing those that pass.
+    pub const fn compare(&self) -> bool {
+        matches!(
+            self.choice,
+            Some(Property::Extreme(_) | Property::Ranked(_))
+        )
     }
 
     /// How many of the objects that pass; `None` if a single one is meant.
@@ -493,11 +522,13 @@ mod tests {
             Property::Quantifier(Quantifier::Both),
             Property::Quantifier(Quantifier::Each),
             Property::Table,
+            Property::Ranked(0),
+            Property::Ranked(255),
         ] {
             let number = property.which_number();
             assert_eq!(Property::of_which_number(number), Some(property));
         }
-        for number in [0, 259, 511, 516, u32::MAX] {
+        for number in [0, 259, 511, 516, 1023, 1280, u32::MAX] {
             assert_eq!(Property::of_which_number(number), None);
         }
         assert_eq!(Property::Concept(1).which_number(), 0);

@@ -115,15 +115,18 @@ impl StepNotation<'_> {
         Ok(())
     }
 
-    /// Writes `Unique(Extreme(…, Filter(…, ` up to what is filtered; returns the number of open
+    /// Writes `Unique(Extreme(…, 2, Filter(…, ` up to what is filtered; returns the number of open
     /// brackets.
     fn open(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> Result<usize, fmt::Error> {
         let quantifier = filters.quantifier();
         f.write_str(quantifier.map_or("Unique", Quantifier::symbol))?;
         f.write_str("(")?;
-        let which = filters.which();
-        if let Some(which) = which {
-            write!(f, "Extreme({}, ", which.symbol(self.model))?;
+        let which = filters.which(self.model);
+        if let Some((extreme, rank)) = which {
+            write!(f, "Extreme({}, ", extreme.symbol(self.model))?;
+            if rank > 1 {
+                write!(f, "{rank}, ")?;
+            }
         }
         for &concept in filters.concepts() {
             write!(f, "Filter({}, ", concept_name(self.model, concept))?;

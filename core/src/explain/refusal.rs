@@ -1,6 +1,6 @@
 use core::fmt;
 
-use crate::dsl::{Argument, Description};
+use crate::dsl::{Argument, Description, Property};
 use crate::language::{Span, nearest_word, said_around};
 use crate::model::Model;
 use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refusal};
@@ -342,6 +342,16 @@ impl Message<'_> {
                     );
                 }
                 match candidates.listed() {
+                    [only]
+                        if matches!(description.filters().choice(), Some(Property::Ranked(_))) =>
+                    {
+                        write!(
+                            f,
+                            " may be object {}, but others hide a part of what may count before it; uncover \
+                             that, or describe the object in another way",
+                            only.object
+                        )
+                    }
                     [only] => write!(
                         f,
                         " fits object {} only, of which others hide a part; uncover it, or describe \

@@ -13,6 +13,7 @@ mod decoders;
 mod encoder;
 mod nearest;
 mod off_table;
+mod ordinals;
 mod parsed;
 mod phrases;
 mod pronouns;

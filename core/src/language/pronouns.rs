@@ -5,7 +5,7 @@
 //! sees the same token for every group, so that nothing has to be learned to understand the second
 //! way, and decides by how much sense the words make. The group means what the step before moved.
 
-use crate::dsl::{Extreme, Filters, Program};
+use crate::dsl::{Extreme, Filters, Program, Property};
 use crate::model::{Model, Pronoun};
 
 /// The pronoun that a word may be.
@@ -21,7 +21,11 @@ pub(super) fn pronoun<'a>(model: &Model<'a>, word: u16) -> Option<&'a Pronoun> {
 /// it moves a single one, and this still describes it once it is moved.
 pub(super) fn antecedent(program: &Program) -> Option<Filters> {
     let object = &program.steps().last()?.object;
-    let lasts = !matches!(object.filters().which(), Some(Extreme::Action(_)));
+    let lasts = match object.filters().choice() {
+        Some(Property::Extreme(extreme)) => !matches!(extreme, Extreme::Action(_)),
+        Some(Property::Ranked(_)) => false,
+        _ => true,
+    };
     let is_single = object.filters().quantifier().is_none();
     (is_single && lasts && object.relations().is_empty()).then_some(*object.filters())
 }

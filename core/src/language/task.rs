@@ -217,9 +217,9 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                     return Stage::Done(unclear.or(Some(self.two_readings())));
                 }
             }
-            // In other readings, words of a tower or a row may be unknown.
-            Some(Refusal::UnknownWord { .. }) if self.accepted.is_some() => {}
-            Some(refusal) if is_final(refusal) => return Stage::Done(Some(refusal)),
+            Some(refusal) if is_final(refusal) && !self.may_be_known(refusal) => {
+                return Stage::Done(Some(refusal));
+            }
             Some(refusal) => {
                 self.refused.get_or_insert(refusal);
             }
@@ -235,6 +235,13 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             }
             None => Stage::Done(unknown.or(self.refused)),
         }
+    }
+
+    /// Whether an unknown word may be known in another reading: those of a tower or of what is counted, for
+    /// instance, which only some readings replace.
+    fn may_be_known(&self, refusal: Refusal) -> bool {
+        let is_last = self.reading.saturating_add(1) >= self.readings;
+        matches!(refusal, Refusal::UnknownWord { .. }) && (self.accepted.is_some() || !is_last)
     }
 
     /// Refuses the first pronoun of this reading, which makes sense in another way, too.

@@ -100,7 +100,8 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// where it is followed so.
 ///
 /// Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
-/// to that of "the small red block"; the table ([`crate::model::Table`]) is named where it is meant, "take the
+/// to that of "the small red block"; what is counted from one side ([`crate::model::Ordinals`]), "the second red
+/// block from the left", becomes a part of its group; the table ([`crate::model::Table`]) is named where it is meant, "take the
 /// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, and
 /// those of a compound ([`crate::model::Compound`]) by those of its first action, once the whole sentence is
 /// read; where they may mean something else, the sentence has two readings.
@@ -138,6 +139,8 @@ pub struct Reader {
     rewriting: Rewriting,
     /// Whether groups that stand apart are joined in this reading.
     joins: Option<bool>,
+    /// Whether known words count in this reading.
+    ordinals: Option<bool>,
     /// Whether known words that mean a compound are replaced in this reading.
     compounds: Option<bool>,
 }
@@ -178,6 +181,7 @@ impl Reader {
             readings: 1,
             rewriting: Rewriting::Apart { from: 0 },
             joins: None,
+            ordinals: None,
             compounds: None,
         }
     }
@@ -437,7 +441,7 @@ fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Opti
             let mut concepts = filters.concepts().iter().copied();
             concepts.find(conflicts).map(Property::Concept)
         }
-        Property::Extreme(_) | Property::Quantifier(_) => {
+        Property::Extreme(_) | Property::Ranked(_) | Property::Quantifier(_) => {
             filters.choice().filter(|other| *other != property)
         }
         // The table is described by no other word.
@@ -477,8 +481,8 @@ mod tests {
     #[test]
     fn an_extreme_is_a_word_of_the_group_and_excludes_others() {
         let tokens = read("the topmost red , rightmost lego");
-        let which = tokens.iter().filter_map(|token| token.filters()?.which());
-        assert!(which.eq([Extreme::Action(0), Extreme::Action(1)]));
+        let which = tokens.iter().filter_map(|token| token.filters()?.choice());
+        assert!(which.eq([Extreme::Action(0), Extreme::Action(1)].map(Property::Extreme)));
         assert_eq!(read("red topmost small topmost").len(), 1);
         let model = crate::fixture::model();
         let sentence = "the topmost red rightmost";

@@ -3,15 +3,15 @@
 
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
-    Compound, CompoundKind, CompoundText, Compounds, Concept, ENCODER_HIDDEN, Embeddings,
-    HAZARD_INPUT, Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry,
-    MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, PATCH_CHANNELS, PixelToCamera, Plural,
-    Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Several, Simulator, Spelling,
-    Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, ENCODER_HIDDEN,
+    Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language,
+    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals,
+    PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
+    SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Table, Thresholds, VIEW_EMBEDDING,
+    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
-use crate::dsl::Property;
+use crate::dsl::{Extreme, Property};
 use crate::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, MergeConv, PatchConv};
 
 /// The value of an unset parameter. Results that depend on it are refused.
@@ -56,6 +56,7 @@ builder! {
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         several, with_several: Several<'a> = Several::UNSET;
         apart, with_apart: Apart<'a> = Apart::UNSET;
+        ordinals, with_ordinals: Ordinals<'a> = Ordinals::UNSET;
         arrangements, with_arrangements: Arrangements<'a> = Arrangements::UNSET;
         table, with_table: Table<'a> = Table::UNSET;
         spelling, with_spelling: Spelling<'a> = Spelling::UNSET;
@@ -190,6 +191,29 @@ builder! {
             [[UNSET; INSTRUCTION]; 2];
         relation_bias, with_relation_bias: [f32; 2] = [UNSET; 2];
         simulator_bias, with_simulator_bias: [f32; SIMULATOR_HIDDEN] = [UNSET; SIMULATOR_HIDDEN];
+    }
+    ['a] Ordinals<'a> {
+        ranked, with_ranked: &'a [Ranked<'a>] = &[];
+        counts, with_counts: &'a [Count<'a>] = &[];
+        from, with_from: &'a [CountedFrom<'a>] = &[];
+        first_words, with_first_words: &'a [&'a str] = &[];
+        articles, with_articles: &'a [&'a str] = &[];
+        nouns, with_nouns: &'a [&'a str] = &[];
+        unless, with_unless: &'a [&'a str] = &[];
+    }
+    ['a] Ranked<'a> {
+        name, with_name: &'a str = "";
+        extreme, with_extreme: Extreme = Extreme::Action(NOWHERE);
+        rank, with_rank: u8 = NOWHERE;
+    }
+    ['a] Count<'a> {
+        text, with_text: &'a str = "";
+        rank, with_rank: u8 = NOWHERE;
+    }
+    ['a] CountedFrom<'a> {
+        text, with_text: &'a str = "";
+        extreme, with_extreme: Extreme = Extreme::Action(NOWHERE);
+        is_first, with_is_first: bool = false;
     }
     ['a] Compounds<'a> {
         compounds, with_compounds: &'a [Compound<'a>] = &[];

@@ -1,6 +1,9 @@
 use thiserror::Error;
 
-use super::{COMPOSED, Compound, CompoundKind, MAX_SIDES, Model, Table, WorkSpace};
+use super::{
+    COMPOSED, Compound, CompoundKind, CountedFrom, MAX_SIDES, Model, Ordinals, Ranked, Table,
+    WorkSpace,
+};
 use crate::camera::CameraError;
 use crate::dsl::{Extreme, Property, Quantifier};
 use crate::nn::is_unit;
@@ -70,6 +73,17 @@ pub enum ModelFault<'a> {
     /// A word that is read of the table is none of the model's; the word.
     #[error("word \"{0}\", which is read of the table, isn't there")]
     TableWord(&'a str),
+    /// What is counted from an extreme is the extreme itself, of one that isn't there, or there twice; its name.
+    #[error(
+        "\"{0}\" is counted from an extreme that isn't there, is this itself, is there twice or one too many"
+    )]
+    Ranked(&'a str),
+    /// What is said of it is empty, not sorted and unique, counts nothing, or is of an extreme that isn't there;
+    /// the text.
+    #[error(
+        "\"{0}\", by which is counted, is empty, out of order, repeated, or of no number or extreme"
+    )]
+    OrdinalText(&'a str),
     /// A compound is made of actions that aren't there, of none, or of another number; its name.
     #[error(
         "compound {0} names an action that isn't there, none, more than {MAX_SIDES}, or, of the kind \
@@ -232,11 +246,8 @@ impl<'a> Model<'a> {
             before = entry.text;
             let is_there = match entry.property {
                 Property::Concept(concept) => usize::from(concept) < self.concepts.len(),
-                Property::Extreme(Extreme::Action(action)) => {
-                    let action = self.actions.get(usize::from(action));
-                    action.is_some_and(|action| action.extreme.is_some())
-                }
-                Property::Extreme(_) => true,
+                Property::Extreme(extreme) => self.has_extreme(extreme),
+                Property::Ranked(index) => usize::from(index) < self.ordinals.ranked.len(),
                 Property::Quantifier(quantifier) => quantifier != Quantifier::Each,
                 Property::Table => self.table.is_place(),
             };
@@ -250,6 +261,7 @@ impl<'a> Model<'a> {
         }
         self.check_pronouns()?;
         self.check_several()?;
+        self.check_ordinals()?;
         self.check_arrangements()?;
         self.check_table()?;
         self.check_compounds()?;
@@ -350,6 +362,64 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Whether objects can be compared by it.
+    fn has_extreme(&self, extreme: Extreme) -> bool {
+        match extreme {
+            Extreme::Action(action) => {
+                let action = self.actions.get(usize::from(action));
+                action.is_some_and(|action| action.extreme.is_some())
+            }
+            Extreme::Largest | Extreme::Smallest => true,
+        }
+    }
+
+    fn check_ordinals(&self) -> Result<(), ModelFault<'a>> {
+        let Ordinals {
+            ranked,
+            counts,
+            from,
+            first_words,
+            articles,
+            nouns,
+            unless,
+        } = self.ordinals;
+        for (index, named) in ranked.iter().enumerate() {
+            let Ranked { extreme, rank, .. } = *named;
+            let mut before = ranked.iter().take(index);
+            let is_repeated = before.any(|other| (other.extreme, other.rank) == (extreme, rank));
+            let is_too_many = index >= MAX_INDEXED;
+            if rank < 2 || !self.has_extreme(extreme) || is_repeated || is_too_many {
+                return Err(ModelFault::Ranked(named.name));
+            }
+        }
+        if let Some(count) = counts.iter().find(|count| count.rank == 0) {
+            return Err(ModelFault::OrdinalText(count.text));
+        }
+        if let Some(from) = from.iter().find(|from| !self.has_extreme(from.extreme)) {
+            return Err(ModelFault::OrdinalText(from.text));
+        }
+        let mut firsts = from.iter().filter(|from| from.is_first);
+        let is_left_out = |from: &&CountedFrom<'_>| {
+            let first = from.text.split(' ').next().unwrap_or_default();
+            !first_words.contains(&first)
+        };
+        if let Some(from) = firsts.find(is_left_out) {
+            return Err(ModelFault::OrdinalText(from.text));
+        }
+        let unsorted = [
+            first_unsorted(counts.iter().map(|count| count.text)),
+            first_unsorted(from.iter().map(|from| from.text)),
+            first_unsorted(first_words.iter().copied()),
+            first_unsorted(articles.iter().copied()),
+            first_unsorted(nouns.iter().copied()),
+            first_unsorted(unless.iter().copied()),
+        ];
+        match unsorted.into_iter().flatten().next() {
+            Some(text) => Err(ModelFault::OrdinalText(text)),
+            None => Ok(()),
+        }
+    }
+
     fn check_compounds(&self) -> Result<(), ModelFault<'a>> {
         for compound in self.compounds.compounds {
             let Compound {
@@ -406,6 +476,7 @@ impl<'a> Model<'a> {
     pub(crate) const fn has_no_rewriting(&self) -> bool {
         self.arrangements.openings.is_empty()
             && self.apart.phrases.is_empty()
+            && self.ordinals.is_empty()
             && !self.table.is_place()
             && self.compounds.said.is_empty()
     }
@@ -479,6 +550,16 @@ impl WorkSpace {
             .zip(bounds)
             .all(|(value, (min, max))| min <= value && value <= max)
     }
+}
+
+/// The first of these texts that is empty or does not come behind the one before it.
+fn first_unsorted<'a>(texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut before = "";
+    texts.into_iter().find(|text| {
+        let is_behind = *text > before;
+        before = text;
+        !is_behind
+    })
 }
 
 #[cfg(test)]

@@ -265,11 +265,11 @@ impl Resolver {
             (true, false) => Fit::No,
             (false, _) => Fit::Maybe,
         };
-        let volume = match filters.which() {
-            Some(Extreme::Largest | Extreme::Smallest) if sight.is_partial => {
+        let volume = match filters.which(within.model) {
+            Some((Extreme::Largest | Extreme::Smallest, _)) if sight.is_partial => {
                 sight.volume(within.model)
             }
-            Some(Extreme::Largest | Extreme::Smallest) => {
+            Some((Extreme::Largest | Extreme::Smallest, _)) => {
                 vision::volume(within.model, &object.embedding)
             }
             _ => f32::NAN,
@@ -325,7 +325,8 @@ impl Resolver {
             RelationKind::Nearest => Some(Superlative::Nearest(anchor.index.into())),
             RelationKind::Farthest => Some(Superlative::Farthest(anchor.index.into())),
         });
-        let which = sought.filters().which().map(Superlative::Extreme);
+        let which = sought.filters().which(within.model);
+        let which = which.map(|(extreme, rank)| Superlative::Extreme { extreme, rank });
         let mut is_clear = true;
         for superlative in related.into_iter().chain(which) {
             is_clear &= superlative.compare(self.scores.values_mut(), &self.judged, within)?;

@@ -21,8 +21,8 @@ pub(super) enum Superlative {
     Nearest(usize),
     /// The greatest distance to an anchor.
     Farthest(usize),
-    /// What says which one is meant.
-    Extreme(Extreme),
+    /// What says which one is meant, and its number counted from there.
+    Extreme { extreme: Extreme, rank: u8 },
 }
 
 /// How an object compares.
@@ -32,14 +32,19 @@ struct Compared {
     measure: f32,
     /// How far the object may be from where it seems to be, metres.
     off_m: f32,
+    /// Whether it fits, and whether its score says so.
+    fit: Fit,
+    seems_to_fit: bool,
 }
 
 impl Superlative {
-    /// Leaves the objects that may be meant: those that fit and are not clearly behind another one.
-    /// Whether one of them certainly fits, or none fits; otherwise no one is clearly meant.
+    /// Leaves the objects that may be meant: of those that fit, those that may have the number that is meant,
+    /// which is the first unless one counts. Whether one of them certainly fits, and they certainly have it, or
+    /// none fits; otherwise no one is clearly meant.
     ///
-    /// What may fit or not puts no other behind it, unless nothing else fits; and where it may be the one
-    /// that is meant, it gets the score at which an object may fit.
+    /// As many as are clearly ahead of an object have numbers before its own, and at most those that are not
+    /// clearly behind it. What may fit or not is clearly ahead of no other, unless nothing else fits; and where it
+    /// may be the one that is meant, it gets the score at which an object may fit.
     ///
     /// * `scores`: how well each object fits the filters
     /// * `judged`: what is known of each object
@@ -55,45 +60,72 @@ impl Superlative {
         if scores.iter().all(|score| *score < threshold) {
             return Ok(true);
         }
-        let compared = self.objects(scores.len(), judged, within)?;
-        let fitting = scores.iter().zip(judged).zip(&compared);
-        let fitting = fitting.filter(|((score, _), _)| **score >= threshold);
-        let is_certain = fitting.clone().any(|((_, own), _)| own.fit == Fit::Yes);
-        let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
-        for (_, object) in fitting.filter(|((_, own), _)| !is_certain || own.fit == Fit::Yes) {
-            // What is not known, NaN, changes neither.
-            least = least.min(object.measure + object.off_m);
-            greatest = greatest.max(object.measure - object.off_m);
+        let mut objects = self.objects(scores.len(), judged, within)?;
+        for (index, ((object, score), own)) in
+            objects.iter_mut().zip(&*scores).zip(judged).enumerate()
+        {
+            object.seems_to_fit = *score >= threshold;
+            let may_fit = own.fit == Fit::Maybe && !self.is_anchor(index);
+            object.fit = if object.seems_to_fit || may_fit {
+                own.fit
+            } else {
+                Fit::No
+            };
         }
-        let objects = scores.iter_mut().zip(judged).zip(compared);
-        for (index, ((score, own), object)) in objects.enumerate() {
-            let is_behind = self.is_behind(&object, least, greatest);
-            let seems_to = *score >= threshold;
-            if seems_to && is_behind {
+        let fits = |object: &Compared| object.seems_to_fit && object.fit == Fit::Yes;
+        let is_certain = objects.iter().any(fits);
+        let counts = |object: &Compared| object.seems_to_fit && (!is_certain || fits(object));
+        let mut is_counted = true;
+        for (score, (index, object)) in scores.iter_mut().zip(objects.iter().enumerate()) {
+            if object.fit == Fit::No {
+                continue;
+            }
+            let (mut least, mut most) = (1_usize, 1_usize);
+            let others = objects.iter().enumerate();
+            for (_, other) in others.filter(|(other, _)| *other != index) {
+                let is_ahead = counts(other) && self.is_ahead(other, object);
+                let may_be_ahead = other.fit != Fit::No && !self.is_ahead(object, other);
+                least = least.saturating_add(usize::from(is_ahead));
+                most = most.saturating_add(usize::from(may_be_ahead));
+            }
+            if (least..=most).contains(&self.rank()) {
+                // Of the first, the others that may be it are meant, too.
+                is_counted &= least == most || self.rank() == 1;
+                *score = score.max(threshold);
+            } else if object.seems_to_fit {
                 *score = -1.0;
-            } else if !seems_to && !is_behind && own.fit == Fit::Maybe && !self.is_anchor(index) {
-                *score = threshold;
             }
         }
-        Ok(is_certain)
+        Ok(is_certain && is_counted)
     }
 
-    /// Whether an object is clearly not the one that is meant; what is not known, NaN, may be.
-    fn is_behind(self, object: &Compared, least: f32, greatest: f32) -> bool {
-        let Compared { measure, off_m } = *object;
+    /// The number of the object that is meant.
+    const fn rank(self) -> usize {
+        match self {
+            Self::Extreme { rank, .. } => rank as usize,
+            Self::Nearest(_) | Self::Farthest(_) => 1,
+        }
+    }
+
+    /// Whether an object is clearly ahead of another one; not if one of them is not known, NaN.
+    fn is_ahead(self, object: &Compared, other: &Compared) -> bool {
+        let (greatest, least) = (object.measure - object.off_m, object.measure + object.off_m);
+        let Compared { measure, off_m, .. } = *other;
         match self {
             Self::Nearest(_) => measure - off_m >= CLEARLY_NEARER * least,
             Self::Farthest(_) => greatest >= CLEARLY_NEARER * (measure + off_m),
-            Self::Extreme(Extreme::Action(_)) => greatest >= CLEARLY_FARTHER_M + off_m + measure,
-            Self::Extreme(Extreme::Largest) => greatest >= CLEARLY_LARGER * measure,
-            Self::Extreme(Extreme::Smallest) => measure >= CLEARLY_LARGER * least,
+            Self::Extreme { extreme, .. } => match extreme {
+                Extreme::Action(_) => greatest >= CLEARLY_FARTHER_M + off_m + measure,
+                Extreme::Largest => greatest >= CLEARLY_LARGER * measure,
+                Extreme::Smallest => measure >= CLEARLY_LARGER * least,
+            },
         }
     }
 
     const fn is_anchor(self, index: usize) -> bool {
         match self {
             Self::Nearest(anchor) | Self::Farthest(anchor) => index == anchor,
-            Self::Extreme(_) => false,
+            Self::Extreme { .. } => false,
         }
     }
 
@@ -108,6 +140,8 @@ impl Superlative {
         let mut objects = [Compared {
             measure: f32::NAN,
             off_m: 0.0,
+            fit: Fit::No,
+            seems_to_fit: false,
         }; MAX_OBJECTS];
         let each = objects.iter_mut().zip(within.locations).zip(judged);
         for ((object, location), own) in each.take(count) {
@@ -117,11 +151,14 @@ impl Superlative {
                     let anchor = within.locations.get(anchor).ok_or(Refusal::InvalidModel)?;
                     distance(within.model, within.viewpoint, location, anchor)
                 }
-                Self::Extreme(Extreme::Action(_)) => {
+                Self::Extreme {
+                    extreme: Extreme::Action(_),
+                    ..
+                } => {
                     let reach_m = dot(&direction, &within.place(location).coords.into());
                     reach_m.is_finite().then_some(reach_m)
                 }
-                Self::Extreme(Extreme::Largest | Extreme::Smallest) => {
+                Self::Extreme { .. } => {
                     object.measure = own.volume;
                     continue;
                 }
@@ -139,7 +176,11 @@ impl Superlative {
     /// It is that of the action for a cube of the first size that the model knows, on the table in the
     /// middle of the work space: what stands higher, or at the edge, is put to another side than "left".
     fn direction(self, within: &Within<'_>) -> Result<[f32; 3], Refusal> {
-        let Self::Extreme(Extreme::Action(action)) = self else {
+        let Self::Extreme {
+            extreme: Extreme::Action(action),
+            ..
+        } = self
+        else {
             return Ok([0.0; 3]);
         };
         let Within {

@@ -1,5 +1,6 @@
 mod compounds;
 mod extremes;
+mod ordinals;
 mod relations;
 mod several;
 mod sight;

@@ -69,15 +69,27 @@ class ExtremeDescriptions:
             for name in self._reach
         ]
 
+    def ordered(self) -> Iterator[tuple[tuple[str, ...], dict[str, list[tuple[int, float]]]]]:
+        """For all values that several blocks have, by the name of each extreme: the blocks from the
+        farthest on, and how far each lies in its direction."""
+        for kind in sorted({kind for values in self._values for kind in kinds_of(values)}):
+            if len(self._fitting(kind)) > 1:
+                yield kind, self._order(kind)
+
+    def _order(self, kind: tuple[str, ...]) -> dict[str, list[tuple[int, float]]]:
+        fitting = self._fitting(kind)
+        return {
+            name: sorted(((at, float(reach[at])) for at in fitting), key=lambda each: -each[1])
+            for name, reach in self._reach.items()
+        }
+
     def _farthest(self, kind: tuple[str, ...]) -> Iterator[tuple[str, int, float]]:
         """For each extreme, the block of these values that lies farthest and how much farther it
         lies than the next one, if there are several."""
-        fitting = self._fitting(kind)
-        if len(fitting) < 2:
-            return
-        for name, reach in self._reach.items():
-            *_, second, first = sorted(fitting, key=lambda block: reach[block])
-            yield name, first, float(reach[first] - reach[second])
+        for name, order in self._order(kind).items():
+            if len(order) > 1:
+                (first, reach), (_, second), *_ = order
+                yield name, first, reach - second
 
     def _fitting(self, kind: tuple[str, ...]) -> list[int]:
         return [at for at, values in enumerate(self._values) if set(kind) <= set(values)]

@@ -55,6 +55,7 @@ STREAMS = {
     "apart": 89,
     "on_table": 90,
     "compounds": 91,
+    "ordinals": 92,
 }
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from nsrm_harness.data.extremes import ExtremeDescriptions
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.near_misses import NearMisses
+from nsrm_harness.data.ordinals import CountedDescriptions
 from nsrm_harness.data.plain_wording import plain_words
 from nsrm_harness.data.relations import Described, RelatedDescriptions, step_of
 from nsrm_harness.data.seeds import generator
@@ -170,9 +171,32 @@ def extreme_programs(
     or both are extremes. None if there are no such programs."""
     if len(truth.steps) != 1:
         return []
+    return _with_some(truth, rng, count, ExtremeDescriptions(domain, truth).of)
+
+
+def counted_programs(
+    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+) -> list[Program]:
+    """Random programs of an episode with one step, in which the object to be moved, the reference
+    or both are counted from an extreme. None if there are no such programs."""
+    if len(truth.steps) != 1:
+        return []
+    return _with_some(truth, rng, count, CountedDescriptions(domain, truth).of)
+
+
+def _with_some(
+    truth: Truth,
+    rng: np.random.Generator,
+    count: int,
+    described: Callable[[int], list[Described]],
+) -> list[Program]:
+    """The only step of an episode, with other descriptions of one or both of its objects, so many
+    times; none if there are no others.
+
+    `described`: those of a block
+    """
     (step,) = truth.steps
-    extremes = ExtremeDescriptions(domain, truth)
-    every = [extremes.of(block - 1) for block in (step.object_id, step.reference_id)]
+    every = [described(block - 1) for block in (step.object_id, step.reference_id)]
     programs: list[Program] = []
     while any(every) and len(programs) < count:
         said = _said(step.step)
@@ -200,6 +224,20 @@ def misleading_extremes(
         return chosen[int(rng.integers(len(chosen)))]
 
     return _with_one(step.step, rng, count if every else 0, drawn)
+
+
+def misleading_counts(
+    domain: Domain, truth: Truth, rng: np.random.Generator, count: int
+) -> list[Program]:
+    """Random programs of an episode with one step, in which it is not clear which block has the
+    number, or none has it. None if there are no such programs."""
+    if len(truth.steps) != 1:
+        return []
+    (step,) = truth.steps
+    every = CountedDescriptions(domain, truth).misleading()
+    return _with_one(
+        step.step, rng, count if every else 0, lambda: every[int(rng.integers(len(every)))]
+    )
 
 
 def _with_one(

@@ -23,6 +23,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
 from nsrm_harness.domain.compounds import Compound, Compounds
+from nsrm_harness.domain.ordinals import Ordinals
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE
 from nsrm_harness.domain.rewriting import Apart, Arrangements, Table
 from nsrm_harness.domain.wording import (
@@ -269,6 +270,7 @@ class Domain:
     pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     apart: Annotated[Apart | None, Field(default=None), BeforeValidator(_not_null)]
+    ordinals: Annotated[Ordinals | None, Field(default=None), BeforeValidator(_not_null)]
     arrangements: Annotated[Arrangements | None, Field(default=None), BeforeValidator(_not_null)]
     table: Annotated[Table | None, Field(default=None), BeforeValidator(_not_null)]
     #: Actions that are made of others.
@@ -312,6 +314,17 @@ class Domain:
         return {
             key.lower() if key in SIZE_EXTREMES else words[0]: words
             for key, words in self.extremes.items()
+        }
+
+    def ranked(self) -> dict[str, tuple[str, int]]:
+        """The names of what is counted, "second leftmost", each with the name of the extreme and
+        the number."""
+        counts = self.ordinals.counts if self.ordinals is not None else ()
+        return {
+            f"{words[0]} {extreme[0]}": (name, rank)
+            for name, extreme in self.extremes.items()
+            for rank, words in enumerate(counts, 1)
+            if rank > 1
         }
 
     def quantifier_words(self) -> dict[str, tuple[str, ...]]:

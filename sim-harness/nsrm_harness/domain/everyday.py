@@ -27,6 +27,7 @@ from nsrm_harness.domain.domain import (
     Domain,
     EverydayWords,
 )
+from nsrm_harness.domain.ordinals import ordinals_of
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, parse
 from nsrm_harness.domain.rewriting import expanded, with_sides
@@ -41,7 +42,8 @@ _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
 TABLES = (
-    "synonyms", "extremes", "pronouns", "several", "apart", "arrangements", "table", "compounds",
+    "synonyms", "extremes", "pronouns", "several", "apart", "ordinals", "arrangements", "table",
+    "compounds",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -52,7 +54,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
-    synonyms, extremes, pronouns, several, apart, arrangements, table, compounds = (
+    synonyms, extremes, pronouns, several, apart, ordinals, arrangements, table, compounds = (
         _taken_out(words, name, path) for name in TABLES
     )
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
@@ -73,6 +75,9 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["several"] = several
     if apart:
         document["apart"] = apart
+    nouns = words["rules"].get("noun", ())
+    if ordinals := ordinals_of(ordinals, extremes, nouns, str(path)):
+        document["ordinals"] = ordinals
     if arrangements := expanded(arrangements, names, words["rules"], str(path)):
         document["arrangements"] = arrangements
     if table := with_sides(table, names):
@@ -116,6 +121,7 @@ class Speaker:
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         self._words = everyday_of(domain)
         self._domain = domain
+        self._ranked = domain.ranked()
         self._lexicon = {*domain.group_words(), GROUP_TOKEN}
         self._rng = rng
 
@@ -221,6 +227,9 @@ class Speaker:
             yield self._choose(("the", "the", "the", "this"))
             yield self._table()
             return
+        if said.which in self._ranked:
+            yield from self._expanded(self._counted(name, said), context)
+            return
         rule = _description_rule(name, said)
         texts, own = self._words.rules[rule], ()
         if rule in RELATING_RULES:
@@ -241,9 +250,45 @@ class Speaker:
         values = tuple(said[index] for index in self._rng.permutation(len(said)))
         if description.which is None:
             return values
+        if description.which in self._ranked:
+            return values
         if description.quantifier is not None:
             return (*description.quantifier, *values)
         return (self._choose(self._domain.extreme_words()[description.which]), *values)
+
+    def _counted(self, name: str, description: _Said) -> str:
+        """Words for what is counted: "the second {values} {noun} from the left"."""
+        ordinals = self._domain.ordinals
+        if ordinals is None or description.relations or name == "possessor":
+            raise _CannotBeSaidError
+        extreme, rank = self._ranked[description.which or ""]
+        count, the = self._choose(ordinals.counts[rank - 1]), self._choose(ordinals.articles)
+        word = self._choose(self._domain.extremes[extreme])
+        texts = [f"{the} {count} {word} {{noun}}"]
+        if description.concepts:
+            texts = [
+                f"{the} {count} {word} {{values}} {{noun}}",
+                f"{the} {count} {word} {{values}}",
+            ]
+        if starts := ordinals.texts_of(extreme):
+            start = self._choose(starts)
+            texts = [
+                *texts,
+                f"{the} {count} {{noun}} {start}",
+                f"{the} {{noun}} {count} {start}",
+                f"{the} {{noun}} that is {count} {start}",
+                f"{the} {count} one {start}",
+                f"{the} {count} {start}",
+            ]
+            if description.concepts:
+                texts = [
+                    *texts[:2],
+                    *[f"{the} {count} {{values}} {{noun}} {start}"] * 3,
+                    f"{the} {count} {{values}} {start}",
+                    f"{the} {{values}} {{noun}} {count} {start}",
+                    f"{the} {{values}} {{noun}} that is {count} {start}",
+                ]
+        return self._choose(texts)
 
     def _quantified(self, description: _Said) -> _Said:
         """The description with words for several objects: "all of the"."""

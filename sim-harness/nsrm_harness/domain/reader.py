@@ -112,8 +112,8 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _apart, _arrangements, _table, _compounds,
-        _spelling,
+        _words, _held_out, _pronouns, _several, _apart, _ordinals, _arrangements, _table,
+        _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
@@ -317,6 +317,23 @@ def _apart(domain: Domain) -> Faults:
     """Words stand between values that are said apart."""
     if domain.apart is not None and not all((*domain.apart.between, *domain.apart.phrases)):
         yield "apart", "expected words between values: remove the empty string"
+
+
+def _ordinals(domain: Domain) -> Faults:
+    """Is counted from extremes of the domain, in words of their own."""
+    said = domain.ordinals
+    if said is None:
+        return
+    counts = [word for words in said.counts for word in words]
+    if not all(said.counts) or len({*counts}) < len(counts):
+        yield "ordinals.counts", "expected one or more words for each number, none of them twice"
+    for text, name in (*said.starts.items(), *said.first.items()):
+        if name not in domain.extremes:
+            yield "ordinals", f"{text!r}: {name!r} has no words in extremes"
+    if both := {*said.starts} & {*said.first}:
+        yield "ordinals", f"{min(both)!r} is in starts and in first"
+    if not all((*counts, *said.starts, *said.first, *said.articles, *said.nouns, *said.unless)):
+        yield "ordinals", "expected words: remove the empty string"
 
 
 def _arrangements(domain: Domain) -> Faults:

@@ -11,6 +11,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same programs with several objects that are moved in one of their steps, "all red blocks", and
   with several references, which nobody can put anything on;
 * the episodes' programs with values that stand apart, and with two of one type (`data.apart`);
+* what is counted from one side, and such that counts nothing (`data.ordinals`);
 * what is put on the table or stands on it, and such that nobody can do (`data.on_table`);
 * compounds of actions, "next to", and such that mean nothing (`data.compounds`);
 * towers and rows, several steps in a few words, and such that mean none (`data.arranged`);
@@ -40,6 +41,7 @@ from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.mixed import MixedPrograms
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.on_table import TableSentences
+from nsrm_harness.data.ordinals import OrdinalSentences
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.several import with_several
@@ -87,6 +89,8 @@ TABLE_COUNT = 2000
 """How many sentences about the table, and how many that mean nothing."""
 COMPOUND_COUNT = 2000
 """How many sentences with compounds of actions, and how many that mean nothing."""
+ORDINAL_COUNT = 2000
+"""How many sentences that count, and how many that count nothing."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -149,6 +153,11 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
             count(name, understand(model, sentences))
             for name, sentences in say_apart(domain, programs, seed).items()
         ]
+    if domain.ordinals is not None:
+        rows += [
+            count(name, understand(model, sentences))
+            for name, sentences in say_ordinals(domain, seed).items()
+        ]
     if domain.arrangements is not None:
         rows += [
             count(name, understand(model, sentences))
@@ -207,6 +216,16 @@ def say_apart(domain: Domain, programs: Sequence[Program], seed: int) -> dict[st
     return {
         "values apart": [(said, program) for said, program in told if said is not None],
         "values apart of one type": [(said, None) for said in refused if said is not None],
+    }
+
+
+def say_ordinals(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`ORDINAL_COUNT` sentences that count, and as many that count nothing, by the name of their
+    set."""
+    sentences = OrdinalSentences(domain, generator(seed, "ordinals", 0))
+    return {
+        "ordinals": [sentences.draw() for _ in range(ORDINAL_COUNT)],
+        "no ordinals": [(sentences.near_miss(), None) for _ in range(ORDINAL_COUNT)],
     }
 
 

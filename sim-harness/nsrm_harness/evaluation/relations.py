@@ -5,8 +5,8 @@ They are about episodes of one step, and best about scenes in which blocks stand
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
 must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost",
-several blocks, "all red ones", what is put on the table, and what next to another block or
-diagonally from it, are counted apart.
+ordinals, "second from the left", several blocks, "all red ones", what is put on the table, and what
+next to another block or diagonally from it, are counted apart.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.several import has_stack, several_programs
 from nsrm_harness.data.tell import (
+    counted_programs,
     extreme_programs,
+    misleading_counts,
     misleading_extremes,
     misleading_programs,
     related_programs,
@@ -79,6 +81,21 @@ def measure_relations(
             return []
         rows: list[Counted] = []
         known = set(domain.everyday.states())
+
+        def in_scenes(name: str, told: list[Said], misleading: list[Said]) -> list[Counted]:
+            sets = {"in scenes": told, "of none or several": misleading}
+            return [
+                _grounded(
+                    model,
+                    demonstrations,
+                    f"{name} {ending}",
+                    chosen,
+                    _words(domain, chosen, seed),
+                    quiet,
+                )
+                for ending, chosen in sets.items()
+            ]
+
         sets: dict[str, tuple[Programs, Programs]] = {}
         for name, names in (
             ("relations", known - {*SUPERLATIVES}),
@@ -95,9 +112,10 @@ def measure_relations(
             told, misleading = _programs(domain, judge, seed, true, untrue)
             said = say(domain, [each.program for each in told], seed)
             rows += [count(f"{name}{ending}", understand(model, said[ending])) for ending in said]
-            for ending, chosen in (("in scenes", told), ("of none or several", misleading)):
-                words, title = _words(domain, chosen, seed), f"{name} {ending}"
-                rows.append(_grounded(model, demonstrations, title, chosen, words, quiet))
+            rows += in_scenes(name, told, misleading)
+        if domain.ordinals is not None:
+            told, misleading = _programs(domain, judge, seed, counted_programs, misleading_counts)
+            rows += in_scenes("ordinals", told, misleading)
         if domain.several is not None:
             for title, chosen in _several(domain, judge, seed).items():
                 words = _words(domain, chosen, seed)

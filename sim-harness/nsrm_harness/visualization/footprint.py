@@ -33,6 +33,7 @@ PARTS = {
         "pronouns",
         "several",
         "apart",
+        "ordinals",
         "arrangements",
         "table",
         "compounds",

@@ -1,14 +1,26 @@
-//! What is read in place of other words: arrangements, the table and compounds.
+//! What is read in place of other words: what is counted, arrangements, the table and compounds.
 
 use std::collections::BTreeSet;
 
 use nsrm_core::model::{
-    Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Opening, Table,
+    Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
+    Opening, Ordinals, Ranked, Table,
 };
 
 use super::index;
 use crate::domain::{self, Domain};
 use crate::error::ModelError;
+
+/// What core reads as slices of [`Ordinals`].
+pub(super) struct OrdinalParts<'a> {
+    ranked: Vec<Ranked<'a>>,
+    counts: Vec<Count<'a>>,
+    from: Vec<CountedFrom<'a>>,
+    first_words: Vec<&'a str>,
+    articles: Vec<&'a str>,
+    nouns: Vec<&'a str>,
+    unless: Vec<&'a str>,
+}
 
 /// What core reads as slices of [`Arrangements`].
 pub(super) struct ArrangementParts<'a> {
@@ -38,6 +50,47 @@ pub(super) struct CompoundParts<'a> {
     said: Vec<CompoundText<'a>>,
     first_words: Vec<&'a str>,
     sides: Vec<&'a str>,
+}
+
+impl<'a> OrdinalParts<'a> {
+    /// * `ranked`: what can be counted
+    pub(super) fn new(
+        domain: &'a Domain,
+        ranked: &'a [domain::Ranked],
+    ) -> Result<Self, ModelError> {
+        let named = |ranked: &'a domain::Ranked| {
+            Ranked::new()
+                .with_name(&ranked.name)
+                .with_extreme(ranked.extreme)
+                .with_rank(ranked.rank)
+        };
+        let count = |(text, rank)| Count::new().with_text(text).with_rank(rank);
+        let from = |(text, (extreme, is_first))| {
+            let from = CountedFrom::new().with_text(text);
+            from.with_extreme(extreme).with_is_first(is_first)
+        };
+        let words = |words: &'a BTreeSet<String>| words.iter().map(String::as_str).collect();
+        Ok(Self {
+            ranked: ranked.iter().map(named).collect(),
+            counts: domain.counts().into_iter().map(count).collect(),
+            from: domain.counted_from()?.into_iter().map(from).collect(),
+            first_words: domain.first_words_of_counts().into_iter().collect(),
+            articles: words(&domain.ordinals.articles),
+            nouns: words(&domain.ordinals.nouns),
+            unless: words(&domain.ordinals.unless),
+        })
+    }
+
+    pub(super) fn lent(&self) -> Ordinals<'_> {
+        Ordinals::new()
+            .with_ranked(&self.ranked)
+            .with_counts(&self.counts)
+            .with_from(&self.from)
+            .with_first_words(&self.first_words)
+            .with_articles(&self.articles)
+            .with_nouns(&self.nouns)
+            .with_unless(&self.unless)
+    }
 }
 
 impl<'a> ArrangementParts<'a> {

@@ -106,6 +106,14 @@ pub(crate) fn domain() -> Value {
             "plurals": {"jars": "jar"},
         },
         "apart": {"between": ["and"], "phrases": ["whose finish is", "then"]},
+        "ordinals": {
+            "counts": [["first"], ["second", "2nd"]],
+            "starts": {"from outside": "Flank"},
+            "first": {"far out": "Flank"},
+            "articles": ["the"],
+            "nouns": ["jar", "box"],
+            "unless": ["of"],
+        },
         "arrangements": {
             "between": ["and", ","],
             "ends": ["then"],

@@ -266,6 +266,43 @@ fn a_table_that_is_no_place() {
 }
 
 #[test]
+fn what_cannot_be_counted() {
+    let spoils: [(SpoilDomain, &[&str]); 7] = [
+        (
+            |all| all["counts"] = json!([["first"], []]),
+            &["words of a count"],
+        ),
+        (
+            |all| all["counts"] = json!(vec![["first"]; 200]),
+            &["extremes times counts", "256"],
+        ),
+        (
+            |all| all["counts"] = json!([["first"], ["first"]]),
+            &["count", "\"first\""],
+        ),
+        (
+            |all| all["first"] = json!({"from outside": "Largest"}),
+            &["text from where is counted", "\"from outside\""],
+        ),
+        (
+            |all| all["starts"] = json!({"from above": "Stack"}),
+            &["\"Stack\" has no words in extremes"],
+        ),
+        (
+            |all| all["starts"] = json!({"from Above": "Flank"}),
+            &["no sentence can contain"],
+        ),
+        (
+            |all| all["nouns"] = json!([""]),
+            &["no sentence can contain"],
+        ),
+    ];
+    for (spoil, texts) in spoils {
+        refused_domain(|domain| spoil(&mut domain["ordinals"]), texts);
+    }
+}
+
+#[test]
 fn compounds_that_are_made_of_nothing() {
     let spoils: [(SpoilDomain, &[&str]); 8] = [
         (|one| one["any"] = json!([]), &["actions of \"Nearby\""]),

@@ -13,6 +13,10 @@ pub(super) enum Rewriting {
     Apart {
         from: usize,
     },
+    /// For what is counted from one side.
+    Ordinals {
+        from: usize,
+    },
     /// For what means the table.
     Table {
         from: usize,
@@ -33,8 +37,8 @@ pub(super) enum Rewriting {
 }
 
 impl Reader {
-    /// Joins values that stand apart, names the table where it is meant, replaces arrangements and compounds, then joins
-    /// values that stand beside each other: a piece of it. False if all tokens have been looked at, and none is unknown.
+    /// Joins values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
+    /// arrangements and compounds, then joins values that stand beside each other: a piece of it. False if all tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
             return Ok(false);
@@ -42,6 +46,7 @@ impl Reader {
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
             Rewriting::Apart { from } => self.join(said, from, false)?,
+            Rewriting::Ordinals { from } => self.rewriting = self.count(said, from)?,
             Rewriting::Table { from } => self.name_table(said, from)?,
             Rewriting::Arrangements { from } => self.arrange(said, from)?,
             Rewriting::Compounds { from } => {
@@ -67,7 +72,7 @@ impl Reader {
         let joint = groups.find_map(|at| said.joint(&self.tokens, at, directly));
         let Some(joint) = joint else {
             self.rewriting = match directly {
-                false => Rewriting::Table { from: 0 },
+                false => Rewriting::Ordinals { from: 0 },
                 true => Rewriting::Done,
             };
             return Ok(());
@@ -81,6 +86,36 @@ impl Reader {
             true => Rewriting::Beside { from },
         };
         Ok(())
+    }
+
+    /// Adds what the next words count to its description, if there are any, and tells what is next. Where all of
+    /// them are known, the sentence has two readings.
+    #[inline(never)]
+    fn count(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<Rewriting, Refusal> {
+        let mut places = from..self.tokens.len();
+        let counted = places.find_map(|at| said.counted(&self.tokens, at));
+        let Some(counted) = counted else {
+            return Ok(Rewriting::Table { from: 0 });
+        };
+        let mut from = counted.behind();
+        if counted.is_sure(&self.tokens) || self.chooses_ordinals() {
+            let group;
+            (self.tokens, group) = said.with_counted(&self.tokens, &counted)?;
+            from = group.saturating_add(1);
+        }
+        Ok(Rewriting::Ordinals { from })
+    }
+
+    /// Whether known words count in this reading: all or none.
+    fn chooses_ordinals(&mut self) -> bool {
+        match self.ordinals {
+            Some(ordinals) => ordinals,
+            None => {
+                let ordinals = self.choose(2) == Some(1);
+                self.ordinals = Some(ordinals);
+                ordinals
+            }
+        }
     }
 
     /// Names the table at the next words that mean it, if there are any. Where this is one known word, the

@@ -2,8 +2,8 @@ use super::*;
 use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Concept,
-    Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Plural, Pronoun, Several, Spelling, Table,
-    Word, WordEmbeddings,
+    Count, CountedFrom, Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Plural, Pronoun,
+    Several, Spelling, Table, Word, WordEmbeddings,
 };
 
 #[test]
@@ -394,4 +394,51 @@ fn each_fault_of_a_compound_is_named() {
     assert_eq!(related.check(), Ok(()));
     let high = related.with_compounds(model.compounds);
     assert_eq!(high.check(), Err(ModelFault::TableHeight));
+}
+
+#[test]
+fn each_fault_of_what_is_counted_is_named() {
+    const COUNT: Count<'static> = Count::new().with_text("a").with_rank(1);
+    const FROM: CountedFrom<'static> = CountedFrom::new()
+        .with_text("a")
+        .with_extreme(Extreme::Action(1));
+    const RANKED: Ranked<'static> = Ranked::new()
+        .with_name("a")
+        .with_extreme(Extreme::Largest)
+        .with_rank(2);
+    let model = fixture::with_ordinals();
+    let check = |change: &dyn Fn(&mut Ordinals<'static>)| {
+        let mut ordinals = model.ordinals;
+        change(&mut ordinals);
+        let checked = model.with_ordinals(ordinals).check();
+        checked.map_err(|fault| std::format!("{fault:?}"))
+    };
+    let ranked = || Err(std::string::String::from("Ranked(\"a\")"));
+    let text = |text| Err(std::format!("OrdinalText({text:?})"));
+    assert_eq!(check(&|_| {}), Ok(()));
+    assert_eq!(check(&|all| all.ranked = &[RANKED]), Ok(()));
+    assert_eq!(
+        check(&|all| all.ranked = &[const { RANKED.with_rank(1) }]),
+        ranked()
+    );
+    assert_eq!(
+        check(&|all| all.ranked = &[const { RANKED.with_extreme(Extreme::Action(2)) }]),
+        ranked()
+    );
+    assert_eq!(check(&|all| all.ranked = &[RANKED, RANKED]), ranked());
+    assert_eq!(
+        check(&|all| all.counts = &[const { COUNT.with_rank(0) }]),
+        text("a")
+    );
+    assert_eq!(check(&|all| all.counts = &[COUNT, COUNT]), text("a"));
+    assert_eq!(
+        check(&|all| all.from = &[const { FROM.with_extreme(Extreme::Action(2)) }]),
+        text("a")
+    );
+    assert_eq!(check(&|all| all.from = &[FROM, FROM]), text("a"));
+    assert_eq!(check(&|all| all.first_words = &[]), text("nearby right"));
+    assert_eq!(check(&|all| all.first_words = &["nearby", "a"]), text("a"));
+    assert_eq!(check(&|all| all.articles = &["b", "a"]), text("a"));
+    assert_eq!(check(&|all| all.nouns = &["a", "a"]), text("a"));
+    assert_eq!(check(&|all| all.unless = &[""]), text(""));
 }
