@@ -66,8 +66,8 @@
 #define NSRM_TABLE 515
 
 /**
- * `which`: with an index of `nsrm_ranked_name` added, what is counted from such an object, "the second from the
- * left".
+ * `which`: with an index of `nsrm_ranked_name` added, what is counted from the farthest, the largest or the
+ * smallest one, "the second from the left".
  */
 #define NSRM_RANKED 1024
 

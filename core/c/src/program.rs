@@ -35,8 +35,8 @@ pub const EACH: u32 = 514;
 /// `which`: the table, and no object.
 pub const TABLE: u32 = 515;
 
-/// `which`: with an index of `nsrm_ranked_name` added, what is counted from such an object, "the second from the
-/// left".
+/// `which`: with an index of `nsrm_ranked_name` added, what is counted from the farthest, the largest or the
+/// smallest one, "the second from the left".
 pub const RANKED: u32 = 1024;
 
 const _: () = {
