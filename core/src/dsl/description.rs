@@ -229,7 +229,7 @@ impl Filters {
     }
 
     /// Whether the object is told by comparing those that pass.
-    pub const fn compare(&self) -> bool {
+    pub const fn is_compared(&self) -> bool {
         matches!(
             self.choice,
             Some(Property::Extreme(_) | Property::Ranked(_))

@@ -28,9 +28,8 @@ pub(super) struct Counted {
 
 impl Counted {
     /// Index of the token behind all of them.
-    pub(super) const fn behind(&self) -> usize {
-        let (count, from) = (self.count.end, self.from.end);
-        if from > count { from } else { count }
+    pub(super) fn behind(&self) -> usize {
+        self.count.end.max(self.from.end)
     }
 
     /// Whether the words mean nothing else: one of them is unknown.

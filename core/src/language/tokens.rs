@@ -1,7 +1,7 @@
 mod rewriting;
 
 use heapless::Vec;
-use rewriting::Rewriting;
+use rewriting::{Rewriting, Twofold};
 
 use super::pronouns::pronoun;
 use super::spelling::{Correction, KnownWord, alternatives};
@@ -137,12 +137,8 @@ pub struct Reader {
     readings: usize,
     /// What has been done of rewriting the tokens.
     rewriting: Rewriting,
-    /// Whether groups that stand apart are joined in this reading.
-    joins: Option<bool>,
-    /// Whether known words count in this reading.
-    ordinals: Option<bool>,
-    /// Whether known words that mean a compound are replaced in this reading.
-    compounds: Option<bool>,
+    /// Whether known words of each kind are rewritten in this reading, as far as that is chosen.
+    chosen: [Option<bool>; Twofold::COUNT],
 }
 
 impl Reader {
@@ -180,9 +176,7 @@ impl Reader {
             choice: 0,
             readings: 1,
             rewriting: Rewriting::Apart { from: 0 },
-            joins: None,
-            ordinals: None,
-            compounds: None,
+            chosen: [None; Twofold::COUNT],
         }
     }
 

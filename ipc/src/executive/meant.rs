@@ -70,5 +70,5 @@ impl Meant {
 
 /// Whether it says where an object is, and not only what it looks like.
 fn compares(description: &Description) -> bool {
-    !description.relations().is_empty() || description.filters().compare()
+    !description.relations().is_empty() || description.filters().is_compared()
 }

@@ -138,47 +138,24 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         count(f"{split}; everyday wording{ending}", understand(model, sentences))
         for ending, sentences in say(domain, programs, seed).items()
     ]
+    sets: dict[str, Sentences] = {}
     if domain.everyday.states():
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_mixed(domain, seed).items()
-        ]
+        sets |= say_mixed(domain, seed)
     if domain.several is not None:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_several(domain, programs, seed).items()
-        ]
+        sets |= say_several(domain, programs, seed)
     if domain.apart is not None:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_apart(domain, programs, seed).items()
-        ]
+        sets |= say_apart(domain, programs, seed)
     if domain.ordinals is not None:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_ordinals(domain, seed).items()
-        ]
+        sets |= say_ordinals(domain, seed)
     if domain.arrangements is not None:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_arranged(domain, seed).items()
-        ]
+        sets |= say_arranged(domain, seed)
     if domain.table is not None:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_on_table(domain, seed).items()
-        ]
+        sets |= say_on_table(domain, seed)
     if domain.compounds is not None:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_compounds(domain, seed).items()
-        ]
+        sets |= say_compounds(domain, seed)
     if domain.pronouns:
-        rows += [
-            count(name, understand(model, sentences))
-            for name, sentences in say_pronouns(domain, programs, seed).items()
-        ]
-    return rows
+        sets |= say_pronouns(domain, programs, seed)
+    return rows + [count(name, understand(model, said)) for name, said in sets.items()]
 
 
 def say_mixed(domain: Domain, seed: int) -> dict[str, Sentences]:

@@ -135,7 +135,7 @@ impl Context<'_> {
 
     /// The option with the refused description's values and an extreme that is this object.
     fn extreme(&self, place: &Described, filters: &Filters, wanted: u32) -> Option<Choice> {
-        let scene = self.scene.filter(|_| !filters.compare())?;
+        let scene = self.scene.filter(|_| !filters.is_compared())?;
         let actions = (0..).zip(self.model.actions);
         let mut named = actions.filter(|(_, action)| action.extreme.is_some());
         named.find_map(|(index, _)| {

@@ -36,6 +36,22 @@ pub(super) enum Rewriting {
     Done,
 }
 
+/// Known words that also mean something else: the sentence has two readings.
+#[derive(Clone, Copy)]
+pub(super) enum Twofold {
+    /// What stands between values that stand apart.
+    Apart,
+    /// What counts.
+    Ordinals,
+    /// What means a compound.
+    Compounds,
+}
+
+impl Twofold {
+    /// How many there are.
+    pub(super) const COUNT: usize = 3;
+}
+
 impl Reader {
     /// Joins values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
     /// arrangements and compounds, then joins values that stand beside each other: a piece of it. False if all tokens have been looked at, and none is unknown.
@@ -78,7 +94,7 @@ impl Reader {
             return Ok(());
         };
         let mut from = joint.behind();
-        if PhraseMatcher::must_join(&self.tokens, joint) || self.chooses_to_join() {
+        if PhraseMatcher::must_join(&self.tokens, joint) || self.chooses(Twofold::Apart) {
             (self.tokens, from) = said.joined(&self.tokens, joint)?;
         }
         self.rewriting = match directly {
@@ -98,24 +114,12 @@ impl Reader {
             return Ok(Rewriting::Table { from: 0 });
         };
         let mut from = counted.behind();
-        if counted.is_sure(&self.tokens) || self.chooses_ordinals() {
+        if counted.is_sure(&self.tokens) || self.chooses(Twofold::Ordinals) {
             let group;
             (self.tokens, group) = said.with_counted(&self.tokens, &counted)?;
             from = group.saturating_add(1);
         }
         Ok(Rewriting::Ordinals { from })
-    }
-
-    /// Whether known words count in this reading: all or none.
-    fn chooses_ordinals(&mut self) -> bool {
-        match self.ordinals {
-            Some(ordinals) => ordinals,
-            None => {
-                let ordinals = self.choose(2) == Some(1);
-                self.ordinals = Some(ordinals);
-                ordinals
-            }
-        }
     }
 
     /// Names the table at the next words that mean it, if there are any. Where this is one known word, the
@@ -173,34 +177,23 @@ impl Reader {
             return Ok(Rewriting::Beside { from: 0 });
         };
         let mut from = meant.behind();
-        if meant.is_sure || self.chooses_compounds() {
+        if meant.is_sure || self.chooses(Twofold::Compounds) {
             (self.tokens, from) = said.with_compound(&self.tokens, &meant)?;
         }
         Ok(Rewriting::Compounds { from })
     }
 
-    /// Whether known words that mean compounds are replaced in this reading: all or none.
-    fn chooses_compounds(&mut self) -> bool {
-        match self.compounds {
-            Some(compounds) => compounds,
-            None => {
-                let compounds = self.choose(2) == Some(1);
-                self.compounds = Some(compounds);
-                compounds
-            }
+    /// Whether known words of a kind are rewritten in this reading: all or none.
+    fn chooses(&mut self, kind: Twofold) -> bool {
+        let index = kind as usize;
+        if let Some(Some(chosen)) = self.chosen.get(index) {
+            return *chosen;
         }
-    }
-
-    /// Whether groups join in this reading: all or none.
-    fn chooses_to_join(&mut self) -> bool {
-        match self.joins {
-            Some(joins) => joins,
-            None => {
-                let joins = self.choose(2) == Some(1);
-                self.joins = Some(joins);
-                joins
-            }
+        let chosen = self.choose(2) == Some(1);
+        if let Some(place) = self.chosen.get_mut(index) {
+            *place = Some(chosen);
         }
+        chosen
     }
 
     /// Replaces the arrangement at a token by its steps, and tells the number of the token behind them.
