@@ -1,9 +1,8 @@
+mod rewriting;
+
 use thiserror::Error;
 
-use super::{
-    COMPOSED, Compound, CompoundKind, CountedFrom, MAX_SIDES, Model, Ordinals, Ranked, Table,
-    WorkSpace,
-};
+use super::{COMPOSED, MAX_SIDES, Model, WorkSpace};
 use crate::camera::CameraError;
 use crate::dsl::{Extreme, Property, Quantifier};
 use crate::nn::is_unit;
@@ -300,68 +299,6 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    fn check_arrangements(&self) -> Result<(), ModelFault<'a>> {
-        let said = &self.arrangements;
-        let is_there = |index: u8| usize::from(index) < said.arrangements.len();
-        let mut before = "";
-        for opening in said.openings {
-            // The same words may open several.
-            if opening.text.is_empty() || opening.text < before {
-                return Err(ModelFault::Opening(opening.text));
-            }
-            before = opening.text;
-        }
-        for words in [said.between, said.ends] {
-            let mut pairs = words.windows(2);
-            if let Some([_, word]) = pairs.find(|pair| !pair.is_sorted_by(|a, b| a < b)) {
-                return Err(ModelFault::ListWord(word));
-            }
-        }
-        let mut closings = said.closings.iter();
-        if let Some(closing) = closings.find(|closing| !is_there(closing.arrangement)) {
-            return Err(ModelFault::Closing(closing.text));
-        }
-        let read_as = said.arrangements.iter();
-        let read_as = read_as.flat_map(|each| [each.order, each.relation]);
-        let next = (!said.openings.is_empty()).then_some(said.next);
-        match self.first_unknown(read_as.chain(next)) {
-            Some(text) => Err(ModelFault::ArrangementWord(text)),
-            None => Ok(()),
-        }
-    }
-
-    fn check_table(&self) -> Result<(), ModelFault<'a>> {
-        let Table {
-            action,
-            sides,
-            off,
-            standing,
-            order,
-            down,
-            relation,
-        } = self.table;
-        if sides.is_empty() {
-            return Ok(());
-        }
-        let is_action = |index: &u8| usize::from(*index) < self.actions.len();
-        if sides.len() > MAX_SIDES || !sides.iter().chain([&action]).all(is_action) {
-            return Err(ModelFault::TableAction);
-        }
-        for texts in [off, down] {
-            let mut pairs = texts.windows(2);
-            if let Some([_, text]) = pairs.find(|pair| !pair.is_sorted_by(|a, b| a < b)) {
-                return Err(ModelFault::TableText(text));
-            }
-        }
-        if self.on_table_below_m().is_none() {
-            return Err(ModelFault::TableHeight);
-        }
-        match self.first_unknown([standing, order, relation].into_iter()) {
-            Some(text) => Err(ModelFault::TableWord(text)),
-            None => Ok(()),
-        }
-    }
-
     /// Whether objects can be compared by it.
     fn has_extreme(&self, extreme: Extreme) -> bool {
         match extreme {
@@ -371,114 +308,6 @@ impl<'a> Model<'a> {
             }
             Extreme::Largest | Extreme::Smallest => true,
         }
-    }
-
-    fn check_ordinals(&self) -> Result<(), ModelFault<'a>> {
-        let Ordinals {
-            ranked,
-            counts,
-            from,
-            first_words,
-            articles,
-            nouns,
-            unless,
-        } = self.ordinals;
-        for (index, named) in ranked.iter().enumerate() {
-            let Ranked { extreme, rank, .. } = *named;
-            let mut before = ranked.iter().take(index);
-            let is_repeated = before.any(|other| (other.extreme, other.rank) == (extreme, rank));
-            let is_too_many = index >= MAX_INDEXED;
-            if rank < 2 || !self.has_extreme(extreme) || is_repeated || is_too_many {
-                return Err(ModelFault::Ranked(named.name));
-            }
-        }
-        if let Some(count) = counts.iter().find(|count| count.rank == 0) {
-            return Err(ModelFault::OrdinalText(count.text));
-        }
-        if let Some(from) = from.iter().find(|from| !self.has_extreme(from.extreme)) {
-            return Err(ModelFault::OrdinalText(from.text));
-        }
-        let mut firsts = from.iter().filter(|from| from.is_first);
-        let is_left_out = |from: &&CountedFrom<'_>| {
-            let first = from.text.split(' ').next().unwrap_or_default();
-            !first_words.contains(&first)
-        };
-        if let Some(from) = firsts.find(is_left_out) {
-            return Err(ModelFault::OrdinalText(from.text));
-        }
-        let unsorted = [
-            first_unsorted(counts.iter().map(|count| count.text)),
-            first_unsorted(from.iter().map(|from| from.text)),
-            first_unsorted(first_words.iter().copied()),
-            first_unsorted(articles.iter().copied()),
-            first_unsorted(nouns.iter().copied()),
-            first_unsorted(unless.iter().copied()),
-        ];
-        match unsorted.into_iter().flatten().next() {
-            Some(text) => Err(ModelFault::OrdinalText(text)),
-            None => Ok(()),
-        }
-    }
-
-    fn check_compounds(&self) -> Result<(), ModelFault<'a>> {
-        for compound in self.compounds.compounds {
-            let Compound {
-                name, kind, parts, ..
-            } = *compound;
-            let mut known = parts.iter();
-            let are_known = known.all(|index| usize::from(*index) < self.actions.len());
-            let is_made = match kind {
-                CompoundKind::Any => !parts.is_empty() && parts.len() <= MAX_SIDES,
-                CompoundKind::All => parts.len() == COMPOSED,
-            };
-            if !are_known || !is_made {
-                return Err(ModelFault::CompoundParts(name));
-            }
-            if let Some(text) = self.first_unknown([compound.read].into_iter()) {
-                return Err(ModelFault::CompoundWord(text));
-            }
-        }
-        let mut before = "";
-        for said in self.compounds.said {
-            let is_there = usize::from(said.compound) < self.compounds.compounds.len();
-            let first = said.text.split(' ').next().unwrap_or_default();
-            let begins = self.compounds.first_words.contains(&first);
-            if said.text <= before || !is_there || !begins {
-                return Err(ModelFault::CompoundText(said.text));
-            }
-            before = said.text;
-        }
-        for words in [self.compounds.first_words, self.compounds.sides] {
-            let mut pairs = words.windows(2);
-            if let Some([_, word]) = pairs.find(|pair| !pair.is_sorted_by(|a, b| a < b)) {
-                return Err(ModelFault::CompoundText(word));
-            }
-        }
-        // Whether a free place is on the table is told by its height.
-        let mut kinds = self
-            .compounds
-            .compounds
-            .iter()
-            .map(|compound| compound.kind);
-        if kinds.any(|kind| kind == CompoundKind::Any) && self.on_table_below_m().is_none() {
-            return Err(ModelFault::TableHeight);
-        }
-        Ok(())
-    }
-
-    /// The first word of these texts that is none of the model's.
-    fn first_unknown(&self, mut texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-        let is_word = |text: &str| self.words.iter().any(|word| word.text == text);
-        texts.find_map(|text| text.split(' ').find(|text| !is_word(text)))
-    }
-
-    /// Whether the words of every sentence are read as they stand.
-    pub(crate) const fn has_no_rewriting(&self) -> bool {
-        self.arrangements.openings.is_empty()
-            && self.apart.phrases.is_empty()
-            && self.ordinals.is_empty()
-            && !self.table.is_place()
-            && self.compounds.said.is_empty()
     }
 
     fn is_known(&self, text: &str) -> bool {
@@ -550,16 +379,6 @@ impl WorkSpace {
             .zip(bounds)
             .all(|(value, (min, max))| min <= value && value <= max)
     }
-}
-
-/// The first of these texts that is empty or does not come behind the one before it.
-fn first_unsorted<'a>(texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let mut before = "";
-    texts.into_iter().find(|text| {
-        let is_behind = *text > before;
-        before = text;
-        !is_behind
-    })
 }
 
 #[cfg(test)]

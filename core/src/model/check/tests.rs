@@ -2,8 +2,8 @@ use super::*;
 use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Concept,
-    Count, CountedFrom, Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Plural, Pronoun,
-    Several, Spelling, Table, Word, WordEmbeddings,
+    Count, CountedFrom, Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Ordinals, Plural,
+    Pronoun, Ranked, Several, Spelling, Table, Word, WordEmbeddings,
 };
 
 #[test]
