@@ -302,6 +302,8 @@ pub(crate) fn model() -> Model<'static> {
         embeddings,
         pronouns: &[],
         several: Several::new(),
+        repairs: Repairs::new(),
+        sequence: Sequence::new(),
         apart: Apart::new(),
         ordinals: Ordinals::new(),
         arrangements: Arrangements::new(),
@@ -380,7 +382,7 @@ pub(crate) fn related() -> Model<'static> {
     model
 }
 
-/// [`related`] with a table: "desk", "off", "down from" and "down"; what stands there is sought to the right
+/// [`related`] with a table: "desk", "off", "down from", "from", "remove" and "down"; what stands there is sought to the right
 /// of other objects.
 pub(crate) fn with_table() -> Model<'static> {
     let model = related();
@@ -395,6 +397,10 @@ pub(crate) fn with_table() -> Model<'static> {
         action: 0,
         sides: &[1],
         off: &["down from", "near", "off"],
+        sources: &["from"],
+        unless: &["perhaps"],
+        removing: &["remove"],
+        taking: "put",
         standing: "above",
         order: "on the",
         down: &["down"],

@@ -18,12 +18,16 @@ mod check;
 mod compound;
 mod embeddings;
 mod ordinal;
+mod repair;
+mod sequence;
 mod table;
 
 pub use check::ModelFault;
 pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
+pub use repair::Repairs;
+pub use sequence::{Sequence, SequenceText};
 pub use table::{MAX_SIDES, Table};
 
 use crate::camera::Camera;
@@ -90,6 +94,10 @@ pub struct Model<'a> {
     pub pronouns: &'a [Pronoun],
     /// What may be said of several objects.
     pub several: Several<'a>,
+    /// How something is taken back.
+    pub repairs: Repairs<'a>,
+    /// In which order steps are carried out that are said in another one.
+    pub sequence: Sequence<'a>,
     /// What stands between values of one object.
     pub apart: Apart<'a>,
     /// How is counted from one side.

@@ -533,7 +533,7 @@ def test_the_built_in_model_takes_no_sentence_of_other_people_for_another(
     rows = [line.split(",") for line in out.read_text(encoding="utf-8").splitlines()]
     assert rows[0] == list(language.COLUMNS)
     counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
-    for name, number, least_right in (("sentences", 70, 60), ("probes", 400, 340)):
+    for name, number, least_right in (("sentences", 75, 65), ("probes", 400, 340)):
         count, right, _, wrong = counts[name]
         assert (count, wrong) == (number, 0) and right >= least_right
     assert counts["sentences; to refuse"] == [73, 0, 73, 0]

@@ -14,6 +14,7 @@ from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.on_table import OTHER_PLACES, TableSentences, table_programs
 from nsrm_harness.domain.everyday import with_everyday
 from nsrm_harness.domain.program import ALL, TABLE, Relation
+from nsrm_harness.domain.recogniser import means_rewritten
 from nsrm_harness.domain.rewriting import with_sides
 from nsrm_harness.evaluation.on_table import PutOnTable
 from nsrm_harness.geometry.pose import Pose
@@ -47,7 +48,13 @@ def test_sentences_say_all_that_can_be_done() -> None:
     ):
         assert sum(bool(fits(step)) for step in firsts) > 40
     text = f" {' | '.join(sentence for sentence, _ in told)} "
-    for each in (*DOMAIN.table.words, *DOMAIN.table.off, *DOMAIN.table.down):
+    for each in (
+        *DOMAIN.table.words,
+        *DOMAIN.table.off,
+        *DOMAIN.table.sources,
+        *DOMAIN.table.removing,
+        *DOMAIN.table.down,
+    ):
         assert f" {each} " in text, each
     assert "  " not in text and "{" not in text
 
@@ -55,8 +62,21 @@ def test_sentences_say_all_that_can_be_done() -> None:
 def test_near_misses_put_nothing_on_the_table() -> None:
     sentences = TableSentences(DOMAIN, np.random.default_rng(4))
     text = f" {' | '.join(sentences.near_miss() for _ in range(1000))} "
-    for each in (*OTHER_PLACES, "or", "do not", "upside down", "cut", "turn"):
+    for each in (*OTHER_PLACES, "or", "do not", "upside down", "cut", "turn", "remove", "removed"):
         assert f" {each} " in text, each
+
+
+def test_what_is_taken_from_another_object_is_no_nonsense() -> None:
+    for sentence, meant in (
+        ("move the red block from the blue one to the left of the white one", True),
+        ("take the red toy block from the blue one and put it on the white one", True),
+        ("move the red block from the blue one", False),
+        ("put the red block on the one farthest from the blue one", False),
+        ("put the farthest red block from the blue one behind the white one", False),
+        ("from the blue one move the red block on the white one", False),
+    ):
+        assert means_rewritten(DOMAIN, sentence) == meant, sentence
+    assert not means_rewritten(replace(DOMAIN, table=None), "move red from blue behind white")
 
 
 def test_a_domain_without_a_table_has_no_such_sentences() -> None:

@@ -34,8 +34,39 @@ const EXECUTED: [(&str, &[u32]); 8] = [
 ];
 
 /// Sentences with relations, compounds, extremes, ordinals, several objects, pronouns, values that stand apart, towers
-/// and rows, and their programs.
-const PARSED: [(&str, &str); 31] = [
+/// and rows, what is taken back, steps in another order, and their programs.
+const PARSED: [(&str, &str); 38] = [
+    (
+        "remove the red block from the blue one",
+        "Action(MoveOn, Unique(Filter(red, Relate(MoveOn, Unique(Filter(blue, Scene()))))), Table())",
+    ),
+    (
+        "move the red block from the blue one to the left of the white one",
+        "Action(MoveLeft, Unique(Filter(red, Relate(MoveOn, Unique(Filter(blue, Scene()))))), \
+         Unique(Filter(white, Scene())))",
+    ),
+    (
+        "put the red block, no, the green one, on the blue block",
+        "Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "put the red block on the blue one, sorry, on the white one",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(white, Scene())))",
+    ),
+    (
+        "put the red block instead of the green one on the blue block",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "before you put the red block on the blue one, put the green block on the white one",
+        "Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(white, Scene())))\n\
+         Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "put the red block on the blue one after putting the green block on the white one",
+        "Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(white, Scene())))\n\
+         Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
     (
         "put the small red block on the block left of the magenta block",
         "Action(MoveOn, Unique(Filter(small, Filter(red, Scene()))), \
@@ -198,7 +229,13 @@ const NOT_ARRANGED: [&str; 9] = [
 ];
 
 /// All of known words.
-const REFUSED: [&str; 35] = [
+const REFUSED: [&str; 39] = [
+    // In which order?
+    "put the red block on the blue one, then put the green one on the white one after you put the cyan one on it",
+    "after you put the red block on the blue one, put it on the green one",
+    "once you have put the red block on the blue one",
+    // Where to?
+    "take the red block from the blue one",
     // Two relations at once.
     "put the red block above and to the left of the magenta block",
     "put the red block to the top left of the magenta block",
@@ -278,6 +315,19 @@ fn what_is_meant_is_planned_and_what_is_meant_otherwise_refused() {
             "put the red block at the bottom",
             "\"bottom\" is only understood around a list of objects, as in \"build a pile from … \
              from bottom to top\"; list",
+        ),
+        (
+            "don't put the red block on the blue one, but not on the green one",
+            "\"don't\" is not a word that the model knows; use another one",
+        ),
+        (
+            "do not put the red block on the blue one",
+            "\"not\" is only understood between two descriptions, as in \"the … not the …\", with the \
+             same words before both; say only what you mean",
+        ),
+        (
+            "After you put the red block on the blue one, stop",
+            "\"After you\" leaves open in which order the steps are carried out",
         ),
     ] {
         let refusal = planner.parse(sentence).unwrap_err();

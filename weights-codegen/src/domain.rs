@@ -16,7 +16,7 @@ pub(crate) use compounds::Compound;
 use compounds::Compounds;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
-use rewriting::{Apart, Table};
+use rewriting::{Apart, Repairs, Sequence, Table};
 pub(crate) use rewriting::{ArrangedStep, Arrangements};
 
 /// Keys of a relation of everyday wording that name rules.
@@ -58,6 +58,12 @@ pub struct Domain {
     /// What may be said of several objects.
     #[serde(default)]
     pub several: Several,
+    /// How something is taken back.
+    #[serde(default)]
+    pub repairs: Repairs,
+    /// In which order steps are carried out that are said in another one.
+    #[serde(default)]
+    pub sequence: Sequence,
     /// What stands between values of one object.
     #[serde(default)]
     pub apart: Apart,
@@ -319,6 +325,8 @@ impl Domain {
             None => {
                 self.check_pronouns()?;
                 self.check_several()?;
+                self.check_repairs()?;
+                self.check_sequence()?;
                 self.check_ordinals()?;
                 self.check_arrangements()?;
                 self.check_table()?;

@@ -127,6 +127,18 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// What is read where steps are put in order is no word of the domain.
+    #[error("domain: sequence: {word:?} is not a word of the domain; add it to the grammar")]
+    Sequence {
+        /// The word.
+        word: String,
+    },
+    /// What is said behind a step only may also stand before one.
+    #[error("domain: sequence: {text:?} is in earlier and in afterthoughts; remove it from one")]
+    Afterthought {
+        /// The words.
+        text: String,
+    },
     /// What is counted from is no extreme of the domain.
     #[error("domain: ordinals: {name:?} has no words in extremes; name one that has")]
     CountedFrom {

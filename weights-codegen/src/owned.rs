@@ -4,8 +4,8 @@ mod rewriting;
 
 use nsrm_core::model::{
     Action, Apart, Attribute, Concept, Embeddings, Header, Heard, Language, LexiconEntry, MERGED,
-    Model, Plural, Pronoun, Several, Simulator, Spelling, VIEW_EMBEDDING, View, ViewEncoder,
-    Vision, Word,
+    Model, Plural, Pronoun, Repairs, Several, Simulator, Spelling, VIEW_EMBEDDING, View,
+    ViewEncoder, Vision, Word,
 };
 use nsrm_core::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, Precision};
 use safetensors::SafeTensors;
@@ -19,7 +19,7 @@ use crate::hash;
 use crate::metadata::{self, Metadata};
 use crate::rounded::Rounded;
 use crate::tensors::Tensors;
-use rewriting::{ArrangementParts, CompoundParts, OrdinalParts, TableParts};
+use rewriting::{ArrangementParts, CompoundParts, OrdinalParts, SequenceParts, TableParts};
 
 /// A model read from a safetensors file, checked and folded.
 ///
@@ -54,6 +54,8 @@ struct Parts<'a> {
     pronouns: Vec<Pronoun>,
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
+    repairs: [Vec<&'a str>; 2],
+    sequence: SequenceParts<'a>,
     apart: [Vec<&'a str>; 2],
     ordinals: OrdinalParts<'a>,
     arrangements: ArrangementParts<'a>,
@@ -161,6 +163,12 @@ impl OwnedModel {
                     .with_between(&parts.between)
                     .with_plurals(&parts.plurals),
             )
+            .with_repairs(
+                Repairs::new()
+                    .with_corrections(&parts.repairs[0])
+                    .with_exclusions(&parts.repairs[1]),
+            )
+            .with_sequence(parts.sequence.lent())
             .with_apart(
                 Apart::new()
                     .with_between(&parts.apart[0])
@@ -251,6 +259,9 @@ impl<'a> Parts<'a> {
                     Ok(Plural::new().with_text(text).with_word(word))
                 })
                 .collect::<Result<_, ModelError>>()?,
+            repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]
+                .map(|texts| texts.iter().map(String::as_str).collect()),
+            sequence: SequenceParts::new(domain),
             apart: [&domain.apart.between, &domain.apart.phrases]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             ordinals: OrdinalParts::new(domain, &owner.ranked)?,

@@ -4,8 +4,8 @@ use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Compound, CompoundText, Concept,
     Count, CountedFrom, Embeddings, Header, Heard, Int8WordEmbeddings, LexiconEntry, Model,
-    Opening, PixelToCamera, Plural, Pronoun, Ranked, SPLITTER_HIDDEN, Simulator, Superlative,
-    Thresholds, ViewEncoder, Word, WordEmbeddings, WorkSpace,
+    Opening, PixelToCamera, Plural, Pronoun, Ranked, SPLITTER_HIDDEN, SequenceText, Simulator,
+    Superlative, Thresholds, ViewEncoder, Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense};
 
@@ -40,6 +40,7 @@ describe! {
     Ranked<'_> { name, extreme, rank }
     Count<'_> { text, rank }
     CountedFrom<'_> { text, extreme, is_first }
+    SequenceText<'_> { text, read_as, is_afterthought }
     Arrangement<'_> { order, relation, is_reversed }
     Opening<'_> { text, pattern }
     Closing<'_> { text, pattern, arrangement }
@@ -74,6 +75,28 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                     [
                         ("between", Node::Reference("BETWEEN")),
                         ("plurals", Node::Reference("PLURALS")),
+                    ],
+                ),
+            ),
+            (
+                "repairs",
+                Node::record(
+                    "Repairs",
+                    [
+                        ("corrections", Node::Reference("REPAIRS_CORRECTIONS")),
+                        ("exclusions", Node::Reference("REPAIRS_EXCLUSIONS")),
+                    ],
+                ),
+            ),
+            (
+                "sequence",
+                Node::record(
+                    "Sequence",
+                    [
+                        ("later", Node::Reference("SEQUENCE_LATER")),
+                        ("earlier", Node::Reference("SEQUENCE_EARLIER")),
+                        ("first_words", Node::Reference("SEQUENCE_FIRST_WORDS")),
+                        ("next", model.sequence.next.describe()),
                     ],
                 ),
             ),
@@ -124,6 +147,10 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
                         ("action", model.table.action.describe()),
                         ("sides", Node::Reference("TABLE_SIDES")),
                         ("off", Node::Reference("TABLE_OFF")),
+                        ("sources", Node::Reference("TABLE_SOURCES")),
+                        ("unless", Node::Reference("TABLE_UNLESS")),
+                        ("removing", Node::Reference("TABLE_REMOVING")),
+                        ("taking", model.table.taking.describe()),
                         ("standing", model.table.standing.describe()),
                         ("order", model.table.order.describe()),
                         ("down", Node::Reference("TABLE_DOWN")),
@@ -219,6 +246,36 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             model.several.plurals,
         ),
         table(
+            "REPAIRS_CORRECTIONS",
+            "repairs.corrections",
+            "&str",
+            model.repairs.corrections,
+        ),
+        table(
+            "REPAIRS_EXCLUSIONS",
+            "repairs.exclusions",
+            "&str",
+            model.repairs.exclusions,
+        ),
+        table(
+            "SEQUENCE_LATER",
+            "sequence.later",
+            "SequenceText<'static>",
+            model.sequence.later,
+        ),
+        table(
+            "SEQUENCE_EARLIER",
+            "sequence.earlier",
+            "SequenceText<'static>",
+            model.sequence.earlier,
+        ),
+        table(
+            "SEQUENCE_FIRST_WORDS",
+            "sequence.first_words",
+            "&str",
+            model.sequence.first_words,
+        ),
+        table(
             "APART_BETWEEN",
             "apart.between",
             "&str",
@@ -304,6 +361,19 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         ),
         table("TABLE_SIDES", "table.sides", "u8", model.table.sides),
         table("TABLE_OFF", "table.off", "&str", model.table.off),
+        table(
+            "TABLE_SOURCES",
+            "table.sources",
+            "&str",
+            model.table.sources,
+        ),
+        table("TABLE_UNLESS", "table.unless", "&str", model.table.unless),
+        table(
+            "TABLE_REMOVING",
+            "table.removing",
+            "&str",
+            model.table.removing,
+        ),
         table("TABLE_DOWN", "table.down", "&str", model.table.down),
         table(
             "HEARD",

@@ -5,7 +5,7 @@ mod common;
 
 use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, RELATIONS, WORDS};
 use nsrm_core::dsl::Extreme;
-use nsrm_core::model::{CompoundKind, View};
+use nsrm_core::model::{CompoundKind, SequenceText, View};
 use nsrm_core::nn::{Cell, Dense, Precision};
 
 /// Rounding of a sum in `f64` to `f32`, values below 10.
@@ -59,6 +59,33 @@ fn names_stand_with_their_parameters() {
             .map(|plural| (plural.text, plural.word))
             .eq([("jars", 2)])
     );
+    assert_eq!(model.repairs.corrections, ["no", "oh no"]);
+    assert_eq!(model.repairs.exclusions, ["not"]);
+    let texts = |texts: &[SequenceText<'_>]| -> Vec<(String, String, bool)> {
+        let texts = texts.iter();
+        let texts = texts.map(|text| (text.text.into(), text.read_as.into(), text.is_afterthought));
+        texts.collect()
+    };
+    assert_eq!(
+        texts(model.sequence.later),
+        [
+            ("before shifting".into(), "shift".into(), false),
+            ("before you".into(), "".into(), false)
+        ]
+    );
+    assert_eq!(
+        texts(model.sequence.earlier),
+        [
+            ("after you".into(), "".into(), false),
+            ("although first".into(), "".into(), true),
+            ("but first".into(), "".into(), true)
+        ]
+    );
+    assert_eq!(
+        model.sequence.first_words,
+        ["after", "although", "before", "but"]
+    );
+    assert_eq!(model.sequence.next, ", then");
     assert_eq!(model.apart.between, ["and"]);
     assert_eq!(model.apart.phrases, ["whose finish is", "then"]);
     let counted = model.ordinals;
@@ -99,6 +126,9 @@ fn names_stand_with_their_parameters() {
     let table = model.table;
     assert_eq!((table.action, table.sides), (0, &[1][..]));
     assert_eq!(table.off, ["down from", "off"]);
+    assert_eq!(table.sources, ["from", "out of"]);
+    assert_eq!(table.unless, ["away", "far"]);
+    assert_eq!((table.removing, table.taking), (&["remove"][..], "shift"));
     assert_eq!(table.down, ["down"]);
     assert_eq!(
         [table.standing, table.order, table.relation],

@@ -1,13 +1,14 @@
 use core::fmt;
 
 use crate::dsl::{Argument, Description, Property};
-use crate::language::{Span, nearest_word, said_around};
+use crate::language::{Span, nearest_word, said_around, said_between, says_order};
 use crate::model::Model;
 use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refusal};
 
 impl Refusal {
     /// The known word that may have been meant by an unknown one; see
-    /// [`nearest_word`]. None may for a word that only towers and rows have.
+    /// [`nearest_word`]. None may for a word that only towers and rows have, and for one by which something is
+    /// taken back or ruled out: "not" doesn't mean "now".
     ///
     /// * `model`, `sentence`: those that were refused
     ///
@@ -23,8 +24,9 @@ impl Refusal {
         match self {
             Self::UnknownWord { span } => {
                 let word = span.of(sentence)?;
-                let of_arrangement = said_around(model, word).is_some();
-                nearest_word(model, word).filter(|_| !of_arrangement)
+                let has_meaning =
+                    said_around(model, word).is_some() || said_between(model, word).is_some();
+                nearest_word(model, word).filter(|_| !has_meaning)
             }
             _ => None,
         }
@@ -175,6 +177,16 @@ impl Message<'_> {
                          \"{before} …{space}{behind}\"; list each object by itself, and nothing else"
                     );
                 }
+                let between = self.context.and_then(|(model, sentence)| {
+                    said_between(model, span.of(sentence).unwrap_or_default())
+                });
+                if let Some(between) = between {
+                    return write!(
+                        f,
+                        "{quoted} is only understood between two descriptions, as in \"the … {between} the …\", \
+                         with the same words before both; say only what you mean"
+                    );
+                }
                 write!(f, "{quoted} is not a word that the model knows; ")?;
                 let suggestion = self
                     .context
@@ -279,13 +291,26 @@ impl Message<'_> {
                 span,
                 probability,
                 threshold,
-            } => write!(
-                f,
-                "step {} is not clear at {}: probability {probability:.2}, needed {threshold:.2}; \
+            } => {
+                let says_order = self.context.is_some_and(|(model, sentence)| {
+                    says_order(model, span.of(sentence).unwrap_or_default())
+                });
+                if says_order {
+                    return write!(
+                        f,
+                        "{} leaves open in which order the steps are carried out; say them in that \
+                         order",
+                        self.quoted(*span)
+                    );
+                }
+                write!(
+                    f,
+                    "step {} is not clear at {}: probability {probability:.2}, needed {threshold:.2}; \
                  say it in other words",
-                number(*step),
-                self.quoted(*span)
-            ),
+                    number(*step),
+                    self.quoted(*span)
+                )
+            }
             Refusal::Unsure {
                 step,
                 decision,

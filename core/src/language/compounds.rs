@@ -38,7 +38,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         if !self.is_one_of(self.model.compounds.first_words, first) {
             return None;
         }
-        let (length, text) = self.longest(rest, self.model.compounds.said, |said| said.text)?;
+        let (length, text) = self.longest(rest, self.model.compounds.said)?;
         let index = usize::from(text.compound);
         let said = at..at.checked_add(length)?;
         let compound = self.model.compounds.compounds.get(index)?;

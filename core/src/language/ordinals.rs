@@ -125,7 +125,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let ordinals = self.model.ordinals;
         let rest = tokens.get(at..)?;
         rest.first().filter(|token| !token.is_group())?;
-        let (length, from) = self.longest(rest, ordinals.from, |from| from.text)?;
+        let (length, from) = self.longest(rest, ordinals.from)?;
         let end = at.checked_add(length)?;
         let behind = tokens.get(end);
         let goes_on = behind.is_some_and(|token| self.is_one_of(ordinals.unless, token));

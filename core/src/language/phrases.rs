@@ -1,9 +1,11 @@
 //! The texts that a model lists, found among the tokens of a sentence.
 
+use core::ops::Range;
+
 use super::tokens::{Tokens, push};
 use super::words::{find, letters, word};
 use super::{Span, Token, TokenKind};
-use crate::model::Model;
+use crate::model::{CompoundText, CountedFrom, Model, SequenceText};
 use crate::refusal::Refusal;
 
 /// Compares the tokens of a sentence with texts: words in lower case with one space in between.
@@ -38,32 +40,43 @@ impl<'a> PhraseMatcher<'_, 'a> {
     }
 
     /// The longest of these texts, which are sorted, with which the tokens begin, and how many it has.
-    pub(super) fn longest<'t, T>(
+    pub(super) fn longest<'t, T>(&self, tokens: &[Token], texts: &'t [T]) -> Option<(usize, &'t T)>
+    where
+        TextList<'t>: From<&'t [T]>,
+    {
+        let (length, index) = self.longest_of(tokens, texts.len(), texts.into())?;
+        Some((length, texts.get(index)?))
+    }
+
+    /// The same by index, once for all kinds of texts: each would take 2 KB of flash.
+    #[inline(never)]
+    fn longest_of(
         &self,
         tokens: &[Token],
-        texts: &'t [T],
-        text: fn(&T) -> &str,
-    ) -> Option<(usize, &'t T)> {
+        count: usize,
+        list: TextList<'_>,
+    ) -> Option<(usize, usize)> {
+        let text = |index| list.get(index).unwrap_or_default();
         let first = tokens.first()?;
-        let from = texts.partition_point(|each| self.is_behind(first, text(each)));
-        let mut texts = texts.get(from..)?;
-        if !self.is(first, part(text(texts.first()?), 0)) {
+        let mut texts = 0..count;
+        texts.start = partition_point(&texts, |each| self.is_behind(first, text(each)));
+        if texts.is_empty() || !self.is(first, part(text(texts.start), 0)) {
             return None;
         }
         let mut longest = None;
         // Those that begin with the tokens so far are together.
         for (index, token) in tokens.iter().enumerate() {
-            let from = texts.partition_point(|each| self.is_behind(token, part(text(each), index)));
-            texts = texts.get(from..)?;
-            let end = texts.partition_point(|each| self.is(token, part(text(each), index)));
-            texts = texts.get(..end)?;
+            texts.start = partition_point(&texts, |each| {
+                self.is_behind(token, part(text(each), index))
+            });
+            texts.end = partition_point(&texts, |each| self.is(token, part(text(each), index)));
             let length = index.saturating_add(1);
             // That which ends here stands first.
-            let Some(first) = texts.first() else {
+            if texts.is_empty() {
                 return longest;
-            };
-            if parts(text(first)).nth(length).is_none() {
-                longest = Some((length, first));
+            }
+            if parts(text(texts.start)).nth(length).is_none() {
+                longest = Some((length, texts.start));
             }
         }
         longest
@@ -79,6 +92,36 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let length = parts(text).count();
         let from = tokens.len().checked_sub(length)?;
         self.begins_with(tokens.get(from..)?, text)
+    }
+
+    /// The clause that these tokens are in: from behind the words before them that end a list, a verb for instance,
+    /// to before the next ones.
+    pub(super) fn clause(&self, tokens: &[Token], said: &Range<usize>) -> Option<Range<usize>> {
+        let before = tokens
+            .get(..said.start)?
+            .iter()
+            .rposition(|token| self.ends(token));
+        let mut behind = tokens.get(said.end..)?.iter();
+        let length = behind.position(|token| self.ends(token));
+        Some(Range {
+            start: before.map_or(0, |end| end.saturating_add(1)),
+            end: length.map_or(tokens.len(), |length| said.end.saturating_add(length)),
+        })
+    }
+
+    /// Whether a list or a clause ends before a token, a verb for instance.
+    pub(super) fn ends(&self, token: &Token) -> bool {
+        self.is_one_of(self.model.arrangements.ends, token)
+    }
+
+    pub(super) fn is_comma(&self, token: &Token) -> bool {
+        self.is(token, ",")
+    }
+
+    /// The index behind a comma at this token, or that of the token.
+    pub(super) fn behind_comma(&self, tokens: &[Token], at: usize) -> usize {
+        let is_comma = tokens.get(at).is_some_and(|token| self.is_comma(token));
+        at.saturating_add(usize::from(is_comma))
     }
 
     /// Whether a token is this word.
@@ -123,6 +166,64 @@ impl<'a> PhraseMatcher<'_, 'a> {
     pub(super) fn text(&self, token: &Token) -> &str {
         token.span.of(self.sentence).unwrap_or_default()
     }
+}
+
+/// Sorted texts that a model lists, by themselves or with what they mean.
+#[derive(Clone, Copy)]
+pub(super) enum TextList<'t> {
+    Plain(&'t [&'t str]),
+    Counted(&'t [CountedFrom<'t>]),
+    Compound(&'t [CompoundText<'t>]),
+    Sequence(&'t [SequenceText<'t>]),
+}
+
+impl<'t> TextList<'t> {
+    fn get(self, index: usize) -> Option<&'t str> {
+        match self {
+            Self::Plain(texts) => texts.get(index).copied(),
+            Self::Counted(texts) => texts.get(index).map(|counted| counted.text),
+            Self::Compound(texts) => texts.get(index).map(|said| said.text),
+            Self::Sequence(texts) => texts.get(index).map(|said| said.text),
+        }
+    }
+}
+
+impl<'t> From<&'t [&'t str]> for TextList<'t> {
+    fn from(texts: &'t [&'t str]) -> Self {
+        Self::Plain(texts)
+    }
+}
+
+impl<'t> From<&'t [CountedFrom<'t>]> for TextList<'t> {
+    fn from(texts: &'t [CountedFrom<'t>]) -> Self {
+        Self::Counted(texts)
+    }
+}
+
+impl<'t> From<&'t [CompoundText<'t>]> for TextList<'t> {
+    fn from(texts: &'t [CompoundText<'t>]) -> Self {
+        Self::Compound(texts)
+    }
+}
+
+impl<'t> From<&'t [SequenceText<'t>]> for TextList<'t> {
+    fn from(texts: &'t [SequenceText<'t>]) -> Self {
+        Self::Sequence(texts)
+    }
+}
+
+/// The first of these indices for which this does not hold; it holds for none behind that.
+fn partition_point(indices: &Range<usize>, holds: impl Fn(usize) -> bool) -> usize {
+    let Range { mut start, mut end } = *indices;
+    while start < end {
+        let middle = start.midpoint(end);
+        if holds(middle) {
+            start = middle.saturating_add(1);
+        } else {
+            end = middle;
+        }
+    }
+    start
 }
 
 /// A word of a text with one space in between; empty behind the last.

@@ -3,6 +3,7 @@ mod split;
 
 use super::relations::Roles;
 use super::segments::Segments;
+use super::tokens::unclear;
 use super::{Acceptability, Encoder, Parsed, Reader, Span, Splitter, TokenKind};
 use crate::capacity::{MAX_GROUPS, MAX_STEP_TOKENS};
 use crate::dsl::Argument;
@@ -237,11 +238,12 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         }
     }
 
-    /// Whether an unknown word may be known in another reading: those of a tower or of what is counted, for
-    /// instance, which only some readings replace.
+    /// Whether an unknown word may be known in another reading, or was in one before: those of a tower or of what
+    /// is counted, for instance, which only some readings replace.
     fn may_be_known(&self, refusal: Refusal) -> bool {
         let is_last = self.reading.saturating_add(1) >= self.readings;
-        matches!(refusal, Refusal::UnknownWord { .. }) && (self.accepted.is_some() || !is_last)
+        let is_known = self.accepted.is_some() || self.refused.is_some();
+        matches!(refusal, Refusal::UnknownWord { .. }) && (is_known || !is_last)
     }
 
     /// Refuses the first pronoun of this reading, which makes sense in another way, too.
@@ -257,12 +259,8 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
 
     /// Refuses the first step, for the sentence makes sense in two ways.
     fn two_readings(&self) -> Refusal {
-        Refusal::UnclearWords {
-            step: 0,
-            span: self.segments.span(0, self.reader.tokens()),
-            probability: 0.5,
-            threshold: self.model.header.thresholds.decision,
-        }
+        let span = self.segments.span(0, self.reader.tokens());
+        unclear(self.model, span)
     }
 
     fn begin_reading(&mut self) -> Stage {

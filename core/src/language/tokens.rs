@@ -99,7 +99,9 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
 /// where it is followed so.
 ///
-/// Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
+/// A description that is taken back or ruled out ([`crate::model::Repairs`]), "the red block" in "the red block, no, the
+/// green one", is left out. Two steps that are said in another order ([`crate::model::Sequence`]), "before you put …, put …",
+/// are put in order. Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
 /// to that of "the small red block"; what is counted from one side ([`crate::model::Ordinals`]), "the second red
 /// block from the left", becomes a part of its group; the table ([`crate::model::Table`]) is named where it is meant, "take the
 /// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, and
@@ -175,7 +177,7 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
-            rewriting: Rewriting::Apart { from: 0 },
+            rewriting: Rewriting::Repairs { from: 0 },
             chosen: [None; Twofold::COUNT],
         }
     }
@@ -407,6 +409,16 @@ fn add_value(
         span,
         limit: MAX_FILTERS as u8,
     })
+}
+
+/// Refuses words that may mean several things.
+pub(super) fn unclear(model: &Model<'_>, span: Span) -> Refusal {
+    Refusal::UnclearWords {
+        step: 0,
+        span,
+        probability: 0.5,
+        threshold: model.header.thresholds.decision,
+    }
 }
 
 /// Appends a token, as far as there is room.

@@ -6,9 +6,10 @@ use super::{
     Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, ENCODER_HIDDEN,
     Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language,
     LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals,
-    PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
-    SPLITTER_WORD, Several, Simulator, Spelling, Superlative, Table, Thresholds, VIEW_EMBEDDING,
-    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked, Repairs, SIMULATOR_HIDDEN,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simulator, Spelling,
+    Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -55,6 +56,8 @@ builder! {
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         several, with_several: Several<'a> = Several::UNSET;
+        repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
+        sequence, with_sequence: Sequence<'a> = Sequence::UNSET;
         apart, with_apart: Apart<'a> = Apart::UNSET;
         ordinals, with_ordinals: Ordinals<'a> = Ordinals::UNSET;
         arrangements, with_arrangements: Arrangements<'a> = Arrangements::UNSET;
@@ -138,10 +141,29 @@ builder! {
         pattern, with_pattern: u8 = NOWHERE;
         arrangement, with_arrangement: u8 = NOWHERE;
     }
+    ['a] Repairs<'a> {
+        corrections, with_corrections: &'a [&'a str] = &[];
+        exclusions, with_exclusions: &'a [&'a str] = &[];
+    }
+    ['a] Sequence<'a> {
+        later, with_later: &'a [SequenceText<'a>] = &[];
+        earlier, with_earlier: &'a [SequenceText<'a>] = &[];
+        first_words, with_first_words: &'a [&'a str] = &[];
+        next, with_next: &'a str = "";
+    }
+    ['a] SequenceText<'a> {
+        text, with_text: &'a str = "";
+        read_as, with_read_as: &'a str = "";
+        is_afterthought, with_is_afterthought: bool = false;
+    }
     ['a] Table<'a> {
         action, with_action: u8 = NOWHERE;
         sides, with_sides: &'a [u8] = &[];
         off, with_off: &'a [&'a str] = &[];
+        sources, with_sources: &'a [&'a str] = &[];
+        unless, with_unless: &'a [&'a str] = &[];
+        removing, with_removing: &'a [&'a str] = &[];
+        taking, with_taking: &'a str = "";
         standing, with_standing: &'a str = "";
         order, with_order: &'a str = "";
         down, with_down: &'a [&'a str] = &[];

@@ -72,6 +72,18 @@ pub enum ModelFault<'a> {
     /// A word that is read of the table is none of the model's; the word.
     #[error("word \"{0}\", which is read of the table, isn't there")]
     TableWord(&'a str),
+    /// What stands before or behind something that is taken back is empty, or not sorted and unique; the text.
+    #[error("\"{0}\", by which something is taken back, is empty, out of order or repeated")]
+    RepairText(&'a str),
+    /// What says the order of two steps, or one of the first words of this, is empty, or not sorted and unique, or the
+    /// first word isn't listed; the text.
+    #[error(
+        "\"{0}\", which says the order of two steps, is empty, out of order, repeated, or its first word is not listed"
+    )]
+    SequenceText(&'a str),
+    /// A word that is read where two steps are put in order is none of the model's; the word.
+    #[error("word \"{0}\", which is read where two steps are put in order, isn't there")]
+    SequenceWord(&'a str),
     /// What is counted from an extreme is the extreme itself, of one that isn't there, or there twice; its name.
     #[error(
         "\"{0}\" is counted from an extreme that isn't there, is this itself, is there twice or one too many"
@@ -260,6 +272,8 @@ impl<'a> Model<'a> {
         }
         self.check_pronouns()?;
         self.check_several()?;
+        self.check_repairs()?;
+        self.check_sequence()?;
         self.check_ordinals()?;
         self.check_arrangements()?;
         self.check_table()?;

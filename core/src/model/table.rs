@@ -19,7 +19,16 @@ pub struct Table<'a> {
     pub sides: &'a [u8],
     /// What stands between an object and the one that it is taken off, "off" or "down from"; sorted.
     pub off: &'a [&'a str],
-    /// What is read instead: "that is on".
+    /// What may stand there, too, and also says other things, "from": it is read so where something is removed,
+    /// or where another place follows; sorted.
+    pub sources: &'a [&'a str],
+    /// Words before these in a clause with which they say other things: "farthest"; sorted.
+    pub unless: &'a [&'a str],
+    /// Words for taking an object off another one, which say that it is put on the table: "remove"; sorted.
+    pub removing: &'a [&'a str],
+    /// What is read in their place: "take".
+    pub taking: &'a str,
+    /// What is read instead of what stands between an object and the one that it is taken off: "that is on".
     pub standing: &'a str,
     /// What is then read before the table, if nothing else says where to: "and put it on the".
     pub order: &'a str,

@@ -80,7 +80,7 @@ class CompoundSentences:
                 [*do, *one, *other, said],
                 [*do, *one, said, *other, ", on", self._choose(SIDES)],
                 [*do, *one, said, *other, "please first", *do, *further, "on", *one],
-                [*do, *one, said, *other, ", but first", *do, *further, "on", *one],
+                [*do, *one, said, *other, ", unless", *further, "is on", *one],
                 [*do, *one, "on", *further, "and", said, *other],
             ]
         )

@@ -61,7 +61,7 @@ class TableSentences:
         put = Step(on, moved, (), reference_which=TABLE)
         taken = Step(on, moved, (), on_reference, reference_which=TABLE)
         before = self._speaker.words("{before}")
-        kind = int(self._rng.integers(7))
+        kind = int(self._rng.integers(9))
         if kind == 0:
             return self._speaker.step(put, 0), (put,)
         if kind == 1:
@@ -78,12 +78,20 @@ class TableSentences:
         if kind == 4:
             off = self._choose([text for text in self._table.off if " " not in text][:1])
             return [*before, *self._speaker.words(f"{{taking}} {{moved}} {off}", put)], (put,)
-        words = [*before, *self._off(moved, reference)]
         if kind == 5:
-            return words, (taken,)
+            return [*before, *self._off(moved, reference)], (taken,)
         step = Step(self._step().action, moved, third, on_reference)
-        goes_on = self._speaker.words("and {do} it {relation}", step)
-        return [*words, *goes_on], (step,)
+        if kind == 6:
+            goes_on = self._speaker.words("and {do} it {relation}", step)
+            off = self._off(moved, reference, sources=self._table.sources)
+            return [*before, *off, *goes_on], (step,)
+        if kind == 7 and self._table.removing:
+            return [*before, *self._removed(moved, reference)], (taken,)
+        # "Get the red block from the blue one to the left of …" is no command of the wording.
+        source = self._choose(self._table.sources or self._table.off).split()
+        moved_from = [*self._described(moved), *source, *self._described(reference)]
+        where = self._speaker.words("{relation}", step)
+        return [*before, *self._speaker.words("{do}"), *moved_from, *where], (step,)
 
     def near_miss(self) -> str:
         """A sentence of the same words that must be refused."""
@@ -111,15 +119,33 @@ class TableSentences:
                 ["bring", *one, "down to", *other],
                 ["turn", *one, "off"],
                 ["get", "off", *one],
+                ["remove", *one],
+                ["take", *one, "from", *other],
+                ["remove", *one, "from", *other, "on", *further],
+                ["remove", *one, "or", *other, "from", *further],
+                ["do not remove", *one, "from", *other],
+                ["was", *one, "removed from", *other],
+                [*do, *one, "from", *other, "to", *further],
+                [*do, *one, "far from", *other],
+                [*do, *one, "not from", *other, "on", *further],
             ]
         )
         return " ".join(" ".join([*self._speaker.words("{before}"), *words]).split())
 
-    def _off(self, moved: Values, reference: Values) -> list[str]:
-        """What is taken off another block."""
+    def _off(self, moved: Values, reference: Values, sources: tuple[str, ...] = ()) -> list[str]:
+        """What is taken off another block.
+
+        * `sources`: what may also stand between the two
+        """
         taking = self._choose(["take", "take", "take", "get", "lift", "pick up", "grab"])
-        off = self._choose(self._table.off).split()
+        off = self._choose((*self._table.off, *sources * 4)).split()
         return [taking, *self._described(moved), *off, *self._described(reference)]
+
+    def _removed(self, moved: Values, reference: Values) -> list[str]:
+        """What is removed from another block."""
+        between = self._choose((*self._table.off[:2], *self._table.sources * 4)).split()
+        removing = self._choose(self._table.removing)
+        return [removing, *self._described(moved), *between, *self._described(reference)]
 
     def _described(self, values: Values) -> list[str]:
         return self._speaker.words("{moved}", Step(self._table.action, values, ()))

@@ -56,6 +56,8 @@ STREAMS = {
     "on_table": 90,
     "compounds": 91,
     "ordinals": 92,
+    "repairs": 93,
+    "sequences": 94,
 }
 
 

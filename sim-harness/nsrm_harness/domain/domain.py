@@ -25,7 +25,7 @@ from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
 from nsrm_harness.domain.compounds import Compound, Compounds
 from nsrm_harness.domain.ordinals import Ordinals
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE
-from nsrm_harness.domain.rewriting import Apart, Arrangements, Table
+from nsrm_harness.domain.rewriting import Apart, Arrangements, Repairs, SequenceWords, Table
 from nsrm_harness.domain.wording import (
     Alternatives,
     Commands,
@@ -269,6 +269,9 @@ class Domain:
     #: read behind it: "one's" for "its", or an empty text.
     pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
+    repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]
+    #: In which order steps are carried out that are said in another one.
+    sequence: Annotated[SequenceWords | None, Field(default=None), BeforeValidator(_not_null)]
     apart: Annotated[Apart | None, Field(default=None), BeforeValidator(_not_null)]
     ordinals: Annotated[Ordinals | None, Field(default=None), BeforeValidator(_not_null)]
     arrangements: Annotated[Arrangements | None, Field(default=None), BeforeValidator(_not_null)]

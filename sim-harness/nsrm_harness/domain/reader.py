@@ -112,8 +112,8 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _apart, _ordinals, _arrangements, _table,
-        _compounds, _spelling,
+        _words, _held_out, _pronouns, _several, _repairs, _sequence, _apart, _ordinals,
+        _arrangements, _table, _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
@@ -313,6 +313,29 @@ def _several(domain: Domain) -> Faults:
             yield f"several.plurals.{word}", f"{singular!r} is not a word of the grammar"
 
 
+def _repairs(domain: Domain) -> Faults:
+    """Words stand before and behind what is taken back."""
+    said = domain.repairs
+    if said is not None and not all((*said.corrections, *said.exclusions)):
+        yield "repairs", "expected words: remove the empty string"
+
+
+def _sequence(domain: Domain) -> Faults:
+    """The order of steps is said in words, and read as those of the grammar."""
+    said = domain.sequence
+    if said is None:
+        return
+    if not all(said.said()):
+        yield "sequence", "expected words: remove the empty string"
+    if both := {*said.earlier} & {*said.afterthoughts}:
+        yield "sequence", f"{min(both)!r} is in earlier and in afterthoughts"
+    known = domain.other_words()
+    for text in (said.next, *filter(None, (*said.later.values(), *said.earlier.values()))):
+        for word in text.split(" "):
+            if word not in known:
+                yield "sequence", f"{word!r} is not a word of the grammar"
+
+
 def _apart(domain: Domain) -> Faults:
     """Words stand between values that are said apart."""
     if domain.apart is not None and not all((*domain.apart.between, *domain.apart.phrases)):
@@ -379,7 +402,7 @@ def _table(domain: Domain) -> Faults:
         for word in text.split(" "):
             if word not in known:
                 yield "table", f"{word!r} is not a word of the grammar"
-    if not all((*table.off, *table.down)):
+    if not all((*table.off, *table.sources, *table.unless, *table.removing, *table.down)):
         yield "table", "expected words that mean it: remove the empty string"
 
 

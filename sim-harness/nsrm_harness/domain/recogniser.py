@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
 from nsrm_harness.domain.everyday import everyday_of, filled_in, own_texts, state_texts
@@ -115,6 +116,41 @@ def means_compound(domain: Domain, sentence: str) -> bool:
         for text in compound.said
         if f" {text} " in spaced
     )
+
+
+def means_rewritten(domain: Domain, sentence: str) -> bool:
+    """Whether a sentence of known words may mean what the core reads in other words: a compound,
+    what is taken from another object, or steps in another order."""
+    meant = (means_compound, _means_source, _means_sequence)
+    return any(means(domain, sentence) for means in meant)
+
+
+def _means_sequence(domain: Domain, sentence: str) -> bool:
+    """Whether a sentence has words that say in which order steps are carried out."""
+    spaced = f" {' '.join(split(sentence))} "
+    return domain.sequence is not None and any(
+        f" {text} " in spaced for text in domain.sequence.said()
+    )
+
+
+def _means_source(domain: Domain, sentence: str) -> bool:
+    """Whether something is taken from another object, and more is said of it: a description or its
+    noun stands before "from", and two descriptions or a pronoun behind it."""
+    if domain.table is None:
+        return False
+    words, described = split(sentence), {*domain.group_words(), *domain.pronouns, GROUP_TOKEN}
+    for source in domain.table.sources:
+        length = len(source.split())
+        for at in range(1, len(words)):
+            before = {*words[max(at - 3, 0) : at]}
+            if {*domain.table.unless} & {*words[:at]}:
+                break
+            if words[at : at + length] == source.split() and described & before:
+                behind = [word in described for word in words[at + length :]]
+                groups = sum(now and not last for last, now in pairwise([False, *behind]))
+                if groups > 1:
+                    return True
+    return False
 
 
 def recognised_rules(domain: Domain) -> dict[str, Sequence[str]]:

@@ -1,5 +1,7 @@
-"""What the core rewrites before it reads a sentence: values that stand apart, which it joins, the
-table where it is meant and not named, and towers and rows, which it reads as their steps.
+"""What the core rewrites before it reads a sentence: what is taken back, which it leaves out,
+steps in another order than that in which they are carried out, values that stand apart, which it
+joins, the table where it is meant and not named, and towers and rows, which it reads as their
+steps.
 
 The parser is not taught them.
 """
@@ -16,6 +18,39 @@ from nsrm_harness.common.toml_file import NO_OTHER_KEYS
 from nsrm_harness.domain.wording import ConceptWords, Identifier, Phrase
 
 _RULE = re.compile(r"\{([a-z_]+)\}")
+
+
+@dataclass(frozen=True)
+class Repairs:
+    """Words by which a speaker takes a description back, or rules one out."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Between a description and the one that is meant: "no".
+    corrections: tuple[Phrase, ...]
+    #: Between the description that is meant and another one: "instead of".
+    exclusions: tuple[Phrase, ...]
+
+
+@dataclass(frozen=True)
+class SequenceWords:
+    """Words that say in which order two steps are carried out."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Before the step that is carried out second, "before you", each with what is read in their
+    #: place, or an empty text;
+    later: Mapping[Phrase, Phrase]
+    #: and before the one that is carried out first, "after you".
+    earlier: Mapping[Phrase, Phrase]
+    #: Before that one if it is said behind the other one only: "but first".
+    afterthoughts: tuple[Phrase, ...]
+    #: What is read between the two: ", then".
+    next: Phrase
+
+    def said(self) -> tuple[str, ...]:
+        """All words that say the order."""
+        return (*self.later, *self.earlier, *self.afterthoughts)
 
 
 @dataclass(frozen=True)
@@ -104,10 +139,20 @@ class Table:
     down: tuple[Phrase, ...]
     #: and what is read before the table behind it.
     relation: Phrase
+    #: What may stand in the place of `off`, too, and also says other things: it is read so where
+    #: something is removed, or where another place follows.
+    sources: tuple[Phrase, ...] = ()
+    #: Words before these in a clause with which they say other things: "farthest".
+    unless: tuple[Phrase, ...] = ()
+    #: Words for taking an object off another one that say that it is put on the table,
+    removing: tuple[Phrase, ...] = ()
+    #: and what is read in their place.
+    taking: Phrase = ""
 
     def read_as(self) -> tuple[str, ...]:
         """The texts that are read in place of what is said."""
-        return self.standing, self.order, self.relation
+        taking = [self.taking] if self.removing else []
+        return self.standing, self.order, self.relation, *taking
 
 
 def with_sides(table: Mapping[str, Any], actions: Collection[str]) -> dict[str, Any] | None:
@@ -116,6 +161,41 @@ def with_sides(table: Mapping[str, Any], actions: Collection[str]) -> dict[str, 
     sides = [name for name in table.get("sides", ()) if name in actions]
     is_place = sides and table.get("action") in actions
     return {**table, "sides": sides} if is_place else None
+
+
+def repairs_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
+    """The repairs of a wording file with all their texts; nothing if there are none."""
+    rules = table.get("rules", {})
+    texts = {
+        key: sorted(
+            {
+                each
+                for text in table.get(key, ())
+                for each in every_text(text, rules, (source, "repairs"))
+            }
+        )
+        for key in ("corrections", "exclusions")
+    }
+    return texts if any(texts.values()) else None
+
+
+def sequence_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
+    """The order of steps of a wording file with all its texts; nothing if none can be said."""
+    if not table:
+        return None
+    rules = table.get("rules", {})
+
+    def every(text: str) -> list[str]:
+        return every_text(text, rules, (source, "sequence"))
+
+    read = {
+        key: {each: read_as for text, read_as in table.get(key, {}).items() for each in every(text)}
+        for key in ("later", "earlier")
+    }
+    afterthoughts = sorted(
+        {each for text in table.get("afterthoughts", ()) for each in every(text)}
+    )
+    return {**read, "afterthoughts": afterthoughts, "next": table.get("next", "")}
 
 
 def expanded(

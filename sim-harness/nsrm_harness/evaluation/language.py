@@ -11,6 +11,9 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same programs with several objects that are moved in one of their steps, "all red blocks", and
   with several references, which nobody can put anything on;
 * the episodes' programs with values that stand apart, and with two of one type (`data.apart`);
+* what is taken back or ruled out, and such of which nobody can tell what is meant (`data.repairs`);
+* two steps in another order than that in which they are carried out, and such that have none
+  (`data.sequences`);
 * what is counted from one side, and such that counts nothing (`data.ordinals`);
 * what is put on the table or stands on it, and such that nobody can do (`data.on_table`);
 * compounds of actions, "next to", and such that mean nothing (`data.compounds`);
@@ -43,7 +46,9 @@ from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.on_table import TableSentences
 from nsrm_harness.data.ordinals import OrdinalSentences
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
+from nsrm_harness.data.repairs import RepairSentences
 from nsrm_harness.data.seeds import generator
+from nsrm_harness.data.sequences import SequenceSentences
 from nsrm_harness.data.several import with_several
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
@@ -89,6 +94,10 @@ TABLE_COUNT = 2000
 """How many sentences about the table, and how many that mean nothing."""
 COMPOUND_COUNT = 2000
 """How many sentences with compounds of actions, and how many that mean nothing."""
+REPAIR_COUNT = 2000
+"""How many sentences in which something is taken back, and how many of which nobody can tell."""
+SEQUENCE_COUNT = 2000
+"""How many sentences of two steps in another order, and how many without any."""
 ORDINAL_COUNT = 2000
 """How many sentences that count, and how many that count nothing."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
@@ -145,6 +154,10 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_several(domain, programs, seed)
     if domain.apart is not None:
         sets |= say_apart(domain, programs, seed)
+    if domain.repairs is not None:
+        sets |= say_repairs(domain, seed)
+    if domain.sequence is not None:
+        sets |= say_sequences(domain, seed)
     if domain.ordinals is not None:
         sets |= say_ordinals(domain, seed)
     if domain.arrangements is not None:
@@ -193,6 +206,26 @@ def say_apart(domain: Domain, programs: Sequence[Program], seed: int) -> dict[st
     return {
         "values apart": [(said, program) for said, program in told if said is not None],
         "values apart of one type": [(said, None) for said in refused if said is not None],
+    }
+
+
+def say_repairs(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`REPAIR_COUNT` sentences in which something is taken back or ruled out, and as many of which
+    nobody can tell what is meant, by the name of their set."""
+    sentences = RepairSentences(domain, generator(seed, "repairs", 0))
+    return {
+        "repairs": [sentences.draw() for _ in range(REPAIR_COUNT)],
+        "no repairs": [(sentences.near_miss(), None) for _ in range(REPAIR_COUNT)],
+    }
+
+
+def say_sequences(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`SEQUENCE_COUNT` sentences of two steps in another order than that in which they are carried
+    out, and as many whose steps have no such order, by the name of their set."""
+    sentences = SequenceSentences(domain, generator(seed, "sequences", 0))
+    return {
+        "order of time": [sentences.draw() for _ in range(SEQUENCE_COUNT)],
+        "no order of time": [(sentences.near_miss(), None) for _ in range(SEQUENCE_COUNT)],
     }
 
 

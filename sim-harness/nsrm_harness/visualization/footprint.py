@@ -32,6 +32,8 @@ PARTS = {
         "lexicon",
         "pronouns",
         "several",
+        "repairs",
+        "sequence",
         "apart",
         "ordinals",
         "arrangements",

@@ -1,5 +1,5 @@
-//! What is read in place of other words: values that stand apart, the table where it is not named, and
-//! towers and rows.
+//! What is read in place of other words: what is taken back, steps in another order, values that stand apart,
+//! the table where it is not named, and towers and rows.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,6 +8,28 @@ use serde::Deserialize;
 
 use super::{Domain, MAX_NAMES, at_most, not_empty, readable};
 use crate::error::ModelError;
+
+/// Words by which something is taken back; without them, nothing is.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Repairs {
+    /// Between a description and the one that is meant.
+    pub corrections: BTreeSet<String>,
+    /// Between the description that is meant and another one.
+    pub exclusions: BTreeSet<String>,
+}
+
+/// Words that say in which order two steps are carried out; without them, it is that in which they are said.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Sequence {
+    /// Before the step that is carried out second, each with what is read in their place.
+    pub later: BTreeMap<String, String>,
+    /// Before the one that is carried out first.
+    pub earlier: BTreeMap<String, String>,
+    /// Those before the one that is carried out first if it is said behind the other one only.
+    pub afterthoughts: BTreeSet<String>,
+    /// What is read between the two.
+    pub next: String,
+}
 
 /// What may stand between values of one object that are said apart; without it, nothing may.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -88,7 +110,19 @@ pub struct Table {
     pub sides: Vec<String>,
     /// What stands between an object and the one that it is taken off.
     pub off: Vec<String>,
-    /// What is read instead.
+    /// What stands there, too, and also says other things.
+    #[serde(default)]
+    pub sources: Vec<String>,
+    /// Words before these with which they say other things.
+    #[serde(default)]
+    pub unless: Vec<String>,
+    /// Words that say that something is taken off another one, and put on the table.
+    #[serde(default)]
+    pub removing: Vec<String>,
+    /// What is read in their place.
+    #[serde(default)]
+    pub taking: String,
+    /// What is read instead of what stands between the two objects.
     pub standing: String,
     /// What is then read before the table.
     pub order: String,
@@ -99,6 +133,64 @@ pub struct Table {
 }
 
 impl Domain {
+    /// Checks that what is taken back is said in words that can be read.
+    pub(super) fn check_repairs(&self) -> Result<(), ModelError> {
+        let Repairs {
+            corrections,
+            exclusions,
+        } = &self.repairs;
+        let said = corrections.iter().chain(exclusions);
+        let mut words = said.flat_map(|text| text.split(' '));
+        match words.find(|word| !readable(word)) {
+            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+            None => Ok(()),
+        }
+    }
+
+    /// The first word of each text that says the order of steps.
+    pub(crate) fn first_words_of_sequence(&self) -> BTreeSet<&str> {
+        let Sequence {
+            later,
+            earlier,
+            afterthoughts,
+            ..
+        } = &self.sequence;
+        let texts = later.keys().chain(earlier.keys()).chain(afterthoughts);
+        texts.filter_map(|text| text.split(' ').next()).collect()
+    }
+
+    /// Checks that the order of steps is said in words that can be read, and read as those of the domain.
+    pub(super) fn check_sequence(&self) -> Result<(), ModelError> {
+        let Sequence {
+            later,
+            earlier,
+            afterthoughts,
+            next,
+        } = &self.sequence;
+        if let Some(text) = afterthoughts
+            .iter()
+            .find(|text| earlier.contains_key(*text))
+        {
+            return Err(ModelError::Afterthought { text: text.clone() });
+        }
+        let said = later.keys().chain(earlier.keys()).chain(afterthoughts);
+        let mut said = said.flat_map(|text| text.split(' ')).peekable();
+        if said.peek().is_none() {
+            return Ok(());
+        }
+        if let Some(word) = said.find(|word| !readable(word)) {
+            return Err(ModelError::UnreadableWord { word: word.into() });
+        }
+        let words = self.words();
+        let read_as = later.values().chain(earlier.values());
+        let read_as = read_as.filter(|text| !text.is_empty()).chain([next]);
+        let mut read_as = read_as.flat_map(|text| text.split(' '));
+        match read_as.find(|word| !words.contains(*word)) {
+            Some(word) => Err(ModelError::Sequence { word: word.into() }),
+            None => Ok(()),
+        }
+    }
+
     /// Checks that towers and rows, and values that stand apart, are said in words that can be read, and
     /// read as those of the domain.
     pub(super) fn check_arrangements(&self) -> Result<(), ModelError> {
@@ -153,12 +245,22 @@ impl Domain {
             return Err(ModelError::TableHeight);
         }
         let words = self.words();
+        let taking = (!table.removing.is_empty()).then_some(&table.taking);
         let read_as = [&table.standing, &table.order, &table.relation];
-        let mut read_as = read_as.into_iter().flat_map(|text| text.split(' '));
+        let read_as = read_as.into_iter().chain(taking);
+        let mut read_as = read_as.flat_map(|text| text.split(' '));
         if let Some(word) = read_as.find(|word| !words.contains(*word)) {
             return Err(ModelError::Table { word: word.into() });
         }
-        let said = table.off.iter().chain(&table.down);
+        let Table {
+            off,
+            sources,
+            unless,
+            removing,
+            down,
+            ..
+        } = table;
+        let said = [off, sources, unless, removing, down].into_iter().flatten();
         let mut said = said.flat_map(|text| text.split(' '));
         match said.find(|word| !readable(word)) {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),

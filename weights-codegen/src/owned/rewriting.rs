@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use nsrm_core::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
-    Opening, Ordinals, Ranked, Table,
+    Opening, Ordinals, Ranked, Sequence, SequenceText, Table,
 };
 
 use super::index;
@@ -32,12 +32,24 @@ pub(super) struct ArrangementParts<'a> {
     closings: Vec<Closing<'a>>,
 }
 
+/// What core reads as slices of [`Sequence`].
+pub(super) struct SequenceParts<'a> {
+    later: Vec<SequenceText<'a>>,
+    earlier: Vec<SequenceText<'a>>,
+    first_words: Vec<&'a str>,
+    next: &'a str,
+}
+
 /// What core reads as slices of [`Table`].
 #[derive(Default)]
 pub(super) struct TableParts<'a> {
     action: u8,
     sides: Vec<u8>,
     off: Vec<&'a str>,
+    sources: Vec<&'a str>,
+    unless: Vec<&'a str>,
+    removing: Vec<&'a str>,
+    taking: &'a str,
     standing: &'a str,
     order: &'a str,
     down: Vec<&'a str>,
@@ -134,6 +146,42 @@ impl<'a> ArrangementParts<'a> {
     }
 }
 
+impl<'a> SequenceParts<'a> {
+    pub(super) fn new(domain: &'a Domain) -> Self {
+        let sequence = &domain.sequence;
+        let text = |(text, read_as): (&'a String, &'a String)| {
+            SequenceText::new().with_text(text).with_read_as(read_as)
+        };
+        let afterthoughts = sequence.afterthoughts.iter();
+        let afterthoughts = afterthoughts.map(|text| {
+            SequenceText::new()
+                .with_text(text)
+                .with_is_afterthought(true)
+        });
+        let mut earlier: Vec<_> = sequence
+            .earlier
+            .iter()
+            .map(text)
+            .chain(afterthoughts)
+            .collect();
+        earlier.sort_unstable_by_key(|text| text.text);
+        Self {
+            later: sequence.later.iter().map(text).collect(),
+            earlier,
+            first_words: domain.first_words_of_sequence().into_iter().collect(),
+            next: &sequence.next,
+        }
+    }
+
+    pub(super) fn lent(&self) -> Sequence<'_> {
+        Sequence::new()
+            .with_later(&self.later)
+            .with_earlier(&self.earlier)
+            .with_first_words(&self.first_words)
+            .with_next(self.next)
+    }
+}
+
 impl<'a> TableParts<'a> {
     pub(super) fn new(domain: &'a Domain) -> Result<Self, ModelError> {
         let Some(table) = &domain.table else {
@@ -148,6 +196,10 @@ impl<'a> TableParts<'a> {
             action: action(&table.action)?,
             sides: table.sides.iter().map(action).collect::<Result<_, _>>()?,
             off: sorted(&table.off),
+            sources: sorted(&table.sources),
+            unless: sorted(&table.unless),
+            removing: sorted(&table.removing),
+            taking: &table.taking,
             standing: &table.standing,
             order: &table.order,
             down: sorted(&table.down),
@@ -160,6 +212,10 @@ impl<'a> TableParts<'a> {
             .with_action(self.action)
             .with_sides(&self.sides)
             .with_off(&self.off)
+            .with_sources(&self.sources)
+            .with_unless(&self.unless)
+            .with_removing(&self.removing)
+            .with_taking(self.taking)
             .with_standing(self.standing)
             .with_order(self.order)
             .with_down(&self.down)

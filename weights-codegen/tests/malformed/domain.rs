@@ -215,7 +215,9 @@ fn arrangements_that_mean_nothing() {
             "arrangements.steps",
         ],
     );
-    let unreadable: [SpoilDomain; 6] = [
+    let unreadable: [SpoilDomain; 8] = [
+        |domain| domain["repairs"]["corrections"] = json!(["No"]),
+        |domain| domain["repairs"]["exclusions"] = json!([""]),
         |domain| domain["apart"]["between"] = json!([""]),
         |domain| domain["apart"]["phrases"] = json!(["That is"]),
         |domain| domain["arrangements"]["patterns"][0]["openings"] = json!(["a  pile"]),
@@ -444,4 +446,35 @@ fn a_vocabulary_out_of_order() {
     );
     let (first, second) = ("jar".into(), "beside".into());
     assert_eq!(error, ModelError::VocabularyOrder { first, second });
+}
+
+#[test]
+fn an_order_of_steps_that_cannot_be_said() {
+    let unknown: [SpoilDomain; 2] = [
+        |domain| domain["sequence"]["next"] = json!("thereupon"),
+        |domain| domain["sequence"]["later"] = json!({"before you": "thereupon"}),
+    ];
+    for spoil in unknown {
+        let error = refused_domain(
+            spoil,
+            &["sequence", "thereupon", "not a word of the domain"],
+        );
+        let word = "thereupon".into();
+        assert_eq!(error, ModelError::Sequence { word });
+    }
+    refused_domain(
+        |domain| domain["sequence"]["afterthoughts"] = json!(["after you"]),
+        &[
+            "sequence",
+            "\"after you\" is in earlier and in afterthoughts",
+        ],
+    );
+    let unreadable: [SpoilDomain; 3] = [
+        |domain| domain["sequence"]["earlier"] = json!({"After": ""}),
+        |domain| domain["sequence"]["later"] = json!({"": ""}),
+        |domain| domain["sequence"]["afterthoughts"] = json!([""]),
+    ];
+    for spoil in unreadable {
+        refused_domain(spoil, &["no sentence can contain"]);
+    }
 }

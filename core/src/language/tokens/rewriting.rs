@@ -1,7 +1,8 @@
 //! Rewrites the tokens of a sentence once all are read, one piece at a time.
 
-use super::{Reader, Tokens};
+use super::{Reader, Tokens, unclear};
 use crate::language::phrases::PhraseMatcher;
+use crate::language::sequence::StepEnd;
 use crate::model::Model;
 use crate::refusal::Refusal;
 
@@ -9,6 +10,12 @@ use crate::refusal::Refusal;
 /// looked at.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rewriting {
+    /// For what is taken back or ruled out.
+    Repairs {
+        from: usize,
+    },
+    /// For two steps in another order.
+    Sequence,
     /// For values that stand apart.
     Apart {
         from: usize,
@@ -53,14 +60,17 @@ impl Twofold {
 }
 
 impl Reader {
-    /// Joins values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
-    /// arrangements and compounds, then joins values that stand beside each other: a piece of it. False if all tokens have been looked at, and none is unknown.
+    /// Does a piece of rewriting: leaves out what is taken back, puts steps in order, joins values that stand apart,
+    /// adds to descriptions what is counted, names the table where it is meant, replaces arrangements and compounds,
+    /// then joins values that stand beside each other. False if all tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
             return Ok(false);
         }
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
+            Rewriting::Repairs { from } => self.repair(said, from)?,
+            Rewriting::Sequence => self.put_in_order(said)?,
             Rewriting::Apart { from } => self.join(said, from, false)?,
             Rewriting::Ordinals { from } => self.rewriting = self.count(said, from)?,
             Rewriting::Table { from } => self.name_table(said, from)?,
@@ -72,6 +82,51 @@ impl Reader {
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
         }
         Ok(true)
+    }
+
+    /// Leaves out the next description that is taken back or ruled out, if there is one.
+    #[inline(never)]
+    fn repair(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        // One of the words that say so is unknown.
+        let repair = match self.unknown() {
+            Some(_) => places.find_map(|at| said.repair(&self.tokens, at)),
+            None => None,
+        };
+        self.rewriting = match repair {
+            None => Rewriting::Sequence,
+            Some(repair) => {
+                self.tokens = repair.repaired(&self.tokens)?;
+                Rewriting::Repairs {
+                    from: repair.behind(),
+                }
+            }
+        };
+        Ok(())
+    }
+
+    /// Puts two steps in order that are said in another one; refuses others with words that say an order. Where the
+    /// first one may end at two places, the sentence has two readings.
+    #[inline(never)]
+    fn put_in_order(&mut self, said: PhraseMatcher<'_, '_>) -> Result<(), Refusal> {
+        self.rewriting = Rewriting::Apart { from: 0 };
+        let mut places = 0..self.tokens.len();
+        let Some(order) = places.find_map(|at| said.order(&self.tokens, at)) else {
+            return Ok(());
+        };
+        let at_comma = said.sequenced(&self.tokens, &order, StepEnd::Comma);
+        let at_verb = said.sequenced(&self.tokens, &order, StepEnd::Verb);
+        let sequenced = match (at_comma, at_verb) {
+            (Some(at_comma), Some(at_verb)) => self.choose(2).map(|chosen| match chosen {
+                0 => at_comma,
+                _ => at_verb,
+            }),
+            (at_comma, at_verb) => at_comma.or(at_verb),
+        };
+        let span = order.span(&self.tokens);
+        let sequenced = sequenced.ok_or(unclear(said.model, span))?;
+        self.tokens = said.in_order(&self.tokens, &sequenced, span)?;
+        Ok(())
     }
 
     /// Joins the next group to what it stands apart from, if there is one. All words in between have

@@ -2,7 +2,8 @@
 
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
-    COMPOSED, Compound, CompoundKind, CountedFrom, MAX_SIDES, Model, Ordinals, Ranked, Table,
+    COMPOSED, Compound, CompoundKind, CountedFrom, MAX_SIDES, Model, Ordinals, Ranked, Repairs,
+    Sequence, SequenceText, Table,
 };
 
 impl<'a> Model<'a> {
@@ -40,6 +41,10 @@ impl<'a> Model<'a> {
             action,
             sides,
             off,
+            sources,
+            unless,
+            removing,
+            taking,
             standing,
             order,
             down,
@@ -52,7 +57,7 @@ impl<'a> Model<'a> {
         if sides.len() > MAX_SIDES || !sides.iter().chain([&action]).all(is_action) {
             return Err(ModelFault::TableAction);
         }
-        for texts in [off, down] {
+        for texts in [off, sources, unless, removing, down] {
             if let Some(text) = first_unsorted(texts.iter().copied()) {
                 return Err(ModelFault::TableText(text));
             }
@@ -60,8 +65,52 @@ impl<'a> Model<'a> {
         if self.on_table_below_m().is_none() {
             return Err(ModelFault::TableHeight);
         }
-        match self.first_unknown([standing, order, relation].into_iter()) {
+        let taking = (!removing.is_empty()).then_some(taking);
+        let read_as = [standing, order, relation].into_iter().chain(taking);
+        match self.first_unknown(read_as) {
             Some(text) => Err(ModelFault::TableWord(text)),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_repairs(&self) -> Result<(), ModelFault<'a>> {
+        let Repairs {
+            corrections,
+            exclusions,
+        } = self.repairs;
+        let mut texts = [corrections, exclusions].into_iter();
+        match texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+            Some(text) => Err(ModelFault::RepairText(text)),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_sequence(&self) -> Result<(), ModelFault<'a>> {
+        let Sequence {
+            later,
+            earlier,
+            first_words,
+            next,
+        } = self.sequence;
+        let mut lists = [later, earlier].into_iter();
+        let unsorted =
+            |texts: &[SequenceText<'a>]| first_unsorted(texts.iter().map(|text| text.text));
+        if let Some(text) = lists.find_map(unsorted) {
+            return Err(ModelFault::SequenceText(text));
+        }
+        let begins = |text: &str| first_words.contains(&text.split(' ').next().unwrap_or_default());
+        let mut texts = later.iter().chain(earlier).map(|text| text.text);
+        let unsorted = first_unsorted(first_words.iter().copied());
+        if let Some(text) = unsorted.or_else(|| texts.find(|text| !begins(text))) {
+            return Err(ModelFault::SequenceText(text));
+        }
+        if self.sequence.is_empty() {
+            return Ok(());
+        }
+        let read_as = later.iter().chain(earlier).map(|text| text.read_as);
+        let read_as = read_as.filter(|text| !text.is_empty());
+        match self.first_unknown(read_as.chain([next])) {
+            Some(text) => Err(ModelFault::SequenceWord(text)),
             None => Ok(()),
         }
     }
@@ -168,6 +217,8 @@ impl<'a> Model<'a> {
     pub(crate) const fn has_no_rewriting(&self) -> bool {
         self.arrangements.openings.is_empty()
             && self.apart.phrases.is_empty()
+            && self.repairs.is_empty()
+            && self.sequence.is_empty()
             && self.ordinals.is_empty()
             && !self.table.is_place()
             && self.compounds.said.is_empty()

@@ -3,7 +3,8 @@ use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Concept,
     Count, CountedFrom, Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Ordinals, Plural,
-    Pronoun, Ranked, Several, Spelling, Table, Word, WordEmbeddings,
+    Pronoun, Ranked, Repairs, Sequence, SequenceText, Several, Spelling, Table, Word,
+    WordEmbeddings,
 };
 
 #[test]
@@ -288,7 +289,16 @@ fn each_fault_of_a_table_is_named() {
         model.with_table(table).check()
     };
     assert_eq!(check(|_| ()), Ok(()));
-    let faults: [(Change, ModelFault<'_>); 6] = [
+    let faults: [(Change, ModelFault<'_>); 9] = [
+        (
+            |table| table.sources = &["from", "from"],
+            ModelFault::TableText("from"),
+        ),
+        (|table| table.removing = &[""], ModelFault::TableText("")),
+        (
+            |table| table.taking = "withdraw",
+            ModelFault::TableWord("withdraw"),
+        ),
         (|table| table.action = 2, ModelFault::TableAction),
         (|table| table.sides = &[2], ModelFault::TableAction),
         (
@@ -441,4 +451,52 @@ fn each_fault_of_what_is_counted_is_named() {
     assert_eq!(check(&|all| all.articles = &["b", "a"]), text("a"));
     assert_eq!(check(&|all| all.nouns = &["a", "a"]), text("a"));
     assert_eq!(check(&|all| all.unless = &[""]), text(""));
+}
+
+#[test]
+fn each_fault_of_repairs_and_of_a_sequence_is_named() {
+    let model = fixture::related();
+    let repairs = |corrections, exclusions| {
+        let repairs = Repairs::new().with_corrections(corrections);
+        model
+            .with_repairs(repairs.with_exclusions(exclusions))
+            .check()
+    };
+    assert_eq!(repairs(&["no", "sorry"], &["not"]), Ok(()));
+    let text = |text| Err(ModelFault::RepairText(text));
+    assert_eq!(repairs(&["sorry", "no"], &[]), text("no"));
+    assert_eq!(repairs(&[], &[""]), text(""));
+    let sequence = |texts: [&'static str; 2], read_as, first_words, next| {
+        let texts = texts.map(|text| SequenceText::new().with_text(text).with_read_as(read_as));
+        let sequence = Sequence::new().with_later(&texts[..1]);
+        let sequence = sequence.with_earlier(&texts[1..]).with_next(next);
+        let model = model.with_sequence(sequence.with_first_words(first_words));
+        model
+            .check()
+            .map_err(|fault| std::string::ToString::to_string(&fault))
+    };
+    let first: &[&str] = &["after", "before"];
+    assert_eq!(
+        sequence(["before", "after putting"], "put", first, "then"),
+        Ok(())
+    );
+    for (texts, first_words, named) in [
+        (["", "after"], first, "\"\", which says the order"),
+        (["before", "hence"], first, "\"hence\", which"),
+        (
+            ["before", "after"],
+            &["before", "after"],
+            "\"after\", which",
+        ),
+    ] {
+        let fault = sequence(texts, "", first_words, "then").unwrap_err();
+        assert!(fault.starts_with(named), "{fault}");
+    }
+    for (read_as, next) in [("place", "then"), ("", "thereupon")] {
+        let fault = sequence(["before", "after"], read_as, first, next).unwrap_err();
+        assert!(
+            fault.contains("is read where two steps are put in order"),
+            "{fault}"
+        );
+    }
 }

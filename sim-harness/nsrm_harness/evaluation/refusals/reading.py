@@ -3,7 +3,7 @@
 Articles, nouns, openings and commas are ignored everywhere, and any run of concept words is a
 description. So it accepts more than the grammar generates, for example "on white now set the red";
 what it rejects has lost the word order of a command. In a domain with everyday wording, so are
-the commands of that, and what may mean a compound of actions.
+the commands of that, and what the core reads in other words.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.recogniser import Recogniser, means_compound
+from nsrm_harness.domain.recogniser import Recogniser, means_rewritten
 from nsrm_harness.domain.tokens import Tokenizer, UnknownWordError, split
 
 
@@ -53,8 +53,8 @@ class Reading:
         self._program = re.compile(f"(?:{commands})(?:{connective}(?:{commands}))*")
 
     def __call__(self, sentence: str) -> bool:
-        """Whether the sentence has the word order of a program, or may mean a compound."""
-        if means_compound(self._domain, sentence):
+        """Whether the sentence has the word order of a program, or is read in other words."""
+        if means_rewritten(self._domain, sentence):
             return True
         if self._program.fullmatch(self._bones(split(sentence))) is not None:
             return True
