@@ -8,7 +8,7 @@
 use heapless::Vec;
 
 use super::phrases::{PhraseMatcher, parts};
-use super::tokens::push;
+use super::tokens::{push, span_of};
 use super::words::{find, letters};
 use super::{Span, Token, TokenKind, Tokens};
 use crate::capacity::MAX_STEPS;
@@ -140,10 +140,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let words = tokens.get(..opened)?;
         Some(Found {
             arrangement,
-            opening: Span {
-                start: words.first()?.span.start,
-                end: words.last()?.span.end,
-            },
+            opening: span_of(words)?,
             items,
             count,
             length,

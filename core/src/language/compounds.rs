@@ -8,8 +8,8 @@
 use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
-use super::tokens::{Tokens, push};
-use super::{Span, Token, TokenKind};
+use super::tokens::{Tokens, push, span_of};
+use super::{Token, TokenKind};
 use crate::model::{Compound, CompoundKind};
 use crate::refusal::Refusal;
 
@@ -85,14 +85,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
             ..
         } = meant;
         let words = tokens.get(said.clone()).unwrap_or_default();
-        let (first, last) = words
-            .first()
-            .zip(words.last())
-            .ok_or(Refusal::InvalidModel)?;
-        let span = Span {
-            start: first.span.start,
-            end: last.span.end,
-        };
+        let span = span_of(words).ok_or(Refusal::InvalidModel)?;
         let mut read = Tokens::new();
         // As many fit.
         let _ = read.extend_from_slice(tokens.get(..said.start).unwrap_or_default());

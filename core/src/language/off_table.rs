@@ -8,8 +8,8 @@ use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
 use super::pronouns::pronoun;
-use super::tokens::{Tokens, push};
-use super::{Span, Token, TokenKind};
+use super::tokens::{Tokens, push, span_of};
+use super::{Token, TokenKind};
 use crate::dsl::{Filters, Property};
 use crate::refusal::Refusal;
 
@@ -157,11 +157,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         } = implied;
         let mut behind = 0;
         let words = tokens.get(said.clone()).unwrap_or_default();
-        let first = words.first().ok_or(Refusal::InvalidModel)?;
-        let span = Span {
-            start: first.span.start,
-            end: words.last().unwrap_or(first).span.end,
-        };
+        let span = span_of(words).ok_or(Refusal::InvalidModel)?;
         for index in 0..=tokens.len() {
             if let Some(instead) = instead.filter(|_| index == said.start) {
                 self.write_words(instead, span, read)?;

@@ -8,7 +8,7 @@
 use core::ops::Range;
 
 use super::phrases::{PhraseMatcher, parts};
-use super::tokens::{Tokens, push};
+use super::tokens::{Tokens, push, span_of};
 use super::words::letters;
 use super::{Span, Token};
 use crate::model::{Model, SequenceText};
@@ -26,12 +26,7 @@ pub(super) struct Order<'a> {
 impl Order<'_> {
     /// Their place in the sentence.
     pub(super) fn span(&self, tokens: &[Token]) -> Span {
-        let words = tokens.get(self.said.clone()).unwrap_or_default();
-        let (first, last) = (words.first(), words.last());
-        Span {
-            start: first.map_or(0, |token| token.span.start),
-            end: last.map_or(0, |token| token.span.end),
-        }
+        span_of(tokens.get(self.said.clone()).unwrap_or_default()).unwrap_or_default()
     }
 }
 

@@ -411,6 +411,14 @@ fn add_value(
     })
 }
 
+/// The place of these tokens in the sentence; `None` if there are none.
+pub(super) fn span_of(tokens: &[Token]) -> Option<Span> {
+    Some(Span {
+        start: tokens.first()?.span.start,
+        end: tokens.last()?.span.end,
+    })
+}
+
 /// Refuses words that may mean several things.
 pub(super) fn unclear(model: &Model<'_>, span: Span) -> Refusal {
     Refusal::UnclearWords {
