@@ -35,7 +35,12 @@ const EXECUTED: [(&str, &[u32]); 8] = [
 
 /// Sentences with relations, compounds, extremes, ordinals, several objects, pronouns, values that stand apart, towers
 /// and rows, what is taken back, steps in another order, and their programs.
-const PARSED: [(&str, &str); 38] = [
+const PARSED: [(&str, &str); 39] = [
+    (
+        "put the big red block on the large blue one",
+        "Action(MoveOn, Unique(Filter(lego, Filter(red, Scene()))), \
+         Unique(Filter(lego, Filter(blue, Scene()))))",
+    ),
     (
         "remove the red block from the blue one",
         "Action(MoveOn, Unique(Filter(red, Relate(MoveOn, Unique(Filter(blue, Scene()))))), Table())",

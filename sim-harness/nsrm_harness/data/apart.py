@@ -43,14 +43,16 @@ class ApartSentences:
         told: list[str] = []
         at = 0
         while at < len(words):
-            first, second, behind = (words[at : at + 3] + ["", ""])[:3]
+            first, second, behind, next_word = (words[at : at + 4] + ["", "", ""])[:4]
             if first not in self._lexicon or second not in self._lexicon:
                 told.append(first)
                 at += 1
                 continue
             if is_wrong:
                 second = self._other_value(first)
-            if behind in self._nouns and self._rng.random() < 0.7:
+            # Values of the next description would be read as of this one.
+            is_free = behind in self._nouns and next_word not in self._lexicon
+            if is_free and self._rng.random() < 0.7:
                 told += [first, behind, *self._choose(self._apart.phrases).split(), second]
                 at += 3
             else:
