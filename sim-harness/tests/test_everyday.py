@@ -341,7 +341,7 @@ def test_told_sentences_come_back_from_their_file(episodes: Path, tmp_path: Path
 
 @pytest.mark.slow
 def test_nothing_is_done_after_a_sentence_with_two_readings(episodes: Path) -> None:
-    told = tell(DOMAIN, episodes, count=12, near_misses=0, seed=1)
+    told = tell(DOMAIN, episodes, count=24, near_misses=0, seed=1)
     attachments, tokenizer = Attachments(DOMAIN), Tokenizer(DOMAIN)
 
     def ambiguous(sentences: list[str]) -> list[bool]:
@@ -536,9 +536,9 @@ def test_the_built_in_model_takes_no_sentence_of_other_people_for_another(
     for name, number, least_right in (("sentences", 75, 65), ("probes", 400, 340)):
         count, right, _, wrong = counts[name]
         assert (count, wrong) == (number, 0) and right >= least_right
-    assert counts["sentences; to refuse"] == [73, 0, 73, 0]
+    assert counts["sentences; to refuse"] == [68, 0, 68, 0]
     count, right, _, wrong = counts["sentences; to refuse; misspelt"]
-    assert count >= 720 and right == 0 and wrong <= 3
+    assert count >= 670 and right == 0 and wrong <= 3
     assert f"{out}: 4 rows" in capsys.readouterr().out
 
 

@@ -61,7 +61,7 @@ def test_sentences_say_all_that_can_be_done() -> None:
 
 def test_near_misses_put_nothing_on_the_table() -> None:
     sentences = TableSentences(DOMAIN, np.random.default_rng(4))
-    text = f" {' | '.join(sentences.near_miss() for _ in range(1000))} "
+    text = f" {' | '.join(sentences.near_miss() for _ in range(2000))} "
     for each in (*OTHER_PLACES, "or", "do not", "upside down", "cut", "turn", "remove", "removed"):
         assert f" {each} " in text, each
 
