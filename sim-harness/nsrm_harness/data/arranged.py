@@ -3,14 +3,12 @@ wording has them; and near misses, which mean none."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
-from typing import TypeVar
 
 import numpy as np
 
+from nsrm_harness.data.draws import Draws, Values
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import Program, Step
 from nsrm_harness.domain.rewriting import ArrangedStep, Arrangements, Pattern
 
@@ -23,21 +21,16 @@ FOLLOWED = 0.3
 #: Ways to join the objects of a list: between them, and before the last one.
 JOINTS = ((" , ", " and "), (" , ", " , and "), (" , ", " , "), (" and ", " and "))
 
-Values = tuple[str, ...]
-_T = TypeVar("_T")
 
-
-class ArrangedSentences:
+class ArrangedSentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         if domain.arrangements is None or domain.several is None:
             raise ValueError("the domain's wording has no towers and rows")
-        self._domain = domain
+        super().__init__(domain, rng)
         self._said: Arrangements = domain.arrangements
         self._nouns = [*domain.several.plurals]
-        self._speaker = Speaker(domain, rng)
-        self._rng = rng
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -125,14 +118,6 @@ class ArrangedSentences:
         action = self._choose([action.name for action in self._domain.actions])
         moved, reference = self._objects()[:2]
         return Step(action, moved, reference)
-
-    def _values(self) -> Values:
-        """One or two, of different types."""
-        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
-        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
-
-    def _choose(self, every: Sequence[_T]) -> _T:
-        return every[int(self._rng.integers(len(every)))]
 
 
 def program_of(steps: ArrangedStep, objects: tuple[Values, ...]) -> Program:

@@ -3,18 +3,17 @@ front and to the left of it"; and near misses, which mean nothing that can be do
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
+from nsrm_harness.data.draws import Draws, Values
 from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.moves import Arrangement, Move, target
 from nsrm_harness.data.programs import Descriptions, unique_descriptions
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.compounds import Compound
-from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import Program, Relation, Step
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import block_from_attributes
@@ -32,19 +31,15 @@ NOTHING = (
 #: Sides that contradict one another.
 SIDES = ("its left and its right", "its left or right", "top", "both sides", "its other side")
 
-Values = tuple[str, ...]
-_T = TypeVar("_T")
 
-
-class CompoundSentences:
+class CompoundSentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         if domain.compounds is None:
             raise ValueError("the domain's wording has no compounds")
-        self._domain, self._compounds = domain, domain.compounds.made
-        self._speaker = Speaker(domain, rng)
-        self._rng = rng
+        super().__init__(domain, rng)
+        self._compounds = domain.compounds.made
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -111,14 +106,6 @@ class CompoundSentences:
         attribute = self._domain.attributes[0]
         every = self._rng.permutation([value.name for value in attribute.values])
         return [(str(name),) for name in every[:3]]
-
-    def _values(self) -> Values:
-        """One or two, of different types."""
-        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
-        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
-
-    def _choose(self, every: Sequence[_T]) -> _T:
-        return every[int(self._rng.integers(len(every)))]
 
 
 @dataclass(frozen=True)

@@ -3,15 +3,14 @@ the blue one"; and near misses, which mean nothing that can be done."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TypeVar
+from collections.abc import Iterator
 
 import numpy as np
 
+from nsrm_harness.data.draws import Draws, Values
 from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.programs import Descriptions, unique_descriptions
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import ALL, TABLE, Program, Relation, Step
 from nsrm_harness.domain.rewriting import Table
 from nsrm_harness.simulation.blocks import block_from_attributes
@@ -27,20 +26,15 @@ OTHER_PLACES = (
     "across", "off",
 )  # fmt: skip
 
-Values = tuple[str, ...]
-_T = TypeVar("_T")
 
-
-class TableSentences:
+class TableSentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         if domain.table is None:
             raise ValueError("the domain's wording has no table")
-        self._domain = domain
+        super().__init__(domain, rng)
         self._table: Table = domain.table
-        self._speaker = Speaker(domain, rng)
-        self._rng = rng
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -149,18 +143,6 @@ class TableSentences:
 
     def _described(self, values: Values) -> list[str]:
         return self._speaker.words("{moved}", Step(self._table.action, values, ()))
-
-    def _step(self) -> Step:
-        action = self._choose([action.name for action in self._domain.actions])
-        return Step(action, self._values(), self._values())
-
-    def _values(self) -> Values:
-        """One or two, of different types."""
-        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
-        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
-
-    def _choose(self, every: Sequence[_T]) -> _T:
-        return every[int(self._rng.integers(len(every)))]
 
 
 def table_programs(domain: Domain, truth: Truth) -> Iterator[tuple[Step, int, bool]]:

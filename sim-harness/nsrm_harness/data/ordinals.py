@@ -3,16 +3,15 @@ which count nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TypeVar
+from collections.abc import Iterator
 
 import numpy as np
 
+from nsrm_harness.data.draws import Draws
 from nsrm_harness.data.extremes import FARTHER_M, SAME_M, ExtremeDescriptions
 from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.relations import Described, step_of
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import Program, Step
 
 #: Share of sentences with a further step, and of further descriptions that are counted.
@@ -31,20 +30,16 @@ NO_COUNTS = (
     "second or",
 )
 
-Values = tuple[str, ...]
-_T = TypeVar("_T")
 
-
-class OrdinalSentences:
+class OrdinalSentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         if domain.ordinals is None:
             raise ValueError("the domain's wording counts nothing")
-        self._domain, self._ordinals = domain, domain.ordinals
+        super().__init__(domain, rng)
+        self._ordinals = domain.ordinals
         self._ranked = list(domain.ranked())
-        self._speaker = Speaker(domain, rng)
-        self._rng = rng
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -106,9 +101,6 @@ class OrdinalSentences:
         attribute = self._domain.attributes[0]
         every = self._rng.permutation([value.name for value in attribute.values])
         return [self._choose(self._domain.concept(str(name)).words) for name in every[:3]]
-
-    def _choose(self, every: Sequence[_T]) -> _T:
-        return every[int(self._rng.integers(len(every)))]
 
 
 class CountedDescriptions:

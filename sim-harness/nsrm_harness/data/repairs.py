@@ -3,13 +3,10 @@ instead of the green one"; and near misses, of which nobody can tell what is mea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeVar
-
 import numpy as np
 
+from nsrm_harness.data.draws import Draws, Values
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import Program, Step
 from nsrm_harness.domain.rewriting import Repairs
 
@@ -17,20 +14,15 @@ from nsrm_harness.domain.rewriting import Repairs
 #: noun, and of commas before and behind what is said in between.
 FOLLOWED, BARE, WITHOUT_NOUN, COMMA = 0.3, 0.15, 0.2, 0.6
 
-Values = tuple[str, ...]
-_T = TypeVar("_T")
 
-
-class RepairSentences:
+class RepairSentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         if domain.repairs is None:
             raise ValueError("the domain's wording has no repairs")
-        self._domain = domain
+        super().__init__(domain, rng)
         self._repairs: Repairs = domain.repairs
-        self._speaker = Speaker(domain, rng)
-        self._rng = rng
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -131,15 +123,3 @@ class RepairSentences:
 
     def _relation(self) -> list[str]:
         return self._choose(self._choose(self._domain.actions).phrases).split()
-
-    def _step(self) -> Step:
-        action = self._choose(self._domain.actions)
-        return Step(action.name, self._values(), self._values())
-
-    def _values(self) -> Values:
-        """One or two, of different types."""
-        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
-        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
-
-    def _choose(self, every: Sequence[_T]) -> _T:
-        return every[int(self._rng.integers(len(every)))]

@@ -4,12 +4,11 @@ block on the blue one, put …"; and near misses, whose steps have no such order
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeVar
 
 import numpy as np
 
+from nsrm_harness.data.draws import Draws
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.everyday import Speaker
 from nsrm_harness.domain.program import Program, Step
 from nsrm_harness.domain.rewriting import SequenceWords
 
@@ -21,19 +20,15 @@ OTHERWISE = (
     "whenever you", "before somebody", "after i", "because you", "not before you",
 )  # fmt: skip
 
-_T = TypeVar("_T")
 
-
-class SequenceSentences:
+class SequenceSentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
         if domain.sequence is None:
             raise ValueError("the domain's wording says no order of steps")
-        self._domain = domain
+        super().__init__(domain, rng)
         self._words: SequenceWords = domain.sequence
-        self._speaker = Speaker(domain, rng)
-        self._rng = rng
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -107,15 +102,3 @@ class SequenceSentences:
 
     def _sentence(self, words: Sequence[str]) -> str:
         return " ".join(" ".join([*self._speaker.words("{before}"), *words]).split())
-
-    def _step(self) -> Step:
-        action = self._choose(self._domain.actions)
-        return Step(action.name, self._values(), self._values())
-
-    def _values(self) -> tuple[str, ...]:
-        """One or two, of different types."""
-        types = self._rng.permutation(len(self._domain.attributes))[: int(self._rng.integers(1, 3))]
-        return tuple(self._choose(self._domain.attributes[each].values).name for each in types)
-
-    def _choose(self, every: Sequence[_T]) -> _T:
-        return every[int(self._rng.integers(len(every)))]
