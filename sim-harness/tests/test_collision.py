@@ -446,8 +446,10 @@ class Watched(CollisionChecker):
 
     looked: list[tuple[Joints, float]]
 
-    def free_m(self, joints: Joints, opening_m: float) -> float:
-        free_m = super().free_m(joints, opening_m)
+    def free_m(
+        self, joints: Joints, opening_m: float, known_m: NDArray[np.float64] | None = None
+    ) -> float:
+        free_m = super().free_m(joints, opening_m, known_m)
         self.looked.append((joints, free_m))
         return free_m
 

@@ -115,7 +115,12 @@ class CollisionChecker:
             if i < moving and frozenset((names[i], names[j])) not in self._ignored
         ]
         self._names, self._bodies = names, bodies
+        # Where the moving bodies are, which are moved there once a distance from them is asked for.
+        self._rotations = np.zeros((moving, 3, 3))
+        self._positions = np.zeros((moving, 3))
+        self._moving, self._unmoved = moving, set[int]()
         # Bounding spheres: those of the links move with their frames, the others stay.
+        self._offsets = np.array([body.centre for body in self._links.values()])
         radii = np.array([body.radius_m for body in bodies])
         self._centres = np.zeros((len(names), 3))
         self._centres[moving:] = [cuboid.pose.position for cuboid in still.values()]
@@ -168,9 +173,11 @@ class CollisionChecker:
         """
         sampled = steps(trajectory, MARGIN_M)
         index = 0
+        # A lower bound of each pair's distance, by how far apart it was and how far it has moved.
+        known_m = np.zeros(len(self._pairs))
         while index < len(sampled.joints):
             self._alive()
-            free_m = self.free_m(sampled.joints[index], opening_m)
+            free_m = self.free_m(sampled.joints[index], opening_m, known_m)
             if free_m <= 0.0:
                 touch = self.touches(sampled.joints[index], opening_m)
                 if touch is not None:
@@ -179,33 +186,49 @@ class CollisionChecker:
                 # very next step.
             # All steps up to which no point has moved farther than that are free too.
             free = np.searchsorted(sampled.moved_m, sampled.moved_m[index] + free_m)
-            index = max(index + 1, int(free))
+            last, index = index, max(index + 1, int(free))
+            if index < len(sampled.joints):
+                known_m -= self._movers * (sampled.moved_m[index] - sampled.moved_m[last])
         return None
 
-    def free_m(self, joints: Joints, opening_m: float) -> float:
+    def free_m(
+        self, joints: Joints, opening_m: float, known_m: NDArray[np.float64] | None = None
+    ) -> float:
         """A lower bound, metres, of how far any point of the arm can move before a pair is as close
-        as the margin; 0 or less if one already is, `FAR_M` at most."""
+        as the margin; 0 or less if one already is, `FAR_M` at most.
+
+        * `known_m`: lower bounds of the pairs' distances, as far as they are known; raised to what
+          is found here
+        """
+        if known_m is None:
+            known_m = np.zeros(len(self._pairs))
         self._place(joints, opening_m)
-        free_m = (self._at_least_m() - MARGIN_M) / self._movers
+        np.maximum(known_m, self._at_least_m(), out=known_m)
+        free_m = (known_m - MARGIN_M) / self._movers
         least_m = FAR_M
         for index in np.argsort(free_m):
             if free_m[index] >= least_m:
                 break
-            distance_m = self._distance_m(*self._pairs[index])
-            least_m = min(least_m, (distance_m - MARGIN_M) / int(self._movers[index]))
-        return least_m
+            known_m[index] = self._distance_m(*self._pairs[index])
+            least_m = min(least_m, (known_m[index] - MARGIN_M) / int(self._movers[index]))
+        return float(least_m)
 
     def _place(self, joints: Joints, opening_m: float) -> None:
         frames = self._kinematics.links(joints, opening_m)
-        for index, (name, body) in enumerate(self._links.items()):
+        for index, name in enumerate(self._links):
             rotation, position = frames[panda.HAND_FRAME if name == HELD else name]
             if name == HELD and self._held is not None:
                 position = rotation @ self._held.pose.position + position
                 rotation = rotation @ self._held.pose.rotation()
-            self._centres[index] = rotation @ body.centre + position
-            body.move_to(rotation, position)
+            self._rotations[index], self._positions[index] = rotation, position
+        offsets = np.einsum("nij,nj->ni", self._rotations, self._offsets)
+        self._centres[: self._moving] = self._positions + offsets
+        self._unmoved = set(range(self._moving))
 
     def _distance_m(self, i: int, j: int) -> float:
+        for index in self._unmoved.intersection((i, j)):
+            self._bodies[index].move_to(self._rotations[index], self._positions[index])
+            self._unmoved.remove(index)
         return self._bodies[i].distance_m(self._bodies[j])
 
 

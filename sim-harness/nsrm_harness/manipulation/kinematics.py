@@ -70,7 +70,11 @@ class Kinematics:
         self._model = pinocchio.buildReducedModel(whole, fingers, pinocchio.neutral(whole))
         self._data = self._model.createData()
         self._whole, self._whole_data = whole, whole.createData()
-        self._frames = {frame.name: index for index, frame in enumerate(whole.frames)}
+        self._links = {
+            frame.name: index
+            for index, frame in enumerate(whole.frames)
+            if frame.type == pinocchio.FrameType.BODY
+        }
         self._hand = self._model.getFrameId(panda.HAND_FRAME)
         self._remembered = lru_cache(REMEMBERED)(self._solve)
         self._reach = _Reach(self._model, self._hand)
@@ -94,7 +98,7 @@ class Kinematics:
         frames = self._whole_data.oMf
         return {
             name: (frames[index].rotation, frames[index].translation)
-            for name, index in self._frames.items()
+            for name, index in self._links.items()
         }
 
     def may_reach(self, hand: Pose) -> bool:
